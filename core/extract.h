@@ -1,0 +1,89 @@
+/* From a depth frame to a template: every step of core in the order the data flows.
+ *
+ *   frame -> face region -> clean -> pose of the mean face -> face patch (resampled in the face
+ *   frame, holes filled on the residual) -> mesh -> heat of 12 landmarks -> isotherms -> template
+ *
+ * One extractor is one workspace: created once, used for frame after frame by one thread, no
+ * allocation of its own after it is created. */
+#ifndef ISO_CORE_EXTRACT_H
+#define ISO_CORE_EXTRACT_H
+
+#include <stdint.h>
+
+#include "core/capture.h"
+#include "core/frame/frame.h"
+#include "core/landmark/head_model.h"
+#include "core/match/template.h"
+#include "core/surface/mesh.h"
+
+enum iso_heat_method {
+    ISO_HEAT_DIRECT = 0, /* factorisation and shift-invert Lanczos */
+    ISO_HEAT_SPECTRAL,   /* 100 eigenpairs, as in the dissertation */
+};
+
+enum iso_stage {
+    ISO_STAGE_REGION,
+    ISO_STAGE_CLEAN,
+    ISO_STAGE_POSE,
+    ISO_STAGE_PATCH,
+    ISO_STAGE_MESH,
+    ISO_STAGE_HEAT,
+    ISO_STAGE_ISOTHERM,
+    ISO_STAGES
+};
+
+/* "region", "clean", ...; NULL outside the range. */
+const char *iso_stage_name(enum iso_stage stage);
+
+struct iso_extract_options {
+    double t_mm2;                               /* 100 */
+    int n_radii;                                /* 1..ISO_TEMPLATE_RADII_MAX */
+    double radius_mm[ISO_TEMPLATE_RADII_MAX];   /* 18 */
+    int n_points;                               /* per isotherm: 32 */
+    double crop_radius_mm;                      /* about the nose tip: 100 */
+    double spacing_mm;                          /* of the face patch: 2 */
+    double smoothing_mm;                        /* sigma of the residual's filter */
+    double distance_min_mm, distance_max_mm;    /* of the nose tip from the sensor: 300, 1500 */
+    double yaw_max_rad, pitch_max_rad;          /* beyond: turn-left and so on */
+    enum iso_heat_method heat;
+    char sensor[ISO_TEMPLATE_SENSOR_MAX];       /* written into templates */
+    int64_t (*now_ns)(void *context);           /* monotonic clock for the stage times; NULL: 0 */
+    void *now_context;
+};
+
+struct iso_extract_options iso_extract_options_default(void);
+
+struct iso_extraction {
+    enum iso_capture outcome; /* only ISO_CAPTURE_OK has a template */
+    struct iso_rigid camera_from_face;
+    struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* camera frame; from outcome OK on */
+    double yaw_rad, pitch_rad, roll_rad; /* yaw > 0: turned to the subject's left; pitch > 0: up */
+    double distance_mm;                  /* nose tip from the sensor along the axis */
+    double residual_mm;                  /* robust fit of the mean face */
+    double coverage;                     /* measured share of the face patch, 0..1 */
+    struct iso_template tmpl;
+    int64_t stage_ns[ISO_STAGES];
+};
+
+struct iso_extractor;
+
+/* The model is referenced, not copied: it must outlive the extractor. -EINVAL for options out of
+ * range, -ENOMEM. */
+int iso_extractor_new(const struct iso_head_model *model, const struct iso_extract_options *options,
+                      struct iso_extractor **out) __attribute__((warn_unused_result));
+void iso_extractor_free(struct iso_extractor *extractor);
+
+/* Identifies everything that shapes a template: templates of different values are not compared. */
+uint32_t iso_extractor_algorithm(const struct iso_extractor *extractor);
+
+/* Returns 0 with *out written, whatever its outcome; -EINVAL for a frame that iso_frame_check
+ * refuses or whose planes exceed 1920 x 1200; -EDOM, -ENOMEM from the heat solver. */
+int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *frame,
+                      struct iso_extraction *out) __attribute__((warn_unused_result));
+
+/* What the last run with outcome OK worked on, for pictures; valid until the next run. */
+const struct iso_mesh *iso_extractor_mesh(const struct iso_extractor *extractor);
+/* Heat at the mesh's vertices from one landmark, 1/mm^2. */
+const double *iso_extractor_heat(const struct iso_extractor *extractor, enum iso_landmark landmark);
+
+#endif

@@ -1,0 +1,134 @@
+/* 3-vectors, 3x3 matrices and rigid transforms in double precision, inline and by value.
+ *
+ * A transform is named for its frames, destination first: `camera_from_face` takes a point of the
+ * face frame to the camera frame. Lengths are millimetres unless a name says otherwise. */
+#ifndef ISO_CORE_MATH_VEC_H
+#define ISO_CORE_MATH_VEC_H
+
+#include <math.h>
+
+struct iso_vec3 {
+    double x, y, z;
+};
+
+/* Row-major 3x3 matrix: m[row][column]. */
+struct iso_mat3 {
+    double m[3][3];
+};
+
+/* x -> rotation * x + translation; the rotation is proper orthogonal. */
+struct iso_rigid {
+    struct iso_mat3 rotation;
+    struct iso_vec3 translation_mm;
+};
+
+static inline struct iso_vec3 iso_vec3(double x, double y, double z)
+{
+    return (struct iso_vec3){x, y, z};
+}
+
+static inline struct iso_vec3 iso_add(struct iso_vec3 a, struct iso_vec3 b)
+{
+    return iso_vec3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+
+static inline struct iso_vec3 iso_sub(struct iso_vec3 a, struct iso_vec3 b)
+{
+    return iso_vec3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+static inline struct iso_vec3 iso_scale(double s, struct iso_vec3 a)
+{
+    return iso_vec3(s * a.x, s * a.y, s * a.z);
+}
+
+/* a + s b */
+static inline struct iso_vec3 iso_madd(struct iso_vec3 a, double s, struct iso_vec3 b)
+{
+    return iso_vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+
+static inline double iso_dot(struct iso_vec3 a, struct iso_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline struct iso_vec3 iso_cross(struct iso_vec3 a, struct iso_vec3 b)
+{
+    return iso_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+static inline double iso_norm(struct iso_vec3 a)
+{
+    return sqrt(iso_dot(a, a));
+}
+
+/* Unit vector along a; the zero vector stays zero. */
+static inline struct iso_vec3 iso_unit(struct iso_vec3 a)
+{
+    double n = iso_norm(a);
+    return n > 0.0 ? iso_scale(1.0 / n, a) : a;
+}
+
+static inline struct iso_mat3 iso_mat3_identity(void)
+{
+    return (struct iso_mat3){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+}
+
+static inline struct iso_vec3 iso_mat3_apply(const struct iso_mat3 *a, struct iso_vec3 v)
+{
+    return iso_vec3(a->m[0][0] * v.x + a->m[0][1] * v.y + a->m[0][2] * v.z,
+                    a->m[1][0] * v.x + a->m[1][1] * v.y + a->m[1][2] * v.z,
+                    a->m[2][0] * v.x + a->m[2][1] * v.y + a->m[2][2] * v.z);
+}
+
+static inline struct iso_mat3 iso_mat3_mul(const struct iso_mat3 *a, const struct iso_mat3 *b)
+{
+    struct iso_mat3 c;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            c.m[i][j] =
+                a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
+        }
+    }
+    return c;
+}
+
+static inline struct iso_mat3 iso_mat3_transpose(const struct iso_mat3 *a)
+{
+    struct iso_mat3 c;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            c.m[i][j] = a->m[j][i];
+        }
+    }
+    return c;
+}
+
+/* Rotation by |w| radians about the axis w (Rodrigues 1840). */
+struct iso_mat3 iso_mat3_rotation(struct iso_vec3 w_rad);
+
+static inline struct iso_rigid iso_rigid_identity(void)
+{
+    return (struct iso_rigid){iso_mat3_identity(), {0, 0, 0}};
+}
+
+static inline struct iso_vec3 iso_rigid_apply(const struct iso_rigid *a, struct iso_vec3 v)
+{
+    return iso_add(iso_mat3_apply(&a->rotation, v), a->translation_mm);
+}
+
+/* (a b)(x) = a(b(x)) */
+static inline struct iso_rigid iso_rigid_mul(const struct iso_rigid *a, const struct iso_rigid *b)
+{
+    return (struct iso_rigid){iso_mat3_mul(&a->rotation, &b->rotation),
+                              iso_rigid_apply(a, b->translation_mm)};
+}
+
+static inline struct iso_rigid iso_rigid_inverse(const struct iso_rigid *a)
+{
+    struct iso_mat3 rt = iso_mat3_transpose(&a->rotation);
+    return (struct iso_rigid){rt, iso_scale(-1.0, iso_mat3_apply(&rt, a->translation_mm))};
+}
+
+#endif
