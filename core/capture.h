@@ -1,5 +1,5 @@
-/* What became of a frame: a usable face, or the reason why not, which is also the hint to the person.
- * A numerical outcome, never an error code and never a verdict. Zero is "no face". */
+/* What became of a frame: a usable face, or the reason why not, which is also the hint to the
+ * person. A numerical outcome, never an error code and never a verdict. Zero is "no face". */
 #ifndef ISO_CORE_CAPTURE_H
 #define ISO_CORE_CAPTURE_H
 
@@ -8,8 +8,8 @@ enum iso_capture {
     ISO_CAPTURE_OK,
     ISO_CAPTURE_TOO_FAR,
     ISO_CAPTURE_TOO_CLOSE,
-    ISO_CAPTURE_OFF_CENTRE,    /* the face is cut by the image border */
-    ISO_CAPTURE_TURN_LEFT,     /* not frontal: the subject should turn to his or her left */
+    ISO_CAPTURE_OFF_CENTRE, /* the face is cut by the image border */
+    ISO_CAPTURE_TURN_LEFT,  /* not frontal: the subject should turn to his or her left */
     ISO_CAPTURE_TURN_RIGHT,
     ISO_CAPTURE_LOOK_UP,
     ISO_CAPTURE_LOOK_DOWN,
@@ -20,7 +20,8 @@ enum iso_capture {
     ISO_CAPTURES
 };
 
-/* "no-face", "ok", "too-far", ...: the words of the CLI, the bus and scores.csv; NULL outside the range. */
+/* "no-face", "ok", "too-far", ...: the words of the CLI, the bus and scores.csv; NULL outside the
+ * range. */
 const char *iso_capture_name(enum iso_capture capture);
 
 #endif

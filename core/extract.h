@@ -36,18 +36,18 @@ enum iso_stage {
 const char *iso_stage_name(enum iso_stage stage);
 
 struct iso_extract_options {
-    double t_mm2;                               /* 100 */
-    int n_radii;                                /* 1..ISO_TEMPLATE_RADII_MAX */
-    double radius_mm[ISO_TEMPLATE_RADII_MAX];   /* 18 */
-    int n_points;                               /* per isotherm: 32 */
-    double crop_radius_mm;                      /* about the nose tip: 100 */
-    double spacing_mm;                          /* of the face patch: 2 */
-    double smoothing_mm;                        /* sigma of the residual's filter */
-    double distance_min_mm, distance_max_mm;    /* of the nose tip from the sensor: 300, 1500 */
-    double yaw_max_rad, pitch_max_rad;          /* beyond: turn-left and so on */
+    double t_mm2;                             /* 100 */
+    int n_radii;                              /* 1..ISO_TEMPLATE_RADII_MAX */
+    double radius_mm[ISO_TEMPLATE_RADII_MAX]; /* 18 */
+    int n_points;                             /* per isotherm: 32 */
+    double crop_radius_mm;                    /* about the nose tip: 100 */
+    double spacing_mm;                        /* of the face patch: 2 */
+    double smoothing_mm;                      /* sigma of the residual's filter */
+    double distance_min_mm, distance_max_mm;  /* of the nose tip from the sensor: 300, 1500 */
+    double yaw_max_rad, pitch_max_rad;        /* beyond: turn-left and so on */
     enum iso_heat_method heat;
-    char sensor[ISO_TEMPLATE_SENSOR_MAX];       /* written into templates */
-    int64_t (*now_ns)(void *context);           /* monotonic clock for the stage times; NULL: 0 */
+    char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* written into templates */
+    int64_t (*now_ns)(void *context);     /* monotonic clock for the stage times; NULL: 0 */
     void *now_context;
 };
 

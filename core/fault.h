@@ -1,5 +1,5 @@
-/* One line that names a thing and what is wrong with it, for people: filled in by functions that read what
- * comes from outside (files, configuration, devices), beside their negative errno. */
+/* One line that names a thing and what is wrong with it, for people: filled in by functions that
+ * read what comes from outside (files, configuration, devices), beside their negative errno. */
 #ifndef ISO_CORE_FAULT_H
 #define ISO_CORE_FAULT_H
 

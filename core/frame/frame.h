@@ -15,12 +15,12 @@
 
 struct iso_frame {
     struct iso_camera camera;
-    int width_px, height_px;   /* of the planes */
-    int crop_x_px, crop_y_px;  /* the window's corner in the camera's image */
-    int64_t t_ns;              /* monotonic time of exposure, nanoseconds */
-    uint64_t sequence;         /* counts the sensor's frames; a gap is a lost frame */
-    float *depth_mm;           /* [height_px * width_px], row by row */
-    float *intensity;          /* the same shape, registered, 0..1; NULL if the sensor has none */
+    int width_px, height_px;  /* of the planes */
+    int crop_x_px, crop_y_px; /* the window's corner in the camera's image */
+    int64_t t_ns;             /* monotonic time of exposure, nanoseconds */
+    uint64_t sequence;        /* counts the sensor's frames; a gap is a lost frame */
+    float *depth_mm;          /* [height_px * width_px], row by row */
+    float *intensity;         /* the same shape, registered, 0..1; NULL if the sensor has none */
 };
 
 /* A frame with zeroed planes of the given size; the camera is copied, the crop is 0. -EINVAL for a

@@ -1,15 +1,14 @@
-/* 1:N search: a probe against every template of a gallery.
- *
- * The index holds references, not copies; the gallery's owner keeps the templates alive and tells the index of changes. */
+/* 1:N search: a probe against every template of a gallery. */
 #ifndef ISO_CORE_MATCH_SEARCH_H
 #define ISO_CORE_MATCH_SEARCH_H
 
 #include <stdint.h>
 
-#include "core/match/score.h"
+#include "core/match/cohort.h"
 
+/* Refers to a template; the gallery keeps it alive. */
 struct iso_search_entry {
-    int64_t person;                    /* the caller's identifier; several entries may share it */
+    int64_t person; /* the caller's identifier; several entries may share it */
     const struct iso_template *tmpl;
 };
 
@@ -19,11 +18,13 @@ struct iso_search_hit {
     double score; /* cohort-normalised; higher is more alike */
 };
 
-/* The best hits, one per person (its best template), by falling score: at most `capacity` are
- * written. Returns how many people were compared (may exceed capacity), 0 for an empty gallery; -EINVAL if a template's
- * algorithm differs from the probe's, -ENODATA if the probe has too few points. */
-int iso_search(const struct iso_search_entry *entries, int n_entries, const struct iso_template *probe,
-               const struct iso_cohort *cohort, const struct iso_match_options *options,
-               struct iso_search_hit *hits, int capacity) __attribute__((warn_unused_result));
+/* The best hits by falling score, one a person (its best template): at most `capacity` of them are
+ * written and *n_hits says how many. An empty gallery gives none. Entries that have too few points
+ * in common with the probe cannot be hits. -EINVAL if algorithms differ or options are out of
+ * range, -ENODATA if the probe itself has too few points for the cohort. */
+int iso_search(const struct iso_search_entry *entries, int n_entries,
+               const struct iso_template *probe, const struct iso_cohort *cohort,
+               const struct iso_match_options *options, struct iso_search_hit *hits, int capacity,
+               int *n_hits) __attribute__((warn_unused_result));
 
 #endif

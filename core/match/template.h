@@ -16,24 +16,25 @@ enum {
     ISO_TEMPLATE_POINTS_MAX = 32,
     ISO_TEMPLATE_SENSOR_MAX = 16,
     /* Largest serialised template. */
-    ISO_TEMPLATE_BYTES_MAX =
-        64 + ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS * ISO_TEMPLATE_POINTS_MAX * 7,
+    ISO_TEMPLATE_BYTES_MAX = 64 +
+                             ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS * ISO_TEMPLATE_POINTS_MAX * 7,
 };
 
 struct iso_template {
-    uint32_t algorithm;      /* hash of everything that shapes the points: model, radii, t, ... */
+    uint32_t algorithm; /* hash of everything that shapes the points: model, radii, t, ... */
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* sensor class, NUL-terminated: "astra", "kinect2" */
     uint16_t n_radii, n_points, n_frames; /* frames fused into it */
-    float quality;           /* 0..1: weighted share of measured points */
+    float quality;                        /* 0..1: weighted share of measured points */
     float radius_mm[ISO_TEMPLATE_RADII_MAX];
     float points_mm[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX][3];
     float weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX]; /* 0..1 */
 };
 
 /* Serialised, little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16,
- * algorithm u32, sensor[16], quality f32, radius f32[n_radii], then per point int16[3] (1/64 mm) and uint8
- * weight (1/255), at the end a CRC-32 of all before it. Returns the bytes written; -EINVAL for
- * a template out of range (also a point beyond +-511 mm or not finite), -ENOSPC if they do not fit. */
+ * algorithm u32, sensor[16], quality f32, radius f32[n_radii], then per point int16[3] (1/64 mm)
+ * and uint8 weight (1/255), at the end a CRC-32 of all before it. Returns the bytes written;
+ * -EINVAL for a template out of range (also a point beyond +-511 mm or not finite), -ENOSPC if they
+ * do not fit. */
 int iso_template_serialise(const struct iso_template *tmpl, void *bytes, size_t size)
     __attribute__((warn_unused_result));
 

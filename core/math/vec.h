@@ -87,8 +87,7 @@ static inline struct iso_mat3 iso_mat3_mul(const struct iso_mat3 *a, const struc
     struct iso_mat3 c;
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            c.m[i][j] =
-                a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
+            c.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
         }
     }
     return c;

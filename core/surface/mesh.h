@@ -40,12 +40,13 @@ double iso_mesh_area(const struct iso_mesh *mesh);
 
 /* Neighbour across each edge: adjacent[t][k] is the triangle on the other side of the edge opposite
  * to corner k of triangle t, or -1 at the boundary. An edge of more than two triangles joins the
- * first two and counts as boundary for the rest. `adjacent` has room for n_triangles rows. -ENOMEM. */
+ * first two and counts as boundary for the rest. `adjacent` has room for n_triangles rows. -ENOMEM.
+ */
 int iso_mesh_adjacency(const struct iso_mesh *mesh, int32_t (*adjacent)[3])
     __attribute__((warn_unused_result));
 
-/* Connected components over shared edges: component[t] for each triangle, numbered from 0 by falling area.
- * Returns how many there are, or -ENOMEM. */
+/* Connected components over shared edges: component[t] for each triangle, numbered from 0 by
+ * falling area. Returns how many there are, or -ENOMEM. */
 int32_t iso_mesh_components(const struct iso_mesh *mesh, const int32_t (*adjacent)[3],
                             int32_t *component) __attribute__((warn_unused_result));
 

@@ -1,0 +1,45 @@
+/* Score normalisation against a fixed cohort: people who are in no gallery.
+ *
+ * score = (mean - distance) / sd over the probe's distances to the cohort (t-norm, Auckenthaler,
+ * Carey and Lloyd-Thomas 2000), so that one threshold serves every probe. Higher is more alike. */
+#ifndef ISO_CORE_MATCH_COHORT_H
+#define ISO_CORE_MATCH_COHORT_H
+
+#include "core/match/distance.h"
+#include "core/match/template.h"
+
+struct iso_cohort;
+
+enum { ISO_COHORT_MIN = 8, ISO_COHORT_MAX = 1024 };
+
+/* File, little endian: char magic[8] = "ISOCOHO1"; uint32 bytes of the file; uint32 crc32 of all
+ * that follows it; uint32 count; then each template: uint32 bytes, iso_template_serialise. All of
+ * one algorithm. -EBADMSG with *fault (if not NULL) a static text if damaged; -ENOMEM. */
+int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out, const char **fault)
+    __attribute__((warn_unused_result));
+
+/* The file's bytes in a buffer that the caller frees with free(). -EINVAL for a number of templates
+ * outside ISO_COHORT_MIN..ISO_COHORT_MAX or templates that cannot be compared; -ENOMEM. */
+int iso_cohort_serialise(const struct iso_template *const *templates, int n, void **bytes,
+                         size_t *size) __attribute__((warn_unused_result));
+
+void iso_cohort_free(struct iso_cohort *cohort);
+int iso_cohort_size(const struct iso_cohort *cohort);
+uint32_t iso_cohort_algorithm(const struct iso_cohort *cohort);
+
+struct iso_cohort_norm {
+    double mean_mm, sd_mm;
+};
+
+/* Mean and standard deviation of the probe's distances to the cohort. -EINVAL, -ENODATA as for
+ * iso_match_distance. */
+int iso_cohort_normalise(const struct iso_cohort *cohort, const struct iso_template *probe,
+                         const struct iso_match_options *options, struct iso_cohort_norm *out)
+    __attribute__((warn_unused_result));
+
+static inline double iso_cohort_score(struct iso_cohort_norm norm, double distance_mm)
+{
+    return (norm.mean_mm - distance_mm) / norm.sd_mm;
+}
+
+#endif

@@ -1,0 +1,24 @@
+/* How far apart two templates are once they are registered. */
+#ifndef ISO_CORE_MATCH_DISTANCE_H
+#define ISO_CORE_MATCH_DISTANCE_H
+
+#include "core/match/icp.h"
+#include "core/match/template.h"
+
+struct iso_match_options {
+    double trim;                      /* share of the points that count, 0.5..1; default 0.8 */
+    int icp_iterations;               /* default 10 */
+    enum iso_icp_transform transform; /* default rigid */
+};
+
+struct iso_match_options iso_match_options_default(void);
+
+/* Trimmed distance, mm: the probe's points are registered to the gallery's (each isotherm to the
+ * same isotherm) by trimmed ICP, then the weighted mean distance of the closest `trim` share of
+ * points. -EINVAL if algorithm or shape differ or options are out of range, -ENODATA if fewer than
+ * 30 % of the points are present in both. */
+int iso_match_distance(const struct iso_template *probe, const struct iso_template *gallery,
+                       const struct iso_match_options *options, double *distance_mm)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,169 @@
+#include "core/match/icp.h"
+
+#include <errno.h>
+#include <stdint.h>
+
+#include "core/match/rigid.h"
+
+/* The pairs of one iteration; all arrays run over the pairs. */
+struct pairs {
+    int n;
+    struct iso_vec3 source[ISO_ICP_POINTS_MAX], target[ISO_ICP_POINTS_MAX];
+    double weight[ISO_ICP_POINTS_MAX];   /* both ends present */
+    double distance[ISO_ICP_POINTS_MAX]; /* after the present transform, mm */
+    double trimmed[ISO_ICP_POINTS_MAX];  /* weight, or 0 beyond the trim */
+};
+
+static struct iso_vec3 point_of(const struct iso_icp_points *points, int i)
+{
+    return iso_vec3((double)points->point_mm[i][0], (double)points->point_mm[i][1],
+                    (double)points->point_mm[i][2]);
+}
+
+/* Index of the present target point nearest to p in the group that starts at `first`, or -1. */
+static int nearest_in_group(const struct iso_icp_points *target, int first, struct iso_vec3 p)
+{
+    int best = -1;
+    double best_squared = INFINITY;
+    for (int i = first; i < first + target->n_per_group; i++) {
+        if (!(target->weight[i] > 0.0f)) {
+            continue;
+        }
+        struct iso_vec3 d = iso_sub(point_of(target, i), p);
+        double squared = iso_dot(d, d);
+        if (squared < best_squared) {
+            best_squared = squared;
+            best = i;
+        }
+    }
+    return best;
+}
+
+static void make_pairs(const struct iso_icp_points *source, const struct iso_icp_points *target,
+                       const struct iso_affine *target_from_source, enum iso_icp_pairing pairing,
+                       struct pairs *pairs)
+{
+    pairs->n = 0;
+    for (int i = 0; i < source->n_groups * source->n_per_group; i++) {
+        if (!(source->weight[i] > 0.0f)) {
+            continue;
+        }
+        struct iso_vec3 moved = iso_affine_apply(target_from_source, point_of(source, i));
+        int first = i - i % source->n_per_group;
+        int j = pairing == ISO_ICP_ORDERED ? i : nearest_in_group(target, first, moved);
+        if (j < 0 || !(target->weight[j] > 0.0f)) {
+            continue;
+        }
+        int k = pairs->n++;
+        pairs->source[k] = point_of(source, i);
+        pairs->target[k] = point_of(target, j);
+        pairs->weight[k] = (double)source->weight[i] * (double)target->weight[j];
+        pairs->distance[k] = iso_norm(iso_sub(moved, pairs->target[k]));
+    }
+}
+
+/* The k-th smallest value (k from 0) of a, which is reordered (Hoare 1961). */
+static double select_smallest(double *a, int n, int k)
+{
+    int low = 0, high = n - 1;
+    while (low < high) {
+        double pivot = a[(low + high) / 2];
+        int i = low, j = high;
+        while (i <= j) {
+            while (a[i] < pivot) {
+                i++;
+            }
+            while (a[j] > pivot) {
+                j--;
+            }
+            if (i <= j) {
+                double swap = a[i];
+                a[i++] = a[j];
+                a[j--] = swap;
+            }
+        }
+        if (k <= j) {
+            high = j;
+        } else if (k >= i) {
+            low = i;
+        } else {
+            break;
+        }
+    }
+    return a[k];
+}
+
+/* Keeps the closest share of the pairs; returns their weighted mean distance. */
+static double trim_pairs(struct pairs *pairs, double trim)
+{
+    double scratch[ISO_ICP_POINTS_MAX];
+    for (int i = 0; i < pairs->n; i++) {
+        scratch[i] = pairs->distance[i];
+    }
+    int kept = (int)ceil(trim * pairs->n);
+    double limit = select_smallest(scratch, pairs->n, kept - 1);
+    double sum = 0.0, total = 0.0;
+    for (int i = 0; i < pairs->n; i++) {
+        pairs->trimmed[i] = pairs->distance[i] <= limit ? pairs->weight[i] : 0.0;
+        sum += pairs->trimmed[i] * pairs->distance[i];
+        total += pairs->trimmed[i];
+    }
+    return sum / total;
+}
+
+static int fit_transform(const struct pairs *pairs, enum iso_icp_transform kind,
+                         struct iso_affine *target_from_source)
+{
+    if (kind == ISO_ICP_AFFINE) {
+        return iso_affine_fit(pairs->source, pairs->target, pairs->trimmed, pairs->n,
+                              target_from_source);
+    }
+    struct iso_rigid rigid;
+    int error = iso_rigid_fit(pairs->source, pairs->target, pairs->trimmed, pairs->n, &rigid);
+    if (!error) {
+        *target_from_source = iso_affine_of_rigid(&rigid);
+    }
+    return error;
+}
+
+static int check(const struct iso_icp_points *source, const struct iso_icp_points *target,
+                 const struct iso_icp_options *options)
+{
+    bool same = source->n_groups == target->n_groups && source->n_per_group == target->n_per_group;
+    bool size = source->n_groups >= 1 && source->n_per_group >= 1 &&
+                source->n_groups <= ISO_ICP_POINTS_MAX / source->n_per_group;
+    bool sane = options->trim > 0.0 && options->trim <= 1.0 && options->iterations_max >= 1 &&
+                options->tolerance_mm >= 0.0;
+    return same && size && sane ? 0 : -EINVAL;
+}
+
+int iso_icp(const struct iso_icp_points *source, const struct iso_icp_points *target,
+            const struct iso_icp_options *options, struct iso_icp_result *result)
+{
+    enum { PAIRS_MIN = 12 };
+    int error = check(source, target, options);
+    if (error) {
+        return error;
+    }
+    struct pairs pairs;
+    struct iso_icp_result found = {.target_from_source = iso_affine_identity()};
+    make_pairs(source, target, &found.target_from_source, ISO_ICP_ORDERED, &pairs);
+    if (pairs.n < PAIRS_MIN) {
+        return -ENODATA;
+    }
+    found.distance_mm = trim_pairs(&pairs, options->trim);
+    while (found.iterations < options->iterations_max && !found.converged) {
+        error = fit_transform(&pairs, options->transform, &found.target_from_source);
+        if (error) {
+            return error;
+        }
+        make_pairs(source, target, &found.target_from_source, options->pairing, &pairs);
+        double distance = trim_pairs(&pairs, options->trim);
+        found.converged = fabs(found.distance_mm - distance) < options->tolerance_mm;
+        found.distance_mm = distance;
+        found.iterations++;
+    }
+    found.pairs = pairs.n;
+    *result = found;
+    return 0;
+}

@@ -1,0 +1,52 @@
+/* Trimmed iterative closest point between two families of curves. */
+#ifndef ISO_CORE_MATCH_ICP_H
+#define ISO_CORE_MATCH_ICP_H
+
+#include <stdbool.h>
+
+#include "core/match/affine.h"
+
+enum { ISO_ICP_POINTS_MAX = 2048 };
+
+/* Points in groups of equal size; a point is matched only within the group of the same number
+ * (the isotherm of the same landmark and radius). Weight 0: missing. */
+struct iso_icp_points {
+    int n_groups, n_per_group; /* n_groups * n_per_group <= ISO_ICP_POINTS_MAX */
+    const float (*point_mm)[3];
+    const float *weight;
+};
+
+enum iso_icp_transform {
+    ISO_ICP_RIGID = 0,
+    ISO_ICP_AFFINE, /* as printed in Abdelrahman 2013, appendix F */
+};
+
+enum iso_icp_pairing {
+    ISO_ICP_NEAREST = 0, /* the nearest point of the group */
+    ISO_ICP_ORDERED,     /* the point of the same number: polar sampling makes them correspond */
+};
+
+struct iso_icp_options {
+    enum iso_icp_transform transform;
+    enum iso_icp_pairing pairing;
+    double trim;         /* share of the pairs that count, the closest ones, in (0, 1] */
+    int iterations_max;  /* >= 1 */
+    double tolerance_mm; /* stop when the trimmed distance falls by less than this */
+};
+
+struct iso_icp_result {
+    struct iso_affine target_from_source;
+    double distance_mm; /* weighted mean distance of the pairs that count */
+    int pairs, iterations;
+    bool converged;
+};
+
+/* Trimmed ICP (Besl and McKay 1992; Chetverikov, Svirko, Stepanov and Krsek 2002): pairs, the best
+ * `trim` share of them, closed-form transform of those, again. The first pairing is ordered, so
+ * that it starts well. Starts from the identity. -EINVAL for sizes that differ or options out of
+ * range, -ENODATA with fewer than 12 pairs, -EDOM if an affine system is singular. */
+int iso_icp(const struct iso_icp_points *source, const struct iso_icp_points *target,
+            const struct iso_icp_options *options, struct iso_icp_result *result)
+    __attribute__((warn_unused_result));
+
+#endif

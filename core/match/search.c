@@ -1,0 +1,56 @@
+#include "core/match/search.h"
+
+#include <errno.h>
+
+/* Puts a hit in its place by falling score; a person keeps the best one only. */
+static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct iso_search_hit hit)
+{
+    int i = 0;
+    while (i < *n && hits[i].person != hit.person) {
+        i++;
+    }
+    if (i < *n) {
+        if (hits[i].score >= hit.score) {
+            return;
+        }
+    } else if (*n < capacity) {
+        (*n)++;
+    } else if (capacity > 0 && hits[capacity - 1].score < hit.score) {
+        i = capacity - 1;
+    } else {
+        return;
+    }
+    for (; i > 0 && hits[i - 1].score < hit.score; i--) {
+        hits[i] = hits[i - 1];
+    }
+    hits[i] = hit;
+}
+
+int iso_search(const struct iso_search_entry *entries, int n_entries,
+               const struct iso_template *probe, const struct iso_cohort *cohort,
+               const struct iso_match_options *options, struct iso_search_hit *hits, int capacity,
+               int *n_hits)
+{
+    struct iso_cohort_norm norm;
+    int error = iso_cohort_normalise(cohort, probe, options, &norm);
+    if (error) {
+        return error;
+    }
+    int n = 0;
+    for (int i = 0; i < n_entries; i++) {
+        double distance;
+        error = iso_match_distance(probe, entries[i].tmpl, options, &distance);
+        if (error == -ENODATA) {
+            continue; /* too few points in common with this one: it cannot be a hit */
+        }
+        if (error) {
+            return error;
+        }
+        insert_hit(hits, &n, capacity,
+                   (struct iso_search_hit){.person = entries[i].person,
+                                           .distance_mm = distance,
+                                           .score = iso_cohort_score(norm, distance)});
+    }
+    *n_hits = n;
+    return 0;
+}

@@ -1,0 +1,231 @@
+#include "core/match/template.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "core/match/icp.h"
+#include "core/match/template_points.h"
+#include "core/math/bytes.h"
+#include "core/math/crc32.h"
+
+static const char magic[4] = {'I', 'S', 'O', 'T'};
+
+enum {
+    HEADER_BYTES = 4 + 4 * 2 + 4 + ISO_TEMPLATE_SENSOR_MAX + 4,
+    POINT_BYTES = 7,
+    COUNTS_PER_MM = 64,
+};
+
+static bool counts_in_range(unsigned n_radii, unsigned n_points, unsigned n_frames)
+{
+    return n_radii >= 1 && n_radii <= ISO_TEMPLATE_RADII_MAX && n_points >= 4 &&
+           n_points <= ISO_TEMPLATE_POINTS_MAX && n_frames >= 1;
+}
+
+static size_t serialised_size(unsigned n_radii, unsigned n_points)
+{
+    return HEADER_BYTES + 4 * n_radii + (size_t)POINT_BYTES * n_radii * ISO_LANDMARKS * n_points +
+           4;
+}
+
+static bool point_fits(const float point_mm[3], float weight)
+{
+    bool fits = weight >= 0.0f && weight <= 1.0f;
+    for (int k = 0; k < 3; k++) {
+        fits = fits && fabsf(point_mm[k]) <= 511.0f; /* false for NaN */
+    }
+    return fits;
+}
+
+static bool template_fits(const struct iso_template *t)
+{
+    if (!counts_in_range(t->n_radii, t->n_points, t->n_frames) || !isfinite(t->quality) ||
+        memchr(t->sensor, '\0', sizeof t->sensor) == NULL) {
+        return false;
+    }
+    for (int r = 0; r < t->n_radii; r++) {
+        if (!isfinite(t->radius_mm[r])) {
+            return false;
+        }
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < t->n_points; i++) {
+                if (!point_fits(t->points_mm[r][l][i], t->weight[r][l][i])) {
+                    return false;
+                }
+            }
+        }
+    }
+    return true;
+}
+
+int iso_template_serialise(const struct iso_template *t, void *bytes, size_t size)
+{
+    if (!template_fits(t)) {
+        return -EINVAL;
+    }
+    size_t needed = serialised_size(t->n_radii, t->n_points);
+    if (size < needed) {
+        return -ENOSPC;
+    }
+    uint8_t *p = bytes;
+    p = iso_put_bytes(p, magic, sizeof magic);
+    p = iso_put_u16(p, ISO_TEMPLATE_VERSION);
+    p = iso_put_u16(p, t->n_radii);
+    p = iso_put_u16(p, t->n_points);
+    p = iso_put_u16(p, t->n_frames);
+    p = iso_put_u32(p, t->algorithm);
+    p = iso_put_bytes(p, t->sensor, sizeof t->sensor);
+    p = iso_put_f32(p, t->quality);
+    for (int r = 0; r < t->n_radii; r++) {
+        p = iso_put_f32(p, t->radius_mm[r]);
+    }
+    for (int r = 0; r < t->n_radii; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < t->n_points; i++) {
+                for (int k = 0; k < 3; k++) {
+                    long counts = lrintf(t->points_mm[r][l][i][k] * COUNTS_PER_MM);
+                    p = iso_put_u16(p, (uint16_t)(int16_t)counts);
+                }
+                *p++ = (uint8_t)lrintf(t->weight[r][l][i] * 255.0f);
+            }
+        }
+    }
+    (void)iso_put_u32(p, iso_crc32(0, bytes, needed - 4));
+    return (int)needed;
+}
+
+int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
+{
+    const uint8_t *p = bytes;
+    if (size < HEADER_BYTES + 4 || memcmp(p, magic, sizeof magic) != 0) {
+        return -EBADMSG;
+    }
+    if (iso_get_u16(p + 4) != ISO_TEMPLATE_VERSION) {
+        return -EPROTONOSUPPORT;
+    }
+    struct iso_template t;
+    memset(&t, 0, sizeof t);
+    t.n_radii = iso_get_u16(p + 6);
+    t.n_points = iso_get_u16(p + 8);
+    t.n_frames = iso_get_u16(p + 10);
+    if (!counts_in_range(t.n_radii, t.n_points, t.n_frames) ||
+        size != serialised_size(t.n_radii, t.n_points) ||
+        iso_get_u32(p + size - 4) != iso_crc32(0, bytes, size - 4)) {
+        return -EBADMSG;
+    }
+    t.algorithm = iso_get_u32(p + 12);
+    memcpy(t.sensor, p + 16, sizeof t.sensor);
+    p += 16 + sizeof t.sensor;
+    t.quality = iso_get_f32(p);
+    p += 4;
+    for (int r = 0; r < t.n_radii; r++, p += 4) {
+        t.radius_mm[r] = iso_get_f32(p);
+    }
+    for (int r = 0; r < t.n_radii; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < t.n_points; i++, p += POINT_BYTES) {
+                for (int k = 0; k < 3; k++) {
+                    int16_t counts = (int16_t)iso_get_u16(p + 2 * k);
+                    t.points_mm[r][l][i][k] = (float)counts / COUNTS_PER_MM;
+                }
+                t.weight[r][l][i] = (float)p[6] / 255.0f;
+            }
+        }
+    }
+    /* The checksum was right, so the writer wrote nonsense: still not a template. */
+    bool fits = template_fits(&t);
+    if (fits) {
+        *out = t;
+    }
+    iso_template_wipe(&t);
+    return fits ? 0 : -EBADMSG;
+}
+
+void iso_template_wipe(struct iso_template *tmpl)
+{
+    explicit_bzero(tmpl, sizeof *tmpl);
+}
+
+/* Sums of weight * point and weight over the templates registered to the first. */
+struct fusion {
+    double sum_mm[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX][3];
+    double weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX];
+};
+
+static void fusion_add(struct fusion *fusion, const struct iso_template *t,
+                       const struct iso_affine *first_from_this)
+{
+    for (int r = 0; r < t->n_radii; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < t->n_points; i++) {
+                const float *q = t->points_mm[r][l][i];
+                struct iso_vec3 p = iso_affine_apply(
+                    first_from_this, iso_vec3((double)q[0], (double)q[1], (double)q[2]));
+                double w = (double)t->weight[r][l][i];
+                fusion->sum_mm[r][l][i][0] += w * p.x;
+                fusion->sum_mm[r][l][i][1] += w * p.y;
+                fusion->sum_mm[r][l][i][2] += w * p.z;
+                fusion->weight[r][l][i] += w;
+            }
+        }
+    }
+}
+
+static void fusion_finish(const struct fusion *fusion, int n, struct iso_template *out)
+{
+    for (int r = 0; r < out->n_radii; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < out->n_points; i++) {
+                double w = fusion->weight[r][l][i];
+                for (int k = 0; k < 3; k++) {
+                    out->points_mm[r][l][i][k] = w > 0.0 ? (float)(fusion->sum_mm[r][l][i][k] / w)
+                                                         : 0.0f;
+                }
+                out->weight[r][l][i] = (float)fmin(w / n, 1.0);
+            }
+        }
+    }
+}
+
+int iso_template_fuse(const struct iso_template *const *templates, int n, struct iso_template *out)
+{
+    enum { FUSED_MAX = 64 };
+    if (n < 1 || n > FUSED_MAX) {
+        return -EINVAL;
+    }
+    struct iso_icp_options options = iso_template_icp_options(0.8, 10);
+    struct iso_icp_points first = iso_template_points(templates[0]);
+    struct fusion fusion;
+    memset(&fusion, 0, sizeof fusion);
+    double quality = 0.0;
+    unsigned frames = 0;
+    int error = 0;
+    for (int i = 0; i < n && !error; i++) {
+        if (!iso_template_comparable(templates[i], templates[0])) {
+            error = -EINVAL;
+            break;
+        }
+        struct iso_icp_points points = iso_template_points(templates[i]);
+        struct iso_icp_result registered = {.target_from_source = iso_affine_identity()};
+        if (i > 0) {
+            error = iso_icp(&points, &first, &options, &registered);
+        }
+        if (!error) {
+            fusion_add(&fusion, templates[i], &registered.target_from_source);
+            quality += (double)templates[i]->quality;
+            frames += templates[i]->n_frames;
+        }
+    }
+    if (!error) {
+        struct iso_template fused = *templates[0];
+        fused.n_frames = (uint16_t)(frames < UINT16_MAX ? frames : UINT16_MAX);
+        fused.quality = (float)(quality / n);
+        fusion_finish(&fusion, n, &fused);
+        *out = fused;
+        iso_template_wipe(&fused);
+    }
+    explicit_bzero(&fusion, sizeof fusion);
+    return error;
+}

@@ -1,0 +1,12 @@
+/* Small dense symmetric positive definite systems, up to a few dozen unknowns. */
+#ifndef ISO_CORE_MATH_SOLVE_H
+#define ISO_CORE_MATH_SOLVE_H
+
+/* Cholesky factor in place: the lower triangle of the row-major n x n matrix a becomes L, A = L L'.
+ * -EDOM if a pivot falls below 1e-12 of its diagonal entry (singular, indefinite or not finite). */
+int iso_cholesky_factorise(double *a, int n) __attribute__((warn_unused_result));
+
+/* Solves L L' x = b in place for a factor from iso_cholesky_factorise. */
+void iso_cholesky_solve(const double *l, int n, double *b);
+
+#endif
