@@ -36,18 +36,23 @@ enum iso_stage {
 const char *iso_stage_name(enum iso_stage stage);
 
 struct iso_extract_options {
-    double t_mm2;                             /* 100 */
+    double t_mm2;                             /* time of the heat (heat_kernel.h): 100 */
     int n_radii;                              /* 1..ISO_TEMPLATE_RADII_MAX */
-    double radius_mm[ISO_TEMPLATE_RADII_MAX]; /* 18 */
-    int n_points;                             /* per isotherm: 32 */
-    double crop_radius_mm;                    /* about the nose tip: 100 */
+    double radius_mm[ISO_TEMPLATE_RADII_MAX]; /* of the isotherms: 18 */
+    int n_points;                             /* of an isotherm: 32 */
+    double crop_radius_mm;                    /* of the face patch about the nose tip: 100 */
     double spacing_mm;                        /* of the face patch: 2 */
-    double smoothing_mm;                      /* sigma of the residual's filter */
+    double smoothing_mm;                      /* sigma of the residual's filter: 3 */
+    double outlier_mm;                        /* residuals beyond are filled in: 20 */
+    int pose_iterations;                      /* 12 */
+    double pose_cutoff_first_mm;              /* Tukey's cut-off: 12 ... */
+    double pose_cutoff_last_mm;               /* ... to 6 */
+    double pose_soft_weight;                  /* of places that move with expression: 0.3 */
     double distance_min_mm, distance_max_mm;  /* of the nose tip from the sensor: 300, 1500 */
-    double yaw_max_rad, pitch_max_rad;        /* beyond: turn-left and so on */
+    double yaw_max_rad, pitch_max_rad;        /* beyond: turn-left and so on: 40 degrees */
     enum iso_heat_method heat;
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* written into templates */
-    int64_t (*now_ns)(void *context);     /* monotonic clock for the stage times; NULL: 0 */
+    int64_t (*now_ns)(void *context);     /* monotonic clock for stage times; NULL: no times */
     void *now_context;
 };
 

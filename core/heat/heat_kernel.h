@@ -1,18 +1,18 @@
 /* Columns of the heat kernel: the temperature everywhere after unit heat at a point has flowed for
  * time t.
  *
- * TIME CONVENTION: every t of this project is that of dU/dt = -Delta U, decay exp(-lambda t), planar kernel
- * exp(-r^2 / 4t) / (4 pi t), in mm^2. (The dissertation's 3.23 and 3.36 decay by exp(-lambda t / 2):
- * its t is twice ours.)
+ * TIME CONVENTION: every t of this project is that of dU/dt = -Delta U, decay exp(-lambda t),
+ * planar kernel exp(-r^2 / 4t) / (4 pi t), in mm^2. (The dissertation's 3.23 and 3.36 decay by
+ * exp(-lambda t / 2): its t is twice ours.)
  *
  * K(., s, t) = sum_i exp(-lambda_i t) phi_i(.) phi_i(s): unit heat at the surface point s, which
- * need not be a vertex (barycentric weights b: phi D phi' b). Units 1/mm^2; its integral 1' B K is 1
- * at every t. Two ways to it:
+ * need not be a vertex (barycentric weights b: phi D phi' b). Units 1/mm^2; its integral 1' B K is
+ * 1 at every t. Two ways to it:
  *
  *  - spectral: the first k eigenpairs, as in the dissertation (k = 100, eq. 6.1). Loses the
  *    high frequencies, so that it is wrong (even negative) for small t.
- *  - direct: one Cholesky factorisation of B + gamma L and shift-invert Lanczos of dimension m for each
- *    source (van den Eshof and Hochbruck 2006; Moret and Novati 2004): any number of times from
+ *  - direct: one Cholesky factorisation of B + gamma L and shift-invert Lanczos of dimension m for
+ * each source (van den Eshof and Hochbruck 2006; Moret and Novati 2004): any number of times from
  *    one Krylov space. The default. */
 #ifndef ISO_CORE_HEAT_HEAT_KERNEL_H
 #define ISO_CORE_HEAT_HEAT_KERNEL_H
@@ -35,7 +35,6 @@ enum { ISO_HEAT_KRYLOV_MAX = 32 };
 
 struct iso_heat_direct_options {
     int32_t n_capacity, nnz_capacity; /* largest matrix */
-    int sources_capacity;             /* largest number of sources in a call */
     int krylov;                       /* Lanczos dimension m; 0 = the default, 10 */
     double gamma_over_t;              /* shift over the largest t; 0 = the default, 0.15 */
 };

@@ -2,9 +2,9 @@
  *
  * L(i,j) = -(cot a_ij + cot b_ij) / 2 off the diagonal and minus the row's sum on it: symmetric
  * positive semi-definite, null vector constant, natural (Neumann) boundary. B consistent:
- * (|t_r| + |t_s|) / 12 off the diagonal, sum of incident |t| / 6 on it; lumped: sum of incident |t| / 3.
- * Abdelrahman 2013, eqs. 3.33 and 3.34 with the signs put right (the text's 3.34 is -L, and its
- * diagonal of 3.33 sums over incident triangles). Units: L has none, B is mm^2. */
+ * (|t_r| + |t_s|) / 12 off the diagonal, sum of incident |t| / 6 on it; lumped: sum of incident |t|
+ * / 3. Abdelrahman 2013, eqs. 3.33 and 3.34 with the signs put right (the text's 3.34 is -L, and
+ * its diagonal of 3.33 sums over incident triangles). Units: L has none, B is mm^2. */
 #ifndef ISO_CORE_HEAT_STIFFNESS_MASS_H
 #define ISO_CORE_HEAT_STIFFNESS_MASS_H
 
@@ -15,8 +15,8 @@
 /* Symmetric matrix in compressed columns, the lower triangle only, diagonal first in each column,
  * rows ascending. */
 struct iso_symmetric {
-    int32_t n;             /* order */
-    int32_t nnz;           /* entries stored */
+    int32_t n;   /* order */
+    int32_t nnz; /* entries stored */
     int32_t n_capacity, nnz_capacity;
     int32_t *column_start; /* [n + 1] */
     int32_t *row;          /* [nnz] */

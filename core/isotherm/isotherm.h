@@ -2,10 +2,11 @@
  *
  * The level is not given but found: the isotherm "of radius r" is the level set that encloses the
  * area pi r^2 (mixture over triangles cut by the level, exact for linear elements), so that the
- * same landmark on two scans gives the same curve whatever the mesh. All loops of the level set are traced; the one
- * that encloses the landmark is kept; one that runs into the mesh's border is open. It is then
- * sampled at n points by polar angle about the landmark in the face frame: from the face's +y,
- * counter-clockwise seen from the front (x to the subject's left is to the viewer's right, so +y, -x, -y, +x). */
+ * same landmark on two scans gives the same curve whatever the mesh. All loops of the level set are
+ * traced; the one that encloses the landmark is kept; one that runs into the mesh's border is open.
+ * It is then sampled at n points by polar angle about the landmark in the face frame: from the
+ * face's +y, counter-clockwise seen from the front (x to the subject's left is to the viewer's
+ * right, so +y, -x, -y, +x). */
 #ifndef ISO_CORE_ISOTHERM_ISOTHERM_H
 #define ISO_CORE_ISOTHERM_ISOTHERM_H
 
@@ -34,25 +35,27 @@ struct iso_curve {
 
 /* Workspace: keeps every loop of one level set; sized for a mesh of that many triangles. */
 struct iso_tracer;
-int iso_tracer_new(int32_t vertex_capacity, int32_t triangle_capacity, struct iso_tracer **out)
+int iso_tracer_new(int32_t triangle_capacity, struct iso_tracer **out)
     __attribute__((warn_unused_result));
 void iso_tracer_free(struct iso_tracer *tracer);
 
-/* Traces all loops of {heat = level} on the mesh by walking from triangle to neighbour (`adjacent` as from
- * iso_mesh_adjacency). The hot side lies on the left seen from outside. Returns the number of curves; they stay valid until
- * the next call. -ENOSPC over the tracer's size. */
+/* Traces all loops of {heat = level} on the mesh by walking from triangle to neighbour (`adjacent`
+ * as from iso_mesh_adjacency). The hot side lies on the left seen from outside. Returns the number
+ * of curves; they stay valid until the next call. -ENOSPC over the tracer's size. */
 int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
                    const int32_t (*adjacent)[3], const double *heat, double level)
     __attribute__((warn_unused_result));
 struct iso_curve iso_tracer_curve(const struct iso_tracer *tracer, int index);
 
 /* The curve that encloses the landmark, seen along z of the mesh's frame (winding number not zero,
- * open curves closed by a chord); of several the one of the largest enclosed area. Returns its index or -ENOENT. */
+ * open curves closed by a chord); of several the one of the largest enclosed area. Returns its
+ * index or -ENOENT. */
 int iso_tracer_enclosing(const struct iso_tracer *tracer, struct iso_vec3 landmark_mm);
 
 /* The sampled isotherm: point i at polar angle 2 pi i / n from +y, counter-clockwise seen from the
- * front (+z). Where a ray meets the curve more than once the crossing farthest out counts. weight 0:
- * the ray meets no part of the curve (open isotherm), the point is then 0 and must not be used. */
+ * front (+z). Where a ray meets the curve more than once the crossing farthest out counts. weight
+ * 0: the ray meets no part of the curve (open isotherm), the point is then 0 and must not be used.
+ */
 struct iso_isotherm {
     int32_t n;
     bool closed;
@@ -61,12 +64,13 @@ struct iso_isotherm {
     float weight[ISO_ISOTHERM_POINTS_MAX];
 };
 
-/* n_points in 4..ISO_ISOTHERM_POINTS_MAX (-EINVAL). The curve must have at least 3 points (-EINVAL). */
+/* n_points in 4..ISO_ISOTHERM_POINTS_MAX (-EINVAL). The curve must have at least 3 points
+ * (-EINVAL). */
 int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_mm, int n_points,
                               struct iso_isotherm *out) __attribute__((warn_unused_result));
 
-/* The dissertation's sampling (6.2.3): n points equally spaced by arc length, from the point nearest
- * to the face's +y direction, counter-clockwise. For comparison. */
+/* The dissertation's sampling (6.2.3): n points equally spaced by arc length, from the point
+ * nearest to the face's +y direction, counter-clockwise. For comparison. */
 int iso_isotherm_sample_arc(struct iso_curve curve, struct iso_vec3 landmark_mm, int n_points,
                             struct iso_isotherm *out) __attribute__((warn_unused_result));
 

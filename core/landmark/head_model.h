@@ -12,7 +12,8 @@
  *   float32 mean[n_vertices][3]; uint16 triangle[n_triangles][3];
  *   uint8 region[n_vertices] (bits of enum iso_head_region);
  *   68 x { uint16 triangle; uint16 reserved 0; float32 weight[3] }: the iBUG landmarks;
- *   (n_identity + n_expression) x { float32 scale; int16 mode[n_vertices][3] }: mm = scale * int. */
+ *   (n_identity + n_expression) x { float32 scale; int16 mode[n_vertices][3] }: mm = scale * int.
+ */
 #ifndef ISO_CORE_LANDMARK_HEAD_MODEL_H
 #define ISO_CORE_LANDMARK_HEAD_MODEL_H
 
@@ -44,12 +45,12 @@ struct iso_head_point {
 
 struct iso_head_model {
     uint32_t n_vertices, n_triangles, n_identity, n_expression;
-    uint32_t crc32;                  /* identifies the model in templates */
-    struct iso_vec3 *mean_mm;        /* [n_vertices] */
-    uint32_t (*triangles)[3];        /* [n_triangles], counter-clockwise seen from outside */
-    uint8_t *region;                 /* [n_vertices] */
-    float *identity_mm;              /* [n_identity][n_vertices][3] */
-    float *expression_mm;            /* [n_expression][n_vertices][3] */
+    uint32_t crc32;           /* identifies the model in templates */
+    struct iso_vec3 *mean_mm; /* [n_vertices] */
+    uint32_t (*triangles)[3]; /* [n_triangles], counter-clockwise seen from outside */
+    uint8_t *region;          /* [n_vertices] */
+    float *identity_mm;       /* [n_identity][n_vertices][3] */
+    float *expression_mm;     /* [n_expression][n_vertices][3] */
     struct iso_head_point landmarks[ISO_LANDMARKS_IBUG];
 };
 
@@ -58,8 +59,9 @@ struct iso_head_model {
 int iso_head_model_parse(const void *bytes, size_t size, struct iso_head_model **out,
                          const char **fault) __attribute__((warn_unused_result));
 
-/* Writes the file's bytes into a buffer that the caller frees with free(). The model's crc32 field is
- * ignored. -EINVAL if a count is out of range or a value not finite, -EFBIG over ISO_HEAD_BYTES_MAX, -ENOMEM. */
+/* Writes the file's bytes into a buffer that the caller frees with free(). The model's crc32 field
+ * is ignored. -EINVAL if a count is out of range or a value not finite, -EFBIG over
+ * ISO_HEAD_BYTES_MAX, -ENOMEM. */
 int iso_head_model_serialise(const struct iso_head_model *model, void **bytes, size_t *size)
     __attribute__((warn_unused_result));
 

@@ -1,0 +1,95 @@
+/* What the daemon and its clients agree on: the D-Bus service of isothermd. Modelled on fprintd.
+ *
+ * Methods (signature in -> out); all but those marked + need no claim:
+ *   Claim()                              take the camera; the door is not watched meanwhile
+ * + Release()                            give it back; leaving the bus does so too
+ * + EnrollStart(s person, a{sv})         options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
+ *                                        ..._VALID_UNTIL x (seconds since 1970; 0: no limit)
+ * + EnrollStop()
+ * + VerifyStart(s person)  VerifyStop()  IdentifyStart()  IdentifyStop()
+ *   ListPeople() -> a(sxxxu)             person, enrolled, valid_from, valid_until (s), templates
+ *   DeletePerson(s person)
+ *   GetStatus() -> a{sv}                 the keys below
+ *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each
+ *
+ * An action goes on until a status signal with `done` set; the Stop method ends it before that and
+ * is also legal after it. One client at a time has the claim. Nothing that a client does opens the
+ * door: only the daemon's own identification does, while nobody has the claim.
+ *
+ * Signals:
+ *   EnrollStatus(s result, b done, u stage, u stages, d quality)
+ *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
+ *       result: "enroll-", "verify-" or "identify-" before one of the words
+ * ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/capture.h (a hint; the action goes
+ * on) Sent to the claimant only. Visit(s verdict, s person, d score, d threshold, u frames, x
+ * latency_us) a decision of the door itself: verdict "allow" or "deny", person "" when unknown, the
+ * best score (NaN: nothing to compare with), usable frames, time from the arrival of the first
+ *       usable frame to the verdict
+ *   DoorChanged(s state, s cause)        words of firmware/door.h
+ *
+ * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
+ * "sensor-state" s ("started", "lost"), "sensor-fault" s, "door" s (back end), "door-state" s,
+ * "mode" s ("watch", "claimed", "enroll", "verify", "identify"), "people" u, "templates" u (of
+ * which the running algorithm can use "templates-usable" u), "capacity" u, "frames" t,
+ * "last-outcome" s, "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x,
+ * "log-sequence" t.
+ *
+ * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
+ * apply, "monotonic_ns", "person", "verdict", "reason", "score", "threshold", "frames", "note". */
+#ifndef ISO_CORE_CONTRACT_H
+#define ISO_CORE_CONTRACT_H
+
+#define ISO_CONTRACT_NAME      "org.isotherm.Isotherm"
+#define ISO_CONTRACT_PATH      "/org/isotherm/Door0"
+#define ISO_CONTRACT_INTERFACE "org.isotherm.Door"
+
+/* Methods. */
+#define ISO_CONTRACT_CLAIM          "Claim"
+#define ISO_CONTRACT_RELEASE        "Release"
+#define ISO_CONTRACT_ENROLL_START   "EnrollStart"
+#define ISO_CONTRACT_ENROLL_STOP    "EnrollStop"
+#define ISO_CONTRACT_VERIFY_START   "VerifyStart"
+#define ISO_CONTRACT_VERIFY_STOP    "VerifyStop"
+#define ISO_CONTRACT_IDENTIFY_START "IdentifyStart"
+#define ISO_CONTRACT_IDENTIFY_STOP  "IdentifyStop"
+#define ISO_CONTRACT_LIST_PEOPLE    "ListPeople"
+#define ISO_CONTRACT_DELETE_PERSON  "DeletePerson"
+#define ISO_CONTRACT_GET_STATUS     "GetStatus"
+#define ISO_CONTRACT_READ_LOG       "ReadLog"
+
+/* Options of EnrollStart. */
+#define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"
+#define ISO_CONTRACT_VALID_FROM      "valid-from"
+#define ISO_CONTRACT_VALID_UNTIL     "valid-until"
+
+/* Signals. */
+#define ISO_CONTRACT_ENROLL_STATUS   "EnrollStatus"
+#define ISO_CONTRACT_VERIFY_STATUS   "VerifyStatus"
+#define ISO_CONTRACT_IDENTIFY_STATUS "IdentifyStatus"
+#define ISO_CONTRACT_VISIT           "Visit"
+#define ISO_CONTRACT_DOOR_CHANGED    "DoorChanged"
+
+/* Result words after the prefix of the action. */
+#define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll; all others are final */
+#define ISO_CONTRACT_RESULT_COMPLETED    "completed"    /* enroll */
+#define ISO_CONTRACT_RESULT_FAILED       "failed"       /* enroll: not the same face throughout */
+#define ISO_CONTRACT_RESULT_DUPLICATE    "duplicate"    /* enroll: known under another name */
+#define ISO_CONTRACT_RESULT_MATCH        "match"        /* verify, identify */
+#define ISO_CONTRACT_RESULT_NO_MATCH     "no-match"     /* verify, identify */
+#define ISO_CONTRACT_RESULT_TIMED_OUT    "timed-out"
+#define ISO_CONTRACT_RESULT_DISCONNECTED "disconnected" /* the sensor is gone */
+#define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of core/capture.h */
+
+/* Errors. */
+#define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"
+#define ISO_CONTRACT_ERROR_CLAIM_DEVICE     "org.isotherm.Error.ClaimDevice"
+#define ISO_CONTRACT_ERROR_NO_SUCH_PERSON   "org.isotherm.Error.NoSuchPerson"
+#define ISO_CONTRACT_ERROR_NO_ACTION        "org.isotherm.Error.NoActionInProgress"
+#define ISO_CONTRACT_ERROR_ACTION           "org.isotherm.Error.ActionInProgress"
+#define ISO_CONTRACT_ERROR_INVALID_NAME     "org.isotherm.Error.InvalidName"
+#define ISO_CONTRACT_ERROR_INVALID_ARGUMENT "org.isotherm.Error.InvalidArgument"
+#define ISO_CONTRACT_ERROR_GALLERY_FULL     "org.isotherm.Error.GalleryFull"
+#define ISO_CONTRACT_ERROR_DEVICE_FAULT     "org.isotherm.Error.DeviceFault"
+#define ISO_CONTRACT_ERROR_INTERNAL         "org.isotherm.Error.Internal"
+
+#endif

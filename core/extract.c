@@ -1,0 +1,289 @@
+#include "core/extract.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/extract_workspace.h"
+
+/* Gates. A mean face that fits worse than this, rms-like with residuals limited to 6 mm, sits on
+ * something that is no face: measured on rendered frames of faces and of other things. */
+static const double search_cost_max_mm2 = 20.0;
+static const double search_coverage_min = 0.5;
+static const double fit_cost_max_mm2 = 18.0;
+static const double fit_coverage_min = 0.5;
+static const double in_image_min = 0.9;
+static const double patch_coverage_min = 0.45;
+
+/* People are found beyond the range in which they are recognised, to be told to come closer. */
+static const double too_near_share = 0.6, too_far_share = 1.4;
+
+/* The cut-out about the nose reaches this much further than the patch. */
+static const double clean_margin_mm = 20.0;
+
+const char *iso_stage_name(enum iso_stage stage)
+{
+    static const char *const names[ISO_STAGES] = {
+        "region", "clean", "pose", "patch", "mesh", "heat", "isotherm",
+    };
+    return (unsigned)stage < ISO_STAGES ? names[stage] : NULL;
+}
+
+static int64_t now_ns(const struct iso_extractor *x)
+{
+    return x->options.now_ns ? x->options.now_ns(x->options.now_context) : 0;
+}
+
+/* Finds the face roughly in the frame shrunk to the coarse pitch. */
+static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
+                     struct iso_pose_fit *fit, struct iso_extraction *out)
+{
+    bool pinhole = frame->camera.projection == ISO_PINHOLE;
+    double pixel_mm = iso_camera_pixel_mm(&frame->camera, ISO_EXTRACT_COARSE_AT_MM);
+    double factor = fmin(fmax(floor(ISO_EXTRACT_COARSE_PITCH_MM / pixel_mm), 1.0), ISO_SHRINK_MAX);
+    struct iso_window all = {0, 0, frame->width_px, frame->height_px};
+    int error = iso_frame_shrink(frame, all, (int)factor, ISO_EXTRACT_COARSE_PX_MAX, &x->coarse);
+    if (error) {
+        return error;
+    }
+    /* An orthographic image has no distance: its depths count from anywhere. */
+    const struct iso_candidate_options range = {
+        .near_mm = pinhole ? too_near_share * x->options.distance_min_mm : 0.0,
+        .far_mm = pinhole ? too_far_share * x->options.distance_max_mm : INFINITY,
+    };
+    struct iso_candidate candidates[ISO_CANDIDATES_MAX];
+    int n_candidates, n_parts;
+    error = iso_candidates_find(x->finder, &x->coarse, &range, candidates, &n_candidates, &n_parts);
+    if (error) {
+        return error;
+    }
+    const struct iso_pose_search_options gate = {search_cost_max_mm2, search_coverage_min};
+    if (iso_pose_search(x->search_vertices, &x->coarse, candidates, n_candidates, &gate, fit,
+                        NULL)) {
+        out->outcome = n_candidates > 0 ? ISO_CAPTURE_NOT_A_FACE : ISO_CAPTURE_NO_FACE;
+        return 0;
+    }
+    out->outcome = ISO_CAPTURE_OK;
+    return 0;
+}
+
+/* Attitude and distance of a pose: where the face's +z, +y and origin point in the camera frame. */
+static void describe_pose(const struct iso_pose_fit *fit, struct iso_extraction *out)
+{
+    const struct iso_mat3 *r = &fit->camera_from_face.rotation;
+    out->camera_from_face = fit->camera_from_face;
+    out->yaw_rad = atan2(r->m[0][2], -r->m[2][2]);
+    out->pitch_rad = asin(fmin(fmax(-r->m[1][2], -1.0), 1.0));
+    out->roll_rad = atan2(r->m[0][1], -r->m[1][1]);
+    out->distance_mm = fit->camera_from_face.translation_mm.z;
+    out->residual_mm = sqrt(fit->cost_mm2);
+}
+
+/* Whether a face stands where it can be used, and if not, what would help. */
+static enum iso_capture judge_pose(const struct iso_extractor *x, const struct iso_frame *frame,
+                                   const struct iso_pose_fit *fit, const struct iso_extraction *out)
+{
+    bool pinhole = frame->camera.projection == ISO_PINHOLE;
+    if (pinhole && out->distance_mm > x->options.distance_max_mm) {
+        return ISO_CAPTURE_TOO_FAR;
+    }
+    if (pinhole && out->distance_mm < x->options.distance_min_mm) {
+        return ISO_CAPTURE_TOO_CLOSE;
+    }
+    if (fit->in_image < in_image_min) {
+        return ISO_CAPTURE_OFF_CENTRE;
+    }
+    if (fabs(out->yaw_rad) > x->options.yaw_max_rad) {
+        return out->yaw_rad > 0.0 ? ISO_CAPTURE_TURN_RIGHT : ISO_CAPTURE_TURN_LEFT;
+    }
+    if (fabs(out->pitch_rad) > x->options.pitch_max_rad) {
+        return out->pitch_rad > 0.0 ? ISO_CAPTURE_LOOK_DOWN : ISO_CAPTURE_LOOK_UP;
+    }
+    return ISO_CAPTURE_OK;
+}
+
+/* Registers the mean face to the cleaned frame. */
+static int fit_pose(struct iso_extractor *x, const struct iso_frame *cleaned,
+                    struct iso_pose_fit *fit, struct iso_extraction *out)
+{
+    const struct iso_pose_options options = {
+        .iterations = x->options.pose_iterations,
+        .cutoff_first_mm = x->options.pose_cutoff_first_mm,
+        .cutoff_last_mm = x->options.pose_cutoff_last_mm,
+    };
+    struct iso_rigid start = fit->camera_from_face;
+    int error = iso_pose_fit(x->fit_vertices, cleaned, &options, &start, fit);
+    if (error == -ENODATA || (!error && fit->coverage < fit_coverage_min)) {
+        out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
+        return 0;
+    }
+    if (!error && fit->cost_mm2 > fit_cost_max_mm2) {
+        out->outcome = ISO_CAPTURE_NOT_A_FACE;
+    }
+    return error;
+}
+
+/* Resamples the surface in the face frame and fills its holes. */
+static int make_patch(struct iso_extractor *x, const struct iso_frame *cleaned,
+                      struct iso_extraction *out)
+{
+    int error = iso_triangulate(x->triangulator, cleaned, x->surface);
+    if (error) {
+        return error;
+    }
+    out->coverage = iso_face_patch_build(x->patch, x->surface, &out->camera_from_face);
+    if (out->coverage < patch_coverage_min) {
+        out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
+    }
+    return 0;
+}
+
+/* The patch as a mesh in the face frame, with the landmarks on it. */
+static int make_mesh(struct iso_extractor *x, struct iso_extraction *out)
+{
+    int error = iso_triangulate(x->patch_triangulator, iso_face_patch_frame(x->patch), x->mesh);
+    if (error) {
+        return error;
+    }
+    for (int32_t i = 0; i < x->mesh->n_vertices; i++) {
+        x->mesh->vertices_mm[i] = iso_face_from_patch(x->mesh->vertices_mm[i]);
+    }
+    iso_triangulate_adjacency(x->patch_triangulator, x->adjacent);
+    for (int l = 0; l < ISO_LANDMARKS && !error; l++) {
+        struct iso_vec3 mean = iso_head_mean_landmark(x->model, (enum iso_landmark)l);
+        double column, row;
+        iso_face_patch_pixel(x->patch, mean.x, mean.y, &column, &row);
+        error = iso_triangulate_locate(x->patch_triangulator, column, row, &x->sources[l]);
+        if (!error) {
+            x->landmark_mm[l] = iso_mesh_point_at(x->mesh, x->sources[l]);
+            out->landmark_mm[l] = iso_rigid_apply(&out->camera_from_face, x->landmark_mm[l]);
+        }
+    }
+    return error;
+}
+
+static int release_heat(struct iso_extractor *x)
+{
+    const double t_mm2 = x->options.t_mm2;
+    int error = iso_stiffness_mass(x->mesh, ISO_MASS_CONSISTENT, x->stiffness, x->mass);
+    if (error) {
+        return error;
+    }
+    if (x->options.heat == ISO_HEAT_DIRECT) {
+        return iso_heat_direct(x->direct, x->mesh, x->stiffness, x->mass, x->sources, ISO_LANDMARKS,
+                               &t_mm2, 1, x->heat);
+    }
+    struct iso_eigenpairs *pairs;
+    error = iso_eigenpairs_new(x->stiffness, x->mass, ISO_EXTRACT_EIGENPAIRS, 1e-10, &pairs);
+    if (error) {
+        return error;
+    }
+    iso_heat_spectral(pairs, x->mesh, x->sources, ISO_LANDMARKS, &t_mm2, 1, x->heat);
+    iso_eigenpairs_free(pairs);
+    return 0;
+}
+
+static int trace_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
+{
+    memset(tmpl, 0, sizeof *tmpl);
+    tmpl->algorithm = x->algorithm;
+    memcpy(tmpl->sensor, x->options.sensor, sizeof tmpl->sensor);
+    tmpl->n_radii = (uint16_t)x->options.n_radii;
+    tmpl->n_points = (uint16_t)x->options.n_points;
+    tmpl->n_frames = 1;
+    for (int r = 0; r < x->options.n_radii; r++) {
+        tmpl->radius_mm[r] = (float)x->options.radius_mm[r];
+    }
+    struct iso_heated_face face = {
+        .mesh = x->mesh,
+        .adjacent = (const int32_t(*)[3])x->adjacent,
+        .patch = x->patch,
+        .heat = x->heat,
+    };
+    memcpy(face.landmark_mm, x->landmark_mm, sizeof face.landmark_mm);
+    return iso_face_isotherms(x->tracer, &face, tmpl);
+}
+
+/* The steps, each charged with its time; a step that finds the frame unusable sets the outcome. */
+static int run(struct iso_extractor *x, const struct iso_frame *frame, struct iso_extraction *out)
+{
+    struct iso_pose_fit fit;
+    const struct iso_frame *cleaned = NULL;
+    int error = 0;
+    int64_t before = now_ns(x);
+    for (int stage = 0; stage < ISO_STAGES; stage++) {
+        switch ((enum iso_stage)stage) {
+        case ISO_STAGE_REGION:
+            error = find_face(x, frame, &fit, out);
+            break;
+        case ISO_STAGE_CLEAN:
+            error = iso_clean(x->cleaner, frame, fit.camera_from_face.translation_mm,
+                              x->options.crop_radius_mm + clean_margin_mm,
+                              ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned);
+            break;
+        case ISO_STAGE_POSE:
+            error = fit_pose(x, cleaned, &fit, out);
+            break;
+        case ISO_STAGE_PATCH:
+            error = make_patch(x, cleaned, out);
+            break;
+        case ISO_STAGE_MESH:
+            error = make_mesh(x, out);
+            break;
+        case ISO_STAGE_HEAT:
+            error = release_heat(x);
+            break;
+        case ISO_STAGE_ISOTHERM:
+            error = trace_isotherms(x, &out->tmpl);
+            break;
+        case ISO_STAGES:
+            break;
+        }
+        int64_t after = now_ns(x);
+        out->stage_ns[stage] = after - before;
+        before = after;
+        if (!error && out->outcome == ISO_CAPTURE_OK &&
+            (stage == ISO_STAGE_REGION || stage == ISO_STAGE_POSE)) {
+            describe_pose(&fit, out);
+            out->outcome = judge_pose(x, frame, &fit, out);
+        }
+        if (error || out->outcome != ISO_CAPTURE_OK) {
+            break;
+        }
+    }
+    return error;
+}
+
+int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *frame,
+                      struct iso_extraction *out)
+{
+    int error = iso_frame_check(frame, NULL);
+    if (error) {
+        return error;
+    }
+    if (frame->width_px > ISO_EXTRACT_WIDTH_MAX || frame->height_px > ISO_EXTRACT_HEIGHT_MAX) {
+        return -EINVAL;
+    }
+    struct iso_extraction extraction = {.outcome = ISO_CAPTURE_NO_FACE};
+    error = run(extractor, frame, &extraction);
+    if (!error) {
+        *out = extraction;
+    }
+    iso_template_wipe(&extraction.tmpl);
+    return error;
+}
+
+const struct iso_mesh *iso_extractor_mesh(const struct iso_extractor *extractor)
+{
+    return extractor->mesh;
+}
+
+const double *iso_extractor_heat(const struct iso_extractor *extractor, enum iso_landmark landmark)
+{
+    return &extractor->heat[(size_t)landmark * (size_t)extractor->mesh->n_vertices];
+}
+
+uint32_t iso_extractor_algorithm(const struct iso_extractor *extractor)
+{
+    return extractor->algorithm;
+}

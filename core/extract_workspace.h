@@ -1,0 +1,63 @@
+/* What an extractor holds: the workspaces of all steps. Internal to core/extract*.c. */
+#ifndef ISO_CORE_EXTRACT_WORKSPACE_H
+#define ISO_CORE_EXTRACT_WORKSPACE_H
+
+#include "core/extract.h"
+#include "core/find/candidate.h"
+#include "core/find/pose_search.h"
+#include "core/frame/shrink.h"
+#include "core/heat/eigenpairs.h"
+#include "core/heat/heat_kernel.h"
+#include "core/isotherm/face_isotherms.h"
+#include "core/landmark/pose_fit.h"
+#include "core/surface/clean.h"
+#include "core/surface/face_patch.h"
+#include "core/surface/triangulate.h"
+
+enum {
+    ISO_EXTRACT_WIDTH_MAX = 1920,
+    ISO_EXTRACT_HEIGHT_MAX = 1200,
+    ISO_EXTRACT_COARSE_PX_MAX = 640 * 480,
+    ISO_EXTRACT_CLEAN_PX_MAX = 512 * 512,
+    ISO_EXTRACT_SEARCH_VERTICES = 220,
+    ISO_EXTRACT_EIGENPAIRS = 100,
+};
+
+/* Pitches at which the steps work, millimetres a pixel: the search (for a face at 600 mm), and the
+ * cleaned cut-out. */
+#define ISO_EXTRACT_COARSE_PITCH_MM 4.0
+#define ISO_EXTRACT_COARSE_AT_MM    600.0
+#define ISO_EXTRACT_CLEAN_PITCH_MM  1.0
+
+struct iso_extractor {
+    const struct iso_head_model *model;
+    struct iso_extract_options options;
+    uint32_t algorithm;
+
+    /* find */
+    struct iso_frame coarse;
+    struct iso_candidate_finder *finder;
+    struct iso_pose_vertices *search_vertices;
+
+    /* surface of the cleaned frame, pose of the mean face on it */
+    struct iso_cleaner *cleaner;
+    struct iso_pose_vertices *fit_vertices;
+    struct iso_triangulator *triangulator;
+    struct iso_mesh *surface;
+
+    /* patch and mesh in the face frame */
+    struct iso_face_patch *patch;
+    struct iso_triangulator *patch_triangulator;
+    struct iso_mesh *mesh;
+    int32_t (*adjacent)[3];
+    struct iso_surface_point sources[ISO_LANDMARKS];
+    struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* the sources in the face frame */
+
+    /* heat and isotherms */
+    struct iso_symmetric *stiffness, *mass;
+    struct iso_heat_direct *direct;
+    double *heat; /* [ISO_LANDMARKS][mesh->n_vertices] */
+    struct iso_tracer *tracer;
+};
+
+#endif

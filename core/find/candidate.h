@@ -1,0 +1,42 @@
+/* Where a nose may be: convex places of the right size, in a coarse frame.
+ *
+ * On a frame shrunk to about 4 mm a pixel, a place is scored by its height above the plane through
+ * a ring of 40 mm about it (nose tips 15..35 mm, at any pose to 40 degrees). The surface is first
+ * split into parts at depth jumps; candidates come part by part, the nearest part first,
+ * since of several people the nearest is meant. */
+#ifndef ISO_CORE_FIND_CANDIDATE_H
+#define ISO_CORE_FIND_CANDIDATE_H
+
+#include "core/frame/frame.h"
+
+enum {
+    ISO_CANDIDATES_MAX = 32,
+    ISO_CANDIDATES_PER_PART = 12,
+    ISO_CANDIDATE_PARTS_MAX = 4,
+};
+
+struct iso_candidate {
+    struct iso_vec3 point_mm; /* camera frame */
+    double height_mm;         /* above the ring's plane */
+    int part;                 /* 0: the nearest part of the scene */
+};
+
+struct iso_candidate_options {
+    double near_mm, far_mm; /* depths looked at */
+};
+
+/* Scratch for frames of up to capacity_px pixels. */
+struct iso_candidate_finder;
+int iso_candidate_finder_new(size_t capacity_px, struct iso_candidate_finder **out)
+    __attribute__((warn_unused_result));
+void iso_candidate_finder_free(struct iso_candidate_finder *finder);
+
+/* Writes at most ISO_CANDIDATES_MAX candidates, part by part and by falling height within one;
+ * *n_parts (may be 0: nobody there) counts the parts of head size in range. -ENOSPC over the
+ * finder's capacity. */
+int iso_candidates_find(struct iso_candidate_finder *finder, const struct iso_frame *frame,
+                        const struct iso_candidate_options *options,
+                        struct iso_candidate candidates[ISO_CANDIDATES_MAX], int *n_candidates,
+                        int *n_parts) __attribute__((warn_unused_result));
+
+#endif

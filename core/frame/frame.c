@@ -1,0 +1,82 @@
+#include "core/frame/frame.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+enum { SIDE_MAX = 8192 };
+
+static bool size_sane(int width_px, int height_px)
+{
+    return width_px >= 1 && width_px <= SIDE_MAX && height_px >= 1 && height_px <= SIDE_MAX;
+}
+
+int iso_frame_new(const struct iso_camera *camera, int width_px, int height_px, bool with_intensity,
+                  struct iso_frame **out)
+{
+    if (!size_sane(width_px, height_px)) {
+        return -EINVAL;
+    }
+    struct iso_frame *f = calloc(1, sizeof *f);
+    if (!f) {
+        return -ENOMEM;
+    }
+    size_t n = (size_t)width_px * (size_t)height_px;
+    f->camera = *camera;
+    f->width_px = width_px;
+    f->height_px = height_px;
+    f->depth_mm = calloc(n, sizeof *f->depth_mm);
+    f->intensity = with_intensity ? calloc(n, sizeof *f->intensity) : NULL;
+    if (!f->depth_mm || (with_intensity && !f->intensity)) {
+        iso_frame_free(f);
+        return -ENOMEM;
+    }
+    *out = f;
+    return 0;
+}
+
+void iso_frame_free(struct iso_frame *frame)
+{
+    if (frame) {
+        free(frame->depth_mm);
+        free(frame->intensity);
+        free(frame);
+    }
+}
+
+static int refuse(const char **fault, const char *text)
+{
+    if (fault) {
+        *fault = text;
+    }
+    return -EINVAL;
+}
+
+int iso_frame_check(const struct iso_frame *frame, const char **fault)
+{
+    int error = iso_camera_check(&frame->camera, fault);
+    if (error) {
+        return error;
+    }
+    if (!size_sane(frame->width_px, frame->height_px) || !frame->depth_mm) {
+        return refuse(fault, "frame size must be 1..8192 px");
+    }
+    if (frame->crop_x_px < 0 || frame->crop_y_px < 0 ||
+        frame->crop_x_px > frame->camera.width_px - frame->width_px ||
+        frame->crop_y_px > frame->camera.height_px - frame->height_px) {
+        return refuse(fault, "frame's window leaves the camera's image");
+    }
+    size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
+    bool sane = true;
+    for (size_t i = 0; i < n; i++) {
+        float z = frame->depth_mm[i];
+        sane &= z >= 0.0f && z < 1e6f; /* false for NaN and infinity */
+    }
+    return sane ? 0 : refuse(fault, "depth is negative, beyond 1 km or not a number");
+}
+
+struct iso_vec3 iso_frame_point_at(const struct iso_frame *frame, int column, int row)
+{
+    return iso_camera_back_project(&frame->camera, column + frame->crop_x_px,
+                                   row + frame->crop_y_px,
+                                   (double)iso_frame_depth_at(frame, column, row));
+}

@@ -1,0 +1,93 @@
+#include "core/frame/shrink.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+/* Depths further than this from the block's median belong to another surface. */
+static const float same_surface_mm = 20.0f;
+
+static float block_depth(const struct iso_frame *frame, int column, int row, int factor)
+{
+    float sorted[ISO_SHRINK_MAX * ISO_SHRINK_MAX];
+    int n = 0;
+    for (int v = row; v < row + factor; v++) {
+        for (int u = column; u < column + factor; u++) {
+            float z = iso_frame_depth_at(frame, u, v);
+            if (!(z > 0.0f)) {
+                continue;
+            }
+            int i = n++;
+            for (; i > 0 && sorted[i - 1] > z; i--) {
+                sorted[i] = sorted[i - 1];
+            }
+            sorted[i] = z;
+        }
+    }
+    if (n == 0 || 4 * n < factor * factor) {
+        return 0.0f;
+    }
+    float median = sorted[(n - 1) / 2], sum = 0.0f;
+    int used = 0;
+    for (int i = 0; i < n; i++) {
+        if (fabsf(sorted[i] - median) <= same_surface_mm) {
+            sum += sorted[i];
+            used++;
+        }
+    }
+    return sum / (float)used;
+}
+
+/* The camera whose pixel (i, j) is the centre of the block of the old pixels (i, j) * factor +
+ * offset. */
+static struct iso_camera shrunken_camera(const struct iso_frame *frame, struct iso_window window,
+                                         int factor)
+{
+    struct iso_camera c = frame->camera;
+    double shift = (factor - 1) / 2.0;
+    c.cx_px = (c.cx_px - frame->crop_x_px - window.column - shift) / factor;
+    c.cy_px = (c.cy_px - frame->crop_y_px - window.row - shift) / factor;
+    c.fx_px /= factor;
+    c.fy_px /= factor;
+    c.pitch_mm *= factor;
+    c.width_px = window.width_px / factor;
+    c.height_px = window.height_px / factor;
+    return c;
+}
+
+int iso_frame_shrink(const struct iso_frame *frame, struct iso_window window, int factor,
+                     size_t capacity_px, struct iso_frame *out)
+{
+    bool inside = window.column >= 0 && window.row >= 0 &&
+                  window.column + window.width_px <= frame->width_px &&
+                  window.row + window.height_px <= frame->height_px;
+    if (!inside || factor < 1 || factor > ISO_SHRINK_MAX || window.width_px < factor ||
+        window.height_px < factor) {
+        return -EINVAL;
+    }
+    int width = window.width_px / factor, height = window.height_px / factor;
+    if ((size_t)width * (size_t)height > capacity_px) {
+        return -ENOSPC;
+    }
+    out->camera = shrunken_camera(frame, window, factor);
+    out->width_px = width;
+    out->height_px = height;
+    out->crop_x_px = out->crop_y_px = 0;
+    out->t_ns = frame->t_ns;
+    out->sequence = frame->sequence;
+    float *depth = out->depth_mm;
+    for (int row = 0; row < height; row++) {
+        const float *line = &frame->depth_mm[(size_t)(window.row + row) * (size_t)frame->width_px +
+                                             (size_t)window.column];
+        if (factor == 1) {
+            memcpy(depth, line, (size_t)width * sizeof *depth);
+            depth += width;
+            continue;
+        }
+        for (int column = 0; column < width; column++) {
+            *depth++ = block_depth(frame, window.column + column * factor,
+                                   window.row + row * factor, factor);
+        }
+    }
+    return 0;
+}

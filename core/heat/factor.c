@@ -1,0 +1,158 @@
+#include "core/heat/factor.h"
+
+#include <cholmod.h>
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct iso_factor {
+    cholmod_common common;
+    cholmod_factor *l;         /* NULL until the first analysis */
+    struct iso_symmetric *sum; /* a L + b B, with the pattern that was analysed */
+    cholmod_dense *x, *y, *e;  /* solution and workspaces, reused by cholmod_solve2 */
+};
+
+int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
+{
+    struct iso_factor *f = calloc(1, sizeof *f);
+    if (!f) {
+        return -ENOMEM;
+    }
+    cholmod_start(&f->common);
+    f->common.supernodal = CHOLMOD_SIMPLICIAL;
+    f->common.nmethods = 1;
+    f->common.method[0].ordering = CHOLMOD_AMD;
+    f->common.postorder = 1;
+    f->common.print = 0;
+    f->common.error_handler = NULL;
+    int error = iso_symmetric_new(n_capacity, nnz_capacity, &f->sum);
+    if (error) {
+        iso_factor_free(f);
+        return error;
+    }
+    *out = f;
+    return 0;
+}
+
+void iso_factor_free(struct iso_factor *factor)
+{
+    if (factor) {
+        cholmod_free_factor(&factor->l, &factor->common);
+        cholmod_free_dense(&factor->x, &factor->common);
+        cholmod_free_dense(&factor->y, &factor->common);
+        cholmod_free_dense(&factor->e, &factor->common);
+        cholmod_finish(&factor->common);
+        iso_symmetric_free(factor->sum);
+        free(factor);
+    }
+}
+
+static bool same_pattern(const struct iso_symmetric *a, const struct iso_symmetric *b)
+{
+    return a->n == b->n && a->nnz == b->nnz &&
+           memcmp(a->column_start, b->column_start, ((size_t)a->n + 1) * sizeof *a->column_start) ==
+               0 &&
+           memcmp(a->row, b->row, (size_t)a->nnz * sizeof *a->row) == 0;
+}
+
+/* The sum as CHOLMOD sees it: lower triangle, columns packed and sorted; borrows the arrays. */
+static cholmod_sparse view_of(struct iso_symmetric *a)
+{
+    return (cholmod_sparse){
+        .nrow = (size_t)a->n,
+        .ncol = (size_t)a->n,
+        .nzmax = (size_t)a->nnz,
+        .p = a->column_start,
+        .i = a->row,
+        .x = a->value,
+        .stype = -1,
+        .itype = CHOLMOD_INT,
+        .xtype = CHOLMOD_REAL,
+        .dtype = CHOLMOD_DOUBLE,
+        .sorted = 1,
+        .packed = 1,
+    };
+}
+
+static int error_of(const struct iso_factor *f)
+{
+    return f->common.status == CHOLMOD_OUT_OF_MEMORY ? -ENOMEM : -EDOM;
+}
+
+/* Takes over a new pattern and analyses it. */
+static int analyse(struct iso_factor *f, const struct iso_symmetric *pattern)
+{
+    cholmod_free_factor(&f->l, &f->common);
+    f->sum->n = pattern->n;
+    f->sum->nnz = pattern->nnz;
+    memcpy(f->sum->column_start, pattern->column_start,
+           ((size_t)pattern->n + 1) * sizeof *pattern->column_start);
+    memcpy(f->sum->row, pattern->row, (size_t)pattern->nnz * sizeof *pattern->row);
+    cholmod_sparse view = view_of(f->sum);
+    f->l = cholmod_analyze(&view, &f->common);
+    return f->l ? 0 : error_of(f);
+}
+
+int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
+                       double b, const struct iso_symmetric *mass)
+{
+    if (stiffness->n != mass->n || stiffness->nnz != mass->nnz) {
+        return -EINVAL;
+    }
+    if (stiffness->n > f->sum->n_capacity || stiffness->nnz > f->sum->nnz_capacity) {
+        return -ENOSPC;
+    }
+    if (!f->l || !same_pattern(f->sum, stiffness)) {
+        int error = analyse(f, stiffness);
+        if (error) {
+            return error;
+        }
+    }
+    bool finite = true;
+    for (int32_t i = 0; i < f->sum->nnz; i++) {
+        f->sum->value[i] = a * stiffness->value[i] + b * mass->value[i];
+        finite = finite && isfinite(f->sum->value[i]);
+    }
+    cholmod_sparse view = view_of(f->sum);
+    /* CHOLMOD factorises NaN and indefinite matrices without complaint: look for oneself. */
+    if (!finite || !cholmod_factorize(&view, f->l, &f->common) || f->common.status != CHOLMOD_OK ||
+        f->l->minor != f->l->n) {
+        int error = finite ? error_of(f) : -EDOM;
+        cholmod_free_factor(&f->l, &f->common);
+        return error;
+    }
+    /* LDL' also exists for indefinite matrices: all of D must be positive. */
+    const int *p = f->l->p;
+    const double *x = f->l->x;
+    for (size_t j = 0; !f->l->is_ll && j < f->l->n; j++) {
+        if (!(x[p[j]] > 0.0)) {
+            cholmod_free_factor(&f->l, &f->common);
+            return -EDOM;
+        }
+    }
+    return 0;
+}
+
+int iso_factor_solve(struct iso_factor *f, const double *right, int n_right, double *solution)
+{
+    if (!f->l || f->l->xtype != CHOLMOD_REAL) {
+        return -EDOM;
+    }
+    size_t n = f->l->n, columns = (size_t)n_right;
+    cholmod_dense b = {
+        .nrow = n,
+        .ncol = columns,
+        .nzmax = n * columns,
+        .d = n,
+        .x = (void *)(uintptr_t)right, /* read only */
+        .xtype = CHOLMOD_REAL,
+        .dtype = CHOLMOD_DOUBLE,
+    };
+    if (!cholmod_solve2(CHOLMOD_A, f->l, &b, NULL, &f->x, NULL, &f->y, &f->e, &f->common)) {
+        return error_of(f);
+    }
+    memcpy(solution, f->x->x, n * columns * sizeof *solution);
+    return 0;
+}

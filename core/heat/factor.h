@@ -1,0 +1,30 @@
+/* Cholesky factor of a L + b B, by CHOLMOD: what both ways to the heat kernel solve with.
+ *
+ * Simplicial LDL' with AMD ordering only: CHOLMOD's supernodal module is GPL and never called. The
+ * symbolic analysis is kept while the pattern stays the same (compared, since a pattern that
+ * changed behind CHOLMOD's back gives silently wrong results). One factor belongs to one thread. */
+#ifndef ISO_CORE_HEAT_FACTOR_H
+#define ISO_CORE_HEAT_FACTOR_H
+
+#include "core/heat/stiffness_mass.h"
+
+struct iso_factor;
+
+/* For matrices up to the given size. -EINVAL, -ENOMEM. */
+int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
+    __attribute__((warn_unused_result));
+void iso_factor_free(struct iso_factor *factor);
+
+/* Factorises a * stiffness + b * mass (one pattern, as iso_stiffness_mass makes them). -EINVAL if
+ * the patterns differ in size, -ENOSPC over the capacity, -EDOM if the sum is not positive definite
+ * or not finite, -ENOMEM. */
+int iso_factor_compute(struct iso_factor *factor, double a, const struct iso_symmetric *stiffness,
+                       double b, const struct iso_symmetric *mass)
+    __attribute__((warn_unused_result));
+
+/* Solves for n_right columns at once: right and solution are [n_right][n], and may be the same.
+ * -EDOM, -ENOMEM. */
+int iso_factor_solve(struct iso_factor *factor, const double *right, int n_right, double *solution)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,190 @@
+#include "core/heat/stiffness_mass.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+int iso_symmetric_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_symmetric **out)
+{
+    if (n_capacity < 1 || nnz_capacity < n_capacity) {
+        return -EINVAL;
+    }
+    struct iso_symmetric *a = calloc(1, sizeof *a);
+    if (!a) {
+        return -ENOMEM;
+    }
+    a->n_capacity = n_capacity;
+    a->nnz_capacity = nnz_capacity;
+    a->column_start = calloc((size_t)n_capacity + 1, sizeof *a->column_start);
+    a->row = calloc((size_t)nnz_capacity, sizeof *a->row);
+    a->value = calloc((size_t)nnz_capacity, sizeof *a->value);
+    if (!a->column_start || !a->row || !a->value) {
+        iso_symmetric_free(a);
+        return -ENOMEM;
+    }
+    *out = a;
+    return 0;
+}
+
+void iso_symmetric_free(struct iso_symmetric *matrix)
+{
+    if (matrix) {
+        free(matrix->column_start);
+        free(matrix->row);
+        free(matrix->value);
+        free(matrix);
+    }
+}
+
+void iso_symmetric_multiply(const struct iso_symmetric *a, const double *x, double *y)
+{
+    memset(y, 0, (size_t)a->n * sizeof *y);
+    for (int32_t j = 0; j < a->n; j++) {
+        int32_t at = a->column_start[j];
+        double sum = a->value[at] * x[j];
+        for (at++; at < a->column_start[j + 1]; at++) {
+            int32_t i = a->row[at];
+            y[i] += a->value[at] * x[j];
+            sum += a->value[at] * x[i];
+        }
+        y[j] += sum;
+    }
+}
+
+/* Rows of one column, the diagonal first: sorts them and drops repetitions. Returns how many. */
+static int32_t sort_unique(int32_t *row, int32_t n)
+{
+    for (int32_t i = 2; i < n; i++) {
+        int32_t value = row[i], at = i;
+        for (; at > 1 && row[at - 1] > value; at--) {
+            row[at] = row[at - 1];
+        }
+        row[at] = value;
+    }
+    int32_t kept = 1;
+    for (int32_t i = 1; i < n; i++) {
+        if (row[i] != row[kept - 1]) {
+            row[kept++] = row[i];
+        }
+    }
+    return kept;
+}
+
+/* The pattern of a mesh: the diagonal and an entry for each edge. Edges are first put down once for
+ * each of their triangles, in place, then made unique. */
+static int make_pattern(const struct iso_mesh *mesh, struct iso_symmetric *a)
+{
+    int32_t n = mesh->n_vertices;
+    if (n > a->n_capacity || n + 3 * mesh->n_triangles > a->nnz_capacity) {
+        return -ENOSPC;
+    }
+    int32_t *start = a->column_start;
+    start[0] = 0;
+    for (int32_t j = 0; j < n; j++) {
+        start[j + 1] = 1;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        for (int k = 0; k < 3; k++) {
+            int32_t p = mesh->triangles[t][k], q = mesh->triangles[t][(k + 1) % 3];
+            start[(p < q ? p : q) + 1]++;
+        }
+    }
+    for (int32_t j = 0; j < n; j++) {
+        start[j + 1] += start[j];
+    }
+    /* Filling moves each start to the end of its column. */
+    for (int32_t j = 0; j < n; j++) {
+        a->row[start[j]++] = j;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        for (int k = 0; k < 3; k++) {
+            int32_t p = mesh->triangles[t][k], q = mesh->triangles[t][(k + 1) % 3];
+            a->row[start[p < q ? p : q]++] = p < q ? q : p;
+        }
+    }
+    int32_t nnz = 0, from = 0;
+    for (int32_t j = 0; j < n; j++) {
+        int32_t to = start[j], count = sort_unique(&a->row[from], to - from);
+        memmove(&a->row[nnz], &a->row[from], (size_t)count * sizeof *a->row);
+        start[j] = nnz;
+        nnz += count;
+        from = to;
+    }
+    start[n] = nnz;
+    a->n = n;
+    a->nnz = nnz;
+    memset(a->value, 0, (size_t)nnz * sizeof *a->value);
+    return 0;
+}
+
+static void add(struct iso_symmetric *a, int32_t i, int32_t j, double value)
+{
+    int32_t column = i < j ? i : j, row = i < j ? j : i, at = a->column_start[column];
+    while (a->row[at] != row) {
+        at++;
+    }
+    a->value[at] += value;
+}
+
+/* Adds what one triangle contributes (linear elements). */
+static void add_triangle(const struct iso_mesh *mesh, int32_t t, enum iso_mass kind,
+                         struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+{
+    const int32_t *v = mesh->triangles[t];
+    struct iso_vec3 edge[3]; /* opposite to corner k */
+    double longest = 0.0;
+    for (int k = 0; k < 3; k++) {
+        edge[k] = iso_sub(mesh->vertices_mm[v[(k + 2) % 3]], mesh->vertices_mm[v[(k + 1) % 3]]);
+        longest = fmax(longest, iso_dot(edge[k], edge[k]));
+    }
+    double area = 0.5 * iso_norm(iso_cross(edge[0], edge[1]));
+    if (!(area >= 1e-12 * longest) || longest == 0.0) {
+        return;
+    }
+    for (int k = 0; k < 3; k++) {
+        int32_t p = v[(k + 1) % 3], q = v[(k + 2) % 3];
+        /* Cotangent of the angle at corner k, between edges k + 1 and k + 2. */
+        double cotangent = -iso_dot(edge[(k + 1) % 3], edge[(k + 2) % 3]) / (2.0 * area);
+        add(stiffness, p, q, -0.5 * cotangent);
+        add(stiffness, p, p, 0.5 * cotangent);
+        add(stiffness, q, q, 0.5 * cotangent);
+        if (kind == ISO_MASS_CONSISTENT) {
+            add(mass, p, q, area / 12.0);
+            add(mass, v[k], v[k], area / 6.0);
+        } else {
+            add(mass, v[k], v[k], area / 3.0);
+        }
+    }
+}
+
+int iso_stiffness_mass(const struct iso_mesh *mesh, enum iso_mass kind,
+                       struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+{
+    if (mesh->n_vertices < 1 || iso_mesh_check(mesh, NULL)) {
+        return -EINVAL;
+    }
+    if (mesh->n_vertices > mass->n_capacity) {
+        return -ENOSPC;
+    }
+    int error = make_pattern(mesh, stiffness);
+    if (error) {
+        return error;
+    }
+    if (stiffness->nnz > mass->nnz_capacity) {
+        return -ENOSPC;
+    }
+    mass->n = stiffness->n;
+    mass->nnz = stiffness->nnz;
+    memcpy(mass->column_start, stiffness->column_start,
+           ((size_t)mass->n + 1) * sizeof *mass->column_start);
+    memcpy(mass->row, stiffness->row, (size_t)mass->nnz * sizeof *mass->row);
+    memset(mass->value, 0, (size_t)mass->nnz * sizeof *mass->value);
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        add_triangle(mesh, t, kind, stiffness, mass);
+    }
+    for (int32_t i = 0; i < mass->n; i++) {
+        double *diagonal = &mass->value[mass->column_start[i]];
+        *diagonal = *diagonal > 0.0 ? *diagonal : 1.0; /* a vertex of no (or no proper) triangle */
+    }
+    return 0;
+}

@@ -1,0 +1,26 @@
+/* The whole of libisotherm, in the order the data flows. Users of the installed library write
+ * `#include <isotherm.h>`. */
+#ifndef ISO_CORE_ISOTHERM_H
+#define ISO_CORE_ISOTHERM_H
+
+#include "core/frame/camera.h"
+#include "core/frame/frame.h"
+#include "core/landmark/head_model.h"
+#include "core/landmark/landmark.h"
+#include "core/surface/mesh.h"
+#include "core/surface/triangulate.h"
+
+#include "core/heat/eigenpairs.h"
+#include "core/heat/heat_kernel.h"
+#include "core/heat/stiffness_mass.h"
+#include "core/isotherm/isotherm.h"
+
+#include "core/match/cohort.h"
+#include "core/match/distance.h"
+#include "core/match/icp.h"
+#include "core/match/search.h"
+#include "core/match/template.h"
+
+#include "core/extract.h"
+
+#endif

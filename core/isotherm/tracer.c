@@ -1,0 +1,170 @@
+#include "core/isotherm/isotherm.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A vertex counts as hot if its heat is at least the level: with this rule alone every triangle
+ * that the level cuts has one edge from hot to cold and one from cold to hot (going around
+ * counter-clockwise), whatever vertices lie exactly on the level. The curve enters by the former
+ * and leaves by the latter, hot on its left. */
+struct iso_tracer {
+    int32_t triangle_capacity;
+    struct iso_vec3 *points; /* [2 triangle_capacity], curve after curve */
+    int32_t *start;          /* [triangle_capacity + 1], of each curve in points */
+    bool *closed;            /* [triangle_capacity] */
+    uint8_t *passed;         /* [triangle_capacity], 1 once traced */
+    int32_t n_curves;
+};
+
+/* What is being traced. */
+struct scene {
+    const struct iso_mesh *mesh;
+    const int32_t (*adjacent)[3];
+    const double *heat;
+    double level;
+};
+
+int iso_tracer_new(int32_t triangle_capacity, struct iso_tracer **out)
+{
+    if (triangle_capacity < 1) {
+        return -EINVAL;
+    }
+    struct iso_tracer *t = calloc(1, sizeof *t);
+    if (!t) {
+        return -ENOMEM;
+    }
+    size_t n = (size_t)triangle_capacity;
+    t->triangle_capacity = triangle_capacity;
+    t->points = calloc(2 * n, sizeof *t->points);
+    t->start = calloc(n + 1, sizeof *t->start);
+    t->closed = calloc(n, sizeof *t->closed);
+    t->passed = calloc(n, sizeof *t->passed);
+    if (!t->points || !t->start || !t->closed || !t->passed) {
+        iso_tracer_free(t);
+        return -ENOMEM;
+    }
+    *out = t;
+    return 0;
+}
+
+void iso_tracer_free(struct iso_tracer *tracer)
+{
+    if (tracer) {
+        free(tracer->points);
+        free(tracer->start);
+        free(tracer->closed);
+        free(tracer->passed);
+        free(tracer);
+    }
+}
+
+/* The edge, by its opposite corner, at which a triangle turns from hot to cold (or from cold to
+ * hot); -1 if the level does not cut it. */
+static int turning_edge(const struct scene *scene, int32_t triangle, bool from_hot)
+{
+    const int32_t *v = scene->mesh->triangles[triangle];
+    for (int k = 0; k < 3; k++) {
+        bool first = scene->heat[v[(k + 1) % 3]] >= scene->level;
+        bool second = scene->heat[v[(k + 2) % 3]] >= scene->level;
+        if (first == from_hot && second != from_hot) {
+            return k;
+        }
+    }
+    return -1;
+}
+
+/* Where the level cuts an edge, by linear interpolation. */
+static struct iso_vec3 cut(const struct scene *scene, int32_t triangle, int edge)
+{
+    const int32_t *v = scene->mesh->triangles[triangle];
+    int32_t a = v[(edge + 1) % 3], b = v[(edge + 2) % 3];
+    double s = (scene->level - scene->heat[a]) / (scene->heat[b] - scene->heat[a]);
+    struct iso_vec3 from = scene->mesh->vertices_mm[a];
+    return iso_madd(from, s, iso_sub(scene->mesh->vertices_mm[b], from));
+}
+
+/* Follows the level from a triangle until it returns or leaves the mesh. */
+static void walk(struct iso_tracer *t, const struct scene *scene, int32_t triangle)
+{
+    int32_t n = t->start[t->n_curves];
+    bool closed = true;
+    while (!t->passed[triangle]) {
+        t->passed[triangle] = 1;
+        t->points[n++] = cut(scene, triangle, turning_edge(scene, triangle, true));
+        int leaves = turning_edge(scene, triangle, false);
+        int32_t next = scene->adjacent[triangle][leaves];
+        if (next < 0) {
+            t->points[n++] = cut(scene, triangle, leaves);
+            closed = false;
+            break;
+        }
+        triangle = next;
+    }
+    t->closed[t->n_curves] = closed;
+    t->start[++t->n_curves] = n;
+}
+
+int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
+                   const int32_t (*adjacent)[3], const double *heat, double level)
+{
+    if (mesh->n_triangles > tracer->triangle_capacity) {
+        return -ENOSPC;
+    }
+    const struct scene scene = {mesh, adjacent, heat, level};
+    memset(tracer->passed, 0, (size_t)mesh->n_triangles);
+    tracer->n_curves = 0;
+    tracer->start[0] = 0;
+    /* Open curves first, from where they enter the mesh: what is left then are loops. */
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        int enters = turning_edge(&scene, t, true);
+        if (enters >= 0 && adjacent[t][enters] < 0) {
+            walk(tracer, &scene, t);
+        }
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        if (!tracer->passed[t] && turning_edge(&scene, t, true) >= 0) {
+            walk(tracer, &scene, t);
+        }
+    }
+    return tracer->n_curves;
+}
+
+struct iso_curve iso_tracer_curve(const struct iso_tracer *tracer, int index)
+{
+    int32_t from = tracer->start[index];
+    return (struct iso_curve){tracer->start[index + 1] - from, tracer->closed[index],
+                              &tracer->points[from]};
+}
+
+/* Turns that a curve makes about a place seen from the front, and twice the area it encloses. */
+static double turns_about(struct iso_curve curve, struct iso_vec3 centre, double *area)
+{
+    double angle = 0.0, sum = 0.0;
+    for (int32_t k = 0; k < curve.n; k++) {
+        struct iso_vec3 a = iso_sub(curve.points_mm[k], centre);
+        struct iso_vec3 b = iso_sub(curve.points_mm[(k + 1) % curve.n], centre);
+        double cross = a.x * b.y - a.y * b.x;
+        angle += atan2(cross, a.x * b.x + a.y * b.y);
+        sum += cross;
+    }
+    *area = fabs(sum);
+    return angle / (2.0 * M_PI);
+}
+
+int iso_tracer_enclosing(const struct iso_tracer *tracer, struct iso_vec3 landmark_mm)
+{
+    int best = -ENOENT;
+    double best_area = 0.0;
+    for (int i = 0; i < tracer->n_curves; i++) {
+        double area;
+        double turns = turns_about(iso_tracer_curve(tracer, i), landmark_mm, &area);
+        if (fabs(turns) > 0.5 && area > best_area) {
+            best_area = area;
+            best = i;
+        }
+    }
+    return best;
+}

@@ -1,0 +1,98 @@
+#include "core/landmark/pose_fit.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Area-weighted unit normals of the mean face. */
+static void mean_normals(const struct iso_head_model *model, struct iso_vec3 *normal)
+{
+    for (uint32_t t = 0; t < model->n_triangles; t++) {
+        const uint32_t *v = model->triangles[t];
+        struct iso_vec3 a = model->mean_mm[v[0]];
+        struct iso_vec3 area = iso_cross(iso_sub(model->mean_mm[v[1]], a),
+                                         iso_sub(model->mean_mm[v[2]], a));
+        for (int k = 0; k < 3; k++) {
+            normal[v[k]] = iso_add(normal[v[k]], area);
+        }
+    }
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        normal[i] = iso_unit(normal[i]);
+    }
+}
+
+/* Farthest-point sampling (Gonzalez 1985): distance[i] is to the nearest point chosen so far, and
+ * negative for vertices that may not be chosen. Returns the next one. */
+static uint32_t choose_farthest(const struct iso_head_model *model, double *distance)
+{
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < model->n_vertices; i++) {
+        best = distance[i] > distance[best] ? i : best;
+    }
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        double d = iso_norm(iso_sub(model->mean_mm[i], model->mean_mm[best]));
+        distance[i] = fmin(distance[i], d);
+    }
+    return best;
+}
+
+static struct iso_pose_vertices *vertices_alloc(size_t n)
+{
+    struct iso_pose_vertices *v = calloc(1, sizeof *v);
+    if (v) {
+        v->point_mm = calloc(n, sizeof *v->point_mm);
+        v->normal = calloc(n, sizeof *v->normal);
+        v->weight = calloc(n, sizeof *v->weight);
+    }
+    if (v && v->point_mm && v->normal && v->weight) {
+        return v;
+    }
+    iso_pose_vertices_free(v);
+    return NULL;
+}
+
+int iso_pose_vertices_new(const struct iso_head_model *model, int count, double soft_weight,
+                          struct iso_pose_vertices **out)
+{
+    int available = 0;
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        available += (model->region[i] & ISO_HEAD_FACE) != 0;
+    }
+    if (available == 0 || count < 0 || soft_weight < 0.0) {
+        return -EINVAL;
+    }
+    int n = count == 0 || count > available ? available : count;
+    struct iso_pose_vertices *v = vertices_alloc((size_t)n);
+    struct iso_vec3 *normal = calloc(model->n_vertices, sizeof *normal);
+    double *distance = calloc(model->n_vertices, sizeof *distance);
+    if (!v || !normal || !distance) {
+        free(distance);
+        free(normal);
+        iso_pose_vertices_free(v);
+        return -ENOMEM;
+    }
+    mean_normals(model, normal);
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        distance[i] = model->region[i] & ISO_HEAD_FACE ? INFINITY : -1.0;
+    }
+    for (v->n = 0; v->n < n; v->n++) {
+        uint32_t i = choose_farthest(model, distance);
+        v->point_mm[v->n] = model->mean_mm[i];
+        v->normal[v->n] = normal[i];
+        v->weight[v->n] = model->region[i] & ISO_HEAD_RIGID ? 1.0 : soft_weight;
+    }
+    free(distance);
+    free(normal);
+    *out = v;
+    return 0;
+}
+
+void iso_pose_vertices_free(struct iso_pose_vertices *vertices)
+{
+    if (vertices) {
+        free(vertices->point_mm);
+        free(vertices->normal);
+        free(vertices->weight);
+        free(vertices);
+    }
+}

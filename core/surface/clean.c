@@ -1,0 +1,178 @@
+#include "core/surface/clean.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/frame/shrink.h"
+
+static const float neighbour_mm = 8.0f;
+static const float median_mm = 6.0f;
+static const double piece_mm2 = 3000.0;
+
+enum { NEIGHBOURS_MIN = 5 };
+
+struct iso_cleaner {
+    size_t capacity_px;
+    struct iso_frame frame; /* the result */
+    float *kept;            /* the plane while it is being cleaned */
+    int32_t *queue;         /* flood fill */
+    uint8_t *seen;
+};
+
+int iso_cleaner_new(size_t capacity_px, struct iso_cleaner **out)
+{
+    if (capacity_px == 0) {
+        return -EINVAL;
+    }
+    struct iso_cleaner *c = calloc(1, sizeof *c);
+    if (c) {
+        c->capacity_px = capacity_px;
+        c->frame.depth_mm = calloc(capacity_px, sizeof *c->frame.depth_mm);
+        c->kept = calloc(capacity_px, sizeof *c->kept);
+        c->queue = calloc(capacity_px, sizeof *c->queue);
+        c->seen = calloc(capacity_px, sizeof *c->seen);
+    }
+    if (!c || !c->frame.depth_mm || !c->kept || !c->queue || !c->seen) {
+        iso_cleaner_free(c);
+        return -ENOMEM;
+    }
+    *out = c;
+    return 0;
+}
+
+void iso_cleaner_free(struct iso_cleaner *cleaner)
+{
+    if (cleaner) {
+        free(cleaner->frame.depth_mm);
+        free(cleaner->kept);
+        free(cleaner->queue);
+        free(cleaner->seen);
+        free(cleaner);
+    }
+}
+
+/* The square's pixels in the frame, clipped. */
+static struct iso_window window_about(const struct iso_frame *frame, struct iso_vec3 centre_mm,
+                                      double radius_mm)
+{
+    struct iso_window none = {0};
+    double u, v;
+    if (!iso_camera_project(&frame->camera, centre_mm, &u, &v)) {
+        return none;
+    }
+    double reach = radius_mm / iso_camera_pixel_mm(&frame->camera, centre_mm.z);
+    double left = fmax(ceil(u - frame->crop_x_px - reach), 0.0);
+    double top = fmax(ceil(v - frame->crop_y_px - reach), 0.0);
+    double right = fmin(floor(u - frame->crop_x_px + reach), frame->width_px - 1.0);
+    double bottom = fmin(floor(v - frame->crop_y_px + reach), frame->height_px - 1.0);
+    if (!(left <= right && top <= bottom)) {
+        return none;
+    }
+    return (struct iso_window){(int)left, (int)top, (int)(right - left) + 1,
+                               (int)(bottom - top) + 1};
+}
+
+/* Whether a pixel (two or more from the border) agrees with its surroundings. That it lies within
+ * 6 mm of the median is counted, not sorted: no more than half lie further to either side. */
+static int agrees(const float *at, int width)
+{
+    float z = *at;
+    int close = 0, measured = 0, below = 0, above = 0;
+    for (int dv = -2; dv <= 2; dv++) {
+        for (int du = -2; du <= 2; du++) {
+            float near = at[dv * width + du];
+            int is = near > 0.0f;
+            float d = near - z;
+            measured += is;
+            below += is & (d < -median_mm);
+            above += is & (d > median_mm);
+            int ring = (du | dv) != 0 && du >= -1 && du <= 1 && dv >= -1 && dv <= 1;
+            close += is & ring & (d < neighbour_mm) & (d > -neighbour_mm);
+        }
+    }
+    return close >= NEIGHBOURS_MIN && 2 * below <= measured && 2 * above <= measured;
+}
+
+static void drop_outliers(struct iso_cleaner *c)
+{
+    struct iso_frame *f = &c->frame;
+    int w = f->width_px, h = f->height_px;
+    for (int row = 0; row < h; row++) {
+        for (int column = 0; column < w; column++) {
+            int i = row * w + column;
+            int inner = row >= 2 && column >= 2 && row < h - 2 && column < w - 2;
+            c->kept[i] = inner && f->depth_mm[i] > 0.0f && agrees(&f->depth_mm[i], w)
+                             ? f->depth_mm[i]
+                             : 0.0f;
+        }
+    }
+    float *swap = f->depth_mm;
+    f->depth_mm = c->kept;
+    c->kept = swap;
+}
+
+/* Flood fill from a seed; the pixels stay in the queue. Returns how many, and their area. */
+static int flood(struct iso_cleaner *c, int seed, double *area_mm2)
+{
+    const struct iso_frame *f = &c->frame;
+    int w = f->width_px, h = f->height_px, head = 0, tail = 0;
+    double area = 0.0;
+    c->queue[tail++] = seed;
+    c->seen[seed] = 1;
+    while (head < tail) {
+        int at = c->queue[head++], column = at % w, row = at / w;
+        double pixel = iso_camera_pixel_mm(&f->camera, (double)f->depth_mm[at]);
+        area += pixel * pixel;
+        const int next[4] = {column > 0 ? at - 1 : -1, column < w - 1 ? at + 1 : -1,
+                             row > 0 ? at - w : -1, row < h - 1 ? at + w : -1};
+        for (int k = 0; k < 4; k++) {
+            int to = next[k];
+            if (to >= 0 && !c->seen[to] && f->depth_mm[to] > 0.0f &&
+                fabsf(f->depth_mm[to] - f->depth_mm[at]) <= neighbour_mm) {
+                c->seen[to] = 1;
+                c->queue[tail++] = to;
+            }
+        }
+    }
+    *area_mm2 = area;
+    return tail;
+}
+
+static void drop_pieces(struct iso_cleaner *c)
+{
+    struct iso_frame *f = &c->frame;
+    int n = f->width_px * f->height_px;
+    for (int i = 0; i < n; i++) {
+        c->seen[i] = 0;
+    }
+    for (int i = 0; i < n; i++) {
+        if (c->seen[i] || !(f->depth_mm[i] > 0.0f)) {
+            continue;
+        }
+        double area;
+        int pixels = flood(c, i, &area);
+        for (int k = 0; area < piece_mm2 && k < pixels; k++) {
+            f->depth_mm[c->queue[k]] = 0.0f;
+        }
+    }
+}
+
+int iso_clean(struct iso_cleaner *cleaner, const struct iso_frame *frame, struct iso_vec3 centre_mm,
+              double radius_mm, double pitch_mm, const struct iso_frame **out)
+{
+    struct iso_window window = window_about(frame, centre_mm, radius_mm);
+    double pixel_mm = iso_camera_pixel_mm(&frame->camera, centre_mm.z);
+    int factor = (int)fmin(fmax(floor(pitch_mm / pixel_mm), 1.0), ISO_SHRINK_MAX);
+    if (window.width_px < 8 * factor || window.height_px < 8 * factor) {
+        return -ENODATA;
+    }
+    int error = iso_frame_shrink(frame, window, factor, cleaner->capacity_px, &cleaner->frame);
+    if (error) {
+        return error;
+    }
+    drop_outliers(cleaner);
+    drop_pieces(cleaner);
+    *out = &cleaner->frame;
+    return 0;
+}

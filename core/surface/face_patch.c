@@ -1,0 +1,240 @@
+#include "core/surface/face_patch.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/surface/fill.h"
+#include "core/surface/raster.h"
+
+/* The mean face's slope, depth over way, beyond which the patch ends: a view from the front says
+ * little about such places. */
+static const float slope_max = 3.0f;
+
+struct iso_face_patch {
+    struct iso_face_patch_options options;
+    int side; /* columns and rows; odd, the nose tip in the middle */
+    struct iso_frame frame;
+    float *mean_depth; /* of the mean face; 0 outside the domain */
+    float *residual;   /* measured minus mean */
+    uint8_t *domain;   /* 1 inside */
+    uint8_t *measured; /* 1 where the residual was measured */
+    struct iso_fill *fill;
+};
+
+static size_t pixels(const struct iso_face_patch *patch)
+{
+    return (size_t)patch->side * (size_t)patch->side;
+}
+
+static struct iso_raster raster_of(const struct iso_face_patch *patch)
+{
+    return (struct iso_raster){
+        .camera = patch->frame.camera,
+        .width_px = patch->side,
+        .height_px = patch->side,
+        .depth_mm = patch->frame.depth_mm,
+    };
+}
+
+static bool too_steep(const struct iso_face_patch *patch, int column, int row)
+{
+    const float *z = patch->frame.depth_mm;
+    float limit = slope_max * (float)patch->options.spacing_mm;
+    float at = z[row * patch->side + column];
+    for (int k = 0; k < 4; k++) {
+        int u = column + (k == 0) - (k == 1), v = row + (k == 2) - (k == 3);
+        if (u < 0 || v < 0 || u >= patch->side || v >= patch->side) {
+            continue;
+        }
+        float near = z[v * patch->side + u];
+        if (!(near > 0.0f) || fabsf(near - at) > limit) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Keeps the piece of the domain that is joined to the nose tip, so that the mesh is of one piece.
+ */
+static void keep_middle(struct iso_face_patch *patch)
+{
+    int side = patch->side;
+    patch->domain[(side * side) / 2] |= 2;
+    for (bool grown = true; grown;) {
+        grown = false;
+        for (int i = side; i < side * (side - 1); i++) {
+            bool beside = (patch->domain[i - 1] | patch->domain[i + 1] | patch->domain[i - side] |
+                           patch->domain[i + side]) &
+                          2;
+            if (patch->domain[i] == 1 && beside) {
+                patch->domain[i] = 3;
+                grown = true;
+            }
+        }
+    }
+    for (int i = 0; i < side * side; i++) {
+        patch->domain[i] = patch->domain[i] == 3;
+        patch->mean_depth[i] = patch->domain[i] ? patch->mean_depth[i] : 0.0f;
+    }
+}
+
+/* Draws the mean face once and decides where the patch has values. */
+static int draw_mean(struct iso_face_patch *patch, const struct iso_head_model *model)
+{
+    struct iso_vec3 *vertices = calloc(model->n_vertices, sizeof *vertices);
+    if (!vertices) {
+        return -ENOMEM;
+    }
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        vertices[i] = iso_patch_from_face(model->mean_mm[i]);
+    }
+    struct iso_raster raster = raster_of(patch);
+    iso_raster_clear(&raster);
+    iso_raster_triangles(&raster, vertices, (const uint32_t(*)[3])model->triangles,
+                         (int32_t)model->n_triangles, 0, 1.0, 1);
+    free(vertices);
+
+    double middle = (patch->side - 1) / 2.0;
+    for (int row = 0; row < patch->side; row++) {
+        for (int column = 0; column < patch->side; column++) {
+            int i = row * patch->side + column;
+            double off_mm = patch->options.spacing_mm * hypot(column - middle, row - middle);
+            float z = patch->frame.depth_mm[i];
+            patch->domain[i] = z > 0.0f && off_mm <= patch->options.radius_mm &&
+                               !too_steep(patch, column, row);
+            patch->mean_depth[i] = z;
+        }
+    }
+    keep_middle(patch);
+    return 0;
+}
+
+static bool options_sane(const struct iso_face_patch_options *o)
+{
+    return o->radius_mm >= 40.0 && o->radius_mm <= 150.0 && o->spacing_mm >= 0.5 &&
+           o->spacing_mm <= 8.0 && o->smoothing_mm >= 0.0 && o->smoothing_mm <= 20.0 &&
+           o->outlier_mm > 0.0;
+}
+
+int iso_face_patch_new(const struct iso_head_model *model,
+                       const struct iso_face_patch_options *options, struct iso_face_patch **out)
+{
+    if (!options_sane(options)) {
+        return -EINVAL;
+    }
+    struct iso_face_patch *p = calloc(1, sizeof *p);
+    if (!p) {
+        return -ENOMEM;
+    }
+    int half = (int)ceil(options->radius_mm / options->spacing_mm) + 1;
+    p->options = *options;
+    p->side = 2 * half + 1;
+    p->frame.camera = (struct iso_camera){
+        .projection = ISO_ORTHOGRAPHIC,
+        .width_px = p->side,
+        .height_px = p->side,
+        .pitch_mm = options->spacing_mm,
+        .cx_px = half,
+        .cy_px = half,
+    };
+    p->frame.width_px = p->frame.height_px = p->side;
+    p->frame.depth_mm = calloc(pixels(p), sizeof(float));
+    p->mean_depth = calloc(pixels(p), sizeof(float));
+    p->residual = calloc(pixels(p), sizeof(float));
+    p->domain = calloc(pixels(p), 1);
+    p->measured = calloc(pixels(p), 1);
+    int error = -ENOMEM;
+    if (p->frame.depth_mm && p->mean_depth && p->residual && p->domain && p->measured) {
+        error = iso_fill_new(p->side, p->side, &p->fill);
+    }
+    error = error ? error : draw_mean(p, model);
+    if (error) {
+        iso_face_patch_free(p);
+        return error;
+    }
+    *out = p;
+    return 0;
+}
+
+void iso_face_patch_free(struct iso_face_patch *patch)
+{
+    if (patch) {
+        iso_fill_free(patch->fill);
+        free(patch->frame.depth_mm);
+        free(patch->mean_depth);
+        free(patch->residual);
+        free(patch->domain);
+        free(patch->measured);
+        free(patch);
+    }
+}
+
+/* Draws the surface as seen from the front of the face. */
+static void draw_surface(struct iso_face_patch *patch, struct iso_mesh *surface,
+                         const struct iso_rigid *camera_from_face)
+{
+    struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
+    for (int32_t i = 0; i < surface->n_vertices; i++) {
+        struct iso_vec3 face = iso_rigid_apply(&face_from_camera, surface->vertices_mm[i]);
+        surface->vertices_mm[i] = iso_patch_from_face(face);
+    }
+    struct iso_raster raster = raster_of(patch);
+    iso_raster_clear(&raster);
+    /* Indices are not negative, so that they read the same unsigned. */
+    iso_raster_triangles(&raster, surface->vertices_mm, (const uint32_t(*)[3])surface->triangles,
+                         surface->n_triangles, 0, 1.0, 1);
+}
+
+double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
+                            const struct iso_rigid *camera_from_face)
+{
+    draw_surface(patch, surface, camera_from_face);
+    float *depth = patch->frame.depth_mm;
+    size_t inside = 0, measured = 0;
+    for (size_t i = 0; i < pixels(patch); i++) {
+        float residual = depth[i] - patch->mean_depth[i];
+        patch->measured[i] = patch->domain[i] && depth[i] > 0.0f &&
+                             fabsf(residual) <= (float)patch->options.outlier_mm;
+        patch->residual[i] = patch->measured[i] ? residual : 0.0f;
+        inside += patch->domain[i];
+        measured += patch->measured[i];
+    }
+    if (measured > 0) {
+        iso_fill_holes(patch->fill, patch->domain, patch->measured, patch->residual);
+        iso_fill_smooth(patch->fill, patch->domain,
+                        patch->options.smoothing_mm / patch->options.spacing_mm, patch->residual);
+    }
+    for (size_t i = 0; i < pixels(patch); i++) {
+        depth[i] = patch->domain[i] ? patch->mean_depth[i] + patch->residual[i] : 0.0f;
+    }
+    return inside > 0 ? (double)measured / (double)inside : 0.0;
+}
+
+const struct iso_frame *iso_face_patch_frame(const struct iso_face_patch *patch)
+{
+    return &patch->frame;
+}
+
+void iso_face_patch_pixel(const struct iso_face_patch *patch, double x_mm, double y_mm,
+                          double *column, double *row)
+{
+    double middle = (patch->side - 1) / 2.0;
+    *column = middle + x_mm / patch->options.spacing_mm;
+    *row = middle - y_mm / patch->options.spacing_mm;
+}
+
+double iso_face_patch_measured(const struct iso_face_patch *patch, double x_mm, double y_mm)
+{
+    double column, row;
+    iso_face_patch_pixel(patch, x_mm, y_mm, &column, &row);
+    int u = (int)floor(column), v = (int)floor(row);
+    if (u < 0 || v < 0 || u + 1 >= patch->side || v + 1 >= patch->side) {
+        return 0.0;
+    }
+    double s = column - u, t = row - v;
+    const uint8_t *m = &patch->measured[v * patch->side + u];
+    return (1 - t) * ((1 - s) * m[0] + s * m[1]) +
+           t * ((1 - s) * m[patch->side] + s * m[patch->side + 1]);
+}

@@ -1,0 +1,63 @@
+/* The measured face resampled in its own frame: an orthographic depth grid about the nose tip, the
+ * same for every person, pose and sensor, with its holes filled.
+ *
+ * What is missing (shadows, hair, the far side of a turned head) is filled in on the residual to
+ * the mean face, not on the depth itself: the residual is smooth, so that a hole gets the mean
+ * face's relief moved to its surroundings. (Filling depth instead leaves a fifth of the isotherms
+ * open and costs 20 points of rank-1.) Filled-in places are remembered, so that the matcher gives
+ * them no weight.
+ *
+ * Grid: an orthographic iso_frame seen from the front: x right = face x, y down = -face y, depth =
+ * ISO_FACE_PATCH_ORIGIN_MM - face z. Its domain, where it has values, is where the mean face has a
+ * surface within the crop radius that is not too steep: fixed when the patch is created. */
+#ifndef ISO_CORE_SURFACE_FACE_PATCH_H
+#define ISO_CORE_SURFACE_FACE_PATCH_H
+
+#include "core/frame/frame.h"
+#include "core/landmark/head_model.h"
+#include "core/surface/mesh.h"
+
+#define ISO_FACE_PATCH_ORIGIN_MM 250.0
+
+struct iso_face_patch_options {
+    double radius_mm;    /* about the nose tip */
+    double spacing_mm;   /* of the grid */
+    double smoothing_mm; /* sigma of the Gaussian that smooths the residual; 0: none */
+    double outlier_mm;   /* a residual beyond this is not the face (hair, hand): filled in */
+};
+
+struct iso_face_patch;
+
+/* -EINVAL for options out of range (radius 40..150, spacing 0.5..8, smoothing 0..20, outlier > 0),
+ * -ENOMEM. */
+int iso_face_patch_new(const struct iso_head_model *model,
+                       const struct iso_face_patch_options *options, struct iso_face_patch **out)
+    __attribute__((warn_unused_result));
+void iso_face_patch_free(struct iso_face_patch *patch);
+
+/* Resamples a measured surface (camera-frame mesh, at most vertex_capacity vertices are moved in
+ * place to the patch's frame) given where the face is. Returns the share of the domain that was
+ * measured, 0..1. */
+double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
+                            const struct iso_rigid *camera_from_face);
+
+/* The grid as a depth frame, holes filled; 0 outside the domain. */
+const struct iso_frame *iso_face_patch_frame(const struct iso_face_patch *patch);
+
+/* How far a place was measured rather than filled in, 0..1, between grid points. */
+double iso_face_patch_measured(const struct iso_face_patch *patch, double x_mm, double y_mm);
+
+/* Grid column and row, in fractions, of a place in the face frame; and a point of the grid's camera
+ * frame in the face frame. */
+void iso_face_patch_pixel(const struct iso_face_patch *patch, double x_mm, double y_mm,
+                          double *column, double *row);
+static inline struct iso_vec3 iso_face_from_patch(struct iso_vec3 p)
+{
+    return iso_vec3(p.x, -p.y, ISO_FACE_PATCH_ORIGIN_MM - p.z);
+}
+static inline struct iso_vec3 iso_patch_from_face(struct iso_vec3 p)
+{
+    return iso_vec3(p.x, -p.y, ISO_FACE_PATCH_ORIGIN_MM - p.z);
+}
+
+#endif

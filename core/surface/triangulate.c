@@ -1,0 +1,342 @@
+#include "core/surface/triangulate.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* The triangles of one cell, whose corners are numbered
+ *     0 1
+ *     2 3
+ * First triangle index and which corners each takes; count 0: the cell is empty. */
+struct cell {
+    int32_t first;
+    uint8_t count;
+    uint8_t corner[2][3];
+};
+
+struct iso_triangulator {
+    struct iso_triangulate_options options;
+    size_t capacity_px;
+    int width_px, height_px; /* of the frame triangulated last */
+    int32_t *vertex;         /* of each pixel, -1 for none */
+    struct cell *cells;      /* of each pixel, as the cell's upper left corner */
+    int32_t (*adjacent)[3];  /* for the pieces */
+    int32_t *piece;
+    int32_t *moved; /* new index of a triangle, -1 if dropped */
+};
+
+/* Counter-clockwise seen from the camera, whose image has v downward: of the corners above these go
+ * left, down, right. */
+static const uint8_t halves_falling[2][3] = {{0, 2, 3}, {0, 3, 1}}; /* diagonal 0-3 */
+static const uint8_t halves_rising[2][3] = {{0, 2, 1}, {1, 2, 3}};  /* diagonal 1-2 */
+/* The one triangle left when corner k is missing. */
+static const uint8_t three_corners[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 3, 1}, {0, 2, 1}};
+
+int iso_triangulator_new(size_t capacity_px, const struct iso_triangulate_options *options,
+                         struct iso_triangulator **out)
+{
+    if (capacity_px == 0 || capacity_px > INT32_MAX / 4 || !(options->jump_mm > 0.0)) {
+        return -EINVAL;
+    }
+    struct iso_triangulator *t = calloc(1, sizeof *t);
+    if (!t) {
+        return -ENOMEM;
+    }
+    t->options = *options;
+    t->capacity_px = capacity_px;
+    t->vertex = calloc(capacity_px, sizeof *t->vertex);
+    t->cells = calloc(capacity_px, sizeof *t->cells);
+    bool whole = t->vertex && t->cells;
+    if (options->largest_only) {
+        t->adjacent = calloc(2 * capacity_px, sizeof *t->adjacent);
+        t->piece = calloc(2 * capacity_px, sizeof *t->piece);
+        t->moved = calloc(2 * capacity_px, sizeof *t->moved);
+        whole = whole && t->adjacent && t->piece && t->moved;
+    }
+    if (!whole) {
+        iso_triangulator_free(t);
+        return -ENOMEM;
+    }
+    *out = t;
+    return 0;
+}
+
+void iso_triangulator_free(struct iso_triangulator *triangulator)
+{
+    if (triangulator) {
+        free(triangulator->vertex);
+        free(triangulator->cells);
+        free(triangulator->adjacent);
+        free(triangulator->piece);
+        free(triangulator->moved);
+        free(triangulator);
+    }
+}
+
+static int corner_pixel(const struct iso_triangulator *t, int cell, int corner)
+{
+    return cell + (corner & 1) + (corner >> 1) * t->width_px;
+}
+
+/* Whether no edge of the triangle crosses a depth jump; all three depths are > 0. */
+static bool is_smooth(const float z[4], const uint8_t corner[3], double jump_mm)
+{
+    float a = z[corner[0]], b = z[corner[1]], c = z[corner[2]];
+    float low = fminf(a, fminf(b, c)), high = fmaxf(a, fmaxf(b, c));
+    return low > 0.0f && (double)(high - low) <= jump_mm;
+}
+
+/* Squared length of the diagonal between two corners of a cell. */
+static double diagonal_squared(const struct iso_frame *frame, int column, int row, int from, int to)
+{
+    struct iso_vec3 a = iso_frame_point_at(frame, column + (from & 1), row + (from >> 1));
+    struct iso_vec3 b = iso_frame_point_at(frame, column + (to & 1), row + (to >> 1));
+    struct iso_vec3 d = iso_sub(a, b);
+    return iso_dot(d, d);
+}
+
+/* Chooses the triangles of one cell. */
+static struct cell make_cell(const struct iso_frame *frame, int column, int row, double jump_mm)
+{
+    const float *at = &frame->depth_mm[row * frame->width_px + column];
+    const float z[4] = {at[0], at[1], at[frame->width_px], at[frame->width_px + 1]};
+    int measured = (z[0] > 0) + (z[1] > 0) + (z[2] > 0) + (z[3] > 0);
+    struct cell cell = {0};
+    if (measured < 3) {
+        return cell;
+    }
+    const uint8_t(*halves)[3] = halves_falling;
+    int n = 2;
+    if (measured == 3) {
+        int missing = z[0] > 0 ? (z[1] > 0 ? (z[2] > 0 ? 3 : 2) : 1) : 0;
+        halves = &three_corners[missing];
+        n = 1;
+    } else if (diagonal_squared(frame, column, row, 1, 2) <
+               diagonal_squared(frame, column, row, 0, 3)) {
+        halves = halves_rising;
+    }
+    for (int h = 0; h < n; h++) {
+        if (is_smooth(z, halves[h], jump_mm)) {
+            for (int k = 0; k < 3; k++) {
+                cell.corner[cell.count][k] = halves[h][k];
+            }
+            cell.count++;
+        }
+    }
+    return cell;
+}
+
+/* Cells and triangles, the latter with pixels for vertices. Returns the number of triangles, or
+ * -ENOSPC. */
+static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame *frame,
+                              struct iso_mesh *mesh)
+{
+    int32_t n = 0;
+    for (int row = 0; row < t->height_px; row++) {
+        for (int column = 0; column < t->width_px; column++) {
+            int at = row * t->width_px + column;
+            struct cell *cell = &t->cells[at];
+            *cell = (struct cell){0};
+            if (row + 1 == t->height_px || column + 1 == t->width_px) {
+                continue;
+            }
+            *cell = make_cell(frame, column, row, t->options.jump_mm);
+            cell->first = n;
+            for (int h = 0; h < cell->count; h++, n++) {
+                if (n == mesh->triangle_capacity) {
+                    return -ENOSPC;
+                }
+                for (int k = 0; k < 3; k++) {
+                    mesh->triangles[n][k] = corner_pixel(t, at, cell->corner[h][k]);
+                }
+            }
+        }
+    }
+    return n;
+}
+
+/* Drops all triangles but those of the largest piece. `mesh` has pixels for vertices. */
+static int keep_largest(struct iso_triangulator *t, struct iso_mesh *mesh)
+{
+    int error = iso_mesh_adjacency(mesh, t->adjacent);
+    if (error) {
+        return error;
+    }
+    int32_t pieces = iso_mesh_components(mesh, (const int32_t(*)[3])t->adjacent, t->piece);
+    if (pieces <= 1) {
+        return pieces < 0 ? pieces : 0;
+    }
+    int32_t kept = 0;
+    for (int32_t i = 0; i < mesh->n_triangles; i++) {
+        t->moved[i] = t->piece[i] == 0 ? kept : -1;
+        if (t->piece[i] == 0) {
+            for (int k = 0; k < 3; k++) {
+                mesh->triangles[kept][k] = mesh->triangles[i][k];
+            }
+            kept++;
+        }
+    }
+    mesh->n_triangles = kept;
+    for (int i = 0; i < t->width_px * t->height_px; i++) {
+        struct cell *cell = &t->cells[i];
+        struct cell before = *cell;
+        cell->count = 0;
+        for (int h = 0; h < before.count; h++) {
+            int32_t index = t->moved[before.first + h];
+            if (index < 0) {
+                continue;
+            }
+            cell->first = cell->count == 0 ? index : cell->first;
+            for (int k = 0; k < 3; k++) {
+                cell->corner[cell->count][k] = before.corner[h][k];
+            }
+            cell->count++;
+        }
+    }
+    return 0;
+}
+
+/* Gives the pixels that triangles use their numbers as vertices. */
+static int number_vertices(struct iso_triangulator *t, const struct iso_frame *frame,
+                           struct iso_mesh *mesh)
+{
+    int n_px = t->width_px * t->height_px;
+    for (int i = 0; i < n_px; i++) {
+        t->vertex[i] = -1;
+    }
+    for (int32_t i = 0; i < mesh->n_triangles; i++) {
+        for (int k = 0; k < 3; k++) {
+            t->vertex[mesh->triangles[i][k]] = 0;
+        }
+    }
+    int32_t n = 0;
+    for (int i = 0; i < n_px; i++) {
+        if (t->vertex[i] < 0) {
+            continue;
+        }
+        if (n == mesh->vertex_capacity) {
+            return -ENOSPC;
+        }
+        mesh->vertices_mm[n] = iso_frame_point_at(frame, i % t->width_px, i / t->width_px);
+        t->vertex[i] = n++;
+    }
+    for (int32_t i = 0; i < mesh->n_triangles; i++) {
+        for (int k = 0; k < 3; k++) {
+            mesh->triangles[i][k] = t->vertex[mesh->triangles[i][k]];
+        }
+    }
+    mesh->n_vertices = n;
+    return 0;
+}
+
+int iso_triangulate(struct iso_triangulator *t, const struct iso_frame *frame,
+                    struct iso_mesh *mesh)
+{
+    int32_t n_px = frame->width_px * frame->height_px;
+    if ((size_t)n_px > t->capacity_px) {
+        return -ENOSPC;
+    }
+    t->width_px = frame->width_px;
+    t->height_px = frame->height_px;
+    mesh->n_vertices = mesh->n_triangles = 0;
+    int32_t n = make_triangles(t, frame, mesh);
+    if (n <= 0) {
+        return n < 0 ? n : -ENODATA;
+    }
+    mesh->n_triangles = n;
+    mesh->n_vertices = n_px; /* until they are numbered, pixels stand for vertices */
+    int error = t->options.largest_only ? keep_largest(t, mesh) : 0;
+    error = error ? error : number_vertices(t, frame, mesh);
+    if (error) {
+        mesh->n_vertices = mesh->n_triangles = 0;
+    }
+    return error;
+}
+
+/* Barycentric weights of (s, t) in a triangle of a cell's corners; false if it lies outside. */
+static bool weigh(const uint8_t corner[3], double s, double t, double weight[3])
+{
+    double x[3], y[3];
+    for (int k = 0; k < 3; k++) {
+        x[k] = corner[k] & 1;
+        y[k] = corner[k] >> 1;
+    }
+    double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+    weight[1] = ((s - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (t - y[0])) / area;
+    weight[2] = ((x[1] - x[0]) * (t - y[0]) - (s - x[0]) * (y[1] - y[0])) / area;
+    weight[0] = 1.0 - weight[1] - weight[2];
+    return weight[0] >= -1e-12 && weight[1] >= -1e-12 && weight[2] >= -1e-12;
+}
+
+int iso_triangulate_locate(const struct iso_triangulator *triangulator, double column, double row,
+                           struct iso_surface_point *point)
+{
+    const struct iso_triangulator *t = triangulator;
+    if (!(column >= 0.0 && row >= 0.0 && column <= t->width_px - 1 && row <= t->height_px - 1)) {
+        return -ENOENT;
+    }
+    int u = (int)fmin(column, t->width_px - 2.0), v = (int)fmin(row, t->height_px - 2.0);
+    const struct cell *cell = &t->cells[v * t->width_px + u];
+    for (int h = 0; h < cell->count; h++) {
+        struct iso_surface_point found = {.triangle = cell->first + h};
+        if (weigh(cell->corner[h], column - u, row - v, found.weight)) {
+            for (int k = 0; k < 3; k++) {
+                found.weight[k] = fmax(found.weight[k], 0.0);
+            }
+            *point = found;
+            return 0;
+        }
+    }
+    return -ENOENT;
+}
+
+/* The triangle of a cell that has both corners, other than `except`; -1 for none. */
+static int32_t triangle_on(const struct cell *cell, int p, int q, int32_t except)
+{
+    for (int h = 0; h < cell->count; h++) {
+        const uint8_t *c = cell->corner[h];
+        bool has_p = c[0] == p || c[1] == p || c[2] == p;
+        bool has_q = c[0] == q || c[1] == q || c[2] == q;
+        if (has_p && has_q && cell->first + h != except) {
+            return cell->first + h;
+        }
+    }
+    return -1;
+}
+
+/* The triangle across the edge between corners p < q of the cell at (column, row). */
+static int32_t across(const struct iso_triangulator *t, int column, int row, int p, int q,
+                      int32_t self)
+{
+    const struct cell *cell = &t->cells[row * t->width_px + column];
+    if (p == 0 && q == 1) {
+        return row > 0 ? triangle_on(cell - t->width_px, 2, 3, -1) : -1;
+    }
+    if (p == 2 && q == 3) {
+        return row + 1 < t->height_px ? triangle_on(cell + t->width_px, 0, 1, -1) : -1;
+    }
+    if (p == 0 && q == 2) {
+        return column > 0 ? triangle_on(cell - 1, 1, 3, -1) : -1;
+    }
+    if (p == 1 && q == 3) {
+        return column + 1 < t->width_px ? triangle_on(cell + 1, 0, 2, -1) : -1;
+    }
+    return triangle_on(cell, p, q, self); /* a diagonal */
+}
+
+void iso_triangulate_adjacency(const struct iso_triangulator *triangulator, int32_t (*adjacent)[3])
+{
+    const struct iso_triangulator *t = triangulator;
+    for (int row = 0; row < t->height_px; row++) {
+        for (int column = 0; column < t->width_px; column++) {
+            const struct cell *cell = &t->cells[row * t->width_px + column];
+            for (int h = 0; h < cell->count; h++) {
+                int32_t self = cell->first + h;
+                for (int k = 0; k < 3; k++) {
+                    int p = cell->corner[h][(k + 1) % 3], q = cell->corner[h][(k + 2) % 3];
+                    adjacent[self][k] = across(t, column, row, p < q ? p : q, p < q ? q : p, self);
+                }
+            }
+        }
+    }
+}
