@@ -10,7 +10,7 @@
  * something that is no face: measured on rendered frames of faces and of other things. */
 static const double search_cost_max_mm2 = 20.0;
 static const double search_coverage_min = 0.5;
-static const double fit_cost_max_mm2 = 18.0;
+static const double fit_cost_max_mm2 = 12.0;
 static const double fit_coverage_min = 0.5;
 static const double in_image_min = 0.9;
 static const double patch_coverage_min = 0.45;
@@ -24,7 +24,7 @@ static const double clean_margin_mm = 20.0;
 const char *iso_stage_name(enum iso_stage stage)
 {
     static const char *const names[ISO_STAGES] = {
-        "region", "clean", "pose", "patch", "mesh", "heat", "isotherm",
+        "region", "clean", "fit", "patch", "mesh", "heat", "isotherm",
     };
     return (unsigned)stage < ISO_STAGES ? names[stage] : NULL;
 }
@@ -58,8 +58,7 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
         return error;
     }
     const struct iso_pose_search_options gate = {search_cost_max_mm2, search_coverage_min};
-    if (iso_pose_search(x->search_vertices, &x->coarse, candidates, n_candidates, &gate, fit,
-                        NULL)) {
+    if (iso_pose_search(x->search_vertices, &x->coarse, candidates, n_candidates, &gate, fit)) {
         out->outcome = n_candidates > 0 ? ISO_CAPTURE_NOT_A_FACE : ISO_CAPTURE_NO_FACE;
         return 0;
     }
@@ -102,21 +101,17 @@ static enum iso_capture judge_pose(const struct iso_extractor *x, const struct i
     return ISO_CAPTURE_OK;
 }
 
-/* Registers the mean face to the cleaned frame. */
-static int fit_pose(struct iso_extractor *x, const struct iso_frame *cleaned,
+/* Fits the head model to the cleaned frame. */
+static int fit_head(struct iso_extractor *x, const struct iso_frame *cleaned,
                     struct iso_pose_fit *fit, struct iso_extraction *out)
 {
-    const struct iso_pose_options options = {
-        .iterations = x->options.pose_iterations,
-        .cutoff_first_mm = x->options.pose_cutoff_first_mm,
-        .cutoff_last_mm = x->options.pose_cutoff_last_mm,
-    };
     struct iso_rigid start = fit->camera_from_face;
-    int error = iso_pose_fit(x->fit_vertices, cleaned, &options, &start, fit);
-    if (error == -ENODATA || (!error && fit->coverage < fit_coverage_min)) {
+    int error = iso_shape_fit(x->fitter, cleaned, &start, &x->head);
+    if (error == -ENODATA || (!error && x->head.pose.coverage < fit_coverage_min)) {
         out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
         return 0;
     }
+    *fit = x->head.pose;
     if (!error && fit->cost_mm2 > fit_cost_max_mm2) {
         out->outcome = ISO_CAPTURE_NOT_A_FACE;
     }
@@ -150,9 +145,9 @@ static int make_mesh(struct iso_extractor *x, struct iso_extraction *out)
     }
     iso_triangulate_adjacency(x->patch_triangulator, x->adjacent);
     for (int l = 0; l < ISO_LANDMARKS && !error; l++) {
-        struct iso_vec3 mean = iso_head_mean_landmark(x->model, (enum iso_landmark)l);
         double column, row;
-        iso_face_patch_pixel(x->patch, mean.x, mean.y, &column, &row);
+        iso_face_patch_pixel(x->patch, x->head.landmark_mm[l].x, x->head.landmark_mm[l].y, &column,
+                             &row);
         error = iso_triangulate_locate(x->patch_triangulator, column, row, &x->sources[l]);
         if (!error) {
             x->landmark_mm[l] = iso_mesh_point_at(x->mesh, x->sources[l]);
@@ -221,8 +216,8 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, struct is
                               x->options.crop_radius_mm + clean_margin_mm,
                               ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned);
             break;
-        case ISO_STAGE_POSE:
-            error = fit_pose(x, cleaned, &fit, out);
+        case ISO_STAGE_FIT:
+            error = fit_head(x, cleaned, &fit, out);
             break;
         case ISO_STAGE_PATCH:
             error = make_patch(x, cleaned, out);
@@ -243,7 +238,7 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, struct is
         out->stage_ns[stage] = after - before;
         before = after;
         if (!error && out->outcome == ISO_CAPTURE_OK &&
-            (stage == ISO_STAGE_REGION || stage == ISO_STAGE_POSE)) {
+            (stage == ISO_STAGE_REGION || stage == ISO_STAGE_FIT)) {
             describe_pose(&fit, out);
             out->outcome = judge_pose(x, frame, &fit, out);
         }

@@ -1,6 +1,6 @@
 /* From a depth frame to a template: every step of core in the order the data flows.
  *
- *   frame -> face region -> clean -> pose of the mean face -> face patch (resampled in the face
+ *   frame -> face region -> clean -> head model fitted -> face patch (resampled in the face
  *   frame, holes filled on the residual) -> mesh -> heat of 12 landmarks -> isotherms -> template
  *
  * One extractor is one workspace: created once, used for frame after frame by one thread, no
@@ -12,7 +12,7 @@
 
 #include "core/capture.h"
 #include "core/frame/frame.h"
-#include "core/landmark/head_model.h"
+#include "core/landmark/shape_fit.h"
 #include "core/match/template.h"
 #include "core/surface/mesh.h"
 
@@ -24,7 +24,7 @@ enum iso_heat_method {
 enum iso_stage {
     ISO_STAGE_REGION,
     ISO_STAGE_CLEAN,
-    ISO_STAGE_POSE,
+    ISO_STAGE_FIT,
     ISO_STAGE_PATCH,
     ISO_STAGE_MESH,
     ISO_STAGE_HEAT,
@@ -44,10 +44,7 @@ struct iso_extract_options {
     double spacing_mm;                        /* of the face patch: 2 */
     double smoothing_mm;                      /* sigma of the residual's filter: 3 */
     double outlier_mm;                        /* residuals beyond are filled in: 20 */
-    int pose_iterations;                      /* 12 */
-    double pose_cutoff_first_mm;              /* Tukey's cut-off: 12 ... */
-    double pose_cutoff_last_mm;               /* ... to 6 */
-    double pose_soft_weight;                  /* of places that move with expression: 0.3 */
+    struct iso_shape_fit_options fit;         /* of the head model (shape_fit.h) */
     double distance_min_mm, distance_max_mm;  /* of the nose tip from the sensor: 300, 1500 */
     double yaw_max_rad, pitch_max_rad;        /* beyond: turn-left and so on: 40 degrees */
     enum iso_heat_method heat;
@@ -64,7 +61,7 @@ struct iso_extraction {
     struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* camera frame; from outcome OK on */
     double yaw_rad, pitch_rad, roll_rad; /* yaw > 0: turned to the subject's left; pitch > 0: up */
     double distance_mm;                  /* nose tip from the sensor along the axis */
-    double residual_mm;                  /* robust fit of the mean face */
+    double residual_mm;                  /* robust fit of the head model */
     double coverage;                     /* measured share of the face patch, 0..1 */
     struct iso_template tmpl;
     int64_t stage_ns[ISO_STAGES];

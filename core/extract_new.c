@@ -21,10 +21,13 @@ struct iso_extract_options iso_extract_options_default(void)
         .spacing_mm = 2.0,
         .smoothing_mm = 3.0,
         .outlier_mm = 20.0,
-        .pose_iterations = 12,
-        .pose_cutoff_first_mm = 12.0,
-        .pose_cutoff_last_mm = 6.0,
-        .pose_soft_weight = 0.3,
+        .fit = {.rigid_iterations = 4,
+                .iterations = 8,
+                .cutoff_first_mm = 12.0,
+                .cutoff_last_mm = 4.0,
+                .soft_weight = 0.3,
+                .identity_stiffness_mm2 = 20.0,
+                .expression_stiffness_mm2 = 5.0},
         .distance_min_mm = 300.0,
         .distance_max_mm = 1500.0,
         .yaw_max_rad = 40.0 * M_PI / 180.0,
@@ -43,10 +46,6 @@ static bool options_sane(const struct iso_extract_options *o)
     bool sane = in_range(o->t_mm2, 1.0, 10000.0) &&
                 in_range(o->n_points, 4, ISO_TEMPLATE_POINTS_MAX) &&
                 in_range(o->n_radii, 1, ISO_TEMPLATE_RADII_MAX) &&
-                in_range(o->pose_iterations, 1, 64) &&
-                in_range(o->pose_cutoff_first_mm, 1.0, 100.0) &&
-                in_range(o->pose_cutoff_last_mm, 1.0, o->pose_cutoff_first_mm) &&
-                in_range(o->pose_soft_weight, 0.0, 1.0) &&
                 in_range(o->distance_min_mm, 50.0, 10000.0) &&
                 in_range(o->distance_max_mm, o->distance_min_mm, 10000.0) &&
                 in_range(o->yaw_max_rad, 0.0, M_PI_2) && in_range(o->pitch_max_rad, 0.0, M_PI_2) &&
@@ -62,16 +61,24 @@ static bool options_sane(const struct iso_extract_options *o)
 static uint32_t algorithm_of(const struct iso_head_model *model,
                              const struct iso_extract_options *o)
 {
-    uint8_t bytes[16 * 4 + ISO_TEMPLATE_RADII_MAX * 4], *p = bytes;
+    uint8_t bytes[24 * 4 + ISO_TEMPLATE_RADII_MAX * 4], *p = bytes;
     p = iso_put_u32(p, ALGORITHM_REVISION);
     p = iso_put_u32(p, model->crc32);
     p = iso_put_u32(p, (uint32_t)o->n_radii);
     p = iso_put_u32(p, (uint32_t)o->n_points);
-    p = iso_put_u32(p, (uint32_t)o->pose_iterations);
+    p = iso_put_u32(p, (uint32_t)o->fit.rigid_iterations);
+    p = iso_put_u32(p, (uint32_t)o->fit.iterations);
     p = iso_put_u32(p, (uint32_t)o->heat);
-    const double values[] = {
-        o->t_mm2,      o->crop_radius_mm,       o->spacing_mm,          o->smoothing_mm,
-        o->outlier_mm, o->pose_cutoff_first_mm, o->pose_cutoff_last_mm, o->pose_soft_weight};
+    const double values[] = {o->t_mm2,
+                             o->crop_radius_mm,
+                             o->spacing_mm,
+                             o->smoothing_mm,
+                             o->outlier_mm,
+                             o->fit.cutoff_first_mm,
+                             o->fit.cutoff_last_mm,
+                             o->fit.soft_weight,
+                             o->fit.identity_stiffness_mm2,
+                             o->fit.expression_stiffness_mm2};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
         p = iso_put_f32(p, (float)values[i]);
     }
@@ -89,11 +96,11 @@ static int new_find(struct iso_extractor *x)
     }
     int error = iso_candidate_finder_new(ISO_EXTRACT_COARSE_PX_MAX, &x->finder);
     if (!error) {
-        error = iso_pose_vertices_new(x->model, ISO_EXTRACT_SEARCH_VERTICES,
-                                      x->options.pose_soft_weight, &x->search_vertices);
+        error = iso_pose_vertices_new(x->model, ISO_EXTRACT_SEARCH_VERTICES, 1.0,
+                                      &x->search_vertices);
     }
     if (!error) {
-        error = iso_pose_vertices_new(x->model, 0, x->options.pose_soft_weight, &x->fit_vertices);
+        error = iso_shape_fitter_new(x->model, &x->options.fit, &x->fitter);
     }
     return error;
 }
@@ -194,7 +201,7 @@ void iso_extractor_free(struct iso_extractor *extractor)
     free(x->coarse.depth_mm);
     iso_candidate_finder_free(x->finder);
     iso_pose_vertices_free(x->search_vertices);
-    iso_pose_vertices_free(x->fit_vertices);
+    iso_shape_fitter_free(x->fitter);
     iso_cleaner_free(x->cleaner);
     iso_triangulator_free(x->triangulator);
     iso_mesh_free(x->surface);

@@ -39,9 +39,10 @@ struct iso_extractor {
     struct iso_candidate_finder *finder;
     struct iso_pose_vertices *search_vertices;
 
-    /* surface of the cleaned frame, pose of the mean face on it */
+    /* surface of the cleaned frame, the head model fitted to it */
     struct iso_cleaner *cleaner;
-    struct iso_pose_vertices *fit_vertices;
+    struct iso_shape_fitter *fitter;
+    struct iso_shape_fit head;
     struct iso_triangulator *triangulator;
     struct iso_mesh *surface;
 

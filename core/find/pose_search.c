@@ -6,6 +6,18 @@
 
 enum { FINALISTS = 6 };
 
+/* Faces turned further than this are not looked for. */
+static const double turned_max_rad = 1.05;
+static const double upright_cosine_min = 0.5;
+/* Cost of being turned, by the square of the angle: of two fits that are as good, the frontal one.
+ */
+static const double turned_cost_mm2 = 5.0;
+
+/* A fit this good is a face: what lies behind it is not looked at. */
+static const double beyond_doubt_mm2 = 10.0;
+/* A nearer fit gives way to one that is better by more than this. */
+static const double much_worse_mm2 = 4.0;
+
 static const double yaws_rad[3] = {0.0, -0.55, 0.55};
 static const double pitches_rad[3] = {0.0, -0.35, 0.35};
 
@@ -38,12 +50,28 @@ static struct iso_rigid posed_at(struct iso_vec3 nose_mm, double yaw_rad, double
     return (struct iso_rigid){iso_mat3_mul(&facing, &turned), nose_mm};
 }
 
-/* Missing measurements must not make a fit look good. */
-static void penalise(struct iso_pose_fit *fit, double coverage_min)
+/* Angle by which a face is turned away from the camera, its own roll aside. */
+static double turned_rad(const struct iso_frame *frame, const struct iso_rigid *pose)
 {
-    if (fit->coverage < coverage_min) {
-        fit->cost_mm2 += 36.0 * (coverage_min - fit->coverage);
+    const struct iso_mat3 *r = &pose->rotation;
+    struct iso_vec3 forward = {r->m[0][2], r->m[1][2], r->m[2][2]};
+    struct iso_vec3 sight = frame->camera.projection == ISO_PINHOLE ? iso_unit(pose->translation_mm)
+                                                                    : iso_vec3(0, 0, 1);
+    return acos(fmin(fmax(-iso_dot(forward, sight), -1.0), 1.0));
+}
+
+/* Makes costs comparable: missing measurements must not make a fit look good, nor must turning
+ * most of the face out of sight. False for attitudes in which no face can be recognised, or head
+ * over heels. */
+static bool weigh_up(const struct iso_frame *frame, double coverage_min, struct iso_pose_fit *fit)
+{
+    double turned = turned_rad(frame, &fit->camera_from_face);
+    if (turned > turned_max_rad || -fit->camera_from_face.rotation.m[1][1] < upright_cosine_min) {
+        return false;
     }
+    fit->cost_mm2 += 36.0 * fmax(coverage_min - fit->coverage, 0.0);
+    fit->cost_mm2 += turned_cost_mm2 * turned * turned;
+    return true;
 }
 
 static void try_candidate(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
@@ -60,8 +88,8 @@ static void try_candidate(const struct iso_pose_vertices *vertices, const struct
         for (int p = 0; p < 3; p++) {
             struct iso_rigid start = posed_at(nose_mm, yaws_rad[y], pitches_rad[p]);
             struct iso_pose_fit fit;
-            if (iso_pose_fit(vertices, frame, &rough, &start, &fit) == 0) {
-                penalise(&fit, coverage_min);
+            if (iso_pose_fit(vertices, frame, &rough, &start, &fit) == 0 &&
+                weigh_up(frame, coverage_min, &fit)) {
                 rank_insert(ranking, &fit);
             }
         }
@@ -77,10 +105,10 @@ static bool best_of(const struct iso_pose_vertices *vertices, const struct iso_f
     bool found = false;
     for (int i = 0; i < ranking->n; i++) {
         struct iso_pose_fit fit;
-        if (iso_pose_fit(vertices, frame, &fine, &ranking->fit[i].camera_from_face, &fit)) {
+        if (iso_pose_fit(vertices, frame, &fine, &ranking->fit[i].camera_from_face, &fit) ||
+            !weigh_up(frame, coverage_min, &fit)) {
             continue;
         }
-        penalise(&fit, coverage_min);
         if (!found || fit.cost_mm2 < best->cost_mm2) {
             *best = fit;
             found = true;
@@ -89,31 +117,47 @@ static bool best_of(const struct iso_pose_vertices *vertices, const struct iso_f
     return found;
 }
 
+/* Of fits to parts of the scene from near to far: the nearest one that is no worse by much than the
+ * best, since a shoulder in front of a face fits the mean face too, but badly. NULL if none is good
+ * enough. */
+static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, int n,
+                                               double cost_max_mm2)
+{
+    double limit = INFINITY;
+    for (int i = 0; i < n; i++) {
+        limit = fmin(limit, fits[i].cost_mm2 + much_worse_mm2);
+    }
+    for (int i = 0; i < n; i++) {
+        if (fits[i].cost_mm2 <= fmin(limit, cost_max_mm2)) {
+            return &fits[i];
+        }
+    }
+    return NULL;
+}
+
 int iso_pose_search(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
                     const struct iso_candidate *candidates, int n_candidates,
-                    const struct iso_pose_search_options *options, struct iso_pose_fit *out,
-                    double *best_cost_mm2)
+                    const struct iso_pose_search_options *options, struct iso_pose_fit *out)
 {
-    double best_cost = INFINITY;
-    int error = -ENOENT;
-    for (int i = 0; i < n_candidates && error;) {
+    struct iso_pose_fit fits[ISO_CANDIDATE_PARTS_MAX];
+    int n = 0;
+    for (int i = 0; i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX;) {
         struct ranking ranking = {0};
         int part = candidates[i].part;
         for (; i < n_candidates && candidates[i].part == part; i++) {
             try_candidate(vertices, frame, candidates[i].point_mm, options->coverage_min, &ranking);
         }
-        struct iso_pose_fit best;
-        if (!best_of(vertices, frame, &ranking, options->coverage_min, &best)) {
+        if (!best_of(vertices, frame, &ranking, options->coverage_min, &fits[n])) {
             continue;
         }
-        best_cost = fmin(best_cost, best.cost_mm2);
-        if (best.cost_mm2 <= options->cost_max_mm2) {
-            *out = best;
-            error = 0;
+        if (fits[n++].cost_mm2 <= beyond_doubt_mm2) {
+            break;
         }
     }
-    if (best_cost_mm2) {
-        *best_cost_mm2 = best_cost;
+    const struct iso_pose_fit *found = nearest_good(fits, n, options->cost_max_mm2);
+    if (!found) {
+        return -ENOENT;
     }
-    return error;
+    *out = *found;
+    return 0;
 }

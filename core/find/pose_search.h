@@ -15,11 +15,10 @@ struct iso_pose_search_options {
 };
 
 /* Registers to the frame in which the candidates were found. Returns 0 and the pose, or -ENOENT if
- * no part of the scene holds a face; *best_cost_mm2 (if not NULL) is the best cost met in any case,
- * INFINITY without candidates. */
+ * no part of the scene holds a face. */
 int iso_pose_search(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
                     const struct iso_candidate *candidates, int n_candidates,
-                    const struct iso_pose_search_options *options, struct iso_pose_fit *out,
-                    double *best_cost_mm2) __attribute__((warn_unused_result));
+                    const struct iso_pose_search_options *options, struct iso_pose_fit *out)
+    __attribute__((warn_unused_result));
 
 #endif

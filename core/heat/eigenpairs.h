@@ -12,9 +12,11 @@ struct iso_eigenpairs {
     double *phi;    /* [k][n], eigenvector i at phi + i n */
 };
 
-/* tolerance is relative (1e-10 is a good choice). -EINVAL for k outside 1..n/2 (and for n < 8),
- * -EDOM if the factorisation fails (matrix not positive definite or not finite), -ENOTRECOVERABLE
- * if ARPACK does not converge, -ENOMEM. */
+/* `tolerance` is relative; 0 is machine precision. A surface with symmetries has eigenvalues that
+ * are exactly multiple, of which a looser tolerance may miss copies: 0 finds them; where there are
+ * none (faces), 1e-10 is a good choice. -EINVAL for k outside 1..n/2 (and for n < 8) or a negative
+ * tolerance, -EDOM if the factorisation fails (matrix not positive definite or not finite),
+ * -ENOTRECOVERABLE if ARPACK does not converge, -ENOMEM. */
 int iso_eigenpairs_new(const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
                        int32_t k, double tolerance, struct iso_eigenpairs **out)
     __attribute__((warn_unused_result));

@@ -20,9 +20,9 @@ enum { ISO_ISOTHERM_POINTS_MAX = 64 };
 /* Area of {heat >= level}, mm^2, cut triangles counted by the exact part above. */
 double iso_isotherm_area_above(const struct iso_mesh *mesh, const double *heat, double level);
 
-/* The level whose superlevel set has the area pi radius^2, by bracketing and bisection to 1e-6
- * of the area. Only the component of the superlevel set that holds the hottest triangle counts when
- * the set falls apart. -ERANGE if the mesh is smaller than that. */
+/* The level whose superlevel set has the area pi radius^2, by bracketing and regula falsi to 1e-6
+ * of the area. -ERANGE if the mesh is smaller than that, or the heat there is 0 or the same
+ * throughout. */
 int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double radius_mm,
                        double *level) __attribute__((warn_unused_result));
 
@@ -59,7 +59,6 @@ int iso_tracer_enclosing(const struct iso_tracer *tracer, struct iso_vec3 landma
 struct iso_isotherm {
     int32_t n;
     bool closed;
-    double level;
     struct iso_vec3 points_mm[ISO_ISOTHERM_POINTS_MAX];
     float weight[ISO_ISOTHERM_POINTS_MAX];
 };

@@ -46,23 +46,32 @@ int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double r
     if (!(low < high) || iso_isotherm_area_above(mesh, heat, low) < wanted) {
         return -ERANGE;
     }
-    /* Heat falls off like a Gaussian: where it is positive the logarithm of the level is bisected.
-     */
-    double least = high * 1e-12;
-    low = fmax(low, least);
-    if (iso_isotherm_area_above(mesh, heat, low) < wanted) {
+    /* Heat falls off like a Gaussian, so that area is nearly linear in the logarithm of the level:
+     * regula falsi there (Illinois variant, Dowell and Jarratt 1971) needs few steps, each a pass
+     * over the mesh. */
+    double x_low = log(fmax(low, high * 1e-12)), x_high = log(high);
+    double f_low = iso_isotherm_area_above(mesh, heat, exp(x_low)) - wanted, f_high = -wanted;
+    if (f_low < 0.0) {
         return -ERANGE;
     }
-    enum { BISECTIONS_MAX = 60 };
-    for (int i = 0; i < BISECTIONS_MAX; i++) {
-        double middle = sqrt(low * high);
-        double area = iso_isotherm_area_above(mesh, heat, middle);
-        if (fabs(area - wanted) <= 1e-6 * wanted) {
-            low = high = middle;
-            break;
+    enum { STEPS_MAX = 100 };
+    double x = x_low, f = f_low;
+    int side = 0; /* which end moved last */
+    for (int i = 0; i < STEPS_MAX && fabs(f) > 1e-6 * wanted; i++) {
+        x = (x_low * f_high - x_high * f_low) / (f_high - f_low);
+        f = iso_isotherm_area_above(mesh, heat, exp(x)) - wanted;
+        if (f > 0.0) {
+            f_high *= side == 1 ? 0.5 : 1.0;
+            x_low = x;
+            f_low = f;
+            side = 1;
+        } else {
+            f_low *= side == -1 ? 0.5 : 1.0;
+            x_high = x;
+            f_high = f;
+            side = -1;
         }
-        *(area > wanted ? &low : &high) = middle;
     }
-    *level = sqrt(low * high);
+    *level = exp(x);
     return 0;
 }

@@ -86,11 +86,12 @@ static struct iso_vec3 cut(const struct scene *scene, int32_t triangle, int edge
     return iso_madd(from, s, iso_sub(scene->mesh->vertices_mm[b], from));
 }
 
-/* Follows the level from a triangle until it returns or leaves the mesh. */
-static void walk(struct iso_tracer *t, const struct scene *scene, int32_t triangle)
+/* Follows the level from a triangle until it returns or leaves the mesh. (Or meets another curve,
+ * which takes triangles that do not all turn the same way.) */
+static void walk(struct iso_tracer *t, const struct scene *scene, int32_t first)
 {
-    int32_t n = t->start[t->n_curves];
-    bool closed = true;
+    int32_t n = t->start[t->n_curves], triangle = first;
+    bool open = false;
     while (!t->passed[triangle]) {
         t->passed[triangle] = 1;
         t->points[n++] = cut(scene, triangle, turning_edge(scene, triangle, true));
@@ -98,12 +99,12 @@ static void walk(struct iso_tracer *t, const struct scene *scene, int32_t triang
         int32_t next = scene->adjacent[triangle][leaves];
         if (next < 0) {
             t->points[n++] = cut(scene, triangle, leaves);
-            closed = false;
+            open = true;
             break;
         }
         triangle = next;
     }
-    t->closed[t->n_curves] = closed;
+    t->closed[t->n_curves] = !open && triangle == first;
     t->start[++t->n_curves] = n;
 }
 
@@ -120,7 +121,7 @@ int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
     /* Open curves first, from where they enter the mesh: what is left then are loops. */
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         int enters = turning_edge(&scene, t, true);
-        if (enters >= 0 && adjacent[t][enters] < 0) {
+        if (!tracer->passed[t] && enters >= 0 && adjacent[t][enters] < 0) {
             walk(tracer, &scene, t);
         }
     }

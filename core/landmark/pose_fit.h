@@ -31,6 +31,9 @@ struct iso_pose_options {
     struct iso_vec3 nose_mm;                /* camera frame, where the prior wants it */
 };
 
+/* A residual counts for no more than this in the cost of a fit. */
+#define ISO_POSE_COST_LIMIT_MM2 36.0
+
 struct iso_pose_fit {
     struct iso_rigid camera_from_face;
     double cost_mm2; /* mean of min(r^2, 36) over vertices with a measurement */

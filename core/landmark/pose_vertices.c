@@ -4,22 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Area-weighted unit normals of the mean face. */
-static void mean_normals(const struct iso_head_model *model, struct iso_vec3 *normal)
-{
-    for (uint32_t t = 0; t < model->n_triangles; t++) {
-        const uint32_t *v = model->triangles[t];
-        struct iso_vec3 a = model->mean_mm[v[0]];
-        struct iso_vec3 area = iso_cross(iso_sub(model->mean_mm[v[1]], a),
-                                         iso_sub(model->mean_mm[v[2]], a));
-        for (int k = 0; k < 3; k++) {
-            normal[v[k]] = iso_add(normal[v[k]], area);
-        }
-    }
-    for (uint32_t i = 0; i < model->n_vertices; i++) {
-        normal[i] = iso_unit(normal[i]);
-    }
-}
+#include "core/landmark/normals.h"
 
 /* Farthest-point sampling (Gonzalez 1985): distance[i] is to the nearest point chosen so far, and
  * negative for vertices that may not be chosen. Returns the next one. */
@@ -71,7 +56,7 @@ int iso_pose_vertices_new(const struct iso_head_model *model, int count, double 
         iso_pose_vertices_free(v);
         return -ENOMEM;
     }
-    mean_normals(model, normal);
+    iso_head_normals(model, model->mean_mm, normal);
     for (uint32_t i = 0; i < model->n_vertices; i++) {
         distance[i] = model->region[i] & ISO_HEAD_FACE ? INFINITY : -1.0;
     }

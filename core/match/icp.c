@@ -40,7 +40,8 @@ static int nearest_in_group(const struct iso_icp_points *target, int first, stru
 }
 
 static void make_pairs(const struct iso_icp_points *source, const struct iso_icp_points *target,
-                       const struct iso_affine *target_from_source, enum iso_icp_pairing pairing,
+                       const struct iso_affine *target_from_source,
+                       const struct iso_icp_options *options, enum iso_icp_pairing pairing,
                        struct pairs *pairs)
 {
     pairs->n = 0;
@@ -58,6 +59,9 @@ static void make_pairs(const struct iso_icp_points *source, const struct iso_icp
         pairs->source[k] = point_of(source, i);
         pairs->target[k] = point_of(target, j);
         pairs->weight[k] = (double)source->weight[i] * (double)target->weight[j];
+        if (options->group_weight) {
+            pairs->weight[k] *= (double)options->group_weight[i / source->n_per_group];
+        }
         pairs->distance[k] = iso_norm(iso_sub(moved, pairs->target[k]));
     }
 }
@@ -147,7 +151,7 @@ int iso_icp(const struct iso_icp_points *source, const struct iso_icp_points *ta
     }
     struct pairs pairs;
     struct iso_icp_result found = {.target_from_source = iso_affine_identity()};
-    make_pairs(source, target, &found.target_from_source, ISO_ICP_ORDERED, &pairs);
+    make_pairs(source, target, &found.target_from_source, options, ISO_ICP_ORDERED, &pairs);
     if (pairs.n < PAIRS_MIN) {
         return -ENODATA;
     }
@@ -157,7 +161,7 @@ int iso_icp(const struct iso_icp_points *source, const struct iso_icp_points *ta
         if (error) {
             return error;
         }
-        make_pairs(source, target, &found.target_from_source, options->pairing, &pairs);
+        make_pairs(source, target, &found.target_from_source, options, options->pairing, &pairs);
         double distance = trim_pairs(&pairs, options->trim);
         found.converged = fabs(found.distance_mm - distance) < options->tolerance_mm;
         found.distance_mm = distance;

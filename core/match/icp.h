@@ -29,9 +29,10 @@ enum iso_icp_pairing {
 struct iso_icp_options {
     enum iso_icp_transform transform;
     enum iso_icp_pairing pairing;
-    double trim;         /* share of the pairs that count, the closest ones, in (0, 1] */
-    int iterations_max;  /* >= 1 */
-    double tolerance_mm; /* stop when the trimmed distance falls by less than this */
+    double trim;               /* share of the pairs that count, the closest ones, in (0, 1] */
+    int iterations_max;        /* >= 1 */
+    double tolerance_mm;       /* stop when the trimmed distance falls by less than this */
+    const float *group_weight; /* [n_groups] factor on the weights of a group; NULL: 1 */
 };
 
 struct iso_icp_result {

@@ -56,27 +56,40 @@ static bool too_steep(const struct iso_face_patch *patch, int column, int row)
     return false;
 }
 
-/* Keeps the piece of the domain that is joined to the nose tip, so that the mesh is of one piece.
- */
-static void keep_middle(struct iso_face_patch *patch)
+/* Spreads a mark from pixels that carry it to their four neighbours whose domain is `over`. */
+static void spread(struct iso_face_patch *patch, uint8_t over, uint8_t mark)
 {
     int side = patch->side;
-    patch->domain[(side * side) / 2] |= 2;
+    uint8_t *d = patch->domain;
     for (bool grown = true; grown;) {
         grown = false;
         for (int i = side; i < side * (side - 1); i++) {
-            bool beside = (patch->domain[i - 1] | patch->domain[i + 1] | patch->domain[i - side] |
-                           patch->domain[i + side]) &
-                          2;
-            if (patch->domain[i] == 1 && beside) {
-                patch->domain[i] = 3;
+            bool beside = ((d[i - 1] | d[i + 1] | d[i - side] | d[i + side]) & mark) != 0;
+            if (d[i] == over && beside) {
+                d[i] |= mark;
                 grown = true;
             }
         }
     }
-    for (int i = 0; i < side * side; i++) {
-        patch->domain[i] = patch->domain[i] == 3;
-        patch->mean_depth[i] = patch->domain[i] ? patch->mean_depth[i] : 0.0f;
+}
+
+/* Makes the domain of one piece without holes: what is joined to the nose tip, and the steep places
+ * that this encloses (the sides of the nose). The outermost rows and columns are never in it. */
+static void make_whole(struct iso_face_patch *patch)
+{
+    enum { INSIDE = 1, JOINED = 2, OUTSIDE = 4 };
+    int side = patch->side, n = side * side;
+    uint8_t *d = patch->domain;
+    d[n / 2] = INSIDE | JOINED;
+    spread(patch, INSIDE, JOINED);
+    for (int i = 0; i < n; i++) {
+        bool border = i < side || i >= n - side || i % side == 0 || i % side == side - 1;
+        d[i] = d[i] & JOINED ? INSIDE : border ? OUTSIDE : 0;
+    }
+    spread(patch, 0, OUTSIDE);
+    for (int i = 0; i < n; i++) {
+        d[i] = !(d[i] & OUTSIDE) && patch->mean_depth[i] > 0.0f;
+        patch->mean_depth[i] = d[i] ? patch->mean_depth[i] : 0.0f;
     }
 }
 
@@ -107,7 +120,7 @@ static int draw_mean(struct iso_face_patch *patch, const struct iso_head_model *
             patch->mean_depth[i] = z;
         }
     }
-    keep_middle(patch);
+    make_whole(patch);
     return 0;
 }
 

@@ -155,48 +155,7 @@ static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame
     return n;
 }
 
-/* Drops all triangles but those of the largest piece. `mesh` has pixels for vertices. */
-static int keep_largest(struct iso_triangulator *t, struct iso_mesh *mesh)
-{
-    int error = iso_mesh_adjacency(mesh, t->adjacent);
-    if (error) {
-        return error;
-    }
-    int32_t pieces = iso_mesh_components(mesh, (const int32_t(*)[3])t->adjacent, t->piece);
-    if (pieces <= 1) {
-        return pieces < 0 ? pieces : 0;
-    }
-    int32_t kept = 0;
-    for (int32_t i = 0; i < mesh->n_triangles; i++) {
-        t->moved[i] = t->piece[i] == 0 ? kept : -1;
-        if (t->piece[i] == 0) {
-            for (int k = 0; k < 3; k++) {
-                mesh->triangles[kept][k] = mesh->triangles[i][k];
-            }
-            kept++;
-        }
-    }
-    mesh->n_triangles = kept;
-    for (int i = 0; i < t->width_px * t->height_px; i++) {
-        struct cell *cell = &t->cells[i];
-        struct cell before = *cell;
-        cell->count = 0;
-        for (int h = 0; h < before.count; h++) {
-            int32_t index = t->moved[before.first + h];
-            if (index < 0) {
-                continue;
-            }
-            cell->first = cell->count == 0 ? index : cell->first;
-            for (int k = 0; k < 3; k++) {
-                cell->corner[cell->count][k] = before.corner[h][k];
-            }
-            cell->count++;
-        }
-    }
-    return 0;
-}
-
-/* Gives the pixels that triangles use their numbers as vertices. */
+/* Turns triangles of pixels into triangles of vertices, one for each pixel that is used. */
 static int number_vertices(struct iso_triangulator *t, const struct iso_frame *frame,
                            struct iso_mesh *mesh)
 {
@@ -229,6 +188,50 @@ static int number_vertices(struct iso_triangulator *t, const struct iso_frame *f
     return 0;
 }
 
+/* Takes the dropped triangles (moved -1) out of a cell. */
+static void thin_cell(const struct iso_triangulator *t, struct cell *cell)
+{
+    struct cell before = *cell;
+    cell->count = 0;
+    for (int h = 0; h < before.count; h++) {
+        int32_t index = t->moved[before.first + h];
+        if (index < 0) {
+            continue;
+        }
+        cell->first = cell->count == 0 ? index : cell->first;
+        for (int k = 0; k < 3; k++) {
+            cell->corner[cell->count][k] = before.corner[h][k];
+        }
+        cell->count++;
+    }
+}
+
+/* Drops all triangles but those of the largest piece, and numbers the vertices anew. */
+static int keep_largest(struct iso_triangulator *t, const struct iso_frame *frame,
+                        struct iso_mesh *mesh)
+{
+    iso_triangulate_adjacency(t, t->adjacent);
+    int32_t pieces = iso_mesh_components(mesh, (const int32_t(*)[3])t->adjacent, t->piece);
+    if (pieces <= 1) {
+        return pieces < 0 ? pieces : 0;
+    }
+    int32_t kept = 0;
+    for (int32_t i = 0; i < mesh->n_triangles; i++) {
+        t->moved[i] = t->piece[i] == 0 ? kept++ : -1;
+    }
+    mesh->n_triangles = kept;
+    for (int i = 0; i < t->width_px * t->height_px; i++) {
+        struct cell *cell = &t->cells[i];
+        thin_cell(t, cell);
+        for (int h = 0; h < cell->count; h++) {
+            for (int k = 0; k < 3; k++) {
+                mesh->triangles[cell->first + h][k] = corner_pixel(t, i, cell->corner[h][k]);
+            }
+        }
+    }
+    return number_vertices(t, frame, mesh);
+}
+
 int iso_triangulate(struct iso_triangulator *t, const struct iso_frame *frame,
                     struct iso_mesh *mesh)
 {
@@ -244,9 +247,10 @@ int iso_triangulate(struct iso_triangulator *t, const struct iso_frame *frame,
         return n < 0 ? n : -ENODATA;
     }
     mesh->n_triangles = n;
-    mesh->n_vertices = n_px; /* until they are numbered, pixels stand for vertices */
-    int error = t->options.largest_only ? keep_largest(t, mesh) : 0;
-    error = error ? error : number_vertices(t, frame, mesh);
+    int error = number_vertices(t, frame, mesh);
+    if (!error && t->options.largest_only) {
+        error = keep_largest(t, frame, mesh);
+    }
     if (error) {
         mesh->n_vertices = mesh->n_triangles = 0;
     }

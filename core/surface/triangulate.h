@@ -22,7 +22,7 @@ int iso_triangulator_new(size_t capacity_px, const struct iso_triangulate_option
 void iso_triangulator_free(struct iso_triangulator *triangulator);
 
 /* Refills `mesh`. -ENODATA if no triangle results (the mesh is then empty), -ENOSPC if the frame or
- * the mesh exceeds its capacity. */
+ * the mesh exceeds its capacity, -ENOMEM (with largest_only, which allocates for a moment). */
 int iso_triangulate(struct iso_triangulator *triangulator, const struct iso_frame *frame,
                     struct iso_mesh *mesh) __attribute__((warn_unused_result));
 

@@ -1,13 +1,13 @@
 /* Cameras, frames and shrinking against hand-computed values. */
-#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-
-#include <errno.h>
-#include <math.h>
 #include <stdlib.h>
+
+#include <cmocka.h>
 
 #include "core/frame/shrink.h"
 

@@ -1,12 +1,12 @@
 /* Closed-form fits and ICP against transforms that are known. */
-#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include <errno.h>
-#include <math.h>
+#include <cmocka.h>
 
 #include "core/match/icp.h"
 #include "core/match/rigid.h"

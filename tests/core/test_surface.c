@@ -1,13 +1,13 @@
 /* Cleaning, filling, triangulating and locating on surfaces that are known. */
-#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-
-#include <errno.h>
-#include <math.h>
 #include <stdlib.h>
+
+#include <cmocka.h>
 
 #include "core/surface/clean.h"
 #include "core/surface/fill.h"

@@ -1,0 +1,28 @@
+/* How a point of the head model meets the measurement: projective association, point to plane.
+ * Internal to core/landmark. */
+#ifndef ISO_CORE_LANDMARK_MEETING_H
+#define ISO_CORE_LANDMARK_MEETING_H
+
+#include "core/frame/frame.h"
+
+enum iso_meeting {
+    ISO_MEETING_TURNED_AWAY, /* its normal is more than 75 degrees off the line of sight */
+    ISO_MEETING_OUTSIDE,     /* projects outside the frame */
+    ISO_MEETING_UNMEASURED,  /* no depth where it appears */
+    ISO_MEETING_MEASURED,
+    ISO_MEETINGS
+};
+
+/* Signed distance of a camera-frame point from the measured surface along its unit normal; written
+ * only if measured. Depth is bilinear between pixels that belong together, else the nearest one. */
+enum iso_meeting iso_meet(const struct iso_frame *frame, struct iso_vec3 point,
+                          struct iso_vec3 normal, double *distance_mm);
+
+/* Tukey's biweight (Beaton and Tukey 1974): (1 - (r/c)^2)^2 within the cut-off, 0 beyond. */
+static inline double iso_tukey(double r, double cutoff)
+{
+    double s = r / cutoff;
+    return fabs(s) < 1.0 ? (1.0 - s * s) * (1.0 - s * s) : 0.0;
+}
+
+#endif

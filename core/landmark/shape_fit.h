@@ -1,0 +1,43 @@
+/* The head model fitted to a depth frame: pose, identity and expression together.
+ *
+ * Robust Gauss-Newton on point-to-plane residuals with projective association, as in pose_fit.h,
+ * over six degrees of freedom and the coefficients of the model's modes, which are held by their
+ * prior N(0, 1) (regularised morphable model fit: Blanz and Vetter 1999; Amberg, Knothe and Vetter
+ * 2008). First rigid, then with all modes. What it is for: the landmarks of the fitted head are
+ * repeatable to a fraction of the noise, since they rest on the whole face. */
+#ifndef ISO_CORE_LANDMARK_SHAPE_FIT_H
+#define ISO_CORE_LANDMARK_SHAPE_FIT_H
+
+#include "core/landmark/pose_fit.h"
+
+struct iso_shape_fit_options {
+    int rigid_iterations, iterations;       /* 1..64 each */
+    double cutoff_first_mm, cutoff_last_mm; /* Tukey's, over the iterations with modes */
+    double soft_weight;                     /* of vertices that are not ISO_HEAD_RIGID, 0..1 */
+    double identity_stiffness_mm2;          /* prior's weight beside a vertex's squared residual */
+    double expression_stiffness_mm2;
+};
+
+struct iso_shape_fit {
+    struct iso_pose_fit pose;
+    float identity[ISO_HEAD_IDENTITY_MAX];
+    float expression[ISO_HEAD_EXPRESSION_MAX];
+    /* Of the fitted head with its expression taken off, face frame. */
+    struct iso_vec3 landmark_mm[ISO_LANDMARKS];
+};
+
+struct iso_shape_fitter;
+
+/* The model must outlive the fitter. -EINVAL for options out of range or a model without a face,
+ * -ENOMEM. */
+int iso_shape_fitter_new(const struct iso_head_model *model,
+                         const struct iso_shape_fit_options *options, struct iso_shape_fitter **out)
+    __attribute__((warn_unused_result));
+void iso_shape_fitter_free(struct iso_shape_fitter *fitter);
+
+/* Starts from a pose of the mean face. -ENODATA if too little of the face is measured to fix it. */
+int iso_shape_fit(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
+                  const struct iso_rigid *start, struct iso_shape_fit *out)
+    __attribute__((warn_unused_result));
+
+#endif

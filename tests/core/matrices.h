@@ -1,0 +1,18 @@
+/* Stiffness and mass of a test's mesh. */
+#ifndef TESTS_CORE_MATRICES_H
+#define TESTS_CORE_MATRICES_H
+
+#include "core/heat/stiffness_mass.h"
+
+struct matrices {
+    struct iso_symmetric *stiffness, *mass;
+};
+
+/* Room for, and the matrices of, a mesh; a failure ends the test. */
+struct matrices matrices_of(const struct iso_mesh *mesh, enum iso_mass kind);
+void matrices_free(struct matrices *m);
+
+/* x' A y */
+double matrices_form(const struct iso_symmetric *a, const double *x, const double *y);
+
+#endif
