@@ -1,0 +1,156 @@
+#include "drivers/door/door_io.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/door/door_null.h"
+
+static const struct iso_door_io_ops *const back_ends[] = {
+    &iso_door_null_ops,
+};
+
+enum { BACK_ENDS = sizeof back_ends / sizeof back_ends[0] };
+
+struct iso_door_io {
+    const struct iso_door_io_ops *ops;
+    void *self;
+    bool lost;
+};
+
+const char *iso_door_output_name(enum iso_door_output output)
+{
+    static const char *const names[ISO_DOOR_OUTPUTS] = {"relay", "led_granted", "led_refused",
+                                                        "buzzer"};
+    return (unsigned)output < ISO_DOOR_OUTPUTS ? names[output] : NULL;
+}
+
+const char *iso_door_input_name(enum iso_door_input input)
+{
+    static const char *const names[ISO_DOOR_INPUTS] = {"contact", "exit_button", "tamper"};
+    return (unsigned)input < ISO_DOOR_INPUTS ? names[input] : NULL;
+}
+
+const char *iso_door_io_registered(size_t i)
+{
+    return i < BACK_ENDS ? back_ends[i]->name : NULL;
+}
+
+static int unknown_back_end(const char *name, struct iso_fault *fault)
+{
+    char known[128] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < BACK_ENDS && used < sizeof known; i++) {
+        int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
+        used += length > 0 ? (size_t)length : 0;
+    }
+    return iso_fault_set(fault, -ENOENT, "no door '%s'; there are:%s", name, known);
+}
+
+int iso_door_io_open(const char *name, const struct iso_option *options, size_t n_options,
+                     const struct iso_clock *clock, const struct iso_door_outputs *initial,
+                     struct iso_door_io **out, struct iso_fault *fault)
+{
+    for (size_t i = 0; i < BACK_ENDS; i++) {
+        if (strcmp(back_ends[i]->name, name) == 0) {
+            return iso_door_io_open_ops(back_ends[i], options, n_options, clock, initial, out,
+                                        fault);
+        }
+    }
+    return unknown_back_end(name, fault);
+}
+
+int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_option *options,
+                         size_t n_options, const struct iso_clock *clock,
+                         const struct iso_door_outputs *initial, struct iso_door_io **out,
+                         struct iso_fault *fault)
+{
+    if (!ops->name || !ops->open || !ops->set_output || !ops->get_inputs || !ops->close) {
+        return iso_fault_set(fault, -EINVAL, "door %s: a required operation is missing",
+                             ops->name ? ops->name : "without a name");
+    }
+    struct iso_door_io *io = calloc(1, sizeof *io);
+    if (!io) {
+        return iso_fault_set(fault, -ENOMEM, "door %s: out of memory", ops->name);
+    }
+    io->ops = ops;
+    int error = ops->open(options, n_options, clock, initial, &io->self, fault);
+    if (error) {
+        free(io);
+        return error;
+    }
+    *out = io;
+    return 0;
+}
+
+void iso_door_io_close(struct iso_door_io *io)
+{
+    if (io) {
+        io->ops->close(io->self);
+        free(io);
+    }
+}
+
+static int gone(const struct iso_door_io *io, struct iso_fault *fault)
+{
+    return iso_fault_set(fault, -ENODEV, "door %s: the device is gone", io->ops->name);
+}
+
+/* Remembers that the device is gone, and never leaves a failure without a text. */
+static int settle(struct iso_door_io *io, int error, const struct iso_fault *reason,
+                  struct iso_fault *fault)
+{
+    if (error == -ENODEV) {
+        io->lost = true;
+    }
+    if (error && reason->text[0]) {
+        (void)iso_fault_set(fault, error, "%s", reason->text);
+    } else if (error) {
+        (void)iso_fault_set(fault, error, "door %s: %s", io->ops->name, strerror(-error));
+    }
+    return error;
+}
+
+int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, bool active,
+                           struct iso_fault *fault)
+{
+    struct iso_fault reason = {""};
+    if (io->lost) {
+        return gone(io, fault);
+    }
+    if (!iso_door_output_name(output)) {
+        return iso_fault_set(fault, -EINVAL, "door %s: no output %d", io->ops->name, (int)output);
+    }
+    int error = io->ops->set_output(io->self, output, active, &reason);
+    return settle(io, error, &reason, fault);
+}
+
+int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
+                           struct iso_fault *fault)
+{
+    struct iso_fault reason = {""};
+    if (io->lost) {
+        return gone(io, fault);
+    }
+    int error = io->ops->get_inputs(io->self, out, &reason);
+    return settle(io, error, &reason, fault);
+}
+
+int iso_door_io_poll_fd(struct iso_door_io *io)
+{
+    if (io->lost) {
+        return -ENODEV;
+    }
+    return io->ops->poll_fd ? io->ops->poll_fd(io->self) : -ENOSYS;
+}
+
+const char *iso_door_io_name(const struct iso_door_io *io)
+{
+    return io->ops->name;
+}
+
+void *iso_door_io_self(struct iso_door_io *io, const struct iso_door_io_ops *ops)
+{
+    return io->ops == ops ? io->self : NULL;
+}

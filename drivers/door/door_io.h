@@ -1,0 +1,119 @@
+/* The door I/O class: the lines between the appliance and a door.
+ *
+ * Levels are logical: true is "active"; which voltage that is, and which contact is normally
+ * closed, is a matter of the back end's options. Deciding what to switch when is the door state
+ * machine's business, not this class's.
+ *
+ * One object is used by one thread at a time; operations do not block for more than a few
+ * milliseconds. A call that returns -ENODEV (the device is gone) leads to a lost state in which
+ * every call but close returns -ENODEV. Every failure is one line in *fault (which may be NULL). */
+#ifndef ISO_DRIVERS_DOOR_DOOR_IO_H
+#define ISO_DRIVERS_DOOR_DOOR_IO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/clock.h"
+#include "core/fault.h"
+#include "drivers/option.h"
+
+enum iso_door_output {
+    ISO_DOOR_RELAY, /* of the strike or magnet: active is energised */
+    ISO_DOOR_LED_GRANTED,
+    ISO_DOOR_LED_REFUSED,
+    ISO_DOOR_BUZZER,
+    ISO_DOOR_OUTPUTS
+};
+
+/* "relay", "led_granted", "led_refused", "buzzer"; NULL outside the range. */
+const char *iso_door_output_name(enum iso_door_output output);
+
+enum iso_door_input {
+    ISO_DOOR_CONTACT,     /* active: the door stands open */
+    ISO_DOOR_EXIT_BUTTON, /* active: pressed */
+    ISO_DOOR_TAMPER,      /* active: the housing is open */
+    ISO_DOOR_INPUTS
+};
+
+/* "contact", "exit_button", "tamper"; NULL outside the range. */
+const char *iso_door_input_name(enum iso_door_input input);
+
+/* Levels of all lines, indexed by the enumerations. */
+struct iso_door_outputs {
+    bool active[ISO_DOOR_OUTPUTS];
+};
+
+struct iso_door_inputs {
+    bool active[ISO_DOOR_INPUTS];
+};
+
+/* What an operation of a back end may and must do. `self` is the back end's own object. */
+struct iso_door_io_ops {
+    const char *name; /* as in the configuration */
+
+    /* REQUIRED. Claims the lines; each output takes its initial level without another one before
+     * it, so that a strike that must stay energised does not drop. Unknown options are refused.
+     * -EINVAL bad option, -ENODEV no such chip or line, -EBUSY, -EACCES, -ENOMEM, -EIO. */
+    int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
+                const struct iso_door_outputs *initial, void **self, struct iso_fault *fault);
+
+    /* REQUIRED. Sets one output; it has changed when the call returns 0. -EIO, -ENODEV. */
+    int (*set_output)(void *self, enum iso_door_output output, bool active,
+                      struct iso_fault *fault);
+
+    /* REQUIRED. The inputs, debounced. EXIT_BUTTON and TAMPER are active if they are now, or have
+     * been since the last call: a short press is not missed. CONTACT is the level now. An input
+     * that is not wired (by option) reads inactive. -EIO, -EBADMSG, -ENODEV. */
+    int (*get_inputs)(void *self, struct iso_door_inputs *out, struct iso_fault *fault);
+
+    /* OPTIONAL. A descriptor that polls readable when an input may have changed; get_inputs makes
+     * it quiet again. Owned by the back end. Negative errno if there is none now; the inputs are
+     * then looked at every now and then. */
+    int (*poll_fd)(void *self);
+
+    /* REQUIRED. Releases the lines and sets none: the caller has put the outputs to where they
+     * shall rest, the hardware's pull resistors keep or lose it. Cannot fail. */
+    void (*close)(void *self);
+};
+
+struct iso_door_io;
+
+/* Opens door lines by the name of the back end (`null` is the simulated one). -ENOENT unknown name
+ * (the fault lists those there are), else the errors of ops->open. Options, clock and initial
+ * levels need not outlive the call; what the clock's context points to must outlive the object. */
+int iso_door_io_open(const char *name, const struct iso_option *options, size_t n_options,
+                     const struct iso_clock *clock, const struct iso_door_outputs *initial,
+                     struct iso_door_io **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The same with a back end that is not in the registry. -EINVAL if a REQUIRED operation is
+ * missing. */
+int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_option *options,
+                         size_t n_options, const struct iso_clock *clock,
+                         const struct iso_door_outputs *initial, struct iso_door_io **out,
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* NULL is fine. */
+void iso_door_io_close(struct iso_door_io *io);
+
+/* As the operations; moreover -EINVAL for an output outside the enumeration. */
+int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, bool active,
+                           struct iso_fault *fault) __attribute__((warn_unused_result));
+int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
+                           struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* -ENOSYS if the back end has none. */
+int iso_door_io_poll_fd(struct iso_door_io *io) __attribute__((warn_unused_result));
+
+/* The back end's name. */
+const char *iso_door_io_name(const struct iso_door_io *io);
+
+/* The back end's own object if `io` is one of these ops, else NULL: for functions that only one
+ * back end has. */
+void *iso_door_io_self(struct iso_door_io *io, const struct iso_door_io_ops *ops);
+
+/* The registered back ends: name number i, or NULL from the end on. */
+const char *iso_door_io_registered(size_t i);
+
+#endif

@@ -1,0 +1,239 @@
+#include "drivers/sensor/sensor.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/sensor/sensor_replay.h"
+
+static const struct iso_sensor_ops *const back_ends[] = {
+    &iso_sensor_replay_ops,
+};
+
+enum { BACK_ENDS = sizeof back_ends / sizeof back_ends[0] };
+
+struct iso_sensor {
+    const struct iso_sensor_ops *ops;
+    void *self;
+    struct iso_clock clock;
+    struct iso_sensor_health health;
+    bool has_frame; /* since start: the two that follow are of the last one handed up */
+    uint64_t sequence;
+    int64_t t_ns;
+};
+
+const char *iso_sensor_registered(size_t i)
+{
+    return i < BACK_ENDS ? back_ends[i]->name : NULL;
+}
+
+const char *iso_sensor_state_name(enum iso_sensor_state state)
+{
+    static const char *const names[] = {"open", "started", "lost"};
+    return (size_t)state < sizeof names / sizeof *names ? names[state] : NULL;
+}
+
+/* ---- failures --------------------------------------------------------------- */
+
+/* Notes what went wrong, tells the caller, and knows when the device is gone. */
+static int fail(struct iso_sensor *sensor, int error, const struct iso_fault *reason,
+                struct iso_fault *fault)
+{
+    struct iso_fault text = *reason;
+    if (!text.text[0]) {
+        (void)iso_fault_set(&text, error, "sensor %s: %s", sensor->ops->name, strerror(-error));
+    }
+    if (error == -ENODEV) {
+        sensor->health.state = ISO_SENSOR_LOST;
+    }
+    (void)snprintf(sensor->health.last_fault, sizeof sensor->health.last_fault, "%s", text.text);
+    return iso_fault_set(fault, error, "%s", text.text);
+}
+
+/* Whether a call that wants `state` is legal now: 0, or -ENODEV, -EBADFD. */
+static int require(const struct iso_sensor *sensor, enum iso_sensor_state state,
+                   struct iso_fault *fault)
+{
+    if (sensor->health.state == state) {
+        return 0;
+    }
+    if (sensor->health.state == ISO_SENSOR_LOST) {
+        return iso_fault_set(fault, -ENODEV, "sensor %s: the device is gone", sensor->ops->name);
+    }
+    return iso_fault_set(fault, -EBADFD, "sensor %s: is %s, not %s", sensor->ops->name,
+                         iso_sensor_state_name(sensor->health.state), iso_sensor_state_name(state));
+}
+
+/* ---- opening and closing ---------------------------------------------------- */
+
+static int unknown_back_end(const char *name, struct iso_fault *fault)
+{
+    char known[128] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < BACK_ENDS && used < sizeof known; i++) {
+        int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
+        used += length > 0 ? (size_t)length : 0;
+    }
+    return iso_fault_set(fault, -ENOENT, "no sensor '%s'; there are:%s", name, known);
+}
+
+int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
+                    const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
+{
+    for (size_t i = 0; i < BACK_ENDS; i++) {
+        if (strcmp(back_ends[i]->name, name) == 0) {
+            return iso_sensor_open_ops(back_ends[i], options, n_options, clock, out, fault);
+        }
+    }
+    return unknown_back_end(name, fault);
+}
+
+int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,
+                        size_t n_options, const struct iso_clock *clock, struct iso_sensor **out,
+                        struct iso_fault *fault)
+{
+    if (!ops->name || !ops->open || !ops->start || !ops->wait || !ops->stop || !ops->close) {
+        return iso_fault_set(fault, -EINVAL, "sensor %s: a required operation is missing",
+                             ops->name ? ops->name : "without a name");
+    }
+    struct iso_sensor *sensor = calloc(1, sizeof *sensor);
+    if (!sensor) {
+        return iso_fault_set(fault, -ENOMEM, "sensor %s: out of memory", ops->name);
+    }
+    sensor->ops = ops;
+    sensor->clock = *clock;
+    int error = ops->open(options, n_options, clock, &sensor->self, fault);
+    if (error) {
+        free(sensor);
+        return error;
+    }
+    *out = sensor;
+    return 0;
+}
+
+void iso_sensor_close(struct iso_sensor *sensor)
+{
+    if (sensor) {
+        if (sensor->health.state == ISO_SENSOR_STARTED) {
+            (void)sensor->ops->stop(sensor->self);
+        }
+        sensor->ops->close(sensor->self);
+        free(sensor);
+    }
+}
+
+/* ---- streaming -------------------------------------------------------------- */
+
+int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
+{
+    struct iso_fault reason = {""};
+    int error = require(sensor, ISO_SENSOR_OPEN, fault);
+    if (error) {
+        return error;
+    }
+    error = sensor->ops->start(sensor->self, &reason);
+    if (error) {
+        return fail(sensor, error, &reason, fault);
+    }
+    sensor->health.state = ISO_SENSOR_STARTED;
+    sensor->has_frame = false;
+    return 0;
+}
+
+int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault)
+{
+    struct iso_fault reason = {""};
+    int error = require(sensor, ISO_SENSOR_STARTED, fault);
+    if (error) {
+        return error;
+    }
+    sensor->health.state = ISO_SENSOR_OPEN;
+    error = sensor->ops->stop(sensor->self);
+    return error ? fail(sensor, error, &reason, fault) : 0;
+}
+
+/* What is wrong with a frame from the back end, or NULL. */
+static const char *find_flaw(const struct iso_sensor *sensor, const struct iso_frame *frame)
+{
+    const char *flaw = NULL;
+    if (sensor->has_frame && frame->sequence <= sensor->sequence) {
+        return "sequence does not rise";
+    }
+    if (sensor->has_frame && frame->t_ns <= sensor->t_ns) {
+        return "time does not rise";
+    }
+    return iso_frame_check(frame, &flaw) ? flaw : NULL;
+}
+
+static void count_frame(struct iso_sensor *sensor, const struct iso_frame *frame)
+{
+    if (sensor->has_frame) {
+        sensor->health.lost += frame->sequence - sensor->sequence - 1;
+    }
+    sensor->health.frames++;
+    sensor->health.last_frame_ns = iso_clock_now_ns(&sensor->clock);
+    sensor->has_frame = true;
+    sensor->sequence = frame->sequence;
+    sensor->t_ns = frame->t_ns;
+}
+
+int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct iso_frame **frame,
+                    struct iso_fault *fault)
+{
+    struct iso_fault reason = {""};
+    const struct iso_frame *fresh = NULL;
+    int error = require(sensor, ISO_SENSOR_STARTED, fault);
+    if (error) {
+        return error;
+    }
+    error = sensor->ops->wait(sensor->self, deadline_ns, &fresh, &reason);
+    if (error == -ETIMEDOUT) {
+        return error;
+    }
+    if (error) {
+        sensor->health.faults++;
+        return fail(sensor, error, &reason, fault);
+    }
+    const char *flaw = find_flaw(sensor, fresh);
+    if (flaw) {
+        sensor->health.refused++;
+        (void)iso_fault_set(&reason, -EBADMSG, "sensor %s: frame %llu refused: %s",
+                            sensor->ops->name, (unsigned long long)fresh->sequence, flaw);
+        return fail(sensor, -EBADMSG, &reason, fault);
+    }
+    count_frame(sensor, fresh);
+    *frame = fresh;
+    return 0;
+}
+
+int iso_sensor_next_due_ns(struct iso_sensor *sensor, int64_t *due_ns)
+{
+    int error = require(sensor, ISO_SENSOR_STARTED, NULL);
+    if (error) {
+        return error;
+    }
+    return sensor->ops->next_due_ns ? sensor->ops->next_due_ns(sensor->self, due_ns) : -ENOSYS;
+}
+
+/* ---- what is known of it ---------------------------------------------------- */
+
+int iso_sensor_poll_fd(struct iso_sensor *sensor)
+{
+    return sensor->ops->poll_fd ? sensor->ops->poll_fd(sensor->self) : -ENOSYS;
+}
+
+int iso_sensor_describe(struct iso_sensor *sensor, struct iso_sensor_description *out)
+{
+    return sensor->ops->describe ? sensor->ops->describe(sensor->self, out) : -ENOSYS;
+}
+
+struct iso_sensor_health iso_sensor_health(const struct iso_sensor *sensor)
+{
+    return sensor->health;
+}
+
+const char *iso_sensor_name(const struct iso_sensor *sensor)
+{
+    return sensor->ops->name;
+}

@@ -1,0 +1,138 @@
+/* The sensor class: whatever delivers depth frames.
+ *
+ * States of a sensor and the calls that are legal in them; any other call is -EBADFD:
+ *
+ *   (none)  --open-->  OPEN  --start-->  STARTED  --stop-->  OPEN  --close-->  (none)
+ *   STARTED: wait, next_due_ns.  Every state: describe, poll_fd, health, name, close.
+ *   A call that returns -ENODEV (the device is gone) leads to LOST, from where only close goes on.
+ *
+ * One sensor is used by one thread at a time. Time is read from the injected clock only. Frames are
+ * checked (iso_frame_check, sequence and time rising) before they are handed up. Every failure is
+ * one line in *fault (which may be NULL). */
+#ifndef ISO_DRIVERS_SENSOR_SENSOR_H
+#define ISO_DRIVERS_SENSOR_SENSOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/clock.h"
+#include "core/fault.h"
+#include "core/frame/frame.h"
+#include "drivers/option.h"
+
+/* What is known of the device behind a sensor. */
+struct iso_sensor_description {
+    char model[32];          /* the kind of sensor, as in a recording's `sensor` and in templates */
+    char serial[64];         /* "" if it has none */
+    int width_px, height_px; /* of the depth plane */
+    bool intensity;          /* frames carry one */
+};
+
+/* What an operation of a back end may and must do. `self` is the back end's own object. */
+struct iso_sensor_ops {
+    const char *name; /* as in the configuration */
+
+    /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds. The
+     * options and the clock's struct are copied or read during the call; unknown keys are refused
+     * (iso_options_check). -EINVAL bad option, -ENODEV no such device, -EBUSY claimed by another,
+     * -EACCES no permission, -ENOMEM, -EIO. On failure nothing is held. */
+    int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
+                void **self, struct iso_fault *fault);
+
+    /* REQUIRED. Starts streaming. May block for a second. -ENODEV, -EIO, -ENOMEM. */
+    int (*start)(void *self, struct iso_fault *fault);
+
+    /* REQUIRED. The next frame, oldest first, blocking at most until deadline_ns of the injected
+     * clock (a deadline in the past: only look). A back end that could block only by sleeping does
+     * not: it returns -ETIMEDOUT at once and has next_due_ns. *frame belongs to the back end and
+     * stays as it is until the next call on the sensor. Nothing is allocated per frame once warm.
+     * Errors: -ETIMEDOUT no frame yet (or nothing to come), -EBADMSG one frame is lost or damaged
+     * and the next may be good, -EIO the stream broke (stop and start may help), -ENODEV the device
+     * is gone. */
+    int (*wait)(void *self, int64_t deadline_ns, const struct iso_frame **frame,
+                struct iso_fault *fault);
+
+    /* OPTIONAL. When to call wait next, for back ends that do not block: at *due_ns a frame is due
+     * or it is time to look again. Does not block or fail. */
+    int (*next_due_ns)(void *self, int64_t *due_ns);
+
+    /* OPTIONAL. A descriptor that polls readable when wait would not block; owned by the back end,
+     * the same from start to stop. Negative errno if there is none now. */
+    int (*poll_fd)(void *self);
+
+    /* OPTIONAL. Fills in the description. -ENODATA while it is not known. Does not block. */
+    int (*describe)(void *self, struct iso_sensor_description *out);
+
+    /* REQUIRED. Stops streaming; frames not yet fetched are dropped. May block for a second. Leaves
+     * the sensor stopped even if it reports -EIO or -ENODEV. */
+    int (*stop)(void *self);
+
+    /* REQUIRED. Releases everything; called on a stopped sensor, or on a lost one. Cannot fail. */
+    void (*close)(void *self);
+};
+
+struct iso_sensor;
+
+/* Opens a sensor by the name of its back end. -ENOENT unknown name (the fault lists those there
+ * are), else the errors of ops->open. Options and clock need not outlive the call; what the clock's
+ * context points to must outlive the sensor. */
+int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
+                    const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The same with a back end that is not in the registry. -EINVAL if a REQUIRED operation is
+ * missing. */
+int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,
+                        size_t n_options, const struct iso_clock *clock, struct iso_sensor **out,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Stops if need be, and releases. NULL is fine. */
+void iso_sensor_close(struct iso_sensor *sensor);
+
+int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault);
+
+/* As ops->wait; -ETIMEDOUT leaves *fault alone. Moreover -EBADMSG for a frame that fails its check:
+ * it is dropped. -ENODEV in LOST. */
+int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct iso_frame **frame,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* As the operations; -ENOSYS if the back end has none. Without next_due_ns, let wait block or poll
+ * poll_fd. */
+int iso_sensor_next_due_ns(struct iso_sensor *sensor, int64_t *due_ns)
+    __attribute__((warn_unused_result));
+int iso_sensor_poll_fd(struct iso_sensor *sensor) __attribute__((warn_unused_result));
+int iso_sensor_describe(struct iso_sensor *sensor, struct iso_sensor_description *out)
+    __attribute__((warn_unused_result));
+
+enum iso_sensor_state {
+    ISO_SENSOR_OPEN,
+    ISO_SENSOR_STARTED,
+    ISO_SENSOR_LOST, /* the device is gone: close */
+};
+
+/* "open", "started", "lost"; NULL outside the range. */
+const char *iso_sensor_state_name(enum iso_sensor_state state);
+
+/* Counted since open. */
+struct iso_sensor_health {
+    enum iso_sensor_state state;
+    uint64_t frames;       /* handed up */
+    uint64_t lost;         /* gaps in the sequence */
+    uint64_t refused;      /* failed the check here */
+    uint64_t faults;       /* other failures of wait, time-outs not among them */
+    int64_t last_frame_ns; /* clock time of the last frame; 0 before the first */
+    char last_fault[256];  /* "" if there was none */
+};
+
+struct iso_sensor_health iso_sensor_health(const struct iso_sensor *sensor);
+
+/* The back end's name. */
+const char *iso_sensor_name(const struct iso_sensor *sensor);
+
+/* The registered back ends: name number i, or NULL from the end on. */
+const char *iso_sensor_registered(size_t i);
+
+#endif

@@ -1,0 +1,297 @@
+#include "drivers/sensor/sensor_replay.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "drivers/recording/recording.h"
+
+static const char owner[] = "sensor replay";
+
+enum { LONE_FRAME_INTERVAL_NS = 33333333 }; /* of a loop over one frame: 30 a second */
+
+/* What lay at the path when it was looked at; equal slots hold the same visitor. A link that was
+ * replaced is a new inode, or at least changed at another time. */
+struct slot {
+    bool there;
+    dev_t device;
+    ino_t inode;
+    struct timespec changed; /* of a link only: a directory changes while it is filled */
+    char target[PATH_MAX];   /* of a link only */
+};
+
+struct replay {
+    struct iso_clock clock;
+    char *path;
+    bool realtime, loop;
+
+    struct slot slot;
+    struct iso_recording *recording; /* NULL: nothing to play */
+    struct iso_frame *frame;         /* of the recording's shape */
+    size_t next;                     /* frame to play */
+    int64_t origin_ns;               /* clock time of the recording's time stamp 0 */
+
+    uint64_t sequence; /* of the next frame */
+    int64_t last_ns;   /* t_ns of the last frame */
+};
+
+/* ---- opening and closing ---------------------------------------------------- */
+
+static int parse_options(const struct iso_option *options, size_t n_options, struct replay *replay,
+                         struct iso_fault *fault)
+{
+    static const char *const known[] = {"path", "pace", "loop", NULL};
+    const char *pace = iso_options_find(options, n_options, "pace");
+    const char *path = iso_options_find(options, n_options, "path");
+    int error = iso_options_check(owner, options, n_options, known, fault);
+    if (error) {
+        return error;
+    }
+    if (!path || !*path) {
+        return iso_fault_set(fault, -EINVAL, "%s: option 'path' is missing", owner);
+    }
+    if (pace && strcmp(pace, "realtime") != 0 && strcmp(pace, "asap") != 0) {
+        return iso_fault_set(fault, -EINVAL, "%s: option 'pace' is realtime or asap, not '%s'",
+                             owner, pace);
+    }
+    replay->realtime = !pace || strcmp(pace, "realtime") == 0;
+    error = iso_options_bool(owner, options, n_options, "loop", false, &replay->loop, fault);
+    if (!error && !(replay->path = strdup(path))) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
+    }
+    return error;
+}
+
+static void empty(struct replay *replay)
+{
+    iso_recording_close(replay->recording);
+    iso_frame_free(replay->frame);
+    replay->recording = NULL;
+    replay->frame = NULL;
+}
+
+static void replay_close(void *self)
+{
+    struct replay *replay = self;
+    empty(replay);
+    free(replay->path);
+    free(replay);
+}
+
+static int replay_open(const struct iso_option *options, size_t n_options,
+                       const struct iso_clock *clock, void **self, struct iso_fault *fault)
+{
+    struct replay *replay = calloc(1, sizeof *replay);
+    if (!replay) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
+    }
+    replay->clock = *clock;
+    replay->last_ns = INT64_MIN;
+    int error = parse_options(options, n_options, replay, fault);
+    if (error) {
+        replay_close(replay);
+        return error;
+    }
+    *self = replay;
+    return 0;
+}
+
+static int replay_start(void *self, struct iso_fault *fault)
+{
+    struct replay *replay = self;
+    (void)fault;
+    empty(replay);
+    replay->slot = (struct slot){.there = false};
+    return 0;
+}
+
+static int replay_stop(void *self)
+{
+    empty(self);
+    return 0;
+}
+
+/* ---- the slot --------------------------------------------------------------- */
+
+static int look(const char *path, struct slot *slot, struct iso_fault *fault)
+{
+    struct stat status;
+    *slot = (struct slot){.there = false};
+    if (lstat(path, &status) != 0) {
+        if (errno == ENOENT || errno == ENOTDIR) {
+            return 0;
+        }
+        return iso_fault_set(fault, -EIO, "%s: %m", path);
+    }
+    if (S_ISLNK(status.st_mode)) {
+        ssize_t length = readlink(path, slot->target, sizeof slot->target - 1);
+        if (length < 0) {
+            return 0; /* taken away since: it is not there */
+        }
+        slot->changed = status.st_ctim;
+    }
+    slot->there = true;
+    slot->device = status.st_dev;
+    slot->inode = status.st_ino;
+    return 0;
+}
+
+static bool slots_equal(const struct slot *a, const struct slot *b)
+{
+    return a->there == b->there && a->device == b->device && a->inode == b->inode &&
+           a->changed.tv_sec == b->changed.tv_sec && a->changed.tv_nsec == b->changed.tv_nsec &&
+           strcmp(a->target, b->target) == 0;
+}
+
+/* Opens the recording by its resolved name, so that frames never come from two recordings when the
+ * link is replaced meanwhile. */
+static int load(struct replay *replay, struct iso_fault *fault)
+{
+    char resolved[PATH_MAX];
+    if (!realpath(replay->path, resolved)) {
+        return iso_fault_set(fault, -EBADMSG, "%s: %m", replay->path);
+    }
+    int error = iso_recording_open(resolved, &replay->recording, fault);
+    if (!error) {
+        error = iso_recording_frame_new(replay->recording, &replay->frame);
+    }
+    if (error) {
+        empty(replay);
+        return error == -ENOMEM ? iso_fault_set(fault, error, "%s: out of memory", resolved)
+                                : -EBADMSG;
+    }
+    replay->next = 0;
+    replay->origin_ns = iso_clock_now_ns(&replay->clock) - iso_recording_t_ns(replay->recording, 0);
+    return 0;
+}
+
+/* Looks at the slot, and changes over if it has changed. */
+static int follow_slot(struct replay *replay, struct iso_fault *fault)
+{
+    struct slot before, after;
+    int error = look(replay->path, &before, fault);
+    if (error || slots_equal(&before, &replay->slot)) {
+        return error;
+    }
+    empty(replay);
+    replay->slot = before;
+    if (!before.there) {
+        return 0;
+    }
+    error = load(replay, fault);
+    if (look(replay->path, &after, NULL) || !slots_equal(&before, &after)) {
+        /* Replaced while it was being opened: what was opened may be either. */
+        empty(replay);
+        error = -EAGAIN;
+    }
+    if (error == -EAGAIN || error == -ENOMEM) {
+        replay->slot = (struct slot){.there = false}; /* so that it is looked at again */
+    }
+    return error == -EAGAIN ? 0 : error;
+}
+
+/* ---- frames ----------------------------------------------------------------- */
+
+/* From the last frame back to the first, in time with the recording. */
+static void rewind_loop(struct replay *replay)
+{
+    size_t n = iso_recording_frames(replay->recording);
+    int64_t span_ns = iso_recording_t_ns(replay->recording, n - 1) -
+                      iso_recording_t_ns(replay->recording, 0);
+    int64_t interval_ns = n > 1 ? span_ns / (int64_t)(n - 1) : LONE_FRAME_INTERVAL_NS;
+    replay->origin_ns += span_ns + interval_ns;
+    replay->next = 0;
+}
+
+static bool has_next(const struct replay *replay)
+{
+    return replay->recording && replay->next < iso_recording_frames(replay->recording);
+}
+
+static int64_t due_ns(const struct replay *replay, int64_t now_ns)
+{
+    int64_t due = now_ns;
+    if (replay->realtime) {
+        due = replay->origin_ns + iso_recording_t_ns(replay->recording, replay->next);
+    }
+    return due > replay->last_ns ? due : replay->last_ns + 1;
+}
+
+static int read_next(struct replay *replay, int64_t t_ns, struct iso_fault *fault)
+{
+    int error = iso_recording_read(replay->recording, replay->next, replay->frame, fault);
+    replay->frame->t_ns = t_ns;
+    replay->frame->sequence = replay->sequence;
+    replay->last_ns = t_ns;
+    replay->sequence++;
+    replay->next++;
+    if (replay->loop && !has_next(replay)) {
+        rewind_loop(replay);
+    }
+    return error && error != -ENOMEM ? -EBADMSG : error;
+}
+
+static int replay_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
+                       struct iso_fault *fault)
+{
+    struct replay *replay = self;
+    (void)deadline_ns; /* it never blocks */
+    int error = follow_slot(replay, fault);
+    if (error) {
+        return error;
+    }
+    int64_t now_ns = iso_clock_now_ns(&replay->clock);
+    if (!has_next(replay)) {
+        return -ETIMEDOUT;
+    }
+    int64_t t_ns = due_ns(replay, now_ns);
+    if (replay->realtime && t_ns > now_ns) {
+        return -ETIMEDOUT;
+    }
+    error = read_next(replay, t_ns, fault);
+    if (!error) {
+        *frame = replay->frame;
+    }
+    return error;
+}
+
+static int replay_next_due_ns(void *self, int64_t *out)
+{
+    const struct replay *replay = self;
+    int64_t now_ns = iso_clock_now_ns(&replay->clock);
+    int64_t look_ns = now_ns + ISO_SENSOR_REPLAY_LOOK_MS * INT64_C(1000000);
+    int64_t frame_ns = has_next(replay) ? due_ns(replay, now_ns) : look_ns;
+    *out = frame_ns < look_ns ? frame_ns : look_ns;
+    return 0;
+}
+
+static int replay_describe(void *self, struct iso_sensor_description *out)
+{
+    const struct replay *replay = self;
+    if (!replay->recording) {
+        return -ENODATA;
+    }
+    const struct iso_recording_meta *meta = iso_recording_meta(replay->recording);
+    *out = (struct iso_sensor_description){
+        .width_px = meta->camera.width_px,
+        .height_px = meta->camera.height_px,
+        .intensity = iso_recording_has_intensity(replay->recording),
+    };
+    (void)snprintf(out->model, sizeof out->model, "%s", meta->sensor);
+    return 0;
+}
+
+const struct iso_sensor_ops iso_sensor_replay_ops = {
+    .name = "replay",
+    .open = replay_open,
+    .start = replay_start,
+    .wait = replay_wait,
+    .next_due_ns = replay_next_due_ns,
+    .describe = replay_describe,
+    .stop = replay_stop,
+    .close = replay_close,
+};

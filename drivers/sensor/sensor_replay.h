@@ -1,0 +1,26 @@
+/* The sensor back end `replay`: plays stored frames (drivers/recording/recording.h).
+ *
+ * Options:
+ *   path   required: a recording's directory, or a symbolic link to one (a slot for visitors)
+ *   pace   realtime (default): frames are due by the recording's time stamps; asap: at once
+ *   loop   no (default) | yes: begin again after the last frame
+ *
+ * It plays the frames in order, from the first one at each start. When the link is replaced,
+ * appears or disappears, the sensor starts anew with what is there. It may begin with nothing
+ * there. With nothing to play a wait is -ETIMEDOUT and the slot is due to be looked at again in 50
+ * ms. A recording that is refused, and every damaged frame, is reported once as -EBADMSG; a damaged
+ * frame leaves a gap in the sequence.
+ *
+ * The sensor never sleeps. A frame's t_ns is the time at which it was due, on the injected clock;
+ * frames that are fetched late are not dropped. t_ns and the sequence go on rising from recording
+ * to recording and from start to start. */
+#ifndef ISO_DRIVERS_SENSOR_SENSOR_REPLAY_H
+#define ISO_DRIVERS_SENSOR_SENSOR_REPLAY_H
+
+#include "drivers/sensor/sensor.h"
+
+enum { ISO_SENSOR_REPLAY_LOOK_MS = 50 };
+
+extern const struct iso_sensor_ops iso_sensor_replay_ops;
+
+#endif

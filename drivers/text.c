@@ -1,0 +1,125 @@
+#include "drivers/text.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int read_stream(const char *path, FILE *file, size_t max_bytes, char **text,
+                       struct iso_fault *fault)
+{
+    size_t capacity = 4096, size = 0;
+    char *bytes = malloc(capacity);
+    int error = 0;
+    if (!bytes) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    }
+    while ((size += fread(bytes + size, 1, capacity - 1 - size, file)) == capacity - 1) {
+        if (size > max_bytes) {
+            break;
+        }
+        char *grown = realloc(bytes, 2 * capacity);
+        if (!grown) {
+            error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+            goto out;
+        }
+        bytes = grown;
+        capacity *= 2;
+    }
+    if (ferror(file)) {
+        error = iso_fault_set(fault, errno ? -errno : -EIO, "%s: %m", path);
+    } else if (size > max_bytes) {
+        error = iso_fault_set(fault, -EFBIG, "%s: longer than %zu bytes", path, max_bytes);
+    } else if (memchr(bytes, 0, size)) {
+        error = iso_fault_set(fault, -EBADMSG, "%s: not a text file (it holds a NUL byte)", path);
+    } else {
+        bytes[size] = '\0';
+        *text = bytes;
+        bytes = NULL;
+    }
+out:
+    free(bytes);
+    return error;
+}
+
+int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
+{
+    FILE *file = fopen(path, "re");
+    if (!file) {
+        return iso_fault_set(fault, -errno, "%s: %m", path);
+    }
+    int error = read_stream(path, file, max_bytes, text, fault);
+    (void)fclose(file);
+    return error;
+}
+
+struct iso_text_lines iso_text_lines_of(char *text)
+{
+    return (struct iso_text_lines){.rest = text, .number = 0};
+}
+
+char *iso_text_next_line(struct iso_text_lines *lines)
+{
+    char *line = lines->rest;
+    if (!line || !*line) {
+        return NULL;
+    }
+    char *end = strchrnul(line, '\n');
+    lines->rest = *end ? end + 1 : end;
+    if (end > line && *end && end[-1] == '\r') {
+        end--;
+    }
+    *end = '\0';
+    lines->number++;
+    return line;
+}
+
+size_t iso_text_line_count(const char *text)
+{
+    size_t n = 1;
+    for (; *text; text++) {
+        n += *text == '\n';
+    }
+    return n;
+}
+
+size_t iso_text_split(char *line, char separator, char **fields, size_t max)
+{
+    size_t n = 0;
+    for (char *field = line; field; n++) {
+        char *end = strchr(field, separator);
+        if (end) {
+            *end++ = '\0';
+        }
+        if (n < max) {
+            fields[n] = field;
+        }
+        field = end;
+    }
+    return n;
+}
+
+int iso_text_number(const char *text, double *out)
+{
+    char *end;
+    if (!*text || text[strspn(text, "0123456789+-.eE")]) {
+        return -EINVAL;
+    }
+    double value = strtod(text, &end);
+    if (*end || !isfinite(value)) {
+        return -EINVAL;
+    }
+    *out = value;
+    return 0;
+}
+
+int iso_text_count(const char *text, size_t *out)
+{
+    size_t digits = strspn(text, "0123456789");
+    if (digits < 1 || digits > 18 || text[digits]) {
+        return -EINVAL;
+    }
+    *out = strtoul(text, NULL, 10);
+    return 0;
+}

@@ -1,0 +1,41 @@
+/* Small text files of plain format, read strictly: whole into memory, line by line, field by
+ * field. */
+#ifndef ISO_DRIVERS_TEXT_H
+#define ISO_DRIVERS_TEXT_H
+
+#include <stddef.h>
+
+#include "core/fault.h"
+
+/* Reads a file of at most max_bytes as a string that the caller frees with free(). -EBADMSG if it
+ * holds a NUL byte, -EFBIG if it is longer, -ENOMEM, or the errno of open and read; each with a
+ * fault that names the file. */
+int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* A walk over the lines of a string, which it cuts up. */
+struct iso_text_lines {
+    char *rest;
+    unsigned number; /* of the line returned last, from 1 */
+};
+
+struct iso_text_lines iso_text_lines_of(char *text);
+
+/* The next line without its end ("\n" or "\r\n"), or NULL after the last. */
+char *iso_text_next_line(struct iso_text_lines *lines);
+
+/* An upper bound of how many lines iso_text_next_line will find. */
+size_t iso_text_line_count(const char *text);
+
+/* Cuts a line at every separator; returns how many fields there are and stores the first max of
+ * them. An empty line is one empty field. */
+size_t iso_text_split(char *line, char separator, char **fields, size_t max);
+
+/* A decimal number, the whole string, finite: digits, sign, point, exponent; no spaces, no
+ * hexadecimal, no names. -EINVAL else. */
+int iso_text_number(const char *text, double *out) __attribute__((warn_unused_result));
+
+/* A count, the whole string: 1 to 18 decimal digits. -EINVAL else. */
+int iso_text_count(const char *text, size_t *out) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,240 @@
+/* The checked wrapper of the door class, over a back end that does what it is told. */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "drivers/door/door_io.h"
+#include "drivers/door/door_null.h"
+#include "tests/support/manual_clock.h"
+
+static struct puppet {
+    int open_error, error;
+    const char *text;
+    struct iso_door_outputs initial;
+    int output;
+    bool active;
+    int closes;
+} puppet;
+
+static int64_t now_ns;
+
+static int puppet_open(const struct iso_option *options, size_t n_options,
+                       const struct iso_clock *clock, const struct iso_door_outputs *initial,
+                       void **self, struct iso_fault *fault)
+{
+    (void)options;
+    (void)n_options;
+    (void)clock;
+    if (puppet.open_error) {
+        return iso_fault_set(fault, puppet.open_error, "puppet: will not open");
+    }
+    puppet.initial = *initial;
+    *self = &puppet;
+    return 0;
+}
+
+static int answer(const struct puppet *p, struct iso_fault *fault)
+{
+    return p->text ? iso_fault_set(fault, p->error, "%s", p->text) : p->error;
+}
+
+static int puppet_set_output(void *self, enum iso_door_output output, bool active,
+                             struct iso_fault *fault)
+{
+    struct puppet *p = self;
+    p->output = (int)output;
+    p->active = active;
+    return answer(p, fault);
+}
+
+static int puppet_get_inputs(void *self, struct iso_door_inputs *out, struct iso_fault *fault)
+{
+    int error = answer(self, fault);
+    if (!error) {
+        *out = (struct iso_door_inputs){{[ISO_DOOR_TAMPER] = true}};
+    }
+    return error;
+}
+
+static void puppet_close(void *self)
+{
+    ((struct puppet *)self)->closes++;
+}
+
+static const struct iso_door_io_ops puppet_ops = {
+    .name = "puppet",
+    .open = puppet_open,
+    .set_output = puppet_set_output,
+    .get_inputs = puppet_get_inputs,
+    .close = puppet_close,
+};
+
+static struct iso_door_io *open_puppet(void)
+{
+    const struct iso_door_outputs initial = {{[ISO_DOOR_RELAY] = true}};
+    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_door_io *io = NULL;
+    puppet = (struct puppet){0};
+    assert_int_equal(iso_door_io_open_ops(&puppet_ops, NULL, 0, &clock, &initial, &io, NULL), 0);
+    return io;
+}
+
+static void knows_its_back_ends(void **state)
+{
+    const struct iso_door_outputs initial = {{false}};
+    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_door_io *io = NULL;
+    struct iso_fault fault;
+    (void)state;
+    assert_string_equal(iso_door_io_registered(0), "null");
+    assert_int_equal(iso_door_io_open("gate", NULL, 0, &clock, &initial, &io, &fault), -ENOENT);
+    assert_non_null(strstr(fault.text, "no door 'gate'; there are: null"));
+    assert_null(io);
+}
+
+static void knows_its_lines(void **state)
+{
+    (void)state;
+    assert_string_equal(iso_door_output_name(ISO_DOOR_RELAY), "relay");
+    assert_string_equal(iso_door_output_name(ISO_DOOR_BUZZER), "buzzer");
+    assert_null(iso_door_output_name(ISO_DOOR_OUTPUTS));
+    assert_string_equal(iso_door_input_name(ISO_DOOR_EXIT_BUTTON), "exit_button");
+    assert_null(iso_door_input_name((enum iso_door_input) - 1));
+}
+
+static void refuses_a_back_end_with_holes(void **state)
+{
+    const struct iso_door_outputs initial = {{false}};
+    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_door_io *io = NULL;
+    (void)state;
+    for (int i = 0; i < 5; i++) {
+        struct iso_door_io_ops ops = puppet_ops;
+        ops.name = i == 0 ? NULL : ops.name;
+        ops.open = i == 1 ? NULL : ops.open;
+        ops.set_output = i == 2 ? NULL : ops.set_output;
+        ops.get_inputs = i == 3 ? NULL : ops.get_inputs;
+        ops.close = i == 4 ? NULL : ops.close;
+        assert_int_equal(iso_door_io_open_ops(&ops, NULL, 0, &clock, &initial, &io, NULL), -EINVAL);
+    }
+    assert_null(io);
+}
+
+static void passes_on_why_it_does_not_open(void **state)
+{
+    const struct iso_door_outputs initial = {{false}};
+    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_door_io *io = NULL;
+    struct iso_fault fault;
+    (void)state;
+    puppet.open_error = -EBUSY;
+    assert_int_equal(iso_door_io_open_ops(&puppet_ops, NULL, 0, &clock, &initial, &io, &fault),
+                     -EBUSY);
+    assert_string_equal(fault.text, "puppet: will not open");
+    assert_null(io);
+}
+
+static void passes_levels_both_ways(void **state)
+{
+    struct iso_door_io *io = open_puppet();
+    struct iso_door_inputs inputs = {{false}};
+    (void)state;
+    assert_true(puppet.initial.active[ISO_DOOR_RELAY]);
+    assert_false(puppet.initial.active[ISO_DOOR_BUZZER]);
+    assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_LED_REFUSED, true, NULL), 0);
+    assert_int_equal(puppet.output, ISO_DOOR_LED_REFUSED);
+    assert_true(puppet.active);
+    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
+    assert_true(inputs.active[ISO_DOOR_TAMPER]);
+    assert_false(inputs.active[ISO_DOOR_CONTACT]);
+    assert_int_equal(iso_door_io_poll_fd(io), -ENOSYS);
+    assert_string_equal(iso_door_io_name(io), "puppet");
+    iso_door_io_close(io);
+    assert_int_equal(puppet.closes, 1);
+    iso_door_io_close(NULL);
+}
+
+static void refuses_unknown_lines(void **state)
+{
+    struct iso_door_io *io = open_puppet();
+    struct iso_fault fault;
+    (void)state;
+    puppet.output = -7;
+    assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_OUTPUTS, true, &fault), -EINVAL);
+    assert_string_equal(fault.text, "door puppet: no output 4");
+    assert_int_equal(puppet.output, -7);
+    iso_door_io_close(io);
+}
+
+static void every_fault_has_a_text(void **state)
+{
+    struct iso_door_io *io = open_puppet();
+    struct iso_door_inputs inputs = {{[ISO_DOOR_CONTACT] = true}};
+    struct iso_fault fault;
+    (void)state;
+    puppet.error = -EIO;
+    assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_RELAY, true, &fault), -EIO);
+    assert_string_equal(fault.text, "door puppet: Input/output error");
+    puppet.text = "chip 3: short circuit";
+    assert_int_equal(iso_door_io_get_inputs(io, &inputs, &fault), -EIO);
+    assert_string_equal(fault.text, "chip 3: short circuit");
+    assert_true(inputs.active[ISO_DOOR_CONTACT]); /* untouched */
+    puppet.error = 0;
+    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
+    iso_door_io_close(io);
+}
+
+static void a_lost_device_can_only_be_closed(void **state)
+{
+    struct iso_door_io *io = open_puppet();
+    struct iso_door_inputs inputs;
+    struct iso_fault fault;
+    (void)state;
+    puppet.error = -ENODEV;
+    assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_RELAY, true, NULL), -ENODEV);
+    puppet.error = 0;
+    assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_RELAY, true, &fault), -ENODEV);
+    assert_string_equal(fault.text, "door puppet: the device is gone");
+    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), -ENODEV);
+    assert_int_equal(iso_door_io_poll_fd(io), -ENODEV);
+    iso_door_io_close(io);
+    assert_int_equal(puppet.closes, 1);
+}
+
+static void keeps_back_ends_apart(void **state)
+{
+    struct iso_door_io *io = open_puppet();
+    struct iso_door_null_event event;
+    bool active;
+    size_t count;
+    (void)state;
+    assert_ptr_equal(iso_door_io_self(io, &puppet_ops), &puppet);
+    assert_null(iso_door_io_self(io, &iso_door_null_ops));
+    assert_int_equal(iso_door_null_set_input(io, ISO_DOOR_CONTACT, true), -EINVAL);
+    assert_int_equal(iso_door_null_get_output(io, ISO_DOOR_RELAY, &active), -EINVAL);
+    assert_int_equal(iso_door_null_event_count(io, &count), -EINVAL);
+    assert_int_equal(iso_door_null_event(io, 0, &event), -EINVAL);
+    iso_door_io_close(io);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(knows_its_back_ends),
+        cmocka_unit_test(knows_its_lines),
+        cmocka_unit_test(refuses_a_back_end_with_holes),
+        cmocka_unit_test(passes_on_why_it_does_not_open),
+        cmocka_unit_test(passes_levels_both_ways),
+        cmocka_unit_test(refuses_unknown_lines),
+        cmocka_unit_test(every_fault_has_a_text),
+        cmocka_unit_test(a_lost_device_can_only_be_closed),
+        cmocka_unit_test(keeps_back_ends_apart),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,18 @@
+/* A small recording written by hand, not by the simulator's writer: the two are tested against each
+ * other. 7 x 5 pixels, unit 0.5 mm, frame f at time 10 + f / 8 s; the depth count at (column, row)
+ * of frame f is 1000 + 100 f + 10 row + column, except that pixel (0, 0) is not measured. */
+#ifndef TESTS_SUPPORT_STORED_FRAMES_H
+#define TESTS_SUPPORT_STORED_FRAMES_H
+
+enum { STORED_WIDTH = 7, STORED_HEIGHT = 5 };
+
+extern const char stored_ini[];
+
+/* Writes the recording; the directory is made. */
+void stored_frames_write(const char *directory, int n_frames);
+
+/* Writes one plane of constant samples: `bits` 8 or 16, `channels` 1 or 3. */
+void stored_plane_write(const char *path, int width, int height, int bits, int channels,
+                        unsigned value);
+
+#endif
