@@ -1,0 +1,199 @@
+/* isotherm-sim show: pictures of a frame of a recording. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "drivers/recording/recording.h"
+#include "sim/commands.h"
+#include "sim/data_file.h"
+#include "sim/eval/extract_options.h"
+#include "sim/picture/depth.h"
+#include "sim/picture/face.h"
+
+struct arguments {
+    const char *recording, *out, *what, *model;
+    size_t frame;
+    struct sim_face_angle angle;
+    struct iso_extract_options extract;
+};
+
+#define FIELD(name) offsetof(struct arguments, name)
+
+static const struct sim_option own_options[] = {
+    {"recording", "DIR", "where the frame is", sim_option_text, FIELD(recording)},
+    {"frame", "N", "which one, from 0", sim_option_count, FIELD(frame)},
+    {"what", "depth|mesh|heat|isotherms|all", "what to draw", sim_option_text, FIELD(what)},
+    {"out", "FILE", "PNG file; with `all` a directory", sim_option_text, FIELD(out)},
+    {"model", "FILE", "head model", sim_option_text, FIELD(model)},
+    {"yaw", "DEGREES", "how far the viewer stands to the face's left", sim_option_degrees,
+     FIELD(angle.yaw_rad)},
+    {"pitch", "DEGREES", "and above it", sim_option_degrees, FIELD(angle.pitch_rad)},
+};
+
+/* The pictures of a face. */
+static const struct {
+    const char *name;
+    int (*draw)(const struct sim_face *face, struct sim_face_angle angle, const char *path,
+                struct iso_fault *fault);
+} face_pictures[] = {
+    {"mesh", sim_picture_mesh},
+    {"heat", sim_picture_heat},
+    {"isotherms", sim_picture_isotherms},
+};
+
+static const size_t n_face_pictures = sizeof face_pictures / sizeof *face_pictures;
+
+static bool wants(const struct arguments *arguments, const char *name)
+{
+    return strcmp(arguments->what, name) == 0 || strcmp(arguments->what, "all") == 0;
+}
+
+static bool knows(const char *what)
+{
+    bool known = strcmp(what, "all") == 0 || strcmp(what, "depth") == 0;
+    for (size_t i = 0; i < n_face_pictures; i++) {
+        known = known || strcmp(what, face_pictures[i].name) == 0;
+    }
+    return known;
+}
+
+/* The file of one picture: `out` itself, or NAME.png in it. */
+static int path_of(const struct arguments *arguments, const char *name, char *path, size_t size,
+                   struct iso_fault *fault)
+{
+    bool all = strcmp(arguments->what, "all") == 0;
+    int length = all ? snprintf(path, size, "%s/%s.png", arguments->out, name)
+                     : snprintf(path, size, "%s", arguments->out);
+    return length >= 0 && (size_t)length < size
+               ? 0
+               : iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", arguments->out);
+}
+
+static int draw_depth(const struct arguments *arguments, const struct iso_frame *frame,
+                      struct iso_fault *fault)
+{
+    char path[4096];
+    int error = path_of(arguments, "depth", path, sizeof path, fault);
+    return error ? error : sim_picture_depth(frame, path, fault);
+}
+
+/* -ENODATA if there is no usable face. */
+static int draw_face(const struct arguments *arguments, const struct iso_frame *frame,
+                     struct iso_fault *fault)
+{
+    struct iso_head_model *model = NULL;
+    struct iso_extractor *extractor = NULL;
+    struct iso_extraction extraction;
+    int error = sim_head_model_load(arguments->model, &model, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_extractor_new(model, &arguments->extract, &extractor);
+    if (!error) {
+        error = iso_extractor_run(extractor, frame, &extraction);
+    }
+    if (error) {
+        (void)iso_fault_set(fault, error, "extractor: %s",
+                            error == -EINVAL ? "an option is out of range" : strerror(-error));
+        goto out;
+    }
+    if (extraction.outcome != ISO_CAPTURE_OK) {
+        error = iso_fault_set(fault, -ENODATA, "frame %zu: no usable face (%s)", arguments->frame,
+                              iso_capture_name(extraction.outcome));
+        goto out;
+    }
+    struct sim_face face = sim_face_of(extractor, &extraction);
+    for (size_t i = 0; !error && i < n_face_pictures; i++) {
+        char path[4096];
+        if (wants(arguments, face_pictures[i].name)) {
+            error = path_of(arguments, face_pictures[i].name, path, sizeof path, fault);
+            if (!error) {
+                error = face_pictures[i].draw(&face, arguments->angle, path, fault);
+            }
+        }
+    }
+out:
+    iso_extractor_free(extractor);
+    iso_head_model_free(model);
+    return error;
+}
+
+static int run(const struct arguments *arguments, struct iso_fault *fault)
+{
+    if (strcmp(arguments->what, "all") == 0 && mkdir(arguments->out, 0777) != 0 &&
+        errno != EEXIST) {
+        return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
+    }
+    struct iso_recording *recording = NULL;
+    struct iso_frame *frame = NULL;
+    int error = iso_recording_open(arguments->recording, &recording, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_recording_frame_new(recording, &frame);
+    if (error) {
+        (void)iso_fault_set(fault, error, "%s: out of memory", arguments->recording);
+        goto out;
+    }
+    error = iso_recording_read(recording, arguments->frame, frame, fault);
+    if (!error && wants(arguments, "depth")) {
+        error = draw_depth(arguments, frame, fault);
+    }
+    if (!error && strcmp(arguments->what, "depth") != 0) {
+        error = draw_face(arguments, frame, fault);
+    }
+out:
+    iso_frame_free(frame);
+    iso_recording_close(recording);
+    return error;
+}
+
+static int complain(const struct iso_fault *fault, int exit_code)
+{
+    fprintf(stderr, "isotherm-sim show: %s\n", fault->text);
+    return exit_code;
+}
+
+int sim_cmd_show(int argc, char **argv)
+{
+    struct arguments arguments = {
+        .what = "isotherms",
+        .model = SIM_DATA_FILE_MODEL,
+        .angle = {.yaw_rad = -0.30, .pitch_rad = 0.06},
+        .extract = iso_extract_options_default(),
+    };
+    const struct sim_option_set sets[] = {
+        {own_options, sizeof own_options / sizeof *own_options, &arguments},
+        sim_extract_option_set(&arguments.extract),
+    };
+    size_t n_sets = sizeof sets / sizeof *sets;
+    struct iso_fault fault = {""};
+    switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
+    case SIM_OPTIONS_HELP:
+        puts("Usage: isotherm-sim show --recording DIR --frame N --out FILE [OPTION...]\n\n"
+             "Draws a frame's depth, or the mesh, the heat and the isotherms of the face in it.\n");
+        sim_options_help(sets, n_sets, stdout);
+        return SIM_EXIT_OK;
+    case SIM_OPTIONS_REFUSED:
+        return complain(&fault, SIM_EXIT_USAGE);
+    case SIM_OPTIONS_READ:
+        break;
+    }
+    if (!arguments.recording || !arguments.out) {
+        (void)iso_fault_set(&fault, 0, "--recording and --out are needed");
+        return complain(&fault, SIM_EXIT_USAGE);
+    }
+    if (!knows(arguments.what)) {
+        (void)iso_fault_set(&fault, 0, "--what: '%s' is unknown", arguments.what);
+        return complain(&fault, SIM_EXIT_USAGE);
+    }
+    int error = run(&arguments, &fault);
+    if (!error) {
+        return SIM_EXIT_OK;
+    }
+    return complain(&fault, error == -ENODATA  ? SIM_EXIT_NO_MATCH
+                            : error == -EINVAL ? SIM_EXIT_USAGE
+                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
+                                               : SIM_EXIT_FAULT);
+}

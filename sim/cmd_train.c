@@ -1,0 +1,286 @@
+/* isotherm-sim train: makes the data files that ship with the product. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "sim/commands.h"
+#include "sim/data_file.h"
+#include "sim/options.h"
+#include "sim/train/head_picture.h"
+#include "sim/train/train_cohort.h"
+#include "sim/train/train_head.h"
+
+struct arguments {
+    const char *ict, *out, *pictures, *model, *sensors;
+    size_t seed, n_people, n_vertices, n_identity, n_expression;
+};
+
+#define FIELD(name) offsetof(struct arguments, name)
+
+static const struct sim_option head_options[] = {
+    {"ict", "DIR", "the statistical head model to learn from", sim_option_text, FIELD(ict)},
+    {"out", "FILE", "the model to write", sim_option_text, FIELD(out)},
+    {"seed", "S", "of the expressions that are learned from (1)", sim_option_count, FIELD(seed)},
+    {"vertices", "N", "(1180)", sim_option_count, FIELD(n_vertices)},
+    {"identity", "N", "modes to keep (40)", sim_option_count, FIELD(n_identity)},
+    {"expression", "N", "modes to keep (12)", sim_option_count, FIELD(n_expression)},
+    {"pictures", "DIR", "also draw the model, its mesh and its modes", sim_option_text,
+     FIELD(pictures)},
+};
+
+static const struct sim_option cohort_options[] = {
+    {"ict", "DIR", "the statistical head model to render", sim_option_text, FIELD(ict)},
+    {"out", "FILE", "the templates to write", sim_option_text, FIELD(out)},
+    {"model", "FILE", "the trained head model to extract with", sim_option_text, FIELD(model)},
+    {"sensor", "NAME,NAME,...", "people stand before them in turn (astra)", sim_option_text,
+     FIELD(sensors)},
+    {"people", "N", "(64)", sim_option_count, FIELD(n_people)},
+    {"seed", "S", "(1)", sim_option_count, FIELD(seed)},
+};
+
+static int write_file(const char *path, const void *bytes, size_t size, struct iso_fault *fault)
+{
+    FILE *file = fopen(path, "wbe");
+    if (!file) {
+        return iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
+    }
+    bool written = fwrite(bytes, 1, size, file) == size;
+    written = fclose(file) == 0 && written;
+    if (!written) {
+        (void)remove(path);
+        return iso_fault_set(fault, -EIO, "%s: cannot be written", path);
+    }
+    return 0;
+}
+
+static void print_head_report(const struct iso_head_model *model, size_t size,
+                              const struct sim_train_head_report *r)
+{
+    printf("vertices            %u of %u; face %u, rigid %u\n", model->n_vertices,
+           r->n_fine_vertices, r->n_face, r->n_rigid);
+    printf("triangles           %u\n", model->n_triangles);
+    printf("decimation error    %.2f mm mean, %.2f mm at 95%%, %.2f mm at most (face)\n",
+           r->decimation_mean_mm, r->decimation_p95_mm, r->decimation_max_mm);
+    printf("identity modes      %u, %.1f%% of variance\n", model->n_identity,
+           100.0 * r->identity_explained);
+    printf("unseen people       %.2f mm rms from the mean, %.2f mm from the modes\n",
+           r->identity_rms_mm, r->unseen_rms_mm);
+    printf("expression modes    %u, %.1f%% of variance\n", model->n_expression,
+           100.0 * r->expression_explained);
+    printf("expressions         %.2f mm rms from rest, %.2f mm from the modes\n",
+           r->expression_rms_mm, r->expression_left_rms_mm);
+    printf("file                %zu bytes\n", size);
+}
+
+static int save_head(const struct iso_head_model *model, const struct arguments *arguments,
+                     const struct sim_train_head_report *report, struct iso_fault *fault)
+{
+    void *bytes = NULL;
+    size_t size = 0;
+    int error = iso_head_model_serialise(model, &bytes, &size);
+    if (error) {
+        return iso_fault_set(fault, error, "%s: %s", arguments->out,
+                             error == -EFBIG ? "would be larger than a model may be"
+                                             : strerror(-error));
+    }
+    error = write_file(arguments->out, bytes, size, fault);
+    if (!error) {
+        print_head_report(model, size, report);
+    }
+    free(bytes);
+    return error;
+}
+
+static int draw_head(const struct iso_head_model *model, const char *directory,
+                     struct iso_fault *fault)
+{
+    if (mkdir(directory, 0777) != 0 && errno != EEXIST) {
+        return iso_fault_set(fault, -errno, "%s: %s", directory, strerror(errno));
+    }
+    return sim_head_pictures(model, directory, fault);
+}
+
+static int train_head(const struct arguments *arguments, struct iso_fault *fault)
+{
+    if (arguments->n_vertices > ISO_HEAD_VERTICES_MAX ||
+        arguments->n_identity > ISO_HEAD_IDENTITY_MAX ||
+        arguments->n_expression > ISO_HEAD_EXPRESSION_MAX) {
+        return iso_fault_set(fault, -EINVAL,
+                             "at most %d vertices, %d identity modes and %d "
+                             "expression modes",
+                             ISO_HEAD_VERTICES_MAX, ISO_HEAD_IDENTITY_MAX, ISO_HEAD_EXPRESSION_MAX);
+    }
+    struct sim_train_head_options options = {
+        .seed = arguments->seed,
+        .n_vertices = (uint32_t)arguments->n_vertices,
+        .n_identity = (uint32_t)arguments->n_identity,
+        .n_expression = (uint32_t)arguments->n_expression,
+    };
+    struct sim_ict *ict = NULL;
+    struct iso_head_model *model = NULL;
+    struct sim_train_head_report report;
+    int error = sim_ict_load(arguments->ict, &ict, fault);
+    if (!error) {
+        error = sim_train_head(ict, &options, &model, &report, fault);
+    }
+    if (!error) {
+        error = save_head(model, arguments, &report, fault);
+    }
+    if (!error && arguments->pictures) {
+        error = draw_head(model, arguments->pictures, fault);
+    }
+    iso_head_model_free(model);
+    sim_ict_free(ict);
+    return error;
+}
+
+/* Looks up comma-separated names of sensors. */
+static int find_sensors(const char *names, struct sim_train_cohort_options *options,
+                        struct iso_fault *fault)
+{
+    options->n_sensors = 0;
+    for (const char *at = names;; at++) {
+        char name[ISO_TEMPLATE_SENSOR_MAX];
+        size_t length = strcspn(at, ",");
+        (void)snprintf(name, sizeof name, "%.*s", (int)length, at);
+        const struct sim_sensor *sensor = length < sizeof name ? sim_sensor_find(name) : NULL;
+        if (!sensor) {
+            return iso_fault_set(fault, -EINVAL, "--sensor: no sensor '%s'", name);
+        }
+        if (options->n_sensors == SIM_COHORT_SENSORS_MAX) {
+            return iso_fault_set(fault, -EINVAL, "--sensor: more than %d", SIM_COHORT_SENSORS_MAX);
+        }
+        options->sensors[options->n_sensors++] = sensor;
+        at += length;
+        if (*at == '\0') {
+            return 0;
+        }
+    }
+}
+
+static int save_cohort(const struct iso_template *templates, uint32_t n, const char *path,
+                       struct iso_fault *fault)
+{
+    const struct iso_template *list[ISO_COHORT_MAX];
+    for (uint32_t i = 0; i < n; i++) {
+        list[i] = &templates[i];
+    }
+    void *bytes = NULL;
+    size_t size = 0;
+    int error = iso_cohort_serialise(list, (int)n, &bytes, &size);
+    if (error) {
+        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+    error = write_file(path, bytes, size, fault);
+    free(bytes);
+    return error;
+}
+
+static int train_cohort(const struct arguments *arguments, struct iso_fault *fault)
+{
+    struct sim_train_cohort_options options = {
+        .extract = iso_extract_options_default(),
+        .n_people = arguments->n_people > ISO_COHORT_MAX ? 0 : (uint32_t)arguments->n_people,
+        .seed = arguments->seed,
+    };
+    struct sim_ict *ict = NULL;
+    struct iso_head_model *model = NULL;
+    struct iso_template *templates = NULL;
+    struct sim_train_cohort_report report = {0, 0};
+    int error = find_sensors(arguments->sensors, &options, fault);
+    if (!error) {
+        error = sim_head_model_load(arguments->model, &model, fault);
+    }
+    if (!error) {
+        error = sim_ict_load(arguments->ict, &ict, fault);
+    }
+    if (!error) {
+        options.ict = ict;
+        options.model = model;
+        error = sim_train_cohort(&options, &templates, &report, fault);
+    }
+    if (!error) {
+        error = save_cohort(templates, report.n_people, arguments->out, fault);
+    }
+    if (!error) {
+        printf("%u people, %u frames\n", report.n_people, report.n_frames);
+    }
+    if (templates) {
+        explicit_bzero(templates, report.n_people * sizeof *templates);
+    }
+    free(templates);
+    sim_ict_free(ict);
+    iso_head_model_free(model);
+    return error;
+}
+
+static const struct target {
+    const char *name, *summary;
+    const struct sim_option *options;
+    size_t n_options;
+    int (*run)(const struct arguments *arguments, struct iso_fault *fault);
+} targets[] = {
+    {"head", "Trains the compact head model that faces are found and registered with.",
+     head_options, sizeof head_options / sizeof *head_options, train_head},
+    {"cohort", "Renders people in no gallery and writes the templates that normalise scores.",
+     cohort_options, sizeof cohort_options / sizeof *cohort_options, train_cohort},
+};
+
+static int complain(const struct iso_fault *fault, int exit_code)
+{
+    fprintf(stderr, "isotherm-sim train: %s\n", fault->text);
+    return exit_code;
+}
+
+static int run_target(const struct target *target, int argc, char **argv)
+{
+    struct arguments arguments = {
+        .model = SIM_DATA_FILE_MODEL,
+        .sensors = "astra",
+        .seed = 1,
+        .n_people = 64,
+        .n_vertices = sim_train_head_options_default().n_vertices,
+        .n_identity = sim_train_head_options_default().n_identity,
+        .n_expression = sim_train_head_options_default().n_expression,
+    };
+    struct sim_option_set set = {target->options, target->n_options, &arguments};
+    struct iso_fault fault = {""};
+    switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
+    case SIM_OPTIONS_HELP:
+        printf("Usage: isotherm-sim train %s --ict DIR --out FILE [OPTION...]\n\n%s The same\n"
+               "options make the same bytes.\n\n",
+               target->name, target->summary);
+        sim_options_help(&set, 1, stdout);
+        return SIM_EXIT_OK;
+    case SIM_OPTIONS_REFUSED:
+        return complain(&fault, SIM_EXIT_USAGE);
+    case SIM_OPTIONS_READ:
+        break;
+    }
+    if (!arguments.ict || !arguments.out) {
+        (void)iso_fault_set(&fault, 0, "--ict and --out are needed");
+        return complain(&fault, SIM_EXIT_USAGE);
+    }
+    int error = target->run(&arguments, &fault);
+    if (!error) {
+        return SIM_EXIT_OK;
+    }
+    return complain(&fault, error == -EINVAL   ? SIM_EXIT_USAGE
+                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
+                                               : SIM_EXIT_FAULT);
+}
+
+int sim_cmd_train(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
+        if (strcmp(name, targets[i].name) == 0) {
+            return run_target(&targets[i], argc - 1, argv + 1);
+        }
+    }
+    bool help = strcmp(name, "--help") == 0;
+    fprintf(help ? stdout : stderr, "Usage: isotherm-sim train head|cohort [OPTION...]\n");
+    return help ? SIM_EXIT_OK : SIM_EXIT_USAGE;
+}

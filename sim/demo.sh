@@ -1,0 +1,179 @@
+#!/bin/bash
+# The whole product at work on stored frames: a daemon on a private bus with nobody enrolled, everybody enrolled through
+# the command line tool, then a day of visitors at the door, and pictures.
+#
+#   sim/demo.sh BUILD_DIR OUT_DIR
+#
+# Ends non-zero if somebody enrolled was refused at every visit or taken for another, if a stranger was let in, or if
+# anything on the way fails. Needs dbus-daemon and nothing else that runs: no system bus, no init, no terminal.
+set -euo pipefail
+
+if [ $# -ne 2 ]; then
+    echo "usage: $0 BUILD_DIR OUT_DIR" >&2
+    exit 2
+fi
+source_dir=$(cd "$(dirname "$0")/.." && pwd)
+mkdir -p "$2"
+build=$(cd "$1" && pwd)
+out=$(cd "$2" && pwd)
+corpus=$source_dir/sim/stored
+model=$source_dir/core/data/head.model
+cohort=$source_dir/core/data/cohort.templates
+isotherm=$build/enroll/isotherm
+isothermd=$build/firmware/isothermd
+simulator=$build/sim/isotherm-sim
+
+run=$(mktemp -d)
+slot=$run/slot # what it names stands in front of the camera
+bus_pid='' daemon_pid=''
+
+# shellcheck disable=SC2317 # called by the trap
+clean_up()
+{
+    local status=$?
+
+    trap - EXIT
+    for pid in $daemon_pid $bus_pid; do
+        kill "$pid" 2>/dev/null || true
+        wait "$pid" 2>/dev/null || true
+    done
+    if [ "$status" -ne 0 ]; then
+        echo "demo: failed (exit $status); the daemon's last words:" >&2
+        tail -n 5 "$out/isothermd.log" >&2 || true
+    fi
+    rm -rf "$run"
+    exit "$status"
+}
+trap clean_up EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+heading()
+{
+    printf '\n== %s\n\n' "$1"
+}
+
+start_bus()
+{
+    cat >"$run/bus.conf" <<END
+<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
+ "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
+<busconfig>
+  <type>isotherm-demo</type>
+  <listen>unix:path=$run/bus</listen>
+  <auth>EXTERNAL</auth>
+  <policy context="default">
+    <allow send_destination="*"/>
+    <allow receive_sender="*"/>
+    <allow own="*"/>
+  </policy>
+</busconfig>
+END
+    mkfifo "$run/address" "$run/hints"
+    dbus-daemon --config-file="$run/bus.conf" --nofork --nopidfile --print-address=1 \
+        >"$run/address" 2>"$out/dbus-daemon.log" &
+    bus_pid=$!
+    read -r address <"$run/address" # a line, once the bus listens
+}
+
+start_daemon()
+{
+    mkdir "$run/state"
+    cat >"$out/isotherm.conf" <<END
+[sensor]
+backend = replay
+path = $slot
+[door]
+backend = null
+unlock_ms = 200
+[gallery]
+path = $run/state/gallery.db
+[decision]
+gap_ms = 150
+[log]
+path = $run/state/audit.log
+[bus]
+address = $address
+[model]
+head = $model
+cohort = $cohort
+END
+    "$isothermd" --config "$out/isotherm.conf" 2>"$out/isothermd.log" &
+    daemon_pid=$!
+    for _ in $(seq 100); do
+        if "$isotherm" --bus "$address" status >/dev/null 2>&1; then
+            return
+        fi
+        kill -0 "$daemon_pid" # gone: end here
+        sleep 0.1
+    done
+    echo 'demo: the daemon does not answer' >&2
+    exit 5
+}
+
+stand_before_the_camera()
+{
+    ln -s "$corpus/$1" "$slot.next"
+    mv -T "$slot.next" "$slot"
+}
+
+# The tool's first line says that the camera looks now; then the person comes, so that no frame is missed.
+enroll()
+{
+    local recording=$1 person=$2 line tool hints status=0
+
+    "$isotherm" --bus "$address" enroll "$person" --timeout 20 >"$run/hints" 2>&1 &
+    tool=$!
+    exec {hints}<"$run/hints"
+    read -r line <&"$hints"
+    stand_before_the_camera "$recording"
+    { echo "$line" && cat; } <&"$hints" >"$run/enroll.txt"
+    exec {hints}<&-
+    wait "$tool" || status=$?
+    rm -f "$slot"
+    if [ "$status" -ne 0 ]; then
+        cat "$run/enroll.txt" >&2
+        return "$status"
+    fi
+    tail -n 1 "$run/enroll.txt"
+}
+
+enroll_everybody()
+{
+    local recording subject role rest
+
+    while IFS=, read -r recording _ _ subject _ role rest; do
+        if [ "$role" = gallery ]; then
+            enroll "$recording" "$subject"
+        fi
+    done <"$corpus/manifest.csv"
+}
+
+started=$(date +%s)
+start_bus
+start_daemon
+
+heading 'Enrolling, through the command line tool'
+enroll_everybody
+
+heading 'isotherm list'
+"$isotherm" --bus "$address" list
+
+heading 'Visitors at the door'
+visits=0
+"$simulator" visit --corpus "$corpus" --slot "$slot" --bus "$address" --out "$out" --settle-ms 250 ||
+    visits=$?
+
+heading 'isotherm status'
+"$isotherm" --bus "$address" status
+
+heading 'Pictures'
+"$simulator" show --recording "$corpus/p01-enrol" --frame 0 --what isotherms --model "$model" --out "$out/isotherms.png"
+"$simulator" eval --corpus "$corpus" --model "$model" --cohort "$cohort" --out "$out/eval"
+
+heading 'Results'
+echo "visits            $out/visits.csv"
+echo "a face            $out/isotherms.png"
+echo "CMC and DET       $out/eval"
+echo "seconds           $(($(date +%s) - started))"
+exit "$visits"

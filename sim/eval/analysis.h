@@ -1,0 +1,86 @@
+/* From scores to the figures of an evaluation. Here, and not before, the probes' subjects are
+ * looked at: `none` is not a face and is reported apart; a subject in the gallery makes a mated
+ * search; any other is a stranger. */
+#ifndef SIM_EVAL_ANALYSIS_H
+#define SIM_EVAL_ANALYSIS_H
+
+#include <stdbool.h>
+
+#include "sim/eval/det.h"
+#include "sim/eval/identification.h"
+#include "sim/eval/latency.h"
+#include "sim/eval/match.h"
+
+enum {
+    SIM_FMR_TARGETS = 4,
+    SIM_FPIR_TARGETS = 2,
+    SIM_CONDITION_MIN = 5, /* searches of a condition that is reported */
+};
+
+extern const double sim_fmr_targets[SIM_FMR_TARGETS];   /* 1e-1 .. 1e-4 */
+extern const double sim_fpir_targets[SIM_FPIR_TARGETS]; /* 1e-1, 1e-2 */
+
+enum sim_probe_kind { SIM_PROBE_MATED, SIM_PROBE_STRANGER, SIM_PROBE_NONE, SIM_PROBE_KINDS };
+
+struct sim_operating_point {
+    struct sim_det_point at;
+    struct sim_interval fnmr; /* of at.fnmr */
+    struct sim_rate gfnmr;    /* with lost comparisons counted as non-matches */
+    bool supported;           /* there are enough non-mated comparisons for this FMR */
+};
+
+/* One-to-one figures. */
+struct sim_verification {
+    struct sim_scores scores; /* sorted */
+    size_t n_lost; /* mated comparisons that were lost: probe not acquired or mate not enrolled */
+    size_t n_det;  /* 0: no mated or no non-mated comparison, then nothing below is set */
+    struct sim_det_point *det;
+    double eer;
+    struct sim_interval eer_interval;
+    struct sim_operating_point at_fmr[SIM_FMR_TARGETS];
+};
+
+/* One-to-many figures. */
+struct sim_identification {
+    size_t n_searches, n_strangers;
+    struct sim_mated_search *searches;
+    double *top_score;                                   /* [n_strangers] */
+    struct sim_open_set_point at_fpir[SIM_FPIR_TARGETS]; /* if there are searches and strangers */
+};
+
+/* What is true of the probes of one pose or one expression. */
+struct sim_condition {
+    const char *column, *value;                   /* "pose", "yaw_a" */
+    struct sim_rate not_acquired, rank_1, rank_4; /* of mated searches */
+    double eer; /* of the condition's probes alone; NaN if there are too few */
+};
+
+struct sim_analysis {
+    /* [n_probes] of the matches: */
+    enum sim_probe_kind *kind;
+    size_t *mate;     /* person of the gallery, or SIM_NOBODY */
+    uint32_t *person; /* number of the probe's subject */
+    uint32_t n_subjects;
+
+    struct sim_verification verification;
+    struct sim_identification identification;
+    size_t n_conditions;
+    struct sim_condition *conditions;
+
+    size_t n_kind[SIM_PROBE_KINDS];
+    size_t n_gallery_samples, n_people_not_enrolled, n_usable_captures;
+    /* Samples by outcome, ISO_CAPTURE_OK for acquired: of the gallery, of probes by kind. */
+    size_t gallery_reason[SIM_REASONS], probe_reason[SIM_PROBE_KINDS][SIM_REASONS];
+    size_t none_matched; /* not faces that would match somebody at the third FMR's threshold */
+    /* Processor time of each stage, and of the whole extraction by both clocks, of usable frames;
+     * of the search of the gallery. */
+    struct sim_latency stage[ISO_STAGES], extract_cpu, extract_wall, search_cpu, search_wall;
+};
+
+/* Everything given must outlive the result. -ENOMEM. */
+int sim_analyse(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
+                const struct sim_gallery *gallery, const struct sim_matches *matches,
+                struct sim_analysis **out) __attribute__((warn_unused_result));
+void sim_analysis_free(struct sim_analysis *analysis);
+
+#endif

@@ -1,0 +1,106 @@
+#include "sim/eval/extract_options.h"
+
+#include <errno.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "drivers/text.h"
+
+/* The field is the whole of the options. */
+static int parse_radii(const char *text, void *field)
+{
+    struct iso_extract_options *options = field;
+    char copy[64];
+    char *words[ISO_TEMPLATE_RADII_MAX];
+    double radius_mm[ISO_TEMPLATE_RADII_MAX];
+    if ((size_t)snprintf(copy, sizeof copy, "%s", text) >= sizeof copy) {
+        return -EINVAL;
+    }
+    size_t n = iso_text_split(copy, ',', words, ISO_TEMPLATE_RADII_MAX);
+    if (n > ISO_TEMPLATE_RADII_MAX) {
+        return -EINVAL;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (iso_text_number(words[i], &radius_mm[i])) {
+            return -EINVAL;
+        }
+    }
+    options->n_radii = (int)n;
+    memcpy(options->radius_mm, radius_mm, n * sizeof *radius_mm);
+    return 0;
+}
+
+static int parse_heat(const char *text, void *field)
+{
+    enum iso_heat_method *heat = field;
+    if (strcmp(text, "direct") == 0) {
+        *heat = ISO_HEAT_DIRECT;
+    } else if (strcmp(text, "spectral") == 0) {
+        *heat = ISO_HEAT_SPECTRAL;
+    } else {
+        return -EINVAL;
+    }
+    return 0;
+}
+
+static int parse_transform(const char *text, void *field)
+{
+    enum iso_icp_transform *transform = field;
+    if (strcmp(text, "rigid") == 0) {
+        *transform = ISO_ICP_RIGID;
+    } else if (strcmp(text, "affine") == 0) {
+        *transform = ISO_ICP_AFFINE;
+    } else {
+        return -EINVAL;
+    }
+    return 0;
+}
+
+#define FIELD(name) offsetof(struct iso_extract_options, name)
+
+static const struct sim_option extract_options[] = {
+    {"radii", "MM,MM,...", "radii of the isotherms", parse_radii, 0},
+    {"heat", "direct|spectral", "how heat columns are computed", parse_heat, FIELD(heat)},
+    {"t", "MM2", "time of the heat", sim_option_number, FIELD(t_mm2)},
+    {"points", "N", "points of an isotherm", sim_option_int, FIELD(n_points)},
+    {"crop-radius", "MM", "of the face patch", sim_option_number, FIELD(crop_radius_mm)},
+    {"spacing", "MM", "of the face patch's grid", sim_option_number, FIELD(spacing_mm)},
+    {"smoothing", "MM", "sigma of the residual's filter", sim_option_number, FIELD(smoothing_mm)},
+    {"outlier", "MM", "residuals beyond are filled in", sim_option_number, FIELD(outlier_mm)},
+    {"fit-iterations", "N", "of the head model's fit", sim_option_int, FIELD(fit.iterations)},
+    {"fit-cutoff-first", "MM", "Tukey's cut-off at first", sim_option_number,
+     FIELD(fit.cutoff_first_mm)},
+    {"fit-cutoff-last", "MM", "and at last", sim_option_number, FIELD(fit.cutoff_last_mm)},
+    {"fit-soft-weight", "W", "of places that move with expression", sim_option_number,
+     FIELD(fit.soft_weight)},
+    {"fit-identity-stiffness", "MM2", "prior of the identity modes", sim_option_number,
+     FIELD(fit.identity_stiffness_mm2)},
+    {"fit-expression-stiffness", "MM2", "prior of the expression modes", sim_option_number,
+     FIELD(fit.expression_stiffness_mm2)},
+    {"distance-min", "MM", "nearest nose tip accepted", sim_option_number, FIELD(distance_min_mm)},
+    {"distance-max", "MM", "farthest nose tip accepted", sim_option_number, FIELD(distance_max_mm)},
+    {"yaw-max", "DEGREES", "of a usable face", sim_option_degrees, FIELD(yaw_max_rad)},
+    {"pitch-max", "DEGREES", "of a usable face", sim_option_degrees, FIELD(pitch_max_rad)},
+};
+
+static const struct sim_option match_options[] = {
+    {"trim", "SHARE", "of the points that count in a distance", sim_option_number,
+     offsetof(struct iso_match_options, trim)},
+    {"icp-iterations", "N", "at most, of a comparison", sim_option_int,
+     offsetof(struct iso_match_options, icp_iterations)},
+    {"transform", "rigid|affine", "that registers two templates", parse_transform,
+     offsetof(struct iso_match_options, transform)},
+};
+
+struct sim_option_set sim_extract_option_set(struct iso_extract_options *options)
+{
+    return (struct sim_option_set){extract_options,
+                                   sizeof extract_options / sizeof *extract_options, options};
+}
+
+struct sim_option_set sim_match_option_set(struct iso_match_options *options)
+{
+    return (struct sim_option_set){match_options, sizeof match_options / sizeof *match_options,
+                                   options};
+}

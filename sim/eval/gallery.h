@@ -1,0 +1,28 @@
+/* Who is enrolled in an evaluation, and with what. */
+#ifndef SIM_EVAL_GALLERY_H
+#define SIM_EVAL_GALLERY_H
+
+#include <stdint.h>
+
+#include "sim/eval/acquire.h"
+
+/* The people of the rows with role gallery, in the manifest's order. */
+struct sim_gallery {
+    size_t n_people, n_templates;
+    const char **names;                    /* [n_people]; the corpus's strings */
+    size_t *n_templates_of;                /* [n_people]; 0: failed to enrol */
+    const struct iso_template **templates; /* [n_templates]; the samples' */
+    size_t *person;                        /* [n_templates] */
+};
+
+/* Enrols the first `limit` people (0: all). The gallery refers to the corpus and the acquisition.
+ * -ENOMEM. */
+int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
+                    size_t limit, struct sim_gallery **out) __attribute__((warn_unused_result));
+void sim_gallery_free(struct sim_gallery *gallery);
+
+/* The number of a person in the gallery, or SIM_NOBODY. */
+#define SIM_NOBODY SIZE_MAX
+size_t sim_gallery_find(const struct sim_gallery *gallery, const char *name);
+
+#endif

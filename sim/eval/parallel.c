@@ -1,0 +1,58 @@
+#include "sim/eval/parallel.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { THREADS_MAX = 64 };
+
+struct work {
+    sim_job *job;
+    void *context;
+    size_t n_jobs;
+    atomic_size_t next;
+    atomic_int error;
+};
+
+struct worker {
+    struct work *work;
+    pthread_t thread;
+    int number;
+};
+
+static void *work_on(void *argument)
+{
+    const struct worker *worker = argument;
+    struct work *work = worker->work;
+    while (atomic_load(&work->error) == 0) {
+        size_t job = atomic_fetch_add(&work->next, 1);
+        if (job >= work->n_jobs) {
+            break;
+        }
+        int error = work->job(work->context, worker->number, job);
+        if (error) {
+            atomic_store(&work->error, error);
+        }
+    }
+    return NULL;
+}
+
+int sim_parallel(int threads, size_t n_jobs, sim_job *job, void *context)
+{
+    if (threads < 1 || threads > THREADS_MAX) {
+        return -EINVAL;
+    }
+    struct work work = {.job = job, .context = context, .n_jobs = n_jobs};
+    struct worker workers[THREADS_MAX];
+    int started = 0;
+    for (; started < threads; started++) {
+        workers[started] = (struct worker){.work = &work, .number = started};
+        if (pthread_create(&workers[started].thread, NULL, work_on, &workers[started])) {
+            break;
+        }
+    }
+    for (int i = 0; i < started; i++) {
+        (void)pthread_join(workers[i].thread, NULL);
+    }
+    return started > 0 ? atomic_load(&work.error) : -EAGAIN;
+}

@@ -1,0 +1,26 @@
+/* What an evaluation prints and writes. Each writes into a directory that exists, replacing files,
+ * and returns 0 or a negative errno with a fault that names the file. */
+#ifndef SIM_EVAL_REPORT_H
+#define SIM_EVAL_REPORT_H
+
+#include <stdio.h>
+
+#include "sim/eval/eval.h"
+
+/* scores.csv: every comparison; landmarks.csv: what was found in every usable frame; cmc.csv;
+ * det.csv. */
+int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* summary.json */
+int sim_report_json(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* cmc.png, det.png, scores.png */
+int sim_report_plots(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* A compact table for people. */
+void sim_report_text(const struct sim_eval *eval, FILE *out);
+
+#endif

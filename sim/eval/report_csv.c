@@ -1,0 +1,104 @@
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/eval/report.h"
+
+/* Writes the rows of one file. */
+typedef void write_rows(const struct sim_eval *eval, FILE *out);
+
+static void write_scores(const struct sim_eval *eval, FILE *out)
+{
+    fputs("probe_recording,probe_frame,probe_subject,gallery_subject,distance,score,outcome\n",
+          out);
+    const struct sim_matches *m = eval->matches;
+    for (size_t i = 0; i < m->n_probes; i++) {
+        const struct sim_sample *sample = &eval->acquisition->samples[m->sample[i]];
+        const struct sim_corpus_row *row = &eval->corpus->rows[sample->row];
+        size_t frame = eval->acquisition->captures[sample->first_capture].frame;
+        if (!sample->acquired) {
+            fprintf(out, "%s,%zu,%s,,,,fta:%s\n", row->recording, frame, row->subject,
+                    sim_reason_name(sample->reason));
+            continue;
+        }
+        for (size_t p = 0; p < m->n_people; p++) {
+            if (eval->gallery->n_templates_of[p] > 0) {
+                fprintf(out, "%s,%zu,%s,%s,%.6f,%.6f,ok\n", row->recording, frame, row->subject,
+                        eval->gallery->names[p], m->distance_mm[i * m->n_people + p],
+                        m->score[i * m->n_people + p]);
+            }
+        }
+    }
+}
+
+static void write_landmarks(const struct sim_eval *eval, FILE *out)
+{
+    fputs("recording,frame,name,x_mm,y_mm,z_mm\n", out);
+    for (size_t i = 0; i < eval->acquisition->n_captures; i++) {
+        const struct sim_capture *c = &eval->acquisition->captures[i];
+        for (int l = 0; c->extraction.outcome == ISO_CAPTURE_OK && l < ISO_LANDMARKS; l++) {
+            struct iso_vec3 p = c->extraction.landmark_mm[l];
+            fprintf(out, "%s,%zu,%s,%.3f,%.3f,%.3f\n", eval->corpus->rows[c->row].recording,
+                    c->frame, iso_landmark_name((enum iso_landmark)l), p.x, p.y, p.z);
+        }
+    }
+}
+
+static void write_cmc(const struct sim_eval *eval, FILE *out)
+{
+    const struct sim_identification *id = &eval->analysis->identification;
+    fputs("rank,identified,searches,rate,low,high\n", out);
+    for (size_t rank = 1; rank <= eval->gallery->n_people && id->n_searches > 0; rank++) {
+        struct sim_rate rate = sim_rank_rate(id->searches, id->n_searches, rank);
+        struct sim_interval interval = sim_rate_interval(rate);
+        fprintf(out, "%zu,%zu,%zu,%.6f,%.6f,%.6f\n", rank, rate.events, rate.trials,
+                sim_rate_value(rate), interval.low, interval.high);
+    }
+}
+
+static void write_det(const struct sim_eval *eval, FILE *out)
+{
+    const struct sim_verification *v = &eval->analysis->verification;
+    fputs("threshold,fmr,fnmr\n", out);
+    for (size_t i = 0; i < v->n_det; i++) {
+        fprintf(out, "%.6f,%.8f,%.8f\n", v->det[i].threshold, v->det[i].fmr, v->det[i].fnmr);
+    }
+}
+
+static int write_file(const struct sim_eval *eval, const char *directory, const char *name,
+                      write_rows *rows, struct iso_fault *fault)
+{
+    char path[4096];
+    int length = snprintf(path, sizeof path, "%s/%s", directory, name);
+    if (length < 0 || (size_t)length >= sizeof path) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", name);
+    }
+    FILE *out = fopen(path, "we");
+    if (!out) {
+        return iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
+    }
+    rows(eval, out);
+    int failed = ferror(out);
+    if (fclose(out) != 0 || failed) {
+        return iso_fault_set(fault, -EIO, "%s: cannot be written", path);
+    }
+    return 0;
+}
+
+int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
+{
+    static const struct {
+        const char *name;
+        write_rows *rows;
+    } files[] = {
+        {"scores.csv", write_scores},
+        {"landmarks.csv", write_landmarks},
+        {"cmc.csv", write_cmc},
+        {"det.csv", write_det},
+    };
+    int error = 0;
+    for (size_t i = 0; !error && i < sizeof files / sizeof *files; i++) {
+        error = write_file(eval, directory, files[i].name, files[i].rows, fault);
+    }
+    return error;
+}

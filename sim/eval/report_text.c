@@ -1,0 +1,151 @@
+#include <math.h>
+
+#include "sim/eval/report.h"
+
+static void print_rate(FILE *out, const char *name, struct sim_rate rate)
+{
+    struct sim_interval interval = sim_rate_interval(rate);
+    fprintf(out, "  %-24s %7.2f %%  [%.2f, %.2f]  (%zu of %zu)\n", name,
+            100.0 * sim_rate_value(rate), 100.0 * interval.low, 100.0 * interval.high, rate.events,
+            rate.trials);
+}
+
+static void print_reasons(FILE *out, const char *of, const size_t reason[SIM_REASONS])
+{
+    for (int r = 0; r < SIM_REASONS; r++) {
+        if (r != ISO_CAPTURE_OK && reason[r] > 0) {
+            fprintf(out, "    %-10s %-16s %zu\n", of, sim_reason_name(r), reason[r]);
+        }
+    }
+}
+
+static void print_acquisition(const struct sim_eval *eval, FILE *out)
+{
+    const struct sim_analysis *a = eval->analysis;
+    size_t n_faces = a->n_kind[SIM_PROBE_MATED] + a->n_kind[SIM_PROBE_STRANGER];
+    size_t acquired = a->probe_reason[SIM_PROBE_MATED][ISO_CAPTURE_OK] +
+                      a->probe_reason[SIM_PROBE_STRANGER][ISO_CAPTURE_OK];
+    fprintf(out, "Acquisition: %zu of %zu frames usable\n", a->n_usable_captures,
+            eval->acquisition->n_captures);
+    print_rate(out, "failure to enrol",
+               (struct sim_rate){a->n_people_not_enrolled, eval->gallery->n_people});
+    print_rate(out, "failure to acquire", (struct sim_rate){n_faces - acquired, n_faces});
+    print_reasons(out, "gallery", a->gallery_reason);
+    print_reasons(out, "enrolled", a->probe_reason[SIM_PROBE_MATED]);
+    print_reasons(out, "strangers", a->probe_reason[SIM_PROBE_STRANGER]);
+    print_reasons(out, "not faces", a->probe_reason[SIM_PROBE_NONE]);
+}
+
+static void print_verification(const struct sim_verification *v, FILE *out)
+{
+    fprintf(out, "Verification: %zu mated and %zu non-mated comparisons, %zu mated ones lost\n",
+            v->scores.n_mated, v->scores.n_non_mated, v->n_lost);
+    if (v->n_det == 0) {
+        fputs("  too few comparisons for error rates\n", out);
+        return;
+    }
+    fprintf(out, "  %-24s %7.2f %%  [%.2f, %.2f]\n", "EER", 100.0 * v->eer,
+            100.0 * v->eer_interval.low, 100.0 * v->eer_interval.high);
+    for (int k = 0; k < SIM_FMR_TARGETS; k++) {
+        const struct sim_operating_point *p = &v->at_fmr[k];
+        fprintf(out,
+                "  FNMR at FMR %-12.0e %7.2f %%  [%.2f, %.2f]  GFNMR %.2f %%  threshold %.3f%s\n",
+                sim_fmr_targets[k], 100.0 * p->at.fnmr, 100.0 * p->fnmr.low, 100.0 * p->fnmr.high,
+                100.0 * sim_rate_value(p->gfnmr), p->at.threshold,
+                p->supported ? "" : "  (too few comparisons)");
+    }
+    fprintf(out, "  %-24s %7.1e\n", "smallest FMR supported",
+            sim_rate_smallest(v->scores.n_non_mated));
+}
+
+static void print_identification(const struct sim_eval *eval, FILE *out)
+{
+    const struct sim_identification *id = &eval->analysis->identification;
+    fprintf(out, "Identification: %zu searches of %zu people, %zu searches by strangers\n",
+            id->n_searches, eval->gallery->n_people, id->n_strangers);
+    if (id->n_searches == 0) {
+        return;
+    }
+    print_rate(out, "rank 1", sim_rank_rate(id->searches, id->n_searches, 1));
+    print_rate(out, "rank 4", sim_rank_rate(id->searches, id->n_searches, 4));
+    for (int k = 0; k < SIM_FPIR_TARGETS && id->n_strangers > 0; k++) {
+        char name[32];
+        (void)snprintf(name, sizeof name, "FNIR at FPIR %.0e", sim_fpir_targets[k]);
+        print_rate(out, name, id->at_fpir[k].fnir);
+    }
+}
+
+static void print_conditions(const struct sim_analysis *a, FILE *out)
+{
+    if (a->n_conditions > 0) {
+        fputs("By condition:              searches    FTA %   rank-1 %   rank-4 %     EER %\n",
+              out);
+    }
+    for (size_t i = 0; i < a->n_conditions; i++) {
+        const struct sim_condition *c = &a->conditions[i];
+        fprintf(out, "  %-10s %-14s %7zu %8.1f %10.1f %10.1f %9.2f\n", c->column, c->value,
+                c->rank_1.trials, 100.0 * sim_rate_value(c->not_acquired),
+                100.0 * sim_rate_value(c->rank_1), 100.0 * sim_rate_value(c->rank_4),
+                100.0 * c->eer);
+    }
+}
+
+static void print_landmarks(const struct sim_eval *eval, FILE *out)
+{
+    bool heading = true;
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        const struct sim_landmark_error *e = &eval->landmarks[l];
+        if (e->n == 0) {
+            continue;
+        }
+        if (heading) {
+            fputs("Landmarks, mm:      frames    error    p95   less offset: mean    p95"
+                  "   slip: median    p95\n",
+                  out);
+            heading = false;
+        }
+        fprintf(out, "  %-16s %7zu %8.2f %6.2f %19.2f %6.2f %15.2f %6.2f\n",
+                iso_landmark_name((enum iso_landmark)l), e->n, e->mean_mm, e->p95_mm,
+                e->centred_mean_mm, e->centred_p95_mm, e->slip_median_mm, e->slip_p95_mm);
+    }
+}
+
+static void print_latency(FILE *out, const char *name, struct sim_latency latency)
+{
+    fprintf(out, "  %-16s %10.2f %10.2f\n", name, latency.median_ms, latency.p95_ms);
+}
+
+static void print_latencies(const struct sim_eval *eval, FILE *out)
+{
+    const struct sim_analysis *a = eval->analysis;
+    fprintf(out,
+            "Latency, ms:           median        p95   (%zu frames, processor time of a thread)\n",
+            a->extract_cpu.n);
+    for (int s = 0; s < ISO_STAGES; s++) {
+        print_latency(out, iso_stage_name((enum iso_stage)s), a->stage[s]);
+    }
+    print_latency(out, "template", a->extract_cpu);
+    print_latency(out, "search", a->search_cpu);
+    print_latency(out, "template, wall", a->extract_wall);
+    print_latency(out, "search, wall", a->search_wall);
+    fprintf(out, "Took %.1f s on %d threads.\n", (double)eval->wall_ns * 1e-9,
+            eval->options.threads);
+}
+
+void sim_report_text(const struct sim_eval *eval, FILE *out)
+{
+    const struct sim_analysis *a = eval->analysis;
+    fprintf(out, "Corpus %s; score: %s\n", eval->options.corpus,
+            eval->cohort ? "cohort-normalised" : "negative distance, mm (no cohort)");
+    print_acquisition(eval, out);
+    print_verification(&a->verification, out);
+    print_identification(eval, out);
+    if (a->n_kind[SIM_PROBE_NONE] > 0) {
+        fprintf(out, "Not faces: %zu of %zu taken for a face, %zu would match at FMR %.0e\n",
+                a->probe_reason[SIM_PROBE_NONE][ISO_CAPTURE_OK], a->n_kind[SIM_PROBE_NONE],
+                a->none_matched, sim_fmr_targets[2]);
+    }
+    print_conditions(a, out);
+    print_landmarks(eval, out);
+    print_latencies(eval, out);
+}

@@ -1,0 +1,256 @@
+#include "sim/face/npy.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ITEMS_MAX = 1 << 28 };
+
+struct file {
+    unsigned char *bytes;
+    size_t n;
+};
+
+struct header {
+    char type[8]; /* "<f4" */
+    struct sim_npy_shape shape;
+    size_t n_items, data_offset;
+};
+
+float sim_npy_float_of_half(uint16_t half)
+{
+    int exponent = (half >> 10) & 31, mantissa = half & 1023;
+    float magnitude;
+    if (exponent == 31) {
+        magnitude = mantissa ? NAN : INFINITY;
+    } else if (exponent == 0) {
+        magnitude = ldexpf((float)mantissa, -24);
+    } else {
+        magnitude = ldexpf((float)(mantissa + 1024), exponent - 25);
+    }
+    return half & 0x8000 ? -magnitude : magnitude;
+}
+
+static int read_file(const char *path, struct file *out, struct iso_fault *fault)
+{
+    int error = 0;
+    long n = 0;
+    unsigned char *bytes = NULL;
+    FILE *stream = fopen(path, "rb");
+    if (!stream) {
+        error = -errno;
+        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+    if (fseek(stream, 0, SEEK_END) != 0 || (n = ftell(stream)) < 0 ||
+        fseek(stream, 0, SEEK_SET) != 0) {
+        error = iso_fault_set(fault, -EIO, "%s: cannot be measured", path);
+        goto out;
+    }
+    bytes = malloc((size_t)n + 1);
+    if (!bytes) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+        goto out;
+    }
+    if (fread(bytes, 1, (size_t)n, stream) != (size_t)n) {
+        error = iso_fault_set(fault, -EIO, "%s: cannot be read", path);
+        goto out;
+    }
+    *out = (struct file){bytes, (size_t)n};
+    bytes = NULL;
+out:
+    free(bytes);
+    (void)fclose(stream);
+    return error;
+}
+
+static bool skip(const char **text, const char *word)
+{
+    while (**text == ' ') {
+        (*text)++;
+    }
+    size_t n = strlen(word);
+    if (strncmp(*text, word, n) != 0) {
+        return false;
+    }
+    *text += n;
+    return true;
+}
+
+static bool parse_type(const char **text, char type[8])
+{
+    const char *end = skip(text, "'") ? strchr(*text, '\'') : NULL;
+    if (!end || end - *text > 7) {
+        return false;
+    }
+    memset(type, 0, 8);
+    memcpy(type, *text, (size_t)(end - *text));
+    *text = end + 1;
+    return true;
+}
+
+static bool parse_shape(const char **text, struct header *header)
+{
+    bool comma = skip(text, "(");
+    header->n_items = 1;
+    while (!skip(text, ")")) {
+        char *end;
+        unsigned long size = **text >= '0' && **text <= '9' ? strtoul(*text, &end, 10) : 0;
+        if (!comma || size == 0 || size > ITEMS_MAX / header->n_items ||
+            header->shape.n_dimensions == SIM_NPY_DIMENSIONS_MAX) {
+            return false;
+        }
+        header->shape.size[header->shape.n_dimensions++] = (uint32_t)size;
+        header->n_items *= size;
+        *text = end;
+        comma = skip(text, ",");
+    }
+    return header->shape.n_dimensions > 0;
+}
+
+/* The dictionary exactly as NumPy writes it: keys sorted. */
+static bool parse_dictionary(const char *text, struct header *header)
+{
+    return skip(&text, "{") && skip(&text, "'descr'") && skip(&text, ":") &&
+           parse_type(&text, header->type) && skip(&text, ",") && skip(&text, "'fortran_order'") &&
+           skip(&text, ":") && skip(&text, "False") && skip(&text, ",") && skip(&text, "'shape'") &&
+           skip(&text, ":") && parse_shape(&text, header) && (skip(&text, ",") || true) &&
+           skip(&text, "}") && skip(&text, "\n") && *text == '\0';
+}
+
+static int parse_header(const char *path, const struct file *file, struct header *out,
+                        struct iso_fault *fault)
+{
+    struct header header = {{0}, {0}, 0, 0};
+    const unsigned char *b = file->bytes;
+    if (file->n < 12 || memcmp(b, "\x93NUMPY", 6) != 0) {
+        return iso_fault_set(fault, -EBADMSG, "%s: not a .npy file", path);
+    }
+    if ((b[6] != 1 && b[6] != 2) || b[7] != 0) {
+        return iso_fault_set(fault, -EBADMSG, "%s: unknown .npy version %d.%d", path, b[6], b[7]);
+    }
+    size_t start = b[6] == 1 ? 10 : 12;
+    size_t length = b[8] | (size_t)b[9] << 8;
+    if (b[6] == 2) {
+        length |= (size_t)b[10] << 16 | (size_t)b[11] << 24;
+    }
+    char text[1024];
+    if (length >= sizeof text || length > file->n - start) {
+        return iso_fault_set(fault, -EBADMSG, "%s: header truncated or too long", path);
+    }
+    memcpy(text, b + start, length);
+    text[length] = '\0';
+    if (!parse_dictionary(text, &header)) {
+        return iso_fault_set(fault, -EBADMSG,
+                             "%s: header is not that of a C-ordered array of 1 to 3 dimensions",
+                             path);
+    }
+    header.data_offset = start + length;
+    *out = header;
+    return 0;
+}
+
+/* Opens, parses and checks that the data are n_items of the size that the type's digit says. */
+static int load(const char *path, struct file *file, struct header *header, struct iso_fault *fault)
+{
+    struct file loaded = {NULL, 0};
+    struct header parsed;
+    int error = read_file(path, &loaded, fault);
+    if (error == 0) {
+        error = parse_header(path, &loaded, &parsed, fault);
+    }
+    if (error == 0) {
+        size_t size = parsed.type[2] == '2' ? 2 : 4;
+        size_t present = loaded.n - parsed.data_offset;
+        if (present != parsed.n_items * size) {
+            error = iso_fault_set(fault, -EBADMSG, "%s: %zu bytes of data where %zu belong", path,
+                                  present, parsed.n_items * size);
+        }
+    }
+    if (error != 0) {
+        free(loaded.bytes);
+        return error;
+    }
+    *file = loaded;
+    *header = parsed;
+    return 0;
+}
+
+static uint32_t u32_at(const unsigned char *b)
+{
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+static float float_at(const unsigned char *data, size_t i, bool half)
+{
+    if (half) {
+        return sim_npy_float_of_half((uint16_t)(data[2 * i] | data[2 * i + 1] << 8));
+    }
+    uint32_t bits = u32_at(data + 4 * i);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **out,
+                        struct iso_fault *fault)
+{
+    struct file file;
+    struct header header;
+    int error = load(path, &file, &header, fault);
+    if (error != 0) {
+        return error;
+    }
+    bool half = strcmp(header.type, "<f2") == 0;
+    float *values = NULL;
+    if (!half && strcmp(header.type, "<f4") != 0) {
+        error = iso_fault_set(fault, -EBADMSG, "%s: holds '%s' where '<f4' or '<f2' belongs", path,
+                              header.type);
+        goto out;
+    }
+    values = malloc(header.n_items * sizeof *values);
+    if (!values) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+        goto out;
+    }
+    for (size_t i = 0; i < header.n_items; i++) {
+        values[i] = float_at(file.bytes + header.data_offset, i, half);
+    }
+    *shape = header.shape;
+    *out = values;
+out:
+    free(file.bytes);
+    return error;
+}
+
+int sim_npy_read_u32(const char *path, struct sim_npy_shape *shape, uint32_t **out,
+                     struct iso_fault *fault)
+{
+    struct file file;
+    struct header header;
+    int error = load(path, &file, &header, fault);
+    if (error != 0) {
+        return error;
+    }
+    uint32_t *values = NULL;
+    if (strcmp(header.type, "<u4") != 0) {
+        error = iso_fault_set(fault, -EBADMSG, "%s: holds '%s' where '<u4' belongs", path,
+                              header.type);
+        goto out;
+    }
+    values = malloc(header.n_items * sizeof *values);
+    if (!values) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+        goto out;
+    }
+    for (size_t i = 0; i < header.n_items; i++) {
+        values[i] = u32_at(file.bytes + header.data_offset + 4 * i);
+    }
+    *shape = header.shape;
+    *out = values;
+out:
+    free(file.bytes);
+    return error;
+}

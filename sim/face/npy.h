@@ -1,0 +1,31 @@
+/* Reading arrays from NumPy's .npy files, strictly: versions 1.0 and 2.0, little-endian, C order.
+ */
+#ifndef SIM_FACE_NPY_H
+#define SIM_FACE_NPY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+
+enum { SIM_NPY_DIMENSIONS_MAX = 3 };
+
+struct sim_npy_shape {
+    int n_dimensions;
+    uint32_t size[SIM_NPY_DIMENSIONS_MAX];
+};
+
+/* A whole array of '<f4' or '<f2' (halves are widened), row by row. The caller frees *out with
+ * free(). -ENOENT and other errors of opening; -EBADMSG with *fault for anything but a well-formed
+ * file whose length is exactly header + data; -ENOMEM. */
+int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **out,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* The same for '<u4'. */
+int sim_npy_read_u32(const char *path, struct sim_npy_shape *shape, uint32_t **out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* The value of an IEEE 754 half-precision number. */
+float sim_npy_float_of_half(uint16_t half);
+
+#endif

@@ -1,0 +1,39 @@
+/* Synthetic people: who they are (identity weights) and what the surface of their head is.
+ *
+ * Face frame: x to the subject's left, y up, z out of the face, origin at the MEAN face's nose tip,
+ * mm. */
+#ifndef SIM_FACE_PERSON_H
+#define SIM_FACE_PERSON_H
+
+#include <stdint.h>
+
+#include "core/math/vec.h"
+#include "sim/face/ict.h"
+
+/* Populations are separate streams of random numbers: nobody of one is in another. Any other name
+ * makes another population. */
+#define SIM_POPULATION_TRAIN  "train"
+#define SIM_POPULATION_TEST   "test"
+#define SIM_POPULATION_STORED "stored"
+
+enum { SIM_IDENTITY_MODES = 100, SIM_EXPRESSION_SHAPES_MAX = 64 };
+
+struct sim_person {
+    double identity[SIM_IDENTITY_MODES]; /* standard deviations */
+    uint64_t key;                        /* seeds what else belongs to the person, e.g. hair */
+};
+
+/* Person number `index` of a population; weights ~ N(0, variance_scale). The same arguments give
+ * the same person. variance_scale 1 is the model's own; 0.36 makes people who look alike. */
+struct sim_person sim_person_draw(const char *population, uint64_t seed, uint32_t index,
+                                  double variance_scale);
+
+/* The mean person: every weight 0. */
+struct sim_person sim_person_mean(void);
+
+/* The head's surface in the face frame: mean + identity + expression. `expression` has
+ * ict->n_expression weights, or is NULL for none; `vertices_mm` has room for ict->n_vertices. */
+void sim_person_surface(const struct sim_ict *ict, const struct sim_person *person,
+                        const double *expression, struct iso_vec3 *vertices_mm);
+
+#endif

@@ -1,0 +1,29 @@
+/* Corpora of synthetic people, by preset. */
+#ifndef SIM_GENERATE_GENERATE_H
+#define SIM_GENERATE_GENERATE_H
+
+#include "core/fault.h"
+#include "sim/sensor/sensor.h"
+
+struct sim_generate_options {
+    const char *ict_directory, *directory;
+    const char *preset;              /* "mild", "strong", "crowd", "texas", "stored" */
+    const struct sim_sensor *sensor; /* NULL: the preset's own */
+    const char *population;
+    uint64_t seed;
+    int n_people, n_strangers,
+        n_probes;             /* the preset's own if < 0; probes of enrolled people, in all */
+    int frames_per_visit;     /* the preset's own if < 1 */
+    double noise_scale;       /* of the sensor's random errors: 1 */
+    double identity_variance; /* 1; 0.36: people who look alike */
+};
+
+struct sim_generate_options sim_generate_options_default(void);
+
+/* Renders the corpus: the same options make the same bytes. -EINVAL with *fault for an unknown
+ * preset or counts out of range (1..9999 people, at most 999 frames a visit), or errors of the head
+ * model and of writing. */
+int sim_generate(const struct sim_generate_options *options, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,21 @@
+/* What stands behind a person: a wall, and sometimes furniture. */
+#ifndef SIM_GENERATE_ROOM_H
+#define SIM_GENERATE_ROOM_H
+
+#include <stdbool.h>
+
+#include "sim/random.h"
+#include "sim/render/view.h"
+
+struct sim_room;
+
+/* A wall 1.3 to 2.6 m away, a little slanted; with `furniture` also something like a chair and a
+ * cupboard before it. -ENOMEM. */
+int sim_room_new(bool furniture, struct sim_random *random, struct sim_room **out)
+    __attribute__((warn_unused_result));
+void sim_room_free(struct sim_room *room);
+
+/* -ENOMEM */
+int sim_room_draw(struct sim_room *room, struct sim_view *view) __attribute__((warn_unused_result));
+
+#endif

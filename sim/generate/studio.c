@@ -1,0 +1,142 @@
+#include "sim/generate/studio.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "sim/recording/recording_writer.h"
+
+static const int64_t frame_period_ns = 33333333;
+
+struct sim_studio {
+    struct sim_studio_options options;
+    struct sim_view *view;
+    struct sim_sensor_workspace *workspace;
+    struct iso_frame *frame;
+    struct sim_corpus_row *rows;
+    size_t n_rows, row_capacity;
+};
+
+int sim_studio_new(const struct sim_studio_options *options, struct sim_studio **out,
+                   struct iso_fault *fault)
+{
+    const struct sim_sensor *sensor = options->sensor;
+    if (mkdir(options->directory, 0777) != 0 && errno != EEXIST) {
+        int failed = -errno;
+        return iso_fault_set(fault, failed, "%s: %s", options->directory, strerror(-failed));
+    }
+    struct sim_studio *studio = calloc(1, sizeof *studio);
+    if (!studio) {
+        return -ENOMEM;
+    }
+    studio->options = *options;
+    int error = sim_view_new(&sensor->camera, sensor->supersample, &studio->view);
+    if (error == 0) {
+        error = sim_sensor_workspace_new(sensor, &studio->workspace);
+    }
+    if (error == 0) {
+        error = iso_frame_new(&sensor->camera, sensor->camera.width_px, sensor->camera.height_px,
+                              false, &studio->frame);
+    }
+    if (error != 0) {
+        sim_studio_free(studio);
+        return iso_fault_set(fault, error, "sensor %s: cannot be set up: %s", sensor->name,
+                             strerror(-error));
+    }
+    *out = studio;
+    return 0;
+}
+
+void sim_studio_free(struct sim_studio *studio)
+{
+    if (!studio) {
+        return;
+    }
+    sim_view_free(studio->view);
+    sim_sensor_workspace_free(studio->workspace);
+    iso_frame_free(studio->frame);
+    free(studio->rows);
+    free(studio);
+}
+
+static int add_row(struct sim_studio *studio, const struct sim_corpus_row *row)
+{
+    if (studio->n_rows == studio->row_capacity) {
+        size_t capacity = 2 * studio->row_capacity + 64;
+        struct sim_corpus_row *rows = realloc(studio->rows, capacity * sizeof *rows);
+        if (!rows) {
+            return -ENOMEM;
+        }
+        studio->rows = rows;
+        studio->row_capacity = capacity;
+    }
+    studio->rows[studio->n_rows++] = *row;
+    return 0;
+}
+
+static int write_landmarks(struct sim_recording_writer *writer, const struct sim_truth *truth,
+                           struct iso_fault *fault)
+{
+    int error = 0;
+    for (int i = 0; error == 0 && i < ISO_LANDMARKS; i++) {
+        error = sim_recording_writer_landmark(writer, iso_landmark_name((enum iso_landmark)i),
+                                              truth->landmark_mm[i], fault);
+    }
+    return error;
+}
+
+static int record_frame(struct sim_studio *studio, struct sim_recording_writer *writer, int index,
+                        sim_draw_frame *draw, void *scene, struct sim_random *random,
+                        struct iso_fault *fault)
+{
+    struct sim_truth truth;
+    bool truth_known = false;
+    sim_view_clear(studio->view);
+    int error = draw(scene, index, studio->view, &truth, &truth_known);
+    if (error != 0) {
+        return iso_fault_set(fault, error, "frame %d: cannot be drawn: %s", index,
+                             strerror(-error));
+    }
+    sim_view_finish(studio->view);
+    sim_sensor_measure(studio->options.sensor, studio->view, studio->options.noise_scale, random,
+                       studio->workspace, studio->frame);
+    studio->frame->sequence = (uint64_t)index;
+    studio->frame->t_ns = index * frame_period_ns;
+    error = sim_recording_writer_append(writer, studio->frame, fault);
+    if (error == 0 && truth_known) {
+        error = write_landmarks(writer, &truth, fault);
+    }
+    return error;
+}
+
+int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *row,
+                      sim_draw_frame *draw, void *scene, struct sim_random *random,
+                      struct iso_fault *fault)
+{
+    const struct sim_sensor *sensor = studio->options.sensor;
+    struct iso_recording_meta meta = {.camera = sensor->camera, .unit_mm = sensor->unit_mm};
+    (void)snprintf(meta.sensor, sizeof meta.sensor, "%s", sensor->name);
+    char path[PATH_MAX];
+    (void)snprintf(path, sizeof path, "%s/%s", studio->options.directory, row->recording);
+    struct sim_recording_writer *writer = NULL;
+    int error = sim_recording_writer_create(path, &meta, studio->options.png_level, &writer, fault);
+    for (int i = 0; error == 0 && i < (int)row->count; i++) {
+        error = record_frame(studio, writer, i, draw, scene, random, fault);
+    }
+    if (error == 0) {
+        error = sim_recording_writer_finish(writer, fault);
+    }
+    if (error == 0) {
+        error = add_row(studio, row);
+    }
+    sim_recording_writer_free(writer);
+    return error;
+}
+
+int sim_studio_finish(struct sim_studio *studio, struct iso_fault *fault)
+{
+    return sim_corpus_write(studio->options.directory, studio->rows, studio->n_rows, fault);
+}

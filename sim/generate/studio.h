@@ -1,0 +1,44 @@
+/* A studio turns scenes into the recordings of a corpus: it holds one sensor, the view it looks at,
+ * and the manifest that grows with every recording. */
+#ifndef SIM_GENERATE_STUDIO_H
+#define SIM_GENERATE_STUDIO_H
+
+#include "core/fault.h"
+#include "sim/face/ict.h"
+#include "sim/recording/corpus.h"
+#include "sim/render/sitter.h"
+#include "sim/sensor/sensor.h"
+
+struct sim_studio_options {
+    const struct sim_ict *ict;
+    const struct sim_sensor *sensor;
+    const char *directory; /* of the corpus */
+    double noise_scale;
+    int png_level; /* 1 fast .. 9 small */
+};
+
+struct sim_studio;
+
+/* Makes the corpus directory if it does not exist. What the options point to must outlive the
+ * studio. -EINVAL, -ENOMEM, or the errno of mkdir. */
+int sim_studio_new(const struct sim_studio_options *options, struct sim_studio **out,
+                   struct iso_fault *fault) __attribute__((warn_unused_result));
+void sim_studio_free(struct sim_studio *studio);
+
+/* Draws the scene at frame number `frame` into a cleared view. Sets *truth_known to whether it
+ * filled in *truth. Returns 0 or a negative errno. */
+typedef int sim_draw_frame(void *scene, int frame, struct sim_view *view, struct sim_truth *truth,
+                           bool *truth_known);
+
+/* Records row->count frames, 30 a second, of a scene as the recording row->recording, with ground
+ * truth where it is known, and adds the row to the manifest (row->first must be 0). `random`
+ * supplies the sensor's noise. Errors of the drawing and of writing. */
+int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *row,
+                      sim_draw_frame *draw, void *scene, struct sim_random *random,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Writes the manifest. */
+int sim_studio_finish(struct sim_studio *studio, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,48 @@
+/* isotherm-sim: the simulator's programs under one name. */
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/commands.h"
+
+static const struct command {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+    {"generate", "render a corpus of synthetic faces through a sensor model", sim_cmd_generate},
+    {"train", "make the head model and the cohort that ship with the product", sim_cmd_train},
+    {"eval", "measure recognition on a corpus", sim_cmd_eval},
+    {"show", "draw a frame and what is made of it", sim_cmd_show},
+    {"visit", "play the people of a corpus at the door of a running daemon", sim_cmd_visit},
+};
+
+static void print_help(FILE *out)
+{
+    fputs("Usage: isotherm-sim COMMAND [OPTION...]\n\nCommands:\n", out);
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
+    }
+    fputs("\n`isotherm-sim COMMAND --help` lists a command's options.\n", out);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        print_help(stderr);
+        return SIM_EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0) {
+        print_help(stdout);
+        return SIM_EXIT_OK;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        puts("isotherm-sim " ISOTHERM_VERSION);
+        return SIM_EXIT_OK;
+    }
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        if (strcmp(argv[1], commands[i].name) == 0) {
+            return commands[i].run(argc - 1, argv + 1);
+        }
+    }
+    fprintf(stderr, "isotherm-sim: unknown command '%s' (see isotherm-sim --help)\n", argv[1]);
+    return SIM_EXIT_USAGE;
+}

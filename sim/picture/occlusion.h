@@ -1,0 +1,19 @@
+/* Ambient occlusion: how much of the sky the surface around a place hides. Internal to sim/picture.
+ *
+ * From the horizon in several directions up to a reach of 28 mm (horizon-based: Bavoil, Sainz and
+ * Dimitrov 2008), on one sample a pixel, smoothed. */
+#ifndef SIM_PICTURE_OCCLUSION_H
+#define SIM_PICTURE_OCCLUSION_H
+
+#include "sim/picture/scene_data.h"
+
+struct sim_occlusion {
+    int width, height; /* in pixels of the picture */
+    float *open;       /* [height * width]: 1 where nothing is hidden */
+};
+
+/* `open` is to be freed with free(). -ENOMEM. */
+int sim_occlusion_compute(const struct sim_scene *scene, struct sim_occlusion *out)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,33 @@
+/* Line plots as PNG files. */
+#ifndef SIM_PICTURE_PLOT_H
+#define SIM_PICTURE_PLOT_H
+
+#include "core/fault.h"
+#include "sim/picture/scale.h"
+
+enum sim_series_style {
+    SIM_SERIES_LINE,
+    SIM_SERIES_MARKED, /* with a dot at each point */
+    SIM_SERIES_DASHED, /* thin and grey: an aid to the eye */
+    SIM_SERIES_FILLED, /* filled down to the x axis: histograms */
+};
+
+struct sim_series {
+    const char *label; /* in the legend; NULL: not there */
+    enum sim_series_style style;
+    size_t n;
+    const double *x, *y; /* [n] */
+};
+
+struct sim_plot {
+    const char *title, *subtitle; /* the subtitle may be NULL */
+    struct sim_axis x, y;
+    size_t n_series;
+    const struct sim_series *series;
+};
+
+/* Draws 900 x 640 pixels. -EIO if the file cannot be written, -ENOMEM. */
+int sim_plot_write(const struct sim_plot *plot, const char *path, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

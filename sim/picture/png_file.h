@@ -1,0 +1,17 @@
+/* Ends of pictures. Internal to sim/picture. */
+#ifndef SIM_PICTURE_PNG_FILE_H
+#define SIM_PICTURE_PNG_FILE_H
+
+#include <cairo.h>
+
+#include "core/fault.h"
+
+/* Writes a surface as a PNG file and destroys it, whatever comes of it. -ENOMEM (also for a surface
+ * that could not be made), -EIO. */
+int sim_png_file_write(cairo_surface_t *surface, const char *path, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Text in the current colour and font; `anchor` is what share of its width lies left of x. */
+void sim_picture_text(cairo_t *cr, const char *text, double x, double y, double anchor);
+
+#endif

@@ -1,0 +1,53 @@
+/* A mesh seen by a camera and painted on a canvas: visibility, shading, curves, dots. */
+#ifndef SIM_PICTURE_SCENE_H
+#define SIM_PICTURE_SCENE_H
+
+#include <stdbool.h>
+
+#include "core/surface/mesh.h"
+#include "core/surface/raster.h"
+#include "sim/picture/canvas.h"
+
+/* From where a face is looked at: face frame, nose tip at the centre of the picture unless moved.
+ */
+struct sim_view {
+    double yaw_rad,
+        pitch_rad; /* of the viewer about the face: > 0 sees more of its left, of its top */
+    struct iso_vec3 centre_mm; /* face frame: what is in the middle of the picture */
+    double distance_mm;        /* of the viewer from the centre */
+    double height_mm;          /* what the picture's height spans at the centre */
+};
+
+struct sim_scene;
+
+/* Finds what of the mesh (face frame) is seen on each sample of a canvas. The mesh and the canvas
+ * are referred to, not copied. -EINVAL for a mesh without triangles, -ENOMEM. */
+int sim_scene_new(const struct iso_mesh *mesh, const struct sim_view *view,
+                  struct sim_canvas *canvas, struct sim_scene **out)
+    __attribute__((warn_unused_result));
+void sim_scene_free(struct sim_scene *scene);
+
+/* How the surface looks. */
+struct sim_surface_style {
+    struct sim_colour base;
+    const struct sim_colour *vertex; /* [n_vertices] colours instead of base, or NULL */
+    /* [n_vertices] over the background, clipped to 0..1 only after interpolation so that an edge
+     * drawn by it is smooth; NULL: 1 */
+    const float *opacity;
+    bool edges; /* draw the triangles' edges */
+};
+
+/* Shades what is seen: two lights, sky light with ambient occlusion, a soft highlight. -ENOMEM. */
+int sim_scene_shade(const struct sim_scene *scene, const struct sim_surface_style *style)
+    __attribute__((warn_unused_result));
+
+/* A smooth closed curve through points on the surface (face frame; Catmull and Rom 1974), hidden
+ * where the surface is in front of it. Parts next to points of weight 0 are left out. */
+void sim_scene_curve(const struct sim_scene *scene, const struct iso_vec3 *points_mm,
+                     const float *weight, int n, struct sim_colour colour, double width_px);
+
+/* A dot with a dark rim, hidden likewise. */
+void sim_scene_dot(const struct sim_scene *scene, struct iso_vec3 point_mm,
+                   struct sim_colour colour, double radius_px);
+
+#endif

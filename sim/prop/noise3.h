@@ -1,0 +1,13 @@
+/* A smooth random function of space, for hair and cloth. */
+#ifndef SIM_PROP_NOISE3_H
+#define SIM_PROP_NOISE3_H
+
+#include <stdint.h>
+
+#include "core/math/vec.h"
+
+/* Value noise (Perlin's lattice with smoothstep interpolation): -1..1, varies over about one unit
+ * of p; another key gives an unrelated function. */
+double sim_noise3(uint64_t key, struct iso_vec3 p);
+
+#endif

@@ -1,0 +1,46 @@
+/* A solid of the simulated world: vertices and triangles of one material. */
+#ifndef SIM_PROP_SOLID_H
+#define SIM_PROP_SOLID_H
+
+#include <stdint.h>
+
+#include "core/math/vec.h"
+#include "sim/render/view.h"
+
+struct sim_solid {
+    uint32_t n_vertices, n_triangles;
+    struct iso_vec3 *vertices_mm;
+    uint32_t (*triangles)[3];
+    enum sim_material material;
+};
+
+/* Room for the given counts, zeroed. -EINVAL for a count of 0, -ENOMEM. */
+int sim_solid_new(uint32_t n_vertices, uint32_t n_triangles, enum sim_material material,
+                  struct sim_solid **out) __attribute__((warn_unused_result));
+void sim_solid_free(struct sim_solid *solid);
+
+/* A sheet of (rows x columns) vertices, row by row, joined to triangles; the caller places the
+ * vertices. Both counts at least 2, else -EINVAL; -ENOMEM. */
+int sim_solid_sheet(uint32_t rows, uint32_t columns, enum sim_material material,
+                    struct sim_solid **out) __attribute__((warn_unused_result));
+
+/* A rectangle of width x height in the plane z = 0, its middle at the origin, x right, y down, bent
+ * about a vertical axis to the given radius of curvature (0: flat) away from the camera at its
+ * sides. -EINVAL, -ENOMEM. */
+int sim_solid_rectangle(double width_mm, double height_mm, double bend_radius_mm,
+                        enum sim_material material, struct sim_solid **out)
+    __attribute__((warn_unused_result));
+
+/* A box of the given size about the origin. -EINVAL, -ENOMEM. */
+int sim_solid_box(struct iso_vec3 size_mm, enum sim_material material, struct sim_solid **out)
+    __attribute__((warn_unused_result));
+
+/* Moves the vertices. */
+void sim_solid_move(struct sim_solid *solid, const struct iso_rigid *to_from);
+
+/* Draws the solid, moved into the camera frame. `scratch_mm` has room for n_vertices. -ENOMEM. */
+int sim_solid_draw(const struct sim_solid *solid, const struct iso_rigid *camera_from_solid,
+                   struct iso_vec3 *scratch_mm, struct sim_view *view)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,14 @@
+/* The text of a recording.ini. */
+#ifndef SIM_RECORDING_RECORDING_INI_H
+#define SIM_RECORDING_RECORDING_INI_H
+
+#include <stdio.h>
+
+#include "drivers/recording/recording.h"
+
+/* Prints a description that iso_recording_meta_check passes, so that iso_recording_meta_parse gives
+ * back every bit of it. -EIO if the stream takes no more. */
+int sim_recording_ini_print(FILE *stream, const struct iso_recording_meta *meta)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,50 @@
+/* Writes recordings in the format that drivers/recording/recording.h reads. What is written can be
+ * read back: the writer refuses what the reader would refuse. Deterministic: the same frames make
+ * the same bytes. Every failure is one line in *fault (which may be NULL). */
+#ifndef SIM_RECORDING_RECORDING_WRITER_H
+#define SIM_RECORDING_RECORDING_WRITER_H
+
+#include <stddef.h>
+
+#include "core/fault.h"
+#include "core/frame/frame.h"
+#include "drivers/recording/recording.h"
+
+struct sim_recording_writer;
+
+/* The camera to put into a recording's meta for frames like this one: the size of the frame's
+ * planes, and the principal point moved by its crop. */
+struct iso_camera sim_recording_camera(const struct iso_frame *frame);
+
+/* Makes the directory (its parent must exist; a directory that exists must be empty) and prepares
+ * to write into it. The meta is copied. `png_level` is zlib's 1 (fast) to 9 (small). -EINVAL for a
+ * meta that no reader would accept, -EEXIST if the directory holds something, -ENOMEM, or the errno
+ * of mkdir and open. */
+int sim_recording_writer_create(const char *directory, const struct iso_recording_meta *meta,
+                                int png_level, struct sim_recording_writer **out,
+                                struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Appends one frame: depths rounded to counts of unit_mm, time stamp frame->t_ns (>= 0, after the
+ * frame before), intensity as 16-bit ir/ if the frame has one (all frames or none, 0..1). The frame
+ * must be of the meta's camera (sim_recording_camera(frame) equals it). -EINVAL for a frame that
+ * does not fit, -ERANGE for a depth that a 16-bit count cannot hold or that would round to 0,
+ * -ENOMEM, or the errno of writing. */
+int sim_recording_writer_append(struct sim_recording_writer *writer, const struct iso_frame *frame,
+                                struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Adds a ground-truth point of the frame that was appended last. -EINVAL for a name that is empty,
+ * too long or not of [A-Za-z0-9_-], a point that is not finite, or before the first frame; or the
+ * errno of writing. */
+int sim_recording_writer_landmark(struct sim_recording_writer *writer, const char *name,
+                                  struct iso_vec3 point_mm, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Writes what is still in buffers and closes the files. -ENODATA if no frame was appended, or the
+ * errno of writing. The writer remains to be freed. */
+int sim_recording_writer_finish(struct sim_recording_writer *writer, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Frees; a writer that was not finished leaves its files as they are. NULL is fine. */
+void sim_recording_writer_free(struct sim_recording_writer *writer);
+
+#endif

@@ -1,0 +1,50 @@
+/* One person on one day, ready to be drawn: head, hair, clothes. */
+#ifndef SIM_RENDER_SITTER_H
+#define SIM_RENDER_SITTER_H
+
+#include <stdbool.h>
+
+#include "core/landmark/landmark.h"
+#include "sim/face/ict.h"
+#include "sim/face/person.h"
+#include "sim/random.h"
+#include "sim/render/view.h"
+
+/* How the person stands before the camera at one moment. With all angles 0 the face looks along the
+ * optical axis. */
+struct sim_stance {
+    double expression[SIM_EXPRESSION_SHAPES_MAX];
+    double yaw_rad, pitch_rad,
+        roll_rad;        /* > 0: turned to the subject's left; up; tilted to the subject's right */
+    double body_yaw_rad; /* the whole person turned likewise, on top of the head's own yaw */
+    struct iso_vec3 nose_mm; /* where the face frame's origin is in the camera frame */
+};
+
+/* What is known of a drawn face. */
+struct sim_truth {
+    struct iso_rigid camera_from_face;
+    struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* camera frame */
+    struct iso_vec3 ibug_mm[ISO_LANDMARKS_IBUG];
+};
+
+struct sim_sitter_options {
+    bool hair, torso;
+};
+
+struct sim_sitter;
+
+/* Hair and clothes of the day are drawn from `random`. The head model must outlive the sitter.
+ * -ENOMEM. */
+int sim_sitter_new(const struct sim_ict *ict, const struct sim_person *person,
+                   const struct sim_sitter_options *options, struct sim_random *random,
+                   struct sim_sitter **out) __attribute__((warn_unused_result));
+void sim_sitter_free(struct sim_sitter *sitter);
+
+struct iso_rigid sim_stance_camera_from_face(const struct sim_stance *stance);
+
+/* Draws the sitter; *truth may be NULL. -ENOMEM. */
+int sim_sitter_draw(struct sim_sitter *sitter, const struct sim_stance *stance,
+                    struct sim_view *view, struct sim_truth *truth)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,56 @@
+/* The true view of a scene: what an ideal sensor would see at each pixel.
+ *
+ * A view is cleared, solids are drawn into it in camera-frame coordinates, the nearest wins; then
+ * it is finished, and sensor models (sim/sensor) read it. Created once, reused for frame after
+ * frame. */
+#ifndef SIM_RENDER_VIEW_H
+#define SIM_RENDER_VIEW_H
+
+#include <stdint.h>
+
+#include "core/frame/camera.h"
+
+enum sim_material {
+    SIM_NOTHING = 0,
+    SIM_SKIN,
+    SIM_HAIR,
+    SIM_CLOTH,
+    SIM_WALL,
+    SIM_PAPER,
+};
+
+/* The smallest depth that is drawn. */
+#define SIM_VIEW_NEAR_MM 50.0
+
+struct sim_facet {
+    struct iso_vec3 normal; /* unit, either sign */
+    enum sim_material material;
+};
+
+struct sim_view {
+    struct iso_camera camera; /* of the view: a supersampled sensor's has that many more pixels */
+    int supersample;          /* view pixels per sensor pixel, along each axis */
+    float *depth_mm;          /* [height_px * width_px]; 0: nothing there */
+    float *cosine;            /* between the surface's normal and the line of sight, 0..1 */
+    uint8_t *material;        /* enum sim_material */
+    int32_t *facet;           /* what is seen: index into facets, or -1 */
+    struct sim_facet *facets;
+    int32_t n_facets, facet_capacity;
+};
+
+/* A view for a sensor's camera; its distortion must be 0. -EINVAL, -ENOMEM. */
+int sim_view_new(const struct iso_camera *sensor_camera, int supersample, struct sim_view **out)
+    __attribute__((warn_unused_result));
+void sim_view_free(struct sim_view *view);
+
+void sim_view_clear(struct sim_view *view);
+
+/* Draws triangles given by camera-frame vertices, both sides. -ENOMEM. */
+int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
+                  const uint32_t (*triangles)[3], uint32_t n_triangles, enum sim_material material)
+    __attribute__((warn_unused_result));
+
+/* Fills in `cosine` and `material` for what is now seen. */
+void sim_view_finish(struct sim_view *view);
+
+#endif

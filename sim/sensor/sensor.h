@@ -1,0 +1,55 @@
+/* Models of depth sensors: from what is there (a finished view) to what a sensor reports.
+ *
+ * Every model states its constants and where they were published at the top of its .c file, and its
+ * measured noise is checked against them by tests/sim/test_sensor_noise.c. */
+#ifndef SIM_SENSOR_SENSOR_H
+#define SIM_SENSOR_SENSOR_H
+
+#include <stdbool.h>
+
+#include "core/frame/frame.h"
+#include "sim/random.h"
+#include "sim/render/view.h"
+
+/* Planes of the sensor's size for a model's own use. */
+enum { SIM_SENSOR_PLANES = 6 };
+
+struct sim_sensor_workspace {
+    size_t n_pixels;
+    float *plane[SIM_SENSOR_PLANES]; /* [n_pixels] each */
+};
+
+struct sim_sensor {
+    const char *name, *summary;
+    struct iso_camera camera;
+    double unit_mm;  /* of a count in its recordings */
+    int supersample; /* of the view that the model needs */
+    bool face_only; /* it is used for faces without surroundings: nothing but the head is in view */
+    double distance_min_mm, distance_max_mm; /* where people stand before it, nose tip */
+    /* Fills depth_mm, 0 where nothing is measured. noise_scale multiplies every random error (1: as
+     * published). */
+    void (*measure)(const struct sim_view *view, double noise_scale, struct sim_random *random,
+                    struct sim_sensor_workspace *workspace, float *depth_mm);
+};
+
+extern const struct sim_sensor sim_sensor_astra, sim_sensor_kinect2, sim_sensor_d435,
+    sim_sensor_truedepth, sim_sensor_texas;
+
+/* All of them, ended by NULL. */
+extern const struct sim_sensor *const sim_sensors[];
+
+/* By name, or NULL. */
+const struct sim_sensor *sim_sensor_find(const char *name);
+
+int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_workspace **out)
+    __attribute__((warn_unused_result));
+void sim_sensor_workspace_free(struct sim_sensor_workspace *workspace);
+
+/* One frame: measures a finished view of this sensor (sim_view_new with its camera and
+ * supersample), as the sensor's recordings would hold it, i.e. rounded to unit_mm. The frame has
+ * the sensor's size. */
+void sim_sensor_measure(const struct sim_sensor *sensor, const struct sim_view *view,
+                        double noise_scale, struct sim_random *random,
+                        struct sim_sensor_workspace *workspace, struct iso_frame *frame);
+
+#endif

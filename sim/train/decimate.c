@@ -1,0 +1,351 @@
+#include "sim/train/decimate.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    FAN_MAX = 24, /* triangles about a vertex */
+    NEIGHBOURS_MAX = 2 * FAN_MAX,
+    NONE = UINT32_MAX,
+};
+
+/* A normal may turn by 60 degrees in one merge. */
+static const double turn_cos_min = 0.5;
+
+/* 4 sqrt(3) area / sum of squared edges: 1 for an equilateral triangle, 0 for a line. */
+static const double quality_min = 0.2;
+
+/* A step off the boundary counts as much as this share of one off the surface. */
+static const double boundary_weight = 0.3;
+
+/* Per squared length of the edge: keeps triangles from growing without end where it is flat. */
+static const double length_weight = 5e-4;
+
+/* Sum of area-weighted squared distances to planes: p'Ap + 2 b'p + c, A symmetric. */
+struct quadric {
+    double axx, axy, axz, ayy, ayz, azz, bx, by, bz, c, area_mm2;
+};
+
+struct fan {
+    uint32_t n;
+    uint32_t triangle[FAN_MAX];
+};
+
+struct merge {
+    uint32_t into; /* NONE: no merge is allowed */
+    double cost;
+};
+
+struct state {
+    const struct iso_vec3 *p;
+    uint32_t n_vertices;
+    uint32_t (*triangles)[3];
+    const struct sim_decimate_options *options;
+    struct fan *fan; /* n = 0: merged away */
+    struct quadric *quadric;
+    struct merge *best; /* of each vertex */
+};
+
+struct neighbours {
+    uint32_t n;
+    uint32_t vertex[NEIGHBOURS_MAX];
+};
+
+static void add_plane(struct quadric *q, struct iso_vec3 n, struct iso_vec3 point, double weight)
+{
+    double d = -iso_dot(n, point);
+    q->axx += weight * n.x * n.x;
+    q->axy += weight * n.x * n.y;
+    q->axz += weight * n.x * n.z;
+    q->ayy += weight * n.y * n.y;
+    q->ayz += weight * n.y * n.z;
+    q->azz += weight * n.z * n.z;
+    q->bx += weight * d * n.x;
+    q->by += weight * d * n.y;
+    q->bz += weight * d * n.z;
+    q->c += weight * d * d;
+}
+
+static void add_quadric(struct quadric *q, const struct quadric *r)
+{
+    q->axx += r->axx;
+    q->axy += r->axy;
+    q->axz += r->axz;
+    q->ayy += r->ayy;
+    q->ayz += r->ayz;
+    q->azz += r->azz;
+    q->bx += r->bx;
+    q->by += r->by;
+    q->bz += r->bz;
+    q->c += r->c;
+    q->area_mm2 += r->area_mm2;
+}
+
+static double quadric_at(const struct quadric *q, struct iso_vec3 p)
+{
+    return p.x * (q->axx * p.x + 2.0 * (q->axy * p.y + q->axz * p.z + q->bx)) +
+           p.y * (q->ayy * p.y + 2.0 * (q->ayz * p.z + q->by)) +
+           p.z * (q->azz * p.z + 2.0 * q->bz) + q->c;
+}
+
+static struct iso_vec3 normal_of(const struct iso_vec3 p[3])
+{
+    return iso_cross(iso_sub(p[1], p[0]), iso_sub(p[2], p[0]));
+}
+
+static double quality_of(const struct iso_vec3 p[3])
+{
+    struct iso_vec3 a = iso_sub(p[1], p[0]), b = iso_sub(p[2], p[1]), c = iso_sub(p[0], p[2]);
+    double sum = iso_dot(a, a) + iso_dot(b, b) + iso_dot(c, c);
+    return sum > 0.0 ? 2.0 * sqrt(3.0) * iso_norm(iso_cross(a, b)) / sum : 0.0;
+}
+
+static void corners_of(const struct state *s, uint32_t t, struct iso_vec3 p[3])
+{
+    for (int k = 0; k < 3; k++) {
+        p[k] = s->p[s->triangles[t][k]];
+    }
+}
+
+static bool has_corner(const uint32_t *triangle, uint32_t v)
+{
+    return triangle[0] == v || triangle[1] == v || triangle[2] == v;
+}
+
+static bool contains(const struct neighbours *set, uint32_t v)
+{
+    for (uint32_t i = 0; i < set->n; i++) {
+        if (set->vertex[i] == v) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static struct neighbours neighbours_of(const struct state *s, uint32_t v)
+{
+    struct neighbours set;
+    set.n = 0;
+    for (uint32_t i = 0; i < s->fan[v].n; i++) {
+        const uint32_t *t = s->triangles[s->fan[v].triangle[i]];
+        for (int k = 0; k < 3; k++) {
+            if (t[k] != v && !contains(&set, t[k])) {
+                set.vertex[set.n++] = t[k];
+            }
+        }
+    }
+    return set;
+}
+
+static uint32_t shared_triangles(const struct state *s, uint32_t v, uint32_t u)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < s->fan[v].n; i++) {
+        n += has_corner(s->triangles[s->fan[v].triangle[i]], u);
+    }
+    return n;
+}
+
+/* The surface stays a surface: v is an inner vertex, or goes along the boundary; and the two have
+ * no common neighbours but those across their edge (the link condition, Dey et al. 1999). */
+static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
+                            const struct neighbours *around_v)
+{
+    uint32_t n_shared = shared_triangles(s, v, u);
+    bool inner = around_v->n == s->fan[v].n, border = around_v->n == s->fan[v].n + 1;
+    if (!(inner && n_shared == 2) && !(border && n_shared == 1)) {
+        return false;
+    }
+    struct neighbours around_u = neighbours_of(s, u);
+    uint32_t n_common = 0;
+    for (uint32_t i = 0; i < around_v->n; i++) {
+        n_common += contains(&around_u, around_v->vertex[i]);
+    }
+    return n_common == n_shared && s->fan[v].n + s->fan[u].n - 2 * n_shared <= FAN_MAX;
+}
+
+/* No triangle of v that remains flips or becomes a sliver (or a worse one than it was). */
+static bool shape_allows(const struct state *s, uint32_t v, uint32_t u)
+{
+    for (uint32_t i = 0; i < s->fan[v].n; i++) {
+        uint32_t t = s->fan[v].triangle[i];
+        if (has_corner(s->triangles[t], u)) {
+            continue;
+        }
+        struct iso_vec3 before[3], after[3];
+        corners_of(s, t, before);
+        for (int k = 0; k < 3; k++) {
+            after[k] = s->triangles[t][k] == v ? s->p[u] : before[k];
+        }
+        struct iso_vec3 n0 = normal_of(before), n1 = normal_of(after);
+        double quality = quality_of(after);
+        if (iso_dot(n0, n1) < turn_cos_min * iso_norm(n0) * iso_norm(n1) ||
+            (quality < quality_min && quality < quality_of(before))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double cost_of(const struct state *s, uint32_t v, uint32_t u)
+{
+    struct quadric q = s->quadric[v];
+    add_quadric(&q, &s->quadric[u]);
+    struct iso_vec3 edge = iso_sub(s->p[u], s->p[v]);
+    double importance = s->options->importance ? s->options->importance[v] : 1.0;
+    return importance * (fmax(quadric_at(&q, s->p[u]), 0.0) +
+                         length_weight * s->quadric[v].area_mm2 * iso_dot(edge, edge));
+}
+
+static void find_best(struct state *s, uint32_t v)
+{
+    struct merge best = {NONE, INFINITY};
+    if (s->fan[v].n > 0 && !(s->options->keep && s->options->keep[v])) {
+        struct neighbours around = neighbours_of(s, v);
+        for (uint32_t i = 0; i < around.n; i++) {
+            uint32_t u = around.vertex[i];
+            double cost = cost_of(s, v, u);
+            if (cost < best.cost && topology_allows(s, v, u, &around) && shape_allows(s, v, u)) {
+                best = (struct merge){u, cost};
+            }
+        }
+    }
+    s->best[v] = best;
+}
+
+static void remove_from_fan(struct fan *fan, uint32_t t)
+{
+    for (uint32_t i = 0; i < fan->n; i++) {
+        if (fan->triangle[i] == t) {
+            fan->triangle[i] = fan->triangle[--fan->n];
+            return;
+        }
+    }
+}
+
+static void merge_into(struct state *s, uint32_t v, uint32_t u)
+{
+    struct fan fan = s->fan[v];
+    s->fan[v].n = 0;
+    for (uint32_t i = 0; i < fan.n; i++) {
+        uint32_t t = fan.triangle[i];
+        uint32_t *corner = s->triangles[t];
+        if (has_corner(corner, u)) {
+            for (int k = 0; k < 3; k++) {
+                remove_from_fan(&s->fan[corner[k]], t);
+                corner[k] = NONE;
+            }
+            continue;
+        }
+        for (int k = 0; k < 3; k++) {
+            corner[k] = corner[k] == v ? u : corner[k];
+        }
+        s->fan[u].triangle[s->fan[u].n++] = t;
+    }
+    add_quadric(&s->quadric[u], &s->quadric[v]);
+}
+
+/* A merge into u changes what is allowed to u's neighbours and to theirs. */
+static void update_around(struct state *s, uint32_t u)
+{
+    struct neighbours ring = neighbours_of(s, u);
+    for (uint32_t i = 0; i < ring.n; i++) {
+        struct neighbours second = neighbours_of(s, ring.vertex[i]);
+        for (uint32_t j = 0; j < second.n; j++) {
+            find_best(s, second.vertex[j]);
+        }
+        find_best(s, ring.vertex[i]);
+    }
+}
+
+static void add_triangle_quadrics(struct state *s, uint32_t t)
+{
+    struct iso_vec3 p[3];
+    corners_of(s, t, p);
+    struct iso_vec3 normal = normal_of(p), unit = iso_unit(normal);
+    double area = 0.5 * iso_norm(normal);
+    for (int k = 0; k < 3; k++) {
+        uint32_t v = s->triangles[t][k], w = s->triangles[t][(k + 1) % 3];
+        add_plane(&s->quadric[v], unit, p[k], area / 3.0);
+        s->quadric[v].area_mm2 += area / 3.0;
+        if (shared_triangles(s, v, w) == 1) {
+            struct iso_vec3 edge = iso_sub(p[(k + 1) % 3], p[k]);
+            struct iso_vec3 across = iso_unit(iso_cross(edge, unit));
+            double weight = boundary_weight * iso_dot(edge, edge);
+            add_plane(&s->quadric[v], across, p[k], weight);
+            add_plane(&s->quadric[w], across, p[k], weight);
+        }
+    }
+}
+
+static int set_up(struct state *s, uint32_t n_triangles)
+{
+    for (uint32_t t = 0; t < n_triangles; t++) {
+        for (int k = 0; k < 3; k++) {
+            uint32_t v = s->triangles[t][k];
+            if (v >= s->n_vertices || s->fan[v].n == FAN_MAX) {
+                return -EINVAL;
+            }
+            s->fan[v].triangle[s->fan[v].n++] = t;
+        }
+    }
+    for (uint32_t t = 0; t < n_triangles; t++) {
+        add_triangle_quadrics(s, t);
+    }
+    for (uint32_t v = 0; v < s->n_vertices; v++) {
+        find_best(s, v);
+    }
+    return 0;
+}
+
+static void run(struct state *s)
+{
+    uint32_t n_left = 0;
+    for (uint32_t v = 0; v < s->n_vertices; v++) {
+        n_left += s->fan[v].n > 0;
+    }
+    for (; n_left > s->options->n_target; n_left--) {
+        uint32_t v = 0;
+        for (uint32_t i = 1; i < s->n_vertices; i++) {
+            v = s->best[i].cost < s->best[v].cost ? i : v;
+        }
+        uint32_t u = s->best[v].into;
+        if (u == NONE) {
+            return;
+        }
+        merge_into(s, v, u);
+        find_best(s, v);
+        update_around(s, u);
+    }
+}
+
+int sim_decimate(const struct iso_vec3 *vertices_mm, uint32_t n_vertices,
+                 const struct sim_decimate_options *options, uint32_t (*triangles)[3],
+                 uint32_t *n_triangles)
+{
+    struct state s = {.p = vertices_mm,
+                      .n_vertices = n_vertices,
+                      .triangles = triangles,
+                      .options = options,
+                      .fan = calloc(n_vertices, sizeof *s.fan),
+                      .quadric = calloc(n_vertices, sizeof *s.quadric),
+                      .best = calloc(n_vertices, sizeof *s.best)};
+    int error = s.fan && s.quadric && s.best ? set_up(&s, *n_triangles) : -ENOMEM;
+    if (!error) {
+        run(&s);
+        uint32_t n = 0;
+        for (uint32_t t = 0; t < *n_triangles; t++) {
+            if (triangles[t][0] != NONE) {
+                memmove(triangles[n++], triangles[t], sizeof triangles[t]);
+            }
+        }
+        *n_triangles = n;
+    }
+    free(s.best);
+    free(s.quadric);
+    free(s.fan);
+    return error;
+}

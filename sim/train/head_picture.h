@@ -1,0 +1,15 @@
+/* Pictures of a head model, to be looked at: holes and spikes show at once. */
+#ifndef SIM_TRAIN_HEAD_PICTURE_H
+#define SIM_TRAIN_HEAD_PICTURE_H
+
+#include "core/fault.h"
+#include "core/landmark/head_model.h"
+
+/* Writes PNG files into a directory that exists: mean.png, mesh.png (with the triangles' edges)
+ * and, for the first five identity and expression modes, identity-N-minus.png and so on, two
+ * standard deviations to either side. Each shows the head from the front and turned by 50 degrees.
+ * -ENOMEM, or errors of writing with *fault. */
+int sim_head_pictures(const struct iso_head_model *model, const char *directory,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,29 @@
+/* Closing the openings of a mesh of the face: the eyes and the mouth. */
+#ifndef SIM_TRAIN_OPENING_H
+#define SIM_TRAIN_OPENING_H
+
+#include <stddef.h>
+
+#include "sim/train/head_surface.h"
+
+/* A surface under construction; the arrays have room for what is added. */
+struct sim_surface_builder {
+    struct sim_head_surface *surface;
+    uint32_t vertex_capacity, triangle_capacity;
+};
+
+/* Appends; -ENOSPC if the arrays are full. */
+int sim_surface_add_vertex(struct sim_surface_builder *builder, const struct sim_ict *ict,
+                           struct sim_head_vertex vertex) __attribute__((warn_unused_result));
+int sim_surface_add_triangle(struct sim_surface_builder *builder, uint32_t a, uint32_t b,
+                             uint32_t c) __attribute__((warn_unused_result));
+
+/* Closes every hole of the surface but the one with the longest rim, which is its outer edge. The
+ * upper and the lower half of a rim are joined by a strip of triangles; where an eyeball lies
+ * behind, by way of a row of vertices on it, which follow the lids: halfway between them, at the
+ * eyeball's depth in the mean face. -ENOSPC, -ENOMEM; -EINVAL for a rim that is not a simple loop.
+ */
+int sim_close_openings(struct sim_surface_builder *builder, const struct sim_ict *ict)
+    __attribute__((warn_unused_result));
+
+#endif

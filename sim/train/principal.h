@@ -1,0 +1,35 @@
+/* Principal components of displacement fields, and taking rigid motion out of them.
+ *
+ * A field is [n_vertices][3] floats in mm; several follow each other. A weight per vertex says how
+ * much surface it stands for. */
+#ifndef SIM_TRAIN_PRINCIPAL_H
+#define SIM_TRAIN_PRINCIPAL_H
+
+#include <stdint.h>
+
+#include "core/math/vec.h"
+
+enum { SIM_FIELDS_MAX = 128 };
+
+/* Eigenvalues (falling) and eigenvectors (vector[k * n ..] belongs to value k, unit length) of the
+ * symmetric row-major n x n matrix a, which is destroyed, by cyclic Jacobi rotations (Golub and Van
+ * Loan, Matrix Computations, 8.5). In plain C so that results do not depend on the BLAS of the day.
+ */
+void sim_symmetric_eigen(double *a, uint32_t n, double *value, double *vector);
+
+/* Takes from every field the six rigid motions that are in it, as far as the weighted vertices
+ * tell. -EDOM if fewer than three weighted vertices, or all in line. */
+int sim_remove_rigid(const struct iso_vec3 *mean_mm, uint32_t n_vertices, const double *weight,
+                     uint32_t n_fields, float *fields_mm) __attribute__((warn_unused_result));
+
+/* The n_keep components of largest weighted variance of sum_i c_i field_i, where the coefficients c
+ * have the second moments `moment` ([n_fields][n_fields]; NULL: identity). Gram-matrix method
+ * (Turk and Pentland 1991): component k comes out in mm per standard deviation. Writes
+ * components_mm[n_keep][n_vertices][3] and the weighted variance of every possible component,
+ * variance[n_fields], falling, mm^2 summed over the weights. -EINVAL for more than SIM_FIELDS_MAX
+ * fields or n_keep > n_fields; -ENOMEM. */
+int sim_principal(const float *fields_mm, uint32_t n_fields, uint32_t n_vertices,
+                  const double *weight, const double *moment, uint32_t n_keep, float *components_mm,
+                  double *variance) __attribute__((warn_unused_result));
+
+#endif

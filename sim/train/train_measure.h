@@ -1,0 +1,27 @@
+/* How well a trained head model stands for what it was trained from. */
+#ifndef SIM_TRAIN_TRAIN_MEASURE_H
+#define SIM_TRAIN_TRAIN_MEASURE_H
+
+#include "sim/train/head_surface.h"
+
+struct sim_distances {
+    double mean_mm, p95_mm, max_mm;
+};
+
+/* Distances of the fine surface's vertices in the face to the coarse surface. -ENOMEM. */
+int sim_surface_distances(const struct sim_head_surface *fine,
+                          const struct sim_head_surface *coarse, struct sim_distances *out)
+    __attribute__((warn_unused_result));
+
+/* Root mean square over the weighted vertices and over 200 people of the population "test" of: how
+ * far they are from the mean, and what is left after projection to the components. `fields_mm` are
+ * the identity fields, [SIM_IDENTITY_MODES][n_vertices][3]; `variance` as from sim_principal.
+ * -ENOMEM. */
+struct sim_rms {
+    double before_mm, after_mm;
+};
+int sim_unseen_people(const float *fields_mm, uint32_t n_vertices, const double *weight,
+                      const float *components_mm, const double *variance, uint32_t n_components,
+                      uint64_t seed, struct sim_rms *out) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,48 @@
+/* Watches the door of a running daemon over the bus: its verdicts, its lock, and how many frames it
+ * has seen. One thread. */
+#ifndef SIM_VISIT_DOOR_WATCH_H
+#define SIM_VISIT_DOOR_WATCH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+
+/* The daemon's signal Visit (core/contract.h). */
+struct sim_door_verdict {
+    bool given; /* else nothing below means anything */
+    bool allow;
+    char person[256]; /* "" when unknown */
+    double score, threshold;
+    uint32_t frames;
+    int64_t latency_us;
+};
+
+struct sim_door_watch;
+
+/* Connects to the bus at `address`. -ENOENT if no daemon is there, or the errno of the bus. */
+int sim_door_watch_open(const char *address, struct sim_door_watch **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* NULL is fine. */
+void sim_door_watch_close(struct sim_door_watch *watch);
+
+/* Takes signals for `duration_ms`; returns earlier after each signal. Errors of the bus. */
+int sim_door_watch_step(struct sim_door_watch *watch, int64_t duration_ms, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Forgets the verdict and that the door was unlocked: a new visit begins. */
+void sim_door_watch_reset(struct sim_door_watch *watch);
+
+/* The first verdict since the reset. */
+struct sim_door_verdict sim_door_watch_verdict(const struct sim_door_watch *watch);
+
+/* Whether the door is locked now, and whether it was not at any time since the reset. */
+bool sim_door_watch_is_locked(const struct sim_door_watch *watch);
+bool sim_door_watch_was_unlocked(const struct sim_door_watch *watch);
+
+/* Asks how many frames the daemon has had from its sensor. Errors of the bus. */
+int sim_door_watch_frames(struct sim_door_watch *watch, uint64_t *frames, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

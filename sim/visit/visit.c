@@ -1,0 +1,198 @@
+#include "sim/visit/visit.h"
+
+#include <errno.h>
+#include <string.h>
+#include <time.h>
+
+#include "sim/visit/slot.h"
+
+enum { LOOK_MS = 25 };
+
+/* One run; what the functions below share. */
+struct play {
+    const struct sim_visit_options *options;
+    struct sim_door_watch *watch;
+    struct iso_fault *fault;
+};
+
+struct sim_visit_options sim_visit_options_default(void)
+{
+    return (struct sim_visit_options){
+        .roles = {[SIM_ROLE_PROBE] = true, [SIM_ROLE_IMPOSTOR] = true},
+        .settle_ms = 1000,
+        .limit_ms = 30000,
+    };
+}
+
+static int64_t now_ms(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+/* Until a verdict, or until the visitor's frames have all been seen and nothing came of them. The
+ * frames are counted so that a slow machine has all the time it needs. */
+static int wait_for_verdict(const struct play *play, uint64_t last_frame)
+{
+    const int64_t end_ms = now_ms() + play->options->limit_ms;
+    int64_t quiet_since_ms = 0;
+
+    while (!sim_door_watch_verdict(play->watch).given && now_ms() < end_ms) {
+        uint64_t frames;
+        int error = sim_door_watch_frames(play->watch, &frames, play->fault);
+        if (!error && frames >= last_frame && quiet_since_ms == 0) {
+            quiet_since_ms = now_ms();
+        }
+        if (quiet_since_ms && now_ms() - quiet_since_ms >= play->options->settle_ms) {
+            break;
+        }
+        error = error ? error : sim_door_watch_step(play->watch, LOOK_MS, play->fault);
+        if (error) {
+            return error;
+        }
+    }
+    return 0;
+}
+
+/* Until the door is locked, and for the settling time from now at least. */
+static int wait_for_quiet(const struct play *play)
+{
+    const int64_t start_ms = now_ms();
+
+    for (;;) {
+        const int64_t spent_ms = now_ms() - start_ms;
+        if (spent_ms >= play->options->settle_ms && sim_door_watch_is_locked(play->watch)) {
+            return 0;
+        }
+        if (spent_ms >= play->options->limit_ms) {
+            return iso_fault_set(play->fault, -ETIMEDOUT, "the door does not lock again");
+        }
+        const int error = sim_door_watch_step(play->watch, LOOK_MS, play->fault);
+        if (error) {
+            return error;
+        }
+    }
+}
+
+static int play_row(const struct play *play, const struct sim_corpus_row *row,
+                    struct sim_visit *visit)
+{
+    const struct sim_visit_options *options = play->options;
+    uint64_t frames;
+    int error = sim_door_watch_frames(play->watch, &frames, play->fault);
+
+    if (error) {
+        return error;
+    }
+    sim_door_watch_reset(play->watch);
+    error = sim_slot_point(options->slot, options->corpus, row->recording, play->fault);
+    error = error ? error : wait_for_verdict(play, frames + row->count);
+    error = error ? error : sim_slot_clear(options->slot, play->fault);
+    error = error ? error : wait_for_quiet(play); /* in which a late verdict still counts */
+    if (error) {
+        return error;
+    }
+    visit->row = row;
+    visit->verdict = sim_door_watch_verdict(play->watch);
+    visit->unlocked = sim_door_watch_was_unlocked(play->watch);
+    return 0;
+}
+
+static bool was_played(const struct sim_visit *visits, size_t n_visits, const char *recording)
+{
+    for (size_t i = 0; i < n_visits; i++) {
+        if (strcmp(visits[i].row->recording, recording) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+int sim_visit_play(const struct sim_visit_options *options, const struct sim_corpus *corpus,
+                   sim_visit_listener *listener, void *context, struct sim_visit *visits,
+                   size_t *n_visits, struct iso_fault *fault)
+{
+    struct play play = {.options = options, .fault = fault};
+    size_t count = 0;
+    int error = sim_slot_clear(options->slot, fault);
+
+    error = error ? error : sim_door_watch_open(options->address, &play.watch, fault);
+    error = error ? error : wait_for_quiet(&play);
+    for (size_t i = 0; !error && i < corpus->n_rows; i++) {
+        const struct sim_corpus_row *row = &corpus->rows[i];
+        if (!options->roles[row->role] || was_played(visits, count, row->recording)) {
+            continue;
+        }
+        error = play_row(&play, row, &visits[count]);
+        if (!error) {
+            listener(&visits[count++], context);
+        }
+    }
+    if (error) {
+        (void)!sim_slot_clear(options->slot, NULL); /* the first fault is the one to tell */
+    } else {
+        *n_visits = count;
+    }
+    sim_door_watch_close(play.watch);
+    return error;
+}
+
+static bool is_admitted(const struct sim_visit *visit)
+{
+    return visit->unlocked || (visit->verdict.given && visit->verdict.allow);
+}
+
+static bool is_own_name(const struct sim_visit *visit)
+{
+    return visit->verdict.given && strcmp(visit->verdict.person, visit->row->subject) == 0;
+}
+
+/* Whether visit number `visit` is its subject's first, and whether any of the subject's admitted
+ * them as themselves. */
+static bool is_first_of_subject(const struct sim_visit *visits, size_t visit)
+{
+    for (size_t i = 0; i < visit; i++) {
+        if (visits[i].row->role == SIM_ROLE_PROBE &&
+            strcmp(visits[i].row->subject, visits[visit].row->subject) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_ever_admitted(const struct sim_visit *visits, size_t n_visits, const char *subject)
+{
+    for (size_t i = 0; i < n_visits; i++) {
+        if (visits[i].row->role == SIM_ROLE_PROBE && strcmp(visits[i].row->subject, subject) == 0 &&
+            is_admitted(&visits[i]) && is_own_name(&visits[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+struct sim_visit_summary sim_visit_judge(const struct sim_visit *visits, size_t n_visits)
+{
+    struct sim_visit_summary summary = {0};
+
+    for (size_t i = 0; i < n_visits; i++) {
+        const struct sim_visit *visit = &visits[i];
+        if (visit->row->role != SIM_ROLE_PROBE) {
+            summary.impostors++;
+            summary.impostors_let_in += is_admitted(visit);
+            continue;
+        }
+        summary.probes++;
+        summary.probes_admitted += is_admitted(visit) && is_own_name(visit);
+        summary.misnamed += is_admitted(visit) && !is_own_name(visit);
+        if (is_first_of_subject(visits, i)) {
+            summary.people++;
+            summary.people_admitted += is_ever_admitted(visits, n_visits, visit->row->subject);
+        }
+    }
+    summary.good = n_visits > 0 && summary.people_admitted == summary.people &&
+                   summary.misnamed == 0 && summary.impostors_let_in == 0;
+    return summary;
+}

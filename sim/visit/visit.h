@@ -1,0 +1,54 @@
+/* Plays the visitors of a corpus at the door of a running daemon, one after the other. */
+#ifndef SIM_VISIT_VISIT_H
+#define SIM_VISIT_VISIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "sim/recording/corpus.h"
+#include "sim/visit/door_watch.h"
+
+struct sim_visit_options {
+    const char *corpus;  /* directory */
+    const char *slot;    /* the link that the daemon's sensor plays */
+    const char *address; /* of the bus */
+    bool roles[SIM_ROLES];
+    int settle_ms; /* longer than the daemon's decision.gap_ms: after a visitor's last frame a
+                      verdict comes within this time or not at all, and this long nobody is at
+                      the door between two visits */
+    int limit_ms;  /* a visit's longest time */
+};
+
+/* The roles probe and impostor, a second of settling, half a minute at most. */
+struct sim_visit_options sim_visit_options_default(void);
+
+struct sim_visit {
+    const struct sim_corpus_row *row;
+    struct sim_door_verdict verdict; /* not given: nobody was seen */
+    bool unlocked;                   /* the door was, meanwhile */
+};
+
+/* What is to be said of all the visits together. */
+struct sim_visit_summary {
+    size_t people, people_admitted;     /* of role probe; admitted at one visit at least */
+    size_t probes, probes_admitted;     /* visits; admitted under their own name */
+    size_t misnamed;                    /* visits of probes admitted under another name */
+    size_t impostors, impostors_let_in; /* visits of strangers and of what is no face */
+    bool good; /* everybody enrolled was admitted, nobody else, and nobody misnamed */
+};
+
+/* Pure. A door that was unlocked counts as admitting whoever was there, whatever the verdict. */
+struct sim_visit_summary sim_visit_judge(const struct sim_visit *visits, size_t n_visits);
+
+/* Called after each visit. */
+typedef void sim_visit_listener(const struct sim_visit *visit, void *context);
+
+/* Plays the rows of the corpus that have one of the roles, each recording once, and leaves the slot
+ * empty. *visits has room for all rows of the corpus; *n_visits of them are filled in. Errors of
+ * the slot and the bus; -ETIMEDOUT if the door does not lock again. */
+int sim_visit_play(const struct sim_visit_options *options, const struct sim_corpus *corpus,
+                   sim_visit_listener *listener, void *context, struct sim_visit *visits,
+                   size_t *n_visits, struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,120 @@
+#include "sim/visit/visit_report.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+static const char *verdict_name(const struct sim_visit *visit)
+{
+    return !visit->verdict.given ? "none" : visit->verdict.allow ? "allow" : "deny";
+}
+
+/* What a verdict tells in numbers; NaN where nothing is known. */
+struct figures {
+    double score, threshold, frames, latency_ms;
+};
+
+static struct figures figures_of(const struct sim_door_verdict *verdict)
+{
+    if (!verdict->given) {
+        return (struct figures){NAN, NAN, NAN, NAN};
+    }
+    return (struct figures){verdict->score, verdict->threshold, verdict->frames,
+                            (double)verdict->latency_us / 1000};
+}
+
+static const char *door_name(const struct sim_visit *visit)
+{
+    return visit->unlocked ? "unlocked" : "locked";
+}
+
+/* A number right-aligned in `width` columns, "-" for one that is not known. */
+static void print_number(double value, int width, int decimals, FILE *out)
+{
+    if (isfinite(value)) {
+        fprintf(out, " %*.*f", width, decimals, value);
+    } else {
+        fprintf(out, " %*s", width, "-");
+    }
+}
+
+void sim_visit_print_head(FILE *out)
+{
+    fprintf(out, "%-12s %-9s %-10s %-7s %-12s %8s %9s %6s %6s  %s\n", "who came", "role", "note",
+            "verdict", "named", "score", "threshold", "frames", "ms", "door");
+}
+
+void sim_visit_print(const struct sim_visit *visit, FILE *out)
+{
+    const struct sim_door_verdict *verdict = &visit->verdict;
+    const struct figures figures = figures_of(verdict);
+    const struct sim_corpus_row *row = visit->row;
+
+    fprintf(out, "%-12s %-9s %-10s %-7s %-12s", row->subject, sim_role_name(row->role),
+            row->note[0] ? row->note : row->expression, verdict_name(visit),
+            verdict->given && verdict->person[0] ? verdict->person : "-");
+    print_number(figures.score, 8, 2, out);
+    print_number(figures.threshold, 9, 2, out);
+    print_number(figures.frames, 6, 0, out);
+    print_number(figures.latency_ms, 6, 0, out);
+    fprintf(out, "  %s\n", door_name(visit));
+}
+
+void sim_visit_print_summary(const struct sim_visit_summary *summary, FILE *out)
+{
+    fprintf(out,
+            "%zu of %zu enrolled people admitted (at %zu of their %zu visits); %zu taken for "
+            "another;\n%zu of %zu visits of strangers and of what is no face let in: %s\n",
+            summary->people_admitted, summary->people, summary->probes_admitted, summary->probes,
+            summary->misnamed, summary->impostors_let_in, summary->impostors,
+            summary->good ? "good" : "NOT GOOD");
+}
+
+static void write_number(double value, int decimals, FILE *out)
+{
+    if (isfinite(value)) {
+        fprintf(out, "%.*f", decimals, value);
+    }
+    fputc(',', out);
+}
+
+static void write_row(const struct sim_visit *visit, FILE *out)
+{
+    const struct sim_door_verdict *verdict = &visit->verdict;
+    const struct figures figures = figures_of(verdict);
+    const struct sim_corpus_row *row = visit->row;
+
+    fprintf(out, "%s,%s,%s,%s,%s,%s,", row->recording, row->subject, sim_role_name(row->role),
+            row->note, verdict_name(visit), verdict->given ? verdict->person : "");
+    write_number(figures.score, 6, out);
+    write_number(figures.threshold, 6, out);
+    write_number(figures.frames, 0, out);
+    write_number(figures.latency_ms, 3, out);
+    fprintf(out, "%s\n", door_name(visit));
+}
+
+int sim_visit_write_csv(const char *directory, const struct sim_visit *visits, size_t n_visits,
+                        struct iso_fault *fault)
+{
+    char path[PATH_MAX];
+
+    if (snprintf(path, sizeof path, "%s/visits.csv", directory) >= (int)sizeof path) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", directory);
+    }
+    FILE *out = fopen(path, "w");
+    if (!out) {
+        return iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
+    }
+    fputs("recording,subject,role,note,verdict,person,score,threshold,frames,latency_ms,door\n",
+          out);
+    for (size_t i = 0; i < n_visits; i++) {
+        write_row(&visits[i], out);
+    }
+    const int failed = ferror(out);
+    if (fclose(out) != 0 || failed) {
+        return iso_fault_set(fault, -EIO, "%s: cannot be written", path);
+    }
+    return 0;
+}

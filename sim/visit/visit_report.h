@@ -1,0 +1,22 @@
+/* What the visits came to, for people and for programs. */
+#ifndef SIM_VISIT_VISIT_REPORT_H
+#define SIM_VISIT_VISIT_REPORT_H
+
+#include <stdio.h>
+
+#include "sim/visit/visit.h"
+
+void sim_visit_print_head(FILE *out);
+
+/* One line of the table: who came, what was decided about whom, and whether the door opened. */
+void sim_visit_print(const struct sim_visit *visit, FILE *out);
+
+void sim_visit_print_summary(const struct sim_visit_summary *summary, FILE *out);
+
+/* Writes DIRECTORY/visits.csv:
+ * recording,subject,role,note,verdict,person,score,threshold,frames,latency_ms,door
+ * (verdict allow, deny or none; door unlocked or locked). The errno of writing. */
+int sim_visit_write_csv(const char *directory, const struct sim_visit *visits, size_t n_visits,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,57 @@
+#!/bin/sh
+# Exit codes and complaints of `isotherm-sim eval` and `show`: commands.sh PROGRAM SOURCE_DIRECTORY
+set -u
+simulator=$1 source=$2
+model=$source/core/data/head.model
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+failures=0
+
+# expect CODE WORDS COMMAND...: the exit code, and words in one line on stderr ("" for none at all)
+expect() {
+    code=$1 words=$2
+    shift 2
+    "$simulator" "$@" >"$work/stdout" 2>"$work/stderr"
+    got=$?
+    lines=$(wc -l <"$work/stderr")
+    if [ "$got" -ne "$code" ]; then
+        echo "isotherm-sim $*: exit code $got, not $code"
+    elif [ -n "$words" ] && { [ "$lines" -ne 1 ] || ! grep -qF -- "$words" "$work/stderr"; }; then
+        echo "isotherm-sim $*: stderr is not one line with '$words':"
+        cat "$work/stderr"
+    elif [ -z "$words" ] && [ "$lines" -ne 0 ]; then
+        echo "isotherm-sim $*: complains:"
+        cat "$work/stderr"
+    else
+        return
+    fi
+    failures=$((failures + 1))
+}
+
+expect 0 '' eval --help
+expect 0 '' show --help
+expect 2 '--corpus and --out are needed' eval
+expect 2 "--method: 'eigenfaces' is unknown" eval --corpus x --out "$work/out" --method eigenfaces
+expect 2 "--threads: '0' is no N" eval --threads 0
+expect 3 'nowhere' eval --corpus "$work/nowhere" --model "$model" --out "$work/out"
+expect 3 'nowhere/head.model' eval --corpus "$work" --model "$work/nowhere/head.model" --out "$work/out"
+expect 4 'manifest.csv' eval --corpus "$source/sim/stored" --model "$source/sim/stored/manifest.csv" \
+    --out "$work/out"
+
+face=$source/sim/stored/p01-enrol
+expect 2 '--recording and --out are needed' show --frame 0
+expect 2 "--what: 'hat' is unknown" show --recording "$face" --out "$work/x.png" --what hat
+expect 2 "--frame: 'x' is no N" show --recording "$face" --out "$work/x.png" --frame x
+expect 3 'nowhere' show --recording "$work/nowhere" --out "$work/x.png"
+expect 1 'no usable face' show --recording "$source/sim/stored/none-nobody1" --model "$model" \
+    --out "$work/x.png"
+expect 4 'nowhere/x.png' show --recording "$face" --model "$model" --what depth \
+    --out "$work/nowhere/x.png"
+expect 0 '' show --recording "$face" --model "$model" --what all --out "$work/pictures"
+for picture in depth mesh heat isotherms; do
+    [ -s "$work/pictures/$picture.png" ] || {
+        echo "show --what all wrote no $picture.png"
+        failures=$((failures + 1))
+    }
+done
+[ "$failures" -eq 0 ]

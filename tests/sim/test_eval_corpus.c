@@ -1,0 +1,267 @@
+/* The whole evaluation on a few stored recordings: what comes out, file by file. */
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "sim/eval/report.h"
+#include "tests/support/scratch.h"
+
+#define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
+#define MODEL  ISOTHERM_SOURCE_DIR "/core/data/head.model"
+#define COHORT ISOTHERM_SOURCE_DIR "/core/data/cohort.templates"
+
+static const char *const recordings[] = {"p01-enrol", "p02-enrol", "p01-v1",
+                                         "p02-v1",    "x01-v1",    "none-nobody1"};
+
+static const char manifest[] = "recording,first,count,subject,session,role,pose,expression,note\n"
+                               "p01-enrol,0,2,p01,e,gallery,,,\n"
+                               "p02-enrol,1,2,p02,e,gallery,,,\n"
+                               "p01-v1,0,2,p01,v1,probe,,mild,\n"
+                               "p02-v1,1,1,p02,v1,probe,,mild,\n"
+                               "x01-v1,0,1,x01,v1,impostor,,,\n"
+                               "none-nobody1,0,1,none,n,impostor,,,nobody\n";
+
+/* A corpus of links to stored recordings. */
+static int setup(void **state)
+{
+    int error = scratch_setup(state);
+    if (error) {
+        return error;
+    }
+    for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
+        char stored[4096];
+        (void)snprintf(stored, sizeof stored, "%s/%s", STORED, recordings[i]);
+        if (symlink(stored, scratch_path(*state, recordings[i])) != 0) {
+            return -errno;
+        }
+    }
+    scratch_write_text(scratch_path(*state, "manifest.csv"), manifest);
+    return 0;
+}
+
+static struct sim_eval_options options_for(const char *directory)
+{
+    return (struct sim_eval_options){
+        .corpus = directory,
+        .model = MODEL,
+        .threads = 2,
+        .extract = iso_extract_options_default(),
+        .match = iso_match_options_default(),
+    };
+}
+
+static struct sim_eval *evaluate(const struct sim_eval_options *options)
+{
+    struct sim_eval *eval = NULL;
+    struct iso_fault fault = {""};
+    if (sim_eval_run(options, &eval, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return eval;
+}
+
+static void test_figures(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    struct sim_eval *eval = evaluate(&options);
+    const struct sim_analysis *a = eval->analysis;
+    assert_int_equal(eval->acquisition->n_captures, 9);
+    assert_int_equal(eval->acquisition->n_samples, 6);
+    assert_int_equal(eval->gallery->n_people, 2);
+    assert_int_equal(eval->gallery->templates[0]->n_frames, 2); /* fused */
+    assert_int_equal(a->verification.scores.n_mated, 2);
+    assert_int_equal(a->verification.scores.n_non_mated, 4);
+    assert_int_equal(sim_rank_rate(a->identification.searches, 2, 1).events, 2);
+    assert_int_equal(a->probe_reason[SIM_PROBE_NONE][ISO_CAPTURE_OK], 0);
+    assert_int_equal(eval->landmarks[ISO_LM_NOSE_TIP].n, 8);
+    assert_true(eval->landmarks[ISO_LM_NOSE_TIP].mean_mm < 10.0);
+    assert_true(eval->landmarks[ISO_LM_NOSE_TIP].centred_mean_mm > 0.0);
+    assert_true(eval->landmarks[ISO_LM_NOSE_TIP].n_pairs > 0);
+    sim_eval_free(eval);
+}
+
+static void test_fuse_and_gallery_limit(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    options.fuse = 1;
+    options.gallery_limit = 1;
+    options.threads = 1;
+    struct sim_eval *eval = evaluate(&options);
+    assert_int_equal(eval->acquisition->n_samples, 9);
+    assert_int_equal(eval->gallery->n_people, 1);
+    assert_int_equal(eval->gallery->n_templates, 2);
+    /* Nobody enrolled p02: a stranger now. */
+    assert_int_equal(eval->analysis->n_kind[SIM_PROBE_MATED], 2);
+    assert_int_equal(eval->analysis->n_kind[SIM_PROBE_STRANGER], 2);
+    sim_eval_free(eval);
+}
+
+/* How many lines of a text contain a word. */
+static int lines_with(const char *text, const char *word)
+{
+    int n = 0;
+    while (*text) {
+        const char *end = text + strcspn(text, "\n"), *found = strstr(text, word);
+        n += found && found < end;
+        text = *end ? end + 1 : end;
+    }
+    return n;
+}
+
+static char *read_text(const char *directory, const char *name)
+{
+    size_t size;
+    char *bytes = scratch_read(scratch_path(directory, name), &size);
+    char *text = calloc(size + 1, 1);
+    memcpy(text, bytes, size);
+    free(bytes);
+    return text;
+}
+
+static void test_reports(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    struct sim_eval *eval = evaluate(&options);
+    struct iso_fault fault = {""};
+    assert_int_equal(sim_report_csv(eval, *state, &fault), 0);
+    assert_int_equal(sim_report_json(eval, *state, &fault), 0);
+    assert_int_equal(sim_report_plots(eval, *state, &fault), 0);
+
+    char *scores = read_text(*state, "scores.csv");
+    assert_memory_equal(scores, "probe_recording,probe_frame,probe_subject,gallery_subject,", 58);
+    assert_int_equal(lines_with(scores, ",ok"), 3 * 2);
+    assert_int_equal(lines_with(scores, "p02-v1,1,p02,p01,"), 1);
+    assert_int_equal(lines_with(scores, "none-nobody1,0,none,,,,fta:"), 1);
+    free(scores);
+
+    char *landmarks = read_text(*state, "landmarks.csv");
+    assert_int_equal(lines_with(landmarks, ",nose_tip,"), 8);
+    free(landmarks);
+    char *cmc = read_text(*state, "cmc.csv");
+    assert_int_equal(lines_with(cmc, "1,2,2,1.000000,"), 1);
+    free(cmc);
+
+    json_t *summary = json_load_file(scratch_path(*state, "summary.json"), 0, NULL);
+    assert_non_null(summary);
+    const char *score = NULL;
+    json_int_t searches = 0, none = 0;
+    double rank_1 = 0.0;
+    assert_int_equal(json_unpack(summary, "{s:{s:s}, s:{s:I, s:{s:F}}, s:{s:I}}", "settings",
+                                 "score", &score, "identification", "searches", &searches, "rank_1",
+                                 "rate", &rank_1, "not_faces", "samples", &none),
+                     0);
+    assert_string_equal(score, "negative distance, mm");
+    assert_int_equal(searches, 2);
+    assert_int_equal(none, 1);
+    assert_float_equal(rank_1, 1.0, 0.0);
+    json_decref(summary);
+
+    assert_true(scratch_exists(scratch_path(*state, "cmc.png")));
+    assert_true(scratch_exists(scratch_path(*state, "det.png")));
+    assert_true(scratch_exists(scratch_path(*state, "scores.png")));
+    assert_int_equal(sim_report_csv(eval, scratch_path(*state, "nowhere"), &fault), -ENOENT);
+    assert_non_null(strstr(fault.text, "nowhere/scores.csv: "));
+    assert_int_equal(sim_report_json(eval, scratch_path(*state, "nowhere"), &fault), -EIO);
+    sim_eval_free(eval);
+}
+
+/* The outcome does not depend on whose the probes are said to be. */
+static void test_subjects_do_not_reach_the_scores(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    struct sim_eval *honest = evaluate(&options);
+    char *lie = strdup(manifest);
+    memcpy(strstr(lie, "p01-v1,0,2,p01"), "p01-v1,0,2,p02", 14);
+    scratch_write_text(scratch_path(*state, "manifest.csv"), lie);
+    free(lie);
+    struct sim_eval *lied = evaluate(&options);
+    assert_memory_equal(honest->matches->score, lied->matches->score, 4 * 2 * sizeof(double));
+    assert_int_equal(sim_rank_rate(lied->analysis->identification.searches, 2, 1).events, 1);
+    sim_eval_free(honest);
+    sim_eval_free(lied);
+}
+
+static void test_damaged_frame_is_counted(void **state)
+{
+    assert_int_equal(unlink(scratch_path(*state, "p02-v1")), 0);
+    scratch_mkdir(scratch_path(*state, "p02-v1"));
+    scratch_mkdir(scratch_path(*state, "p02-v1/depth"));
+    static const char *const names[] = {"recording.ini", "depth.txt"};
+    for (int i = 0; i < 2; i++) {
+        char *text = read_text(STORED "/p02-v1", names[i]);
+        char name[64];
+        (void)snprintf(name, sizeof name, "p02-v1/%s", names[i]);
+        scratch_write_text(scratch_path(*state, name), text);
+        free(text);
+    }
+    scratch_write_text(scratch_path(*state, "p02-v1/depth/000001.png"), "not a picture");
+    struct sim_eval_options options = options_for(*state);
+    struct sim_eval *eval = evaluate(&options);
+    assert_int_equal(eval->analysis->probe_reason[SIM_PROBE_MATED][SIM_REASON_UNREADABLE], 1);
+    assert_int_equal(eval->analysis->verification.n_lost, 1);
+    sim_eval_free(eval);
+}
+
+static void expect_refusal(const struct sim_eval_options *options, int error, const char *words)
+{
+    struct sim_eval *eval = NULL;
+    struct iso_fault fault = {""};
+    assert_int_equal(sim_eval_run(options, &eval, &fault), error);
+    assert_null(eval);
+    if (!strstr(fault.text, words)) {
+        fail_msg("'%s' does not say '%s'", fault.text, words);
+    }
+}
+
+static void test_refusals(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    options.threads = 0;
+    expect_refusal(&options, -EINVAL, "threads");
+    options = options_for(*state);
+    options.extract.heat = ISO_HEAT_SPECTRAL;
+    expect_refusal(&options, -EINVAL, "spectral");
+    options = options_for(*state);
+    options.model = "/nowhere/head.model";
+    expect_refusal(&options, -ENOENT, "/nowhere/head.model: ");
+    options = options_for(*state);
+    options.model = COHORT;
+    expect_refusal(&options, -EBADMSG, "cohort.templates: ");
+    options = options_for(*state);
+    options.corpus = "/nowhere";
+    expect_refusal(&options, -ENOENT, "/nowhere");
+    options = options_for(*state);
+    options.extract.n_points = 1000;
+    expect_refusal(&options, -EINVAL, "out of range");
+    options = options_for(*state);
+    options.match.trim = 0.1;
+    expect_refusal(&options, -EINVAL, "out of range");
+    options = options_for(*state);
+    options.cohort = COHORT;
+    options.extract.t_mm2 = 123.0;
+    expect_refusal(&options, -EBADMSG, "made by algorithm");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_figures, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_fuse_and_gallery_limit, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_reports, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_subjects_do_not_reach_the_scores, setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_damaged_frame_is_counted, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_refusals, setup, scratch_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

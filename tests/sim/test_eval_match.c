@@ -1,0 +1,226 @@
+/* Enrolment and searches of templates that are made up. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "core/match/cohort.h"
+#include "sim/eval/match.h"
+#include "sim/eval/parallel.h"
+#include "sim/random.h"
+
+/* A template of random points, the same for the same person, moved about by `noise_mm`. */
+static struct iso_template person_template(uint64_t person, double noise_mm, uint64_t take)
+{
+    struct iso_template t = {.algorithm = 7, .n_radii = 1, .n_points = 8, .n_frames = 1};
+    struct sim_random shape = sim_random_seeded(1, person, 0);
+    struct sim_random noise = sim_random_seeded(2, person, take);
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        for (int i = 0; i < t.n_points; i++) {
+            for (int k = 0; k < 3; k++) {
+                t.points_mm[0][l][i][k] = (float)(20.0 * sim_random_normal(&shape) +
+                                                  noise_mm * sim_random_normal(&noise));
+            }
+            t.weight[0][l][i] = 1.0f;
+        }
+    }
+    return t;
+}
+
+/* Person 0 enrols twice, 1 once, 2 is not acquired; then two probes, of 1 and of 0. */
+enum { ROWS = 6 };
+static struct sim_corpus_row rows[ROWS] = {
+    {.subject = "zoe", .role = SIM_ROLE_GALLERY}, {.subject = "adam", .role = SIM_ROLE_GALLERY},
+    {.subject = "zoe", .role = SIM_ROLE_GALLERY}, {.subject = "ben", .role = SIM_ROLE_GALLERY},
+    {.subject = "adam", .role = SIM_ROLE_PROBE},  {.subject = "zoe", .role = SIM_ROLE_PROBE},
+};
+static struct sim_corpus corpus = {ROWS, rows};
+static struct sim_sample samples[ROWS];
+static struct sim_acquisition acquisition = {0, ROWS, NULL, samples, 7, "astra"};
+
+static int setup(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < ROWS; i++) {
+        samples[i] = (struct sim_sample){.row = i, .acquired = i != 3, .reason = ISO_CAPTURE_OK};
+    }
+    samples[0].tmpl = person_template(0, 3.0, 0);
+    samples[1].tmpl = person_template(1, 1.0, 0);
+    samples[2].tmpl = person_template(0, 0.5, 1);
+    samples[4].tmpl = person_template(1, 1.0, 1);
+    samples[5].tmpl = person_template(0, 0.5, 2);
+    return 0;
+}
+
+static struct sim_gallery *enrol(size_t limit)
+{
+    struct sim_gallery *gallery = NULL;
+    assert_int_equal(sim_gallery_new(&corpus, &acquisition, limit, &gallery), 0);
+    return gallery;
+}
+
+static void test_gallery(void **state)
+{
+    (void)state;
+    struct sim_gallery *gallery = enrol(0);
+    assert_int_equal(gallery->n_people, 3);
+    assert_int_equal(gallery->n_templates, 3);
+    assert_int_equal(sim_gallery_find(gallery, "adam"), 1);
+    assert_true(sim_gallery_find(gallery, "eve") == SIM_NOBODY);
+    assert_int_equal(gallery->n_templates_of[0], 2);
+    assert_int_equal(gallery->n_templates_of[2], 0);
+    sim_gallery_free(gallery);
+}
+
+static void test_gallery_limit(void **state)
+{
+    (void)state;
+    struct sim_gallery *gallery = enrol(1);
+    assert_int_equal(gallery->n_people, 1);
+    assert_int_equal(gallery->n_templates, 2); /* zoe's later one as well */
+    assert_true(sim_gallery_find(gallery, "adam") == SIM_NOBODY);
+    sim_gallery_free(gallery);
+}
+
+static struct sim_matches *match(const struct sim_gallery *gallery, const struct iso_cohort *cohort,
+                                 int threads)
+{
+    struct iso_match_options options = iso_match_options_default();
+    struct sim_matches *matches = NULL;
+    assert_int_equal(sim_match(&corpus, &acquisition, gallery, cohort, &options, threads, &matches),
+                     0);
+    return matches;
+}
+
+static void test_best_template_counts(void **state)
+{
+    (void)state;
+    struct sim_gallery *gallery = enrol(0);
+    struct sim_matches *m = match(gallery, NULL, 1);
+    struct iso_match_options options = iso_match_options_default();
+    double far, near;
+    assert_int_equal(m->n_probes, 2);
+    assert_int_equal(m->sample[1], 5);
+    assert_int_equal(iso_match_distance(&samples[5].tmpl, &samples[0].tmpl, &options, &far), 0);
+    assert_int_equal(iso_match_distance(&samples[5].tmpl, &samples[2].tmpl, &options, &near), 0);
+    assert_true(near < far);
+    assert_float_equal(m->distance_mm[3], near, 0.0);
+    assert_float_equal(m->score[3], -near, 0.0); /* without a cohort */
+    assert_true(m->distance_mm[3] < m->distance_mm[4]);
+    assert_true(m->distance_mm[1] < m->distance_mm[0]);          /* the other probe is adam's */
+    assert_true(isinf(m->distance_mm[5]) && isinf(m->score[5])); /* ben is not enrolled */
+    sim_matches_free(m);
+    sim_gallery_free(gallery);
+}
+
+static void test_threads_do_not_matter(void **state)
+{
+    (void)state;
+    struct sim_gallery *gallery = enrol(0);
+    struct sim_matches *one = match(gallery, NULL, 1), *three = match(gallery, NULL, 3);
+    assert_memory_equal(one->score, three->score, 6 * sizeof(double));
+    sim_matches_free(one);
+    sim_matches_free(three);
+    sim_gallery_free(gallery);
+}
+
+static void test_missing_points(void **state)
+{
+    (void)state;
+    /* The probe has one landmark in four: too few of the points to be compared. */
+    for (int l = 3; l < ISO_LANDMARKS; l++) {
+        memset(samples[4].tmpl.weight[0][l], 0, sizeof samples[4].tmpl.weight[0][l]);
+    }
+    struct sim_gallery *gallery = enrol(0);
+    struct sim_matches *m = match(gallery, NULL, 1);
+    assert_true(isinf(m->distance_mm[0]) && m->score[0] < 0.0);
+    assert_true(isfinite(m->distance_mm[3]));
+    sim_matches_free(m);
+    sim_gallery_free(gallery);
+}
+
+static struct iso_cohort *new_cohort(void)
+{
+    struct iso_template people[ISO_COHORT_MIN];
+    const struct iso_template *pointers[ISO_COHORT_MIN];
+    for (uint64_t i = 0; i < ISO_COHORT_MIN; i++) {
+        people[i] = person_template(100 + i, 0.0, 0);
+        pointers[i] = &people[i];
+    }
+    void *bytes;
+    size_t size;
+    struct iso_cohort *cohort = NULL;
+    assert_int_equal(iso_cohort_serialise(pointers, ISO_COHORT_MIN, &bytes, &size), 0);
+    assert_int_equal(iso_cohort_parse(bytes, size, &cohort, NULL), 0);
+    free(bytes);
+    return cohort;
+}
+
+static void test_cohort_normalises(void **state)
+{
+    (void)state;
+    struct sim_gallery *gallery = enrol(0);
+    struct iso_cohort *cohort = new_cohort();
+    struct sim_matches *m = match(gallery, cohort, 1);
+    assert_true(m->score[3] > 3.0);        /* zoe's own: far above the cohort */
+    assert_true(fabs(m->score[4]) < 10.0); /* adam: like anybody of the cohort */
+    assert_true(m->score[3] > m->score[4]);
+    sim_matches_free(m);
+
+    memset(samples[4].tmpl.weight, 0, sizeof samples[4].tmpl.weight);
+    m = match(gallery, cohort, 1);
+    assert_false(samples[4].acquired);
+    assert_int_equal(samples[4].reason, ISO_CAPTURE_TOO_FEW_POINTS);
+    sim_matches_free(m);
+    iso_cohort_free(cohort);
+    sim_gallery_free(gallery);
+}
+
+static int mark(void *context, int worker, size_t job)
+{
+    int *marks = context;
+    assert_in_range((uintmax_t)worker, 0, 2);
+    marks[job]++;
+    return 0;
+}
+
+static int refuse_seventh(void *context, int worker, size_t job)
+{
+    (void)context;
+    (void)worker;
+    return job == 7 ? -EDOM : 0;
+}
+
+static void test_parallel(void **state)
+{
+    (void)state;
+    int marks[50] = {0};
+    assert_int_equal(sim_parallel(3, 50, mark, marks), 0);
+    for (int i = 0; i < 50; i++) {
+        assert_int_equal(marks[i], 1);
+    }
+    assert_int_equal(sim_parallel(2, 0, mark, marks), 0);
+    assert_int_equal(sim_parallel(2, 50, refuse_seventh, NULL), -EDOM);
+    assert_int_equal(sim_parallel(0, 50, mark, marks), -EINVAL);
+    assert_int_equal(sim_parallel(65, 50, mark, marks), -EINVAL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(test_gallery, setup),
+        cmocka_unit_test_setup(test_gallery_limit, setup),
+        cmocka_unit_test_setup(test_best_template_counts, setup),
+        cmocka_unit_test_setup(test_threads_do_not_matter, setup),
+        cmocka_unit_test_setup(test_missing_points, setup),
+        cmocka_unit_test_setup(test_cohort_normalises, setup),
+        cmocka_unit_test(test_parallel),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

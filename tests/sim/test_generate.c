@@ -1,0 +1,205 @@
+/* Generated corpora: readable, repeatable, and true to their own ground truth. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "core/landmark/landmark.h"
+#include "drivers/recording/recording.h"
+#include "sim/generate/generate.h"
+#include "sim/recording/corpus.h"
+#include "tests/support/scratch.h"
+
+static const char *model_directory(void)
+{
+    const char *shared = getenv("ISOTHERM_SHARED");
+    return scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared", "data/ict-face");
+}
+
+static struct sim_generate_options small(const char *directory)
+{
+    struct sim_generate_options options = sim_generate_options_default();
+    if (!scratch_exists(model_directory())) {
+        skip();
+    }
+    options.ict_directory = model_directory();
+    options.directory = directory;
+    options.n_people = 2;
+    options.n_probes = 3;
+    options.n_strangers = 1;
+    options.frames_per_visit = 2;
+    return options;
+}
+
+static void generate(const struct sim_generate_options *options)
+{
+    struct iso_fault fault = {""};
+    int error = sim_generate(options, &fault);
+    assert_string_equal(fault.text, "");
+    assert_int_equal(error, 0);
+}
+
+static void the_manifest_says_who_is_where(void **state)
+{
+    static const struct {
+        const char *recording, *subject;
+        enum sim_role role;
+    } expected[] = {
+        {"p0000-s0", "p0000", SIM_ROLE_GALLERY}, {"p0001-s0", "p0001", SIM_ROLE_GALLERY},
+        {"p0000-s1", "p0000", SIM_ROLE_PROBE},   {"p0001-s1", "p0001", SIM_ROLE_PROBE},
+        {"p0000-s2", "p0000", SIM_ROLE_PROBE},   {"x0002-s1", "x0002", SIM_ROLE_IMPOSTOR},
+    };
+    struct sim_generate_options options = small(scratch_path(*state, "who"));
+    struct sim_corpus *corpus = NULL;
+    generate(&options);
+    assert_int_equal(sim_corpus_read(options.directory, &corpus, NULL), 0);
+    assert_int_equal(corpus->n_rows, sizeof expected / sizeof *expected);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        assert_string_equal(corpus->rows[i].recording, expected[i].recording);
+        assert_string_equal(corpus->rows[i].subject, expected[i].subject);
+        assert_int_equal(corpus->rows[i].role, expected[i].role);
+        assert_int_equal(corpus->rows[i].first, 0);
+        assert_int_equal(corpus->rows[i].count, 2);
+        bool gallery = expected[i].role == SIM_ROLE_GALLERY;
+        assert_string_equal(corpus->rows[i].expression, gallery ? "neutral" : "mild");
+    }
+    sim_corpus_free(corpus);
+}
+
+static void same_file(const char *a, const char *b, const char *name, bool same)
+{
+    size_t n_a, n_b;
+    void *bytes_a = scratch_read(scratch_path(a, name), &n_a);
+    void *bytes_b = scratch_read(scratch_path(b, name), &n_b);
+    assert_int_equal(n_a == n_b && memcmp(bytes_a, bytes_b, n_a) == 0, same);
+    free(bytes_a);
+    free(bytes_b);
+}
+
+static void the_same_options_make_the_same_bytes(void **state)
+{
+    char first[128], again[128], other[128];
+    (void)strcpy(first, scratch_path(*state, "first"));
+    (void)strcpy(again, scratch_path(*state, "again"));
+    (void)strcpy(other, scratch_path(*state, "other"));
+    struct sim_generate_options options = small(first);
+    options.n_people = options.n_probes = 1;
+    generate(&options);
+    options.directory = again;
+    generate(&options);
+    options.directory = other;
+    options.seed = 2;
+    generate(&options);
+    same_file(first, again, "manifest.csv", true);
+    same_file(first, again, "p0000-s1/landmarks.csv", true);
+    same_file(first, again, "p0000-s1/depth/000001.png", true);
+    same_file(first, other, "p0000-s1/depth/000001.png", false);
+    same_file(first, other, "p0000-s1/landmarks.csv", false);
+}
+
+/* How far the depth at a landmark's own pixel lies from the landmark. */
+static double depth_error(const struct iso_frame *frame, struct iso_vec3 landmark_mm)
+{
+    double u, v;
+    assert_true(iso_camera_project(&frame->camera, landmark_mm, &u, &v));
+    double z = (double)iso_frame_depth_at(frame, (int)lrint(u), (int)lrint(v));
+    return z > 0.0 ? fabs(z - landmark_mm.z) : 0.0;
+}
+
+static void check_landmarks(const struct iso_frame *frame,
+                            const struct iso_recording_landmark rows[ISO_LANDMARKS])
+{
+    for (int k = 0; k < ISO_LANDMARKS; k++) {
+        assert_string_equal(rows[k].name, iso_landmark_name((enum iso_landmark)k));
+        /* noses and lips have steep sides, and eyeballs bulge out of the corners */
+        assert_true(depth_error(frame, rows[k].point_mm) < 8.0);
+    }
+    assert_true(depth_error(frame, rows[ISO_LM_NASION].point_mm) < 3.0);
+    assert_true(rows[ISO_LM_EYE_OUT_R].point_mm.x < rows[ISO_LM_EYE_IN_R].point_mm.x);
+    assert_true(rows[ISO_LM_EYE_IN_R].point_mm.x < rows[ISO_LM_EYE_IN_L].point_mm.x);
+    assert_true(rows[ISO_LM_NASION].point_mm.y < rows[ISO_LM_LIP_UPPER].point_mm.y);
+    assert_true(rows[ISO_LM_NOSE_TIP].point_mm.z < rows[ISO_LM_NASION].point_mm.z);
+}
+
+static void every_sensor_sees_the_landmarks(void **state)
+{
+    for (int s = 0; sim_sensors[s]; s++) {
+        struct sim_generate_options options = small(scratch_path(*state, sim_sensors[s]->name));
+        struct iso_recording *recording = NULL;
+        struct iso_recording_landmark *rows = NULL;
+        struct iso_frame *frame = NULL;
+        size_t n_rows;
+        options.n_people = 1;
+        options.n_probes = options.n_strangers = 0;
+        options.sensor = sim_sensors[s];
+        generate(&options);
+        const char *path = scratch_path(options.directory, "p0000-s0");
+        assert_int_equal(iso_recording_open(path, &recording, NULL), 0);
+        assert_int_equal(iso_recording_frames(recording), 2);
+        assert_int_equal(iso_recording_landmarks(recording, &rows, &n_rows, NULL), 0);
+        assert_int_equal(n_rows, 2 * ISO_LANDMARKS);
+        assert_int_equal(iso_recording_frame_new(recording, &frame), 0);
+        for (size_t i = 0; i < 2; i++) {
+            assert_int_equal(iso_recording_read(recording, i, frame, NULL), 0);
+            check_landmarks(frame, rows + i * ISO_LANDMARKS);
+        }
+        iso_frame_free(frame);
+        free(rows);
+        iso_recording_close(recording);
+    }
+}
+
+static void bad_options_are_refused(void **state)
+{
+    struct sim_generate_options options = small(scratch_path(*state, "bad"));
+    struct sim_generate_options bad = options;
+    struct iso_fault fault = {""};
+    bad.preset = "wild";
+    assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    assert_non_null(strstr(fault.text, "wild"));
+    bad = options;
+    bad.n_people = 0;
+    assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    bad = options;
+    bad.noise_scale = NAN;
+    assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    bad = options;
+    bad.identity_variance = -1.0;
+    assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    bad = options;
+    bad.ict_directory = scratch_path(*state, "no-model");
+    assert_int_equal(sim_generate(&bad, &fault), -ENOENT);
+    assert_non_null(strstr(fault.text, "no-model"));
+    bad = options;
+    bad.directory = scratch_path(*state, "no/such/parent");
+    assert_int_equal(sim_generate(&bad, &fault), -ENOENT);
+}
+
+static void recordings_are_not_overwritten(void **state)
+{
+    struct sim_generate_options options = small(scratch_path(*state, "twice"));
+    struct iso_fault fault = {""};
+    options.n_people = 1;
+    options.n_probes = options.n_strangers = 0;
+    generate(&options);
+    assert_int_equal(sim_generate(&options, &fault), -EEXIST);
+    assert_non_null(strstr(fault.text, "p0000-s0"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_manifest_says_who_is_where),
+        cmocka_unit_test(the_same_options_make_the_same_bytes),
+        cmocka_unit_test(every_sensor_sees_the_landmarks),
+        cmocka_unit_test(bad_options_are_refused),
+        cmocka_unit_test(recordings_are_not_overwritten),
+    };
+    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
+}
