@@ -8,9 +8,9 @@
 
 /* Gates. A mean face that fits worse than this, rms-like with residuals limited to 6 mm, sits on
  * something that is no face: measured on rendered frames of faces and of other things. */
-static const double search_cost_max_mm2 = 20.0;
+static const double search_cost_max_mm2 = 14.0;
 static const double search_coverage_min = 0.5;
-static const double fit_cost_max_mm2 = 12.0;
+static const double fit_cost_max_mm2 = 10.0;
 static const double fit_coverage_min = 0.5;
 static const double in_image_min = 0.9;
 static const double patch_coverage_min = 0.45;
@@ -57,8 +57,14 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
     if (error) {
         return error;
     }
-    const struct iso_pose_search_options gate = {search_cost_max_mm2, search_coverage_min};
-    if (iso_pose_search(x->search_vertices, &x->coarse, candidates, n_candidates, &gate, fit)) {
+    const struct iso_pose_search search = {
+        .vertices = x->search_vertices,
+        .fitter = x->search_fitter,
+        .frame = &x->coarse,
+        .cost_max_mm2 = search_cost_max_mm2,
+        .coverage_min = search_coverage_min,
+    };
+    if (iso_pose_search(&search, candidates, n_candidates, fit)) {
         out->outcome = n_candidates > 0 ? ISO_CAPTURE_NOT_A_FACE : ISO_CAPTURE_NO_FACE;
         return 0;
     }

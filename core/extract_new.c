@@ -99,6 +99,12 @@ static int new_find(struct iso_extractor *x)
         error = iso_pose_vertices_new(x->model, ISO_EXTRACT_SEARCH_VERTICES, 1.0,
                                       &x->search_vertices);
     }
+    struct iso_shape_fit_options rough = x->options.fit;
+    rough.rigid_iterations = 1;
+    rough.iterations = 4;
+    if (!error) {
+        error = iso_shape_fitter_new(x->model, &rough, &x->search_fitter);
+    }
     if (!error) {
         error = iso_shape_fitter_new(x->model, &x->options.fit, &x->fitter);
     }
@@ -201,6 +207,7 @@ void iso_extractor_free(struct iso_extractor *extractor)
     free(x->coarse.depth_mm);
     iso_candidate_finder_free(x->finder);
     iso_pose_vertices_free(x->search_vertices);
+    iso_shape_fitter_free(x->search_fitter);
     iso_shape_fitter_free(x->fitter);
     iso_cleaner_free(x->cleaner);
     iso_triangulator_free(x->triangulator);

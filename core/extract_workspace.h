@@ -38,6 +38,7 @@ struct iso_extractor {
     struct iso_frame coarse;
     struct iso_candidate_finder *finder;
     struct iso_pose_vertices *search_vertices;
+    struct iso_shape_fitter *search_fitter;
 
     /* surface of the cleaned frame, the head model fitted to it */
     struct iso_cleaner *cleaner;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { FINALISTS = 6 };
+enum { FINALISTS = 8, FITTED = 3 };
 
 /* Faces turned further than this are not looked for. */
 static const double turned_max_rad = 1.05;
@@ -14,7 +14,7 @@ static const double upright_cosine_min = 0.5;
 static const double turned_cost_mm2 = 5.0;
 
 /* A fit this good is a face: what lies behind it is not looked at. */
-static const double beyond_doubt_mm2 = 10.0;
+static const double beyond_doubt_mm2 = 6.0;
 /* A nearer fit gives way to one that is better by more than this. */
 static const double much_worse_mm2 = 4.0;
 
@@ -63,19 +63,20 @@ static double turned_rad(const struct iso_frame *frame, const struct iso_rigid *
 /* Makes costs comparable: missing measurements must not make a fit look good, nor must turning
  * most of the face out of sight. False for attitudes in which no face can be recognised, or head
  * over heels. */
-static bool weigh_up(const struct iso_frame *frame, double coverage_min, struct iso_pose_fit *fit)
+static bool weigh_up(const struct iso_pose_search *search, struct iso_pose_fit *fit)
 {
-    double turned = turned_rad(frame, &fit->camera_from_face);
+    double turned = turned_rad(search->frame, &fit->camera_from_face);
     if (turned > turned_max_rad || -fit->camera_from_face.rotation.m[1][1] < upright_cosine_min) {
         return false;
     }
-    fit->cost_mm2 += 36.0 * fmax(coverage_min - fit->coverage, 0.0);
+    fit->cost_mm2 += ISO_POSE_COST_LIMIT_MM2 * fmax(search->coverage_min - fit->coverage, 0.0);
     fit->cost_mm2 += turned_cost_mm2 * turned * turned;
     return true;
 }
 
-static void try_candidate(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
-                          struct iso_vec3 nose_mm, double coverage_min, struct ranking *ranking)
+/* Registers the mean face roughly with its nose tip at a candidate, from nine attitudes. */
+static void try_candidate(const struct iso_pose_search *search, struct iso_vec3 nose_mm,
+                          struct ranking *ranking)
 {
     const struct iso_pose_options rough = {
         .iterations = 5,
@@ -88,29 +89,63 @@ static void try_candidate(const struct iso_pose_vertices *vertices, const struct
         for (int p = 0; p < 3; p++) {
             struct iso_rigid start = posed_at(nose_mm, yaws_rad[y], pitches_rad[p]);
             struct iso_pose_fit fit;
-            if (iso_pose_fit(vertices, frame, &rough, &start, &fit) == 0 &&
-                weigh_up(frame, coverage_min, &fit)) {
+            if (iso_pose_fit(search->vertices, search->frame, &rough, &start, &fit) == 0 &&
+                weigh_up(search, &fit)) {
                 rank_insert(ranking, &fit);
             }
         }
     }
 }
 
-/* Refines the finalists and takes the best; false if there is none. */
-static bool best_of(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
-                    const struct ranking *ranking, double coverage_min, struct iso_pose_fit *best)
+/* Whether two poses are the same but for what further steps would even out. */
+static bool much_alike(const struct iso_rigid *a, const struct iso_rigid *b)
+{
+    struct iso_mat3 bt = iso_mat3_transpose(&b->rotation);
+    struct iso_mat3 between = iso_mat3_mul(&bt, &a->rotation);
+    double trace = between.m[0][0] + between.m[1][1] + between.m[2][2];
+    double apart_mm = iso_norm(iso_sub(a->translation_mm, b->translation_mm));
+    return apart_mm < 6.0 && trace > 1.0 + 2.0 * cos(0.15);
+}
+
+/* Refines the finalists rigidly and keeps the best few that differ. */
+static void refine_finalists(const struct iso_pose_search *search, const struct ranking *finalists,
+                             struct ranking *refined)
 {
     const struct iso_pose_options fine = {
         .iterations = 10, .cutoff_first_mm = 15.0, .cutoff_last_mm = 8.0};
-    bool found = false;
-    for (int i = 0; i < ranking->n; i++) {
+    for (int i = 0; i < finalists->n; i++) {
         struct iso_pose_fit fit;
-        if (iso_pose_fit(vertices, frame, &fine, &ranking->fit[i].camera_from_face, &fit) ||
-            !weigh_up(frame, coverage_min, &fit)) {
+        const struct iso_rigid *start = &finalists->fit[i].camera_from_face;
+        if (iso_pose_fit(search->vertices, search->frame, &fine, start, &fit) ||
+            !weigh_up(search, &fit)) {
             continue;
         }
-        if (!found || fit.cost_mm2 < best->cost_mm2) {
-            *best = fit;
+        bool known = false;
+        for (int k = 0; k < refined->n && !known; k++) {
+            known = much_alike(&fit.camera_from_face, &refined->fit[k].camera_from_face);
+        }
+        if (!known) {
+            rank_insert(refined, &fit);
+        }
+    }
+}
+
+/* Fits the whole head model from the best few poses and takes the one that it fits best: a rigid
+ * mean face alone is misled by people who are far from the mean. False if there is none. */
+static bool best_of(const struct iso_pose_search *search, const struct ranking *finalists,
+                    struct iso_pose_fit *best)
+{
+    struct ranking refined = {0};
+    refine_finalists(search, finalists, &refined);
+    bool found = false;
+    for (int i = 0; i < refined.n && i < FITTED; i++) {
+        struct iso_shape_fit fit;
+        if (iso_shape_fit(search->fitter, search->frame, &refined.fit[i].camera_from_face, &fit) ||
+            !weigh_up(search, &fit.pose)) {
+            continue;
+        }
+        if (!found || fit.pose.cost_mm2 < best->cost_mm2) {
+            *best = fit.pose;
             found = true;
         }
     }
@@ -135,26 +170,25 @@ static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, 
     return NULL;
 }
 
-int iso_pose_search(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
-                    const struct iso_candidate *candidates, int n_candidates,
-                    const struct iso_pose_search_options *options, struct iso_pose_fit *out)
+int iso_pose_search(const struct iso_pose_search *search, const struct iso_candidate *candidates,
+                    int n_candidates, struct iso_pose_fit *out)
 {
     struct iso_pose_fit fits[ISO_CANDIDATE_PARTS_MAX];
     int n = 0;
     for (int i = 0; i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX;) {
-        struct ranking ranking = {0};
+        struct ranking finalists = {0};
         int part = candidates[i].part;
         for (; i < n_candidates && candidates[i].part == part; i++) {
-            try_candidate(vertices, frame, candidates[i].point_mm, options->coverage_min, &ranking);
+            try_candidate(search, candidates[i].point_mm, &finalists);
         }
-        if (!best_of(vertices, frame, &ranking, options->coverage_min, &fits[n])) {
+        if (!best_of(search, &finalists, &fits[n])) {
             continue;
         }
         if (fits[n++].cost_mm2 <= beyond_doubt_mm2) {
             break;
         }
     }
-    const struct iso_pose_fit *found = nearest_good(fits, n, options->cost_max_mm2);
+    const struct iso_pose_fit *found = nearest_good(fits, n, search->cost_max_mm2);
     if (!found) {
         return -ENOENT;
     }

@@ -152,7 +152,7 @@ static void icp_recovers_a_motion_despite_outliers(void **state)
     target_weight[7] = 0.0f;
     struct iso_icp_points a = {3, 20, (const float(*)[3])source, source_weight};
     struct iso_icp_points b = {3, 20, (const float(*)[3])target, target_weight};
-    const struct iso_icp_options options = {ISO_ICP_RIGID, ISO_ICP_ORDERED, 0.8, 50, 1e-6};
+    const struct iso_icp_options options = {ISO_ICP_RIGID, ISO_ICP_ORDERED, 0.8, 50, 1e-6, NULL};
     struct iso_icp_result result;
     assert_int_equal(iso_icp(&a, &b, &options, &result), 0);
     assert_true(result.converged);
@@ -170,7 +170,7 @@ static void icp_refuses_what_it_cannot_do(void **state)
     struct iso_rigid none = iso_rigid_identity();
     make_rings(point, weight, &none);
     struct iso_icp_points a = {3, 20, (const float(*)[3])point, weight}, b = a;
-    struct iso_icp_options options = {ISO_ICP_RIGID, ISO_ICP_NEAREST, 0.8, 5, 1e-6};
+    struct iso_icp_options options = {ISO_ICP_RIGID, ISO_ICP_NEAREST, 0.8, 5, 1e-6, NULL};
     struct iso_icp_result result;
     b.n_groups = 2;
     assert_int_equal(iso_icp(&a, &b, &options, &result), -EINVAL);
