@@ -123,7 +123,7 @@ uint32_t iso_cohort_algorithm(const struct iso_cohort *cohort)
 int iso_cohort_normalise(const struct iso_cohort *cohort, const struct iso_template *probe,
                          const struct iso_match_options *options, struct iso_cohort_norm *out)
 {
-    double sum = 0.0, sum_squared = 0.0;
+    double sum = 0.0;
     for (int i = 0; i < cohort->n; i++) {
         double distance;
         int error = iso_match_distance(probe, &cohort->templates[i], options, &distance);
@@ -131,11 +131,14 @@ int iso_cohort_normalise(const struct iso_cohort *cohort, const struct iso_templ
             return error;
         }
         sum += distance;
-        sum_squared += distance * distance;
     }
-    double mean = sum / cohort->n;
-    /* A floor keeps the score finite should a probe be equally far from the whole cohort. */
-    double variance = fmax(sum_squared / cohort->n - mean * mean, 1e-6);
-    *out = (struct iso_cohort_norm){.mean_mm = mean, .sd_mm = sqrt(variance)};
+    out->mean_mm = sum / cohort->n;
     return 0;
+}
+
+double iso_cohort_score(struct iso_cohort_norm norm, double distance_mm)
+{
+    const double typical_mm = 2.0;
+    /* A floor keeps the score finite for a probe that equals the whole cohort. */
+    return 1.0 - distance_mm / sqrt(fmax(norm.mean_mm, 1e-3) * typical_mm);
 }

@@ -39,8 +39,7 @@ static int measure(const struct matching *work, const struct iso_template *probe
 static int search(const struct matching *work, struct sim_sample *sample, double *distance_mm,
                   double *score)
 {
-    /* With this norm the cohort's score is the negative distance. */
-    struct iso_cohort_norm norm = {.mean_mm = 0.0, .sd_mm = 1.0};
+    struct iso_cohort_norm norm = {0};
     if (work->cohort) {
         int error = iso_cohort_normalise(work->cohort, &sample->tmpl, work->options, &norm);
         if (error == -ENODATA) {
@@ -54,7 +53,7 @@ static int search(const struct matching *work, struct sim_sample *sample, double
     }
     int error = measure(work, &sample->tmpl, distance_mm);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
-        score[p] = iso_cohort_score(norm, distance_mm[p]);
+        score[p] = work->cohort ? iso_cohort_score(norm, distance_mm[p]) : -distance_mm[p];
     }
     return error;
 }
