@@ -1,0 +1,264 @@
+#include "firmware/appliance.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <syslog.h>
+
+#include "firmware/appliance_state.h"
+
+const char *iso_appliance_mode_name(enum iso_appliance_mode mode)
+{
+    static const char *const names[ISO_APPLIANCE_MODES] = {
+        "watch", "claimed", "enroll", "verify", "identify",
+    };
+    return (unsigned)mode < ISO_APPLIANCE_MODES ? names[mode] : NULL;
+}
+
+void iso__appliance_say(struct iso_appliance *appliance, int priority, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    appliance->parts.events.message(appliance->parts.events.context, priority, text);
+}
+
+int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record)
+{
+    struct iso_fault fault = {""};
+    const int error = iso_audit_append(appliance->parts.audit, record, &fault);
+    if (error) {
+        iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
+    }
+    return error;
+}
+
+/* ---- the door ---------------------------------------------------------------------------------
+ */
+
+static bool is_alarm(const struct iso_door *door)
+{
+    return door->state == ISO_DOOR_FORCED || door->state == ISO_DOOR_HELD_OPEN ||
+           door->state == ISO_DOOR_FAULT || door->tamper;
+}
+
+/* On record what the door does; it does so whether there is room for the record or not. */
+static void on_door_changed(void *context, enum iso_door_event cause)
+{
+    struct iso_appliance *appliance = context;
+    const struct iso_door *door = &appliance->door.door;
+    const char *state = iso_door_state_name(door->state);
+    struct iso_audit_record record = iso_audit_record_of("door");
+    record.reason = iso_door_event_name(cause);
+    record.note = state;
+    (void)iso__appliance_record(appliance, &record);
+    iso__appliance_say(appliance, is_alarm(door) ? LOG_WARNING : LOG_INFO, "door %s (%s)%s%s", state,
+                       record.reason, appliance->door.broken ? ": " : "",
+                       appliance->door.broken ? appliance->door.fault : "");
+    appliance->parts.events.door_changed(appliance->parts.events.context, state, record.reason);
+}
+
+static void init_door(struct iso_appliance *appliance)
+{
+    const struct iso_config_door *config = &appliance->parts.config->door;
+    const struct iso_door_options options = {
+        .fail = config->fail,
+        .unlock_ns = config->unlock_ms * ISO_NS_PER_MS,
+        .held_ns = config->held_ms * ISO_NS_PER_MS,
+        .refused_ns = config->refused_ms * ISO_NS_PER_MS,
+    };
+    iso_door_control_init(&appliance->door, &options, config->poll_ms * ISO_NS_PER_MS,
+                          appliance->parts.door_io, on_door_changed, appliance);
+}
+
+/* ---- the sensor -------------------------------------------------------------------------------
+ */
+
+static void init_sensor(struct iso_appliance *appliance, int64_t now_ns)
+{
+    const struct iso_config_sensor *config = &appliance->parts.config->sensor;
+    const struct iso_sensor_keeper_options options = {
+        .silence_ns = config->silence_ms * ISO_NS_PER_MS,
+        .retry_ns = config->retry_ms * ISO_NS_PER_MS,
+        .retry_max_ns = config->retry_max_ms * ISO_NS_PER_MS,
+    };
+    iso_sensor_keeper_init(&appliance->keeper, &options, &appliance->parts.sensor, now_ns);
+}
+
+static void on_sensor_gone(struct iso_appliance *appliance, int64_t now_ns)
+{
+    struct iso_audit_record record = iso_audit_record_of("sensor");
+    record.reason = "lost";
+    record.note = appliance->keeper.fault;
+    iso__appliance_say(appliance, LOG_ERR, "%s", appliance->keeper.fault);
+    (void)iso__appliance_record(appliance, &record);
+    iso_decision_reset(&appliance->decision);
+    iso__appliance_action_disconnect(appliance);
+    iso_door_control_set_fault(&appliance->door, true, now_ns);
+}
+
+static void on_sensor_back(struct iso_appliance *appliance, int64_t now_ns)
+{
+    struct iso_audit_record record = iso_audit_record_of("sensor");
+    record.reason = "started";
+    iso__appliance_say(appliance, LOG_NOTICE, "sensor %s started",
+                       iso_sensor_name(appliance->keeper.sensor));
+    (void)iso__appliance_record(appliance, &record);
+    iso_door_control_set_fault(&appliance->door, false, now_ns);
+}
+
+/* ---- start, step, stop ------------------------------------------------------------------------
+ */
+
+int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_appliance **out)
+{
+    struct iso_appliance *appliance = calloc(1, sizeof *appliance);
+    if (!appliance) {
+        return -ENOMEM;
+    }
+    appliance->parts = *parts;
+    appliance->ended = ISO_APPLIANCE_CLAIMED;
+    *out = appliance;
+    return 0;
+}
+
+void iso_appliance_free(struct iso_appliance *appliance)
+{
+    if (appliance) {
+        iso_sensor_keeper_done(&appliance->keeper);
+        iso_enrolment_wipe(&appliance->enrolment);
+        free(appliance);
+    }
+}
+
+static void record_start(struct iso_appliance *appliance)
+{
+    struct iso_audit_record record = iso_audit_record_of("start");
+    record.note = ISOTHERM_VERSION;
+    (void)iso__appliance_record(appliance, &record);
+}
+
+/* The first try to open the sensor: whether its configuration is one that can ever work. */
+static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct iso_fault *fault)
+{
+    const struct iso_frame *frame;
+    const struct iso_sensor_keeper *keeper = &appliance->keeper;
+    init_sensor(appliance, now_ns);
+    if (iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame) == ISO_SENSOR_BACK) {
+        on_sensor_back(appliance, now_ns);
+        return 0;
+    }
+    if (keeper->error == -EINVAL || keeper->error == -ENOENT) {
+        return iso_fault_set(fault, keeper->error, "%s", keeper->fault);
+    }
+    on_sensor_gone(appliance, now_ns);
+    return 0;
+}
+
+int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    const struct iso_decision_options options =
+        iso__appliance_decision_options(appliance->parts.config);
+    appliance->start_ns = now_ns;
+    iso_decision_init(&appliance->decision, &options);
+    init_door(appliance);
+    record_start(appliance);
+    const int error = first_look(appliance, now_ns, fault);
+    if (error) {
+        return error;
+    }
+    iso_door_control_start(&appliance->door, now_ns);
+    return 0;
+}
+
+static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
+{
+    const struct iso_frame *frame = NULL;
+    switch (iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame)) {
+    case ISO_SENSOR_FRAME:
+        iso__appliance_frame(appliance, frame, now_ns);
+        break;
+    case ISO_SENSOR_QUIET:
+        /* Nothing has been seen until now: who was there has left, perhaps. */
+        iso__appliance_time(appliance, now_ns);
+        break;
+    case ISO_SENSOR_FLAW:
+        iso__appliance_complain(appliance, appliance->keeper.fault);
+        break;
+    case ISO_SENSOR_BACK:
+        on_sensor_back(appliance, now_ns);
+        break;
+    case ISO_SENSOR_GONE:
+        on_sensor_gone(appliance, now_ns);
+        break;
+    }
+}
+
+static int64_t earliest(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+int iso_appliance_step(struct iso_appliance *appliance, int64_t *wake_ns, struct iso_fault *fault)
+{
+    int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    const int fd = iso_door_io_poll_fd(appliance->parts.door_io);
+    iso_door_control_step(&appliance->door, fd >= 0, now_ns);
+    if (appliance->door.lost) {
+        return iso_fault_set(fault, -ENODEV, "%s", appliance->door.fault);
+    }
+    look_at_sensor(appliance, now_ns);
+    now_ns = iso_times_now_ns(&appliance->parts.times);
+    iso__appliance_action_deadline(appliance, now_ns);
+    *wake_ns = earliest(iso_door_control_due_ns(&appliance->door),
+                        iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
+    *wake_ns = earliest(*wake_ns, iso__appliance_due_ns(appliance));
+    return 0;
+}
+
+void iso_appliance_stop(struct iso_appliance *appliance)
+{
+    const struct iso_audit_record record = iso_audit_record_of("stop");
+    iso_door_control_stop(&appliance->door, iso_times_now_ns(&appliance->parts.times));
+    iso_sensor_keeper_done(&appliance->keeper);
+    (void)iso__appliance_record(appliance, &record);
+}
+
+/* ---- what is known of it ----------------------------------------------------------------------
+ */
+
+int iso_appliance_sensor_fd(const struct iso_appliance *appliance)
+{
+    return appliance->keeper.sensor ? iso_sensor_poll_fd(appliance->keeper.sensor) : -ENODEV;
+}
+
+int iso_appliance_door_fd(const struct iso_appliance *appliance)
+{
+    return iso_door_io_poll_fd(appliance->parts.door_io);
+}
+
+uint64_t iso_appliance_progress(const struct iso_appliance *appliance)
+{
+    return appliance->keeper.progress;
+}
+
+struct iso_appliance_status iso_appliance_status(const struct iso_appliance *appliance)
+{
+    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
+    return (struct iso_appliance_status){
+        .mode = appliance->mode,
+        .door = appliance->door.door.state,
+        .sensor_state = appliance->keeper.sensor ? "started" : "lost",
+        .sensor_model = appliance->keeper.model,
+        .sensor_fault = appliance->keeper.fault,
+        .last_outcome = appliance->last_outcome,
+        .frames = appliance->keeper.frames,
+        .model = pipeline->ops->model(pipeline->self),
+        .algorithm = pipeline->ops->algorithm(pipeline->self),
+        .uptime_ns = iso_times_now_ns(&appliance->parts.times) - appliance->start_ns,
+    };
+}

@@ -1,0 +1,158 @@
+/* The appliance: everything between a sensor and a door, stepped by an injected clock.
+ *
+ *   WATCH     who comes to the door is identified, and let in
+ *   CLAIMED   a client has the camera and does nothing: frames are not looked at
+ *   ENROLL, VERIFY, IDENTIFY   ... and does this; nothing of it opens the door
+ *
+ *   WATCH    claim -> CLAIMED          a visit that has begun is forgotten
+ *   CLAIMED  enroll, verify, identify  -> that;  release, or claim_ms without an action -> WATCH
+ *   ENROLL, VERIFY, IDENTIFY           stop, or its end -> CLAIMED;  release -> WATCH
+ *
+ * The door does not depend on the mode: exit button, alarms and times work in each.
+ *
+ * Used by one thread. A step takes at most one frame in; it neither sleeps nor waits for the sensor,
+ * and takes as long as the extraction of a template. Events are reported from within calls of this
+ * header; a handler must not call back into it, but for the status. */
+#ifndef ISO_FIRMWARE_APPLIANCE_H
+#define ISO_FIRMWARE_APPLIANCE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+#include "drivers/door/door_io.h"
+#include "firmware/audit.h"
+#include "firmware/config.h"
+#include "firmware/decision.h"
+#include "firmware/gallery.h"
+#include "firmware/pipeline.h"
+#include "firmware/sensor_keeper.h"
+#include "firmware/times.h"
+
+enum iso_appliance_mode {
+    ISO_APPLIANCE_WATCH = 0,
+    ISO_APPLIANCE_CLAIMED,
+    ISO_APPLIANCE_ENROLL,
+    ISO_APPLIANCE_VERIFY,
+    ISO_APPLIANCE_IDENTIFY,
+    ISO_APPLIANCE_MODES
+};
+
+/* "watch", "claimed", "enroll", "verify", "identify"; NULL outside. */
+const char *iso_appliance_mode_name(enum iso_appliance_mode mode);
+
+/* A decision of the door, after it was logged and the door was told. */
+struct iso_visit {
+    struct iso_verdict verdict;
+    const char *person; /* "" when unknown */
+    double threshold;
+    int64_t latency_ns; /* from the arrival of the first usable frame to the verdict */
+};
+
+/* What the appliance tells; all REQUIRED. Texts are valid during the call. */
+struct iso_appliance_events {
+    /* `result` is one of the words ISO_CONTRACT_RESULT_... of core/contract.h, after which a
+     * capture word stands if it is a retry. */
+    void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
+                          unsigned stages, double quality);
+    /* mode: VERIFY or IDENTIFY. person: "" when unknown; score NaN without any. */
+    void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
+                               bool done, const char *person, double score, double threshold);
+    void (*visit)(void *context, const struct iso_visit *visit);
+    /* Words of door.h. */
+    void (*door_changed)(void *context, const char *state, const char *cause);
+    /* The claim has run out. */
+    void (*claim_lost)(void *context);
+    /* A line for the system's log; priority as in syslog.h. */
+    void (*message)(void *context, int priority, const char *text);
+    void *context;
+};
+
+/* What it is made of. Everything is borrowed and must outlive the appliance; nobody else uses
+ * pipeline, gallery, audit and door lines meanwhile, but for looking. */
+struct iso_appliance_parts {
+    const struct iso_config *config;
+    struct iso_times times;
+    struct iso_sensor_source sensor;
+    struct iso_pipeline pipeline;
+    struct iso_door_io *door_io;
+    struct iso_gallery *gallery;
+    struct iso_audit *audit;
+    struct iso_appliance_events events;
+};
+
+struct iso_appliance;
+
+/* -ENOMEM. */
+int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_appliance **out)
+    __attribute__((warn_unused_result));
+void iso_appliance_free(struct iso_appliance *appliance);
+
+/* Opens the sensor and puts the door to work. A sensor that is not there is no failure: it is tried
+ * again, and the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a sensor
+ * that there cannot be. */
+int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Does what is due now. *wake_ns: when to step again at the latest; earlier if a descriptor below
+ * is readable, or after any other call. -ENODEV the door's lines are gone. */
+int iso_appliance_step(struct iso_appliance *appliance, int64_t *wake_ns, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Puts the door to where it rests without power, and closes the sensor. */
+void iso_appliance_stop(struct iso_appliance *appliance);
+
+/* Descriptors that poll readable when a step has something to do; negative if there is none now.
+ * The sensor's may change with every step. */
+int iso_appliance_sensor_fd(const struct iso_appliance *appliance);
+int iso_appliance_door_fd(const struct iso_appliance *appliance);
+
+/* Counts signs of life of the sensor (frames, an idle sensor's answer, a try to open a lost one):
+ * the watchdog is fed only when it has risen. */
+uint64_t iso_appliance_progress(const struct iso_appliance *appliance);
+
+/* ---- what a client can ask for ---------------------------------------------------------------- */
+
+/* -EBUSY it is claimed. */
+int iso_appliance_claim(struct iso_appliance *appliance) __attribute__((warn_unused_result));
+void iso_appliance_release(struct iso_appliance *appliance);
+
+struct iso_enroll_request {
+    const char *person;
+    int64_t valid_from_s, valid_until_s; /* since 1970; 0: no limit */
+    bool allow_duplicate;
+};
+
+/* Common to the three: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no sensor; each with a
+ * fault. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify: -ENOENT no such person. */
+int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
+int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
+int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Ends an action of this kind without a status, or acknowledges one that has ended by itself.
+ * -ENODATA there is none. */
+int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_appliance_mode mode)
+    __attribute__((warn_unused_result));
+
+/* Deletes a person, on record. -ENOENT, or an error of gallery or log. */
+int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
+
+struct iso_appliance_status {
+    enum iso_appliance_mode mode;
+    enum iso_door_state door;
+    const char *sensor_state; /* "started", "lost" */
+    const char *sensor_model; /* "" while unknown */
+    const char *sensor_fault; /* the last one; "" */
+    const char *last_outcome; /* of a visit: "allow anna", "deny", ""  */
+    uint64_t frames;
+    uint32_t model, algorithm;
+    int64_t uptime_ns;
+};
+
+struct iso_appliance_status iso_appliance_status(const struct iso_appliance *appliance);
+
+#endif

@@ -1,0 +1,380 @@
+/* What a client does with a camera that it has claimed. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <syslog.h>
+
+#include "core/contract.h"
+#include "firmware/appliance_state.h"
+
+/* The same hint is given again after this time. */
+enum { HINT_NS = ISO_NS_PER_S };
+
+static int64_t now_ns(const struct iso_appliance *appliance)
+{
+    return iso_times_now_ns(&appliance->parts.times);
+}
+
+static bool is_action(enum iso_appliance_mode mode)
+{
+    return mode >= ISO_APPLIANCE_ENROLL;
+}
+
+/* ---- claim ------------------------------------------------------------------------------------
+ */
+
+/* CLAIMED, with the whole time of a claim again. */
+static void rest(struct iso_appliance *appliance)
+{
+    iso_decision_reset(&appliance->decision);
+    iso_enrolment_wipe(&appliance->enrolment);
+    appliance->mode = ISO_APPLIANCE_CLAIMED;
+    appliance->deadline_ns =
+        now_ns(appliance) + appliance->parts.config->bus.claim_ms * ISO_NS_PER_MS;
+}
+
+int iso_appliance_claim(struct iso_appliance *appliance)
+{
+    if (appliance->mode != ISO_APPLIANCE_WATCH) {
+        return -EBUSY;
+    }
+    rest(appliance);
+    appliance->ended = ISO_APPLIANCE_CLAIMED;
+    return 0;
+}
+
+void iso_appliance_release(struct iso_appliance *appliance)
+{
+    if (appliance->mode != ISO_APPLIANCE_WATCH) {
+        rest(appliance);
+        appliance->mode = ISO_APPLIANCE_WATCH;
+    }
+}
+
+/* ---- beginning --------------------------------------------------------------------------------
+ */
+
+static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    if (appliance->mode == ISO_APPLIANCE_WATCH) {
+        return iso_fault_set(fault, -EACCES, "claim the camera first");
+    }
+    if (is_action(appliance->mode)) {
+        return iso_fault_set(fault, -EBUSY, "%s goes on, stop it first",
+                             iso_appliance_mode_name(appliance->mode));
+    }
+    if (!appliance->keeper.sensor) {
+        return iso_fault_set(fault, -ENODEV, "%s", appliance->keeper.fault);
+    }
+    return 0;
+}
+
+static void begin(struct iso_appliance *appliance, enum iso_appliance_mode mode, int duration_ms)
+{
+    iso_decision_reset(&appliance->decision);
+    appliance->mode = mode;
+    appliance->ended = ISO_APPLIANCE_CLAIMED;
+    appliance->hint = ISO_CAPTURE_OK;
+    appliance->deadline_ns = now_ns(appliance) + duration_ms * ISO_NS_PER_MS;
+}
+
+static int check_request(const struct iso_appliance *appliance,
+                         const struct iso_enroll_request *request, struct iso_fault *fault)
+{
+    const char *flaw = iso_person_name_flaw(request->person);
+    if (flaw) {
+        return iso_fault_set(fault, -EINVAL, "%s", flaw);
+    }
+    if (request->valid_from_s < 0 || request->valid_until_s < 0 ||
+        (request->valid_until_s != 0 && request->valid_until_s <= request->valid_from_s)) {
+        return iso_fault_set(fault, -EINVAL, "the time of validity is empty");
+    }
+    return iso_gallery_room(appliance->parts.gallery, request->person, fault);
+}
+
+int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
+                         struct iso_fault *fault)
+{
+    const struct iso_config_enroll *config = &appliance->parts.config->enroll;
+    const struct iso_enrolment_options options = {
+        .stages = config->stages,
+        .agree_score = config->agree_score,
+        .duplicate_score = config->duplicate_score,
+        .timeout_ns = config->timeout_ms * ISO_NS_PER_MS,
+        .allow_duplicate = request->allow_duplicate,
+    };
+    int error = may_begin(appliance, fault);
+    if (!error) {
+        error = check_request(appliance, request, fault);
+    }
+    if (error) {
+        return error;
+    }
+    const struct iso_person *known =
+        iso_gallery_find(appliance->parts.gallery, request->person);
+    appliance->person = (struct iso_person){
+        .id = known ? known->id : 0,
+        .valid_from_s = request->valid_from_s,
+        .valid_until_s = request->valid_until_s,
+    };
+    (void)snprintf(appliance->person.name, sizeof appliance->person.name, "%s", request->person);
+    iso_enrolment_begin(&appliance->enrolment, &options, now_ns(appliance));
+    begin(appliance, ISO_APPLIANCE_ENROLL, config->timeout_ms);
+    return 0;
+}
+
+int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
+                         struct iso_fault *fault)
+{
+    const int error = may_begin(appliance, fault);
+    if (error) {
+        return error;
+    }
+    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
+    if (!known) {
+        return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
+    }
+    appliance->person = *known;
+    begin(appliance, ISO_APPLIANCE_VERIFY, appliance->parts.config->bus.action_ms);
+    return 0;
+}
+
+int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const int error = may_begin(appliance, fault);
+    if (!error) {
+        begin(appliance, ISO_APPLIANCE_IDENTIFY, appliance->parts.config->bus.action_ms);
+    }
+    return error;
+}
+
+int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_appliance_mode mode)
+{
+    if (!is_action(mode) || (appliance->mode != mode && appliance->ended != mode)) {
+        return -ENODATA;
+    }
+    if (appliance->mode == mode) {
+        rest(appliance);
+    }
+    appliance->ended = ISO_APPLIANCE_CLAIMED;
+    return 0;
+}
+
+/* ---- reporting --------------------------------------------------------------------------------
+ */
+
+static void tell_enrolment(const struct iso_appliance *appliance, const char *result, bool done,
+                           double quality)
+{
+    const struct iso_appliance_events *events = &appliance->parts.events;
+    events->enroll_status(events->context, result, done, (unsigned)appliance->enrolment.stage,
+                          (unsigned)appliance->enrolment.options.stages, quality);
+}
+
+static void tell_recognition(const struct iso_appliance *appliance, const char *result, bool done,
+                             const char *person, double score)
+{
+    const struct iso_appliance_events *events = &appliance->parts.events;
+    events->recognition_status(events->context, appliance->mode, result, done, person, score,
+                               appliance->parts.config->decision.threshold);
+}
+
+/* The action has ended by itself; `tell` comes before, as it needs the mode. */
+static void end(struct iso_appliance *appliance)
+{
+    const enum iso_appliance_mode mode = appliance->mode;
+    rest(appliance);
+    appliance->ended = mode;
+}
+
+void iso__appliance_hint(struct iso_appliance *appliance, enum iso_capture capture)
+{
+    char word[48];
+    const int64_t now = now_ns(appliance);
+    if (!is_action(appliance->mode) ||
+        (capture == appliance->hint && now - appliance->hint_ns < HINT_NS)) {
+        return;
+    }
+    appliance->hint = capture;
+    appliance->hint_ns = now;
+    (void)snprintf(word, sizeof word, ISO_CONTRACT_RESULT_RETRY "%s", iso_capture_name(capture));
+    if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+        tell_enrolment(appliance, word, false, 0);
+    } else {
+        tell_recognition(appliance, word, false, "", NAN);
+    }
+}
+
+/* ---- enrolling --------------------------------------------------------------------------------
+ */
+
+static int record_enrolment(struct iso_appliance *appliance, const char *reason, const char *note)
+{
+    struct iso_audit_record record = iso_audit_record_of("enroll");
+    record.person = appliance->person.name;
+    record.reason = reason;
+    record.frames = appliance->enrolment.stage;
+    record.note = note;
+    return iso__appliance_record(appliance, &record);
+}
+
+/* Puts the template into the gallery. What cannot be logged is not done. */
+static int keep(struct iso_appliance *appliance)
+{
+    struct iso_fault fault = {""};
+    appliance->person.enrolled_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    int error = record_enrolment(appliance, ISO_CONTRACT_RESULT_COMPLETED, NULL);
+    if (error) {
+        return error;
+    }
+    error = iso_gallery_add(appliance->parts.gallery, &appliance->person,
+                            &appliance->enrolment.fused, &fault);
+    if (error) {
+        iso__appliance_say(appliance, LOG_ERR, "%s is not enrolled: %s", appliance->person.name,
+                           fault.text);
+        (void)record_enrolment(appliance, "not-stored", fault.text);
+    }
+    return error;
+}
+
+static const char *duplicate_name(const struct iso_appliance *appliance)
+{
+    const struct iso_person *person =
+        iso_gallery_find_id(appliance->parts.gallery, appliance->enrolment.duplicate_of);
+    return person ? person->name : NULL;
+}
+
+/* Reports a final state of the enrolment. */
+static void finish_enrolment(struct iso_appliance *appliance)
+{
+    const double quality = (double)appliance->enrolment.fused.quality;
+    switch (appliance->enrolment.state) {
+    case ISO_ENROLMENT_COMPLETED:
+        if (keep(appliance) == 0) {
+            tell_enrolment(appliance, ISO_CONTRACT_RESULT_COMPLETED, true, quality);
+        } else {
+            tell_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, true, 0);
+        }
+        break;
+    case ISO_ENROLMENT_DUPLICATE:
+        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_DUPLICATE, duplicate_name(appliance));
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_DUPLICATE, true, quality);
+        break;
+    case ISO_ENROLMENT_TIMED_OUT:
+        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_TIMED_OUT, NULL);
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_TIMED_OUT, true, 0);
+        break;
+    case ISO_ENROLMENT_DISCONNECTED:
+        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_DISCONNECTED, NULL);
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_DISCONNECTED, true, 0);
+        break;
+    case ISO_ENROLMENT_FAILED:
+        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, NULL);
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, true, 0);
+        break;
+    case ISO_ENROLMENT_ACTIVE:
+        return;
+    }
+    end(appliance);
+}
+
+enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance)
+{
+    const struct iso_template *tmpl = &appliance->extraction.tmpl;
+    struct iso_enrolment_gallery gallery = {.person = appliance->person.id};
+    bool passed = false;
+    gallery.entries = iso_gallery_entries(appliance->parts.gallery, &gallery.n_entries);
+    gallery.own = iso_gallery_entries_of(appliance->parts.gallery, gallery.person, &gallery.n_own);
+    const int error = iso_enrolment_frame(&appliance->enrolment, tmpl, &appliance->parts.pipeline,
+                                          &gallery, &passed);
+    if (error) {
+        iso__appliance_complain(appliance, strerror(-error));
+    }
+    if (passed) {
+        appliance->hint = ISO_CAPTURE_OK;
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_PASSED, false, (double)tmpl->quality);
+    }
+    finish_enrolment(appliance);
+    return passed ? ISO_CAPTURE_OK : ISO_CAPTURE_MOVING;
+}
+
+/* ---- verifying and identifying ----------------------------------------------------------------
+ */
+
+void iso__appliance_finish_recognition(struct iso_appliance *appliance,
+                                       const struct iso_verdict *verdict)
+{
+    const bool match = verdict->reason == ISO_REASON_MATCH;
+    const char *result = match ? ISO_CONTRACT_RESULT_MATCH : ISO_CONTRACT_RESULT_NO_MATCH;
+    const struct iso_person *found =
+        iso_gallery_find_id(appliance->parts.gallery, verdict->person);
+    const char *person = appliance->mode == ISO_APPLIANCE_VERIFY ? appliance->person.name
+                         : found                                 ? found->name
+                                                                 : "";
+    struct iso_audit_record record =
+        iso_audit_record_of(iso_appliance_mode_name(appliance->mode));
+    record.person = *person ? person : NULL;
+    record.reason = result;
+    record.score = verdict->score;
+    record.threshold = appliance->parts.config->decision.threshold;
+    record.frames = verdict->frames;
+    (void)iso__appliance_record(appliance, &record);
+    tell_recognition(appliance, result, true, person, verdict->score);
+    end(appliance);
+}
+
+/* ---- ends from outside ------------------------------------------------------------------------
+ */
+
+void iso__appliance_action_disconnect(struct iso_appliance *appliance)
+{
+    if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+        iso_enrolment_disconnect(&appliance->enrolment);
+        finish_enrolment(appliance);
+    } else if (is_action(appliance->mode)) {
+        tell_recognition(appliance, ISO_CONTRACT_RESULT_DISCONNECTED, true, "", NAN);
+        end(appliance);
+    }
+}
+
+void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now)
+{
+    if (appliance->mode == ISO_APPLIANCE_WATCH || now < appliance->deadline_ns) {
+        return;
+    }
+    if (appliance->mode == ISO_APPLIANCE_CLAIMED) {
+        iso__appliance_say(appliance, LOG_NOTICE, "a client held the camera and did nothing");
+        iso_appliance_release(appliance);
+        appliance->parts.events.claim_lost(appliance->parts.events.context);
+    } else if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+        iso_enrolment_time(&appliance->enrolment, now);
+        finish_enrolment(appliance);
+    } else {
+        tell_recognition(appliance, ISO_CONTRACT_RESULT_TIMED_OUT, true, "", NAN);
+        end(appliance);
+    }
+}
+
+/* ---- deleting ---------------------------------------------------------------------------------
+ */
+
+int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
+                         struct iso_fault *fault)
+{
+    struct iso_audit_record record = iso_audit_record_of("delete");
+    if (!iso_gallery_find(appliance->parts.gallery, person)) {
+        return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
+    }
+    record.person = person;
+    int error = iso_audit_append(appliance->parts.audit, &record, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_gallery_remove(appliance->parts.gallery, person, fault);
+    if (error) {
+        record.reason = "not-deleted";
+        (void)iso__appliance_record(appliance, &record);
+    }
+    return error;
+}

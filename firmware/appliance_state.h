@@ -1,0 +1,84 @@
+/* What an appliance holds, and what its parts are called. Internal to firmware/appliance*.c. */
+#ifndef ISO_FIRMWARE_APPLIANCE_STATE_H
+#define ISO_FIRMWARE_APPLIANCE_STATE_H
+
+#include "firmware/appliance.h"
+#include "firmware/door_control.h"
+#include "firmware/enrolment.h"
+
+struct iso_appliance {
+    struct iso_appliance_parts parts;
+    struct iso_sensor_keeper keeper;
+    struct iso_door_control door;
+    int64_t start_ns;
+    enum iso_appliance_mode mode;
+
+    struct iso_extraction extraction; /* of the frame worked on; the template is wiped after it */
+    bool complaining; /* the last frame failed: the next failure is not told again */
+
+    /* WATCH, VERIFY, IDENTIFY */
+    struct iso_decision decision;
+    int64_t arrival_ns; /* of the first usable frame */
+    char last_outcome[16 + ISO_PERSON_NAME_SIZE];
+
+    /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
+    int64_t deadline_ns;           /* of the claim, or of the action */
+    enum iso_appliance_mode ended; /* an action that ended by itself; CLAIMED: none */
+    struct iso_person person;      /* ENROLL: who it will be; VERIFY: who it should be */
+    struct iso_enrolment enrolment;
+    enum iso_capture hint; /* given last; OK: none */
+    int64_t hint_ns;       /* when */
+};
+
+/* A line for the system's log. */
+__attribute__((format(printf, 3, 4))) void
+iso__appliance_say(struct iso_appliance *appliance, int priority, const char *format, ...);
+
+/* The same as a warning, but only the first of a row of frames that fail. */
+void iso__appliance_complain(struct iso_appliance *appliance, const char *text);
+
+/* Writes a record; a failure is told to the system's log, and returned. */
+int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record);
+
+/* ---- frames (appliance_frame.c) ---------------------------------------------------------------
+ */
+
+/* A frame has come, or until t_ns none. */
+void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
+                          int64_t arrival_ns);
+void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns);
+
+/* When one of deadlines, decisions and visits is due. */
+int64_t iso__appliance_due_ns(const struct iso_appliance *appliance);
+
+/* ---- visits (appliance_visit.c) ---------------------------------------------------------------
+ */
+
+struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);
+
+/* WATCH: the verdict of a visit. Logs it, tells the door, reports it. */
+void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict);
+
+/* Whether a person may come in at this time; one who is not in the gallery may not. */
+bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person);
+
+/* ---- actions of a client (appliance_action.c) -------------------------------------------------
+ */
+
+/* ENROLL: takes the template just extracted. OK, or the hint that should be given. */
+enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance);
+
+/* VERIFY, IDENTIFY: the verdict. */
+void iso__appliance_finish_recognition(struct iso_appliance *appliance,
+                                       const struct iso_verdict *verdict);
+
+/* ENROLL, VERIFY, IDENTIFY: what hinders. */
+void iso__appliance_hint(struct iso_appliance *appliance, enum iso_capture capture);
+
+/* Ends what has run out. */
+void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now_ns);
+
+/* The sensor is gone. */
+void iso__appliance_action_disconnect(struct iso_appliance *appliance);
+
+#endif

@@ -1,0 +1,85 @@
+/* WATCH: what becomes of a visit. */
+#include <stdio.h>
+#include <syslog.h>
+
+#include "firmware/appliance_state.h"
+
+struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config)
+{
+    const struct iso_config_decision *decision = &config->decision;
+    return (struct iso_decision_options){
+        .threshold = decision->threshold,
+        .margin = decision->margin,
+        .agree = decision->agree,
+        .max_frames = decision->max_frames,
+        .gap_ns = decision->gap_ms * ISO_NS_PER_MS,
+        .refractory_ns = decision->refractory_ms * ISO_NS_PER_MS,
+    };
+}
+
+bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person_id)
+{
+    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, person_id);
+    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    if (!person) {
+        return false;
+    }
+    if (person->valid_from_s == 0 && person->valid_until_s == 0) {
+        return true;
+    }
+    return iso_wall_is_set(now_s) && now_s >= person->valid_from_s &&
+           (person->valid_until_s == 0 || now_s <= person->valid_until_s);
+}
+
+static const char *verdict_word(const struct iso_verdict *verdict)
+{
+    return verdict->allow ? "allow" : "deny";
+}
+
+/* Puts the verdict on record; one that cannot be is DENY. */
+static void record_verdict(struct iso_appliance *appliance, const char *person,
+                           struct iso_verdict *verdict)
+{
+    struct iso_audit_record record = iso_audit_record_of("visit");
+    record.person = *person ? person : NULL;
+    record.verdict = verdict_word(verdict);
+    record.reason = iso_reason_name(verdict->reason);
+    record.score = verdict->score;
+    record.threshold = appliance->parts.config->decision.threshold;
+    record.frames = verdict->frames;
+    if (iso__appliance_record(appliance, &record)) {
+        verdict->allow = false;
+        verdict->reason = ISO_REASON_UNLOGGED;
+    }
+}
+
+static void tell_door(struct iso_appliance *appliance, bool allow, int64_t now_ns)
+{
+    if (allow) {
+        iso_door_control_grant(&appliance->door, now_ns);
+    } else {
+        iso_door_control_refuse(&appliance->door, now_ns);
+    }
+}
+
+void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict)
+{
+    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, verdict.person);
+    const char *name = person ? person->name : "";
+    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    record_verdict(appliance, name, &verdict);
+    tell_door(appliance, verdict.allow, now_ns);
+
+    const struct iso_visit visit = {
+        .verdict = verdict,
+        .person = name,
+        .threshold = appliance->parts.config->decision.threshold,
+        .latency_ns = now_ns - appliance->arrival_ns,
+    };
+    (void)snprintf(appliance->last_outcome, sizeof appliance->last_outcome, "%s%s%s",
+                   verdict_word(&verdict), *name ? " " : "", name);
+    iso__appliance_say(appliance, LOG_INFO, "visit: %s (%s, %d frames, %lld ms)",
+                       verdict_word(&verdict), iso_reason_name(verdict.reason), verdict.frames,
+                       (long long)(visit.latency_ns / ISO_NS_PER_MS));
+    appliance->parts.events.visit(appliance->parts.events.context, &visit);
+}

@@ -1,0 +1,38 @@
+/* The D-Bus service of core/contract.h: puts calls to the appliance and its events on the bus.
+ *
+ * One client at a time has the claim, known by its unique name; when that leaves the bus the claim
+ * is released. Status signals go to the claimant only. Used by one thread, that of the event loop.
+ * Who may call at all is the bus's policy (board/generic/org.isotherm.Isotherm.conf). */
+#ifndef ISO_FIRMWARE_BUS_H
+#define ISO_FIRMWARE_BUS_H
+
+#include <stdbool.h>
+#include <systemd/sd-event.h>
+
+#include "core/fault.h"
+#include "firmware/appliance.h"
+
+struct iso_bus;
+
+/* Connects: address is "system", "session" or a D-Bus address. Negative errno with a fault. */
+int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Sends what is still to be sent, and leaves. NULL is fine. */
+void iso_bus_close(struct iso_bus *bus);
+
+/* Handlers that put the appliance's events on this bus, but for `message`, which is the caller's. */
+struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
+                                           void (*message)(void *context, int priority,
+                                                           const char *text));
+
+/* Offers the appliance, which is made of these parts, under the name of the contract, from within an
+ * event loop. Both must outlive the bus. -EEXIST: the name is taken. */
+int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
+                  const struct iso_appliance_parts *parts, sd_event *event, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The connection is lost, for good. */
+bool iso_bus_is_gone(const struct iso_bus *bus);
+
+#endif

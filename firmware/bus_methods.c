@@ -1,0 +1,328 @@
+/* The methods of the contract. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/contract.h"
+#include "firmware/bus_state.h"
+
+enum { LOG_RECORDS_MAX = 1000 };
+
+/* ---- errors -----------------------------------------------------------------------------------
+ */
+
+/* The error of the contract for an errno of the appliance. */
+static int refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
+{
+    static const struct {
+        int error;
+        const char *name;
+    } names[] = {
+        {-EACCES, ISO_CONTRACT_ERROR_CLAIM_DEVICE},  {-EBUSY, ISO_CONTRACT_ERROR_ACTION},
+        {-ENODEV, ISO_CONTRACT_ERROR_DEVICE_FAULT},  {-ENOENT, ISO_CONTRACT_ERROR_NO_SUCH_PERSON},
+        {-EDQUOT, ISO_CONTRACT_ERROR_GALLERY_FULL},  {-ENODATA, ISO_CONTRACT_ERROR_NO_ACTION},
+        {-EINVAL, ISO_CONTRACT_ERROR_INVALID_ARGUMENT},
+    };
+    const char *text = fault->text[0] ? fault->text : strerror(-error);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (names[i].error == error) {
+            return sd_bus_error_set(out, names[i].name, text);
+        }
+    }
+    return sd_bus_error_set(out, ISO_CONTRACT_ERROR_INTERNAL, text);
+}
+
+static int invalid_name(sd_bus_error *out, const char *flaw)
+{
+    return sd_bus_error_set(out, ISO_CONTRACT_ERROR_INVALID_NAME, flaw);
+}
+
+/* ---- claim ------------------------------------------------------------------------------------
+ */
+
+void iso__bus_forget_claimant(struct iso_bus *bus)
+{
+    bus->track = sd_bus_track_unref(bus->track);
+    bus->claimant[0] = '\0';
+}
+
+static int on_claimant_gone(sd_bus_track *track, void *context)
+{
+    struct iso_bus *bus = context;
+    (void)track;
+    iso_appliance_release(bus->appliance);
+    iso__bus_forget_claimant(bus);
+    return 0;
+}
+
+/* Whether the sender has the claim; if not, the error says so. */
+static int require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out)
+{
+    if (!bus->claimant[0]) {
+        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_CLAIM_DEVICE, "claim the camera first");
+    }
+    if (strcmp(bus->claimant, sd_bus_message_get_sender(call)) != 0) {
+        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_ALREADY_IN_USE,
+                                "another client has the camera");
+    }
+    return 0;
+}
+
+static int on_claim(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    const char *sender = sd_bus_message_get_sender(call);
+    if (bus->claimant[0]) {
+        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_ALREADY_IN_USE,
+                                strcmp(bus->claimant, sender) == 0
+                                    ? "this client has the camera already"
+                                    : "another client has the camera");
+    }
+    int r = sd_bus_track_new(bus->bus, &bus->track, on_claimant_gone, bus);
+    r = r < 0 ? r : sd_bus_track_add_sender(bus->track, call);
+    r = r < 0 ? r : iso_appliance_claim(bus->appliance);
+    if (r < 0) {
+        bus->track = sd_bus_track_unref(bus->track);
+        return r;
+    }
+    (void)snprintf(bus->claimant, sizeof bus->claimant, "%s", sender);
+    return sd_bus_reply_method_return(call, NULL);
+}
+
+static int on_release(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    const int r = require_claim(bus, call, out);
+    if (r < 0) {
+        return r;
+    }
+    iso_appliance_release(bus->appliance);
+    iso__bus_forget_claimant(bus);
+    return sd_bus_reply_method_return(call, NULL);
+}
+
+/* ---- actions ----------------------------------------------------------------------------------
+ */
+
+/* Reads one {sv} that has been entered. */
+static int read_option(sd_bus_message *call, struct iso_enroll_request *request, sd_bus_error *out)
+{
+    const char *name;
+    int flag = 0;
+    int r = sd_bus_message_read_basic(call, 's', &name);
+    if (r < 0) {
+        return r;
+    }
+    if (strcmp(name, ISO_CONTRACT_ALLOW_DUPLICATE) == 0) {
+        r = sd_bus_message_read(call, "v", "b", &flag);
+        request->allow_duplicate = flag != 0;
+    } else if (strcmp(name, ISO_CONTRACT_VALID_FROM) == 0) {
+        r = sd_bus_message_read(call, "v", "x", &request->valid_from_s);
+    } else if (strcmp(name, ISO_CONTRACT_VALID_UNTIL) == 0) {
+        r = sd_bus_message_read(call, "v", "x", &request->valid_until_s);
+    } else {
+        return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT, "unknown option '%s'",
+                                 name);
+    }
+    if (r == -ENXIO) {
+        return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT,
+                                 "option '%s' is of another type", name);
+    }
+    return r;
+}
+
+static int read_options(sd_bus_message *call, struct iso_enroll_request *request, sd_bus_error *out)
+{
+    int r = sd_bus_message_enter_container(call, 'a', "{sv}");
+    while (r >= 0 && (r = sd_bus_message_enter_container(call, 'e', "sv")) > 0) {
+        r = read_option(call, request, out);
+        r = r < 0 ? r : sd_bus_message_exit_container(call);
+    }
+    return r;
+}
+
+static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    struct iso_enroll_request request = {0};
+    struct iso_fault fault = {""};
+    int r = require_claim(bus, call, out);
+    r = r < 0 ? r : sd_bus_message_read(call, "s", &request.person);
+    r = r < 0 ? r : read_options(call, &request, out);
+    if (r < 0) {
+        return r;
+    }
+    const char *flaw = iso_person_name_flaw(request.person);
+    if (flaw) {
+        return invalid_name(out, flaw);
+    }
+    r = iso_appliance_enroll(bus->appliance, &request, &fault);
+    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
+static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    struct iso_fault fault = {""};
+    const char *person;
+    int r = require_claim(bus, call, out);
+    r = r < 0 ? r : sd_bus_message_read(call, "s", &person);
+    if (r < 0) {
+        return r;
+    }
+    r = iso_appliance_verify(bus->appliance, person, &fault);
+    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
+static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    struct iso_fault fault = {""};
+    int r = require_claim(bus, call, out);
+    if (r < 0) {
+        return r;
+    }
+    r = iso_appliance_identify(bus->appliance, &fault);
+    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
+static int stop_action(struct iso_bus *bus, sd_bus_message *call, enum iso_appliance_mode mode,
+                       sd_bus_error *out)
+{
+    const int r = require_claim(bus, call, out);
+    if (r < 0) {
+        return r;
+    }
+    if (iso_appliance_stop_action(bus->appliance, mode) < 0) {
+        return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_NO_ACTION, "there is no %s to stop",
+                                 iso_appliance_mode_name(mode));
+    }
+    return sd_bus_reply_method_return(call, NULL);
+}
+
+static int on_enroll_stop(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    return stop_action(context, call, ISO_APPLIANCE_ENROLL, out);
+}
+
+static int on_verify_stop(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    return stop_action(context, call, ISO_APPLIANCE_VERIFY, out);
+}
+
+static int on_identify_stop(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    return stop_action(context, call, ISO_APPLIANCE_IDENTIFY, out);
+}
+
+/* ---- gallery, status, log ---------------------------------------------------------------------
+ */
+
+static int append_people(sd_bus_message *reply, const struct iso_gallery *gallery)
+{
+    size_t n = 0;
+    const struct iso_person *people = iso_gallery_people(gallery, &n);
+    int r = sd_bus_message_open_container(reply, 'a', "(sxxxu)");
+    for (size_t i = 0; r >= 0 && i < n; i++) {
+        r = sd_bus_message_append(reply, "(sxxxu)", people[i].name, people[i].enrolled_s,
+                                  people[i].valid_from_s, people[i].valid_until_s,
+                                  people[i].templates);
+    }
+    return r < 0 ? r : sd_bus_message_close_container(reply);
+}
+
+/* Sends a reply that was filled in with result r, and gives it up. */
+static int send_reply(sd_bus_message *reply, int r)
+{
+    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
+    sd_bus_message_unref(reply);
+    return r;
+}
+
+static int on_list_people(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    sd_bus_message *reply = NULL;
+    const int r = sd_bus_message_new_method_return(call, &reply);
+    (void)out;
+    return send_reply(reply, r < 0 ? r : append_people(reply, bus->parts->gallery));
+}
+
+static int on_delete_person(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    struct iso_fault fault = {""};
+    const char *person;
+    int r = sd_bus_message_read(call, "s", &person);
+    if (r < 0) {
+        return r;
+    }
+    r = iso_appliance_remove(bus->appliance, person, &fault);
+    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
+static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    sd_bus_message *reply = NULL;
+    const int r = sd_bus_message_new_method_return(call, &reply);
+    (void)out;
+    return send_reply(reply, r < 0 ? r : iso__bus_append_status(reply, bus));
+}
+
+static int append_line(void *context, const char *line)
+{
+    const int r = sd_bus_message_append_basic(context, 's', line);
+    return r < 0 ? r : 0;
+}
+
+static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    sd_bus_message *reply = NULL;
+    uint64_t from;
+    uint32_t max;
+    int r = sd_bus_message_read(call, "tu", &from, &max);
+    (void)out;
+    if (r < 0) {
+        return r;
+    }
+    max = max < LOG_RECORDS_MAX ? max : LOG_RECORDS_MAX;
+    r = sd_bus_message_new_method_return(call, &reply);
+    r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
+    r = r < 0 ? r : iso_audit_read(bus->parts->audit, from, max, append_line, reply);
+    r = r < 0 ? r : sd_bus_message_close_container(reply);
+    return send_reply(reply, r);
+}
+
+/* ---- the table --------------------------------------------------------------------------------
+ */
+
+/* Names of arguments, each with a NUL behind it; the list ends with an empty one. */
+#define NOTHING ""
+#define METHOD(name, in, in_names, out, out_names, handler)                                        \
+    SD_BUS_METHOD_WITH_NAMES(name, in, in_names, out, out_names, handler, SD_BUS_VTABLE_UNPRIVILEGED)
+#define SIGNAL(name, signature, names) SD_BUS_SIGNAL_WITH_NAMES(name, signature, names, 0)
+
+const sd_bus_vtable iso__bus_vtable[] = {
+    SD_BUS_VTABLE_START(0),
+    METHOD(ISO_CONTRACT_CLAIM, "", NOTHING, "", NOTHING, on_claim),
+    METHOD(ISO_CONTRACT_RELEASE, "", NOTHING, "", NOTHING, on_release),
+    METHOD(ISO_CONTRACT_ENROLL_START, "sa{sv}", "person\0options\0", "", NOTHING, on_enroll_start),
+    METHOD(ISO_CONTRACT_ENROLL_STOP, "", NOTHING, "", NOTHING, on_enroll_stop),
+    METHOD(ISO_CONTRACT_VERIFY_START, "s", "person\0", "", NOTHING, on_verify_start),
+    METHOD(ISO_CONTRACT_VERIFY_STOP, "", NOTHING, "", NOTHING, on_verify_stop),
+    METHOD(ISO_CONTRACT_IDENTIFY_START, "", NOTHING, "", NOTHING, on_identify_start),
+    METHOD(ISO_CONTRACT_IDENTIFY_STOP, "", NOTHING, "", NOTHING, on_identify_stop),
+    METHOD(ISO_CONTRACT_LIST_PEOPLE, "", NOTHING, "a(sxxxu)", "people\0", on_list_people),
+    METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, on_delete_person),
+    METHOD(ISO_CONTRACT_GET_STATUS, "", NOTHING, "a{sv}", "status\0", on_get_status),
+    METHOD(ISO_CONTRACT_READ_LOG, "tu", "from\0max\0", "as", "records\0", on_read_log),
+    SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuud", "result\0done\0stage\0stages\0quality\0"),
+    SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
+    SIGNAL(ISO_CONTRACT_IDENTIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
+    SIGNAL(ISO_CONTRACT_VISIT, "ssddux",
+           "verdict\0person\0score\0threshold\0frames\0latency_us\0"),
+    SIGNAL(ISO_CONTRACT_DOOR_CHANGED, "ss", "state\0cause\0"),
+    SD_BUS_VTABLE_END,
+};

@@ -1,0 +1,101 @@
+/* GetStatus: the appliance in words and numbers. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "firmware/bus_state.h"
+#include "firmware/utf8.h"
+
+/* D-Bus carries UTF-8 only, and names of files need not be. */
+static void clean_copy(char *to, size_t size, const char *from)
+{
+    size_t at = 0;
+    uint32_t character;
+    while (*from && at + 4 < size) {
+        const int length = iso_utf8_decode(from, &character);
+        if (length == 0) {
+            to[at++] = '?';
+            from++;
+            continue;
+        }
+        memcpy(to + at, from, (size_t)length);
+        at += (size_t)length;
+        from += length;
+    }
+    to[at] = '\0';
+}
+
+static int append_text(sd_bus_message *reply, const char *key, const char *value)
+{
+    char clean[300];
+    clean_copy(clean, sizeof clean, value);
+    return sd_bus_message_append(reply, "{sv}", key, "s", clean);
+}
+
+static int append_checksum(sd_bus_message *reply, const char *key, uint32_t value)
+{
+    char text[16];
+    (void)snprintf(text, sizeof text, "%08" PRIx32, value);
+    return append_text(reply, key, text);
+}
+
+static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus)
+{
+    size_t n = 0;
+    uint32_t templates = 0, usable = 0;
+    const struct iso_person *people = iso_gallery_people(bus->parts->gallery, &n);
+    for (size_t i = 0; i < n; i++) {
+        templates += people[i].templates;
+        usable += people[i].usable;
+    }
+    int r = sd_bus_message_append(reply, "{sv}", "people", "u", (uint32_t)n);
+    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates", "u", templates);
+    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates-usable", "u", usable);
+    return r < 0 ? r
+                 : sd_bus_message_append(reply, "{sv}", "capacity", "u",
+                                         (uint32_t)bus->parts->config->gallery.capacity);
+}
+
+static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
+                        const struct iso_appliance_status *status)
+{
+    const struct {
+        const char *key, *value;
+    } texts[] = {
+        {"version", ISOTHERM_VERSION},
+        {"sensor", bus->parts->config->sensor.backend},
+        {"sensor-model", status->sensor_model},
+        {"sensor-state", status->sensor_state},
+        {"sensor-fault", status->sensor_fault},
+        {"door", bus->parts->config->door.backend},
+        {"door-state", iso_door_state_name(status->door)},
+        {"mode", iso_appliance_mode_name(status->mode)},
+        {"last-outcome", status->last_outcome},
+    };
+    int r = 0;
+    for (size_t i = 0; r >= 0 && i < sizeof texts / sizeof *texts; i++) {
+        r = append_text(reply, texts[i].key, texts[i].value);
+    }
+    return r;
+}
+
+int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
+{
+    const struct iso_appliance_status status = iso_appliance_status(bus->appliance);
+    int r = sd_bus_message_open_container(reply, 'a', "{sv}");
+    r = r < 0 ? r : append_texts(reply, bus, &status);
+    r = r < 0 ? r : append_gallery(reply, bus);
+    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
+    r = r < 0 ? r : append_checksum(reply, "model", status.model);
+    r = r < 0 ? r : append_checksum(reply, "algorithm", status.algorithm);
+    r = r < 0 ? r
+              : sd_bus_message_append(reply, "{sv}", "threshold", "d",
+                                      bus->parts->config->decision.threshold);
+    r = r < 0 ? r
+              : sd_bus_message_append(reply, "{sv}", "uptime-ms", "x",
+                                      status.uptime_ns / ISO_NS_PER_MS);
+    r = r < 0 ? r
+              : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",
+                                      iso_audit_last(bus->parts->audit));
+    return r < 0 ? r : sd_bus_message_close_container(reply);
+}

@@ -1,0 +1,126 @@
+/* The configuration of the appliance: an INI file, read strictly.
+ *
+ * One table (iso_config_keys) says everything about every key: it drives parsing, the help and the
+ * sample file, so that they cannot disagree. An unknown section or key, a bad value, a repeated key
+ * and a line that is not `key = value` are refused with "FILE:LINE: what is wrong". ';' or '#'
+ * begins a line of comment; " ;" begins one behind a value. A line holds at most 190 bytes. */
+#ifndef ISO_FIRMWARE_CONFIG_H
+#define ISO_FIRMWARE_CONFIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "core/fault.h"
+#include "core/match/icp.h"
+#include "drivers/option.h"
+#include "firmware/door.h"
+
+enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 8, ISO_CONFIG_KEYS_MAX = 64 };
+
+struct iso_config_sensor {
+    char backend[ISO_CONFIG_TEXT_SIZE];
+    char path[ISO_CONFIG_TEXT_SIZE], pace[ISO_CONFIG_TEXT_SIZE], loop[ISO_CONFIG_TEXT_SIZE];
+    double distance_min_mm, distance_max_mm;
+    int silence_ms, retry_ms, retry_max_ms;
+};
+
+struct iso_config_door {
+    char backend[ISO_CONFIG_TEXT_SIZE];
+    char inputs[ISO_CONFIG_TEXT_SIZE];
+    enum iso_door_fail fail;
+    int unlock_ms, held_ms, refused_ms, poll_ms;
+};
+
+struct iso_config_gallery {
+    char path[ISO_CONFIG_TEXT_SIZE];
+    int capacity; /* people */
+};
+
+struct iso_config_match {
+    double trim;
+    int icp_iterations;
+    enum iso_icp_transform transform;
+};
+
+struct iso_config_decision {
+    double threshold, margin;
+    int agree, max_frames, gap_ms, refractory_ms;
+};
+
+struct iso_config_enroll {
+    int stages, timeout_ms;
+    double agree_score, duplicate_score;
+};
+
+struct iso_config_log {
+    char path[ISO_CONFIG_TEXT_SIZE];
+    bool sync;
+};
+
+struct iso_config_bus {
+    char address[ISO_CONFIG_TEXT_SIZE]; /* "system", "session" or a D-Bus address */
+    int action_ms, claim_ms;
+};
+
+struct iso_config_model {
+    char head[ISO_CONFIG_TEXT_SIZE], cohort[ISO_CONFIG_TEXT_SIZE];
+};
+
+struct iso_config {
+    struct iso_config_sensor sensor;
+    struct iso_config_door door;
+    struct iso_config_gallery gallery;
+    struct iso_config_match match;
+    struct iso_config_decision decision;
+    struct iso_config_enroll enroll;
+    struct iso_config_log log;
+    struct iso_config_bus bus;
+    struct iso_config_model model;
+};
+
+enum iso_config_type {
+    ISO_CONFIG_TEXT,   /* char[ISO_CONFIG_TEXT_SIZE] */
+    ISO_CONFIG_NUMBER, /* double, min..max */
+    ISO_CONFIG_COUNT,  /* int, min..max */
+    ISO_CONFIG_CHOICE, /* enumeration: the number of the word among `choices` */
+    ISO_CONFIG_SWITCH, /* bool: no or yes */
+};
+
+struct iso_config_key {
+    const char *section, *name;
+    enum iso_config_type type;
+    bool option;        /* handed on to the section's back end, if it is not empty */
+    size_t offset;      /* in struct iso_config */
+    double min, max;    /* numbers and counts */
+    const char *choices; /* "word|word" */
+    const char *standard; /* value without configuration, in the file's own words */
+    const char *help;   /* one line */
+};
+
+extern const struct iso_config_key iso_config_keys[];
+extern const size_t iso_config_n_keys;
+
+/* What holds without a file. */
+struct iso_config iso_config_default(void);
+
+/* Parses the text of a file; `name` names it in faults. -EINVAL for anything that is refused, with
+ * *out untouched; -ENOMEM. */
+int iso_config_parse(const char *name, const char *text, struct iso_config *out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Reads a file. -ENOENT and other errors of opening and reading it, else as iso_config_parse. */
+int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The options for the back end of [sensor], and of [door]: pointers into the configuration. Returns
+ * how many. */
+size_t iso_config_sensor_options(const struct iso_config *config,
+                                 struct iso_option out[ISO_CONFIG_OPTIONS_MAX]);
+size_t iso_config_door_options(const struct iso_config *config,
+                               struct iso_option out[ISO_CONFIG_OPTIONS_MAX]);
+
+/* Writes a configuration file that names, explains and comments out every key. */
+void iso_config_print_sample(FILE *out);
+
+#endif

@@ -1,0 +1,207 @@
+#include "firmware/daemon.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <syslog.h>
+#include <systemd/sd-daemon.h>
+#include <systemd/sd-event.h>
+
+#include "firmware/bus.h"
+#include "firmware/parts.h"
+
+/* Wakes up the event loop when one of these can be read; it does nothing else. */
+struct watched_fd {
+    int fd;
+    sd_event_source *source;
+};
+
+struct daemon {
+    sd_event *event;
+    struct iso_bus *bus;
+    struct iso_parts *parts;
+    struct iso_appliance_parts lent;
+    struct iso_appliance *appliance;
+    struct watched_fd sensor, door;
+    bool quit;
+    uint64_t watchdog_us; /* 0: nobody watches */
+    uint64_t progress;    /* as it was when the watchdog was fed last */
+    int64_t fed_ns;       /* and when that was */
+};
+
+void iso_daemon_say(int priority, const char *text)
+{
+    if (getenv("JOURNAL_STREAM")) {
+        fprintf(stderr, "<%d>%s\n", priority, text);
+    } else {
+        fprintf(stderr, "isothermd: %s\n", text);
+    }
+}
+
+static void on_message(void *context, int priority, const char *text)
+{
+    (void)context;
+    iso_daemon_say(priority, text);
+}
+
+/* ---- set-up -----------------------------------------------------------------------------------
+ */
+
+static int on_signal(sd_event_source *source, const struct signalfd_siginfo *info, void *context)
+{
+    (void)source;
+    (void)info;
+    ((struct daemon *)context)->quit = true;
+    return 0;
+}
+
+static int fail(int error, const char *what, struct iso_fault *fault)
+{
+    return iso_fault_set(fault, error, "%s: %s", what, strerror(-error));
+}
+
+/* SIGXFSZ ignored: a file at its limit is then a full disk (EFBIG) and not the end. */
+static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
+{
+    sigset_t caught;
+    (void)sigemptyset(&caught);
+    (void)sigaddset(&caught, SIGTERM);
+    (void)sigaddset(&caught, SIGINT);
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)signal(SIGXFSZ, SIG_IGN);
+    (void)prctl(PR_SET_DUMPABLE, 0); /* biometric data in no core file */
+    int r = sigprocmask(SIG_BLOCK, &caught, NULL) ? -errno : 0;
+    r = r < 0 ? r : sd_event_new(&daemon->event);
+    r = r < 0 ? r : sd_event_add_signal(daemon->event, NULL, SIGTERM, on_signal, daemon);
+    r = r < 0 ? r : sd_event_add_signal(daemon->event, NULL, SIGINT, on_signal, daemon);
+    return r < 0 ? fail(r, "event loop", fault) : 0;
+}
+
+static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
+{
+    const struct iso_appliance_events events = iso_bus_events(daemon->bus, on_message);
+    daemon->lent = iso_parts_lend(daemon->parts, &events);
+    const int error = iso_appliance_new(&daemon->lent, &daemon->appliance);
+    return error ? fail(error, "appliance", fault) : iso_appliance_start(daemon->appliance, fault);
+}
+
+static int set_up(struct daemon *daemon, const struct iso_config *config, struct iso_fault *fault)
+{
+    const struct iso_times times = iso_times_system();
+    int error = prepare_process(daemon, fault);
+    if (!error) {
+        error = iso_parts_open(config, &times, &daemon->parts, fault);
+    }
+    if (!error) {
+        error = iso_bus_open(config->bus.address, &daemon->bus, fault);
+    }
+    if (!error) {
+        error = start_appliance(daemon, fault);
+    }
+    if (!error) {
+        error = iso_bus_serve(daemon->bus, daemon->appliance, &daemon->lent, daemon->event, fault);
+    }
+    return error;
+}
+
+/* ---- event loop -------------------------------------------------------------------------------
+ */
+
+static int on_readable(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    (void)source;
+    (void)fd;
+    (void)events;
+    (void)context;
+    return 0;
+}
+
+static void watch(struct daemon *daemon, struct watched_fd *watched, int fd)
+{
+    if (fd == watched->fd && watched->source) {
+        return;
+    }
+    watched->source = sd_event_source_disable_unref(watched->source);
+    watched->fd = fd;
+    if (fd >= 0) {
+        (void)sd_event_add_io(daemon->event, &watched->source, fd, EPOLLIN, on_readable, NULL);
+    }
+}
+
+static void tell_service_manager(struct daemon *daemon, int64_t now_ns)
+{
+    const uint64_t progress = iso_appliance_progress(daemon->appliance);
+    const int64_t period_ns = (int64_t)(daemon->watchdog_us / 4) * 1000;
+    if (daemon->watchdog_us && progress != daemon->progress && now_ns - daemon->fed_ns >= period_ns) {
+        (void)sd_notify(0, "WATCHDOG=1");
+        daemon->progress = progress;
+        daemon->fed_ns = now_ns;
+    }
+}
+
+/* Waits until something happens or the appliance has something to do. */
+static int wait_until(struct daemon *daemon, int64_t wake_ns, struct iso_fault *fault)
+{
+    const int64_t now_ns = iso_times_now_ns(&daemon->parts->times);
+    uint64_t timeout_us = UINT64_MAX;
+    if (wake_ns != ISO_NEVER_NS) {
+        timeout_us = wake_ns > now_ns ? (uint64_t)(wake_ns - now_ns + 999) / 1000 : 0;
+    }
+    const int r = sd_event_run(daemon->event, timeout_us);
+    return r < 0 && r != -EINTR ? fail(r, "event loop", fault) : 0;
+}
+
+static int loop(struct daemon *daemon, struct iso_fault *fault)
+{
+    while (!daemon->quit) {
+        int64_t wake_ns = ISO_NEVER_NS;
+        int error = iso_appliance_step(daemon->appliance, &wake_ns, fault);
+        if (error) {
+            return error;
+        }
+        watch(daemon, &daemon->sensor, iso_appliance_sensor_fd(daemon->appliance));
+        watch(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
+        tell_service_manager(daemon, iso_times_now_ns(&daemon->parts->times));
+        error = wait_until(daemon, wake_ns, fault);
+        if (error) {
+            return error;
+        }
+        if (iso_bus_is_gone(daemon->bus)) {
+            return iso_fault_set(fault, -ECONNRESET, "the bus is gone");
+        }
+    }
+    return 0;
+}
+
+static void tear_down(struct daemon *daemon)
+{
+    if (daemon->appliance) {
+        iso_appliance_stop(daemon->appliance);
+    }
+    watch(daemon, &daemon->sensor, -1);
+    watch(daemon, &daemon->door, -1);
+    iso_bus_close(daemon->bus);
+    iso_appliance_free(daemon->appliance);
+    iso_parts_close(daemon->parts);
+    sd_event_unref(daemon->event);
+}
+
+int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
+{
+    struct daemon daemon = {.sensor.fd = -1, .door.fd = -1};
+    int error = set_up(&daemon, config, fault);
+    if (!error) {
+        if (sd_watchdog_enabled(0, &daemon.watchdog_us) <= 0) {
+            daemon.watchdog_us = 0;
+        }
+        iso_daemon_say(LOG_INFO, "ready");
+        (void)sd_notify(0, "READY=1\nSTATUS=Watching the door");
+        error = loop(&daemon, fault);
+        (void)sd_notify(0, "STOPPING=1");
+    }
+    tear_down(&daemon);
+    return error;
+}

@@ -1,0 +1,17 @@
+/* The life of the daemon between its options and its exit code: appliance, bus, event loop, service
+ * manager. */
+#ifndef ISO_FIRMWARE_DAEMON_H
+#define ISO_FIRMWARE_DAEMON_H
+
+#include "core/fault.h"
+#include "firmware/config.h"
+
+/* Runs until SIGTERM or SIGINT: 0. Else a negative errno with a fault: of opening what the
+ * configuration asks for, of the bus (-ECONNRESET it is lost), or -ENODEV the door's lines are gone. */
+int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* A line on stderr, with the priority (as in syslog.h) in front if that is the system's journal. */
+void iso_daemon_say(int priority, const char *text);
+
+#endif

@@ -1,0 +1,93 @@
+/* From the frames of one visit to a verdict: pure, time comes as an argument.
+ *
+ *   IDLE   a usable face                           -> VISIT (or at once SPENT, with agree = 1)
+ *   VISIT  `agree` frames of the same person       -> SPENT, verdict allow, or deny if not valid now
+ *          max_frames usable frames without that   -> SPENT, verdict deny
+ *          no usable face for gap_ns               -> IDLE,  verdict deny
+ *   SPENT  no usable face for gap_ns               -> IDLE
+ *          refractory_ns after the verdict         -> IDLE (who stays, or stands behind, is next)
+ *   every  reset                                   -> IDLE, without a verdict
+ *
+ * A usable face is a frame that gave a template. It counts for the best person of the gallery if
+ * that one's score reaches the threshold and leads the second person's by the margin. */
+#ifndef ISO_FIRMWARE_DECISION_H
+#define ISO_FIRMWARE_DECISION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { ISO_DECISION_FRAMES_MAX = 64 };
+
+enum iso_reason {
+    ISO_REASON_NONE = 0,
+    ISO_REASON_MATCH,     /* the only one that allows */
+    ISO_REASON_UNKNOWN,   /* max_frames without agreement */
+    ISO_REASON_LEFT,      /* gone before there was agreement */
+    ISO_REASON_NOT_VALID, /* known, but not at this time */
+    ISO_REASON_UNLOGGED,  /* the audit log cannot be written */
+    ISO_REASONS
+};
+
+/* "none", "match", "unknown", "left", "not-valid", "unlogged"; NULL outside. */
+const char *iso_reason_name(enum iso_reason reason);
+
+/* All-zero is DENY. */
+struct iso_verdict {
+    bool allow;
+    enum iso_reason reason;
+    int64_t person; /* whose face it is; 0 if nobody's is sure enough */
+    double score;   /* the best one of that person, else of anybody; NaN without any */
+    int frames;     /* usable ones */
+};
+
+struct iso_decision_options {
+    double threshold, margin;
+    int agree, max_frames; /* 1 <= agree <= max_frames <= ISO_DECISION_FRAMES_MAX */
+    int64_t gap_ns, refractory_ns;
+};
+
+/* A usable face. */
+struct iso_decision_frame {
+    int64_t t_ns;          /* of the frame; does not fall */
+    int64_t person;        /* the best one, from 1; 0 if the gallery is empty */
+    double score;          /* of that one; ignored without */
+    double second_score;   /* of the next person; -INFINITY if there is none */
+    bool valid;            /* that person may enter now */
+};
+
+enum iso_decision_state {
+    ISO_DECISION_IDLE = 0,
+    ISO_DECISION_VISIT,
+    ISO_DECISION_SPENT,
+};
+
+struct iso_decision {
+    struct iso_decision_options options;
+    enum iso_decision_state state;
+    int64_t seen_ns;    /* VISIT, SPENT: the last usable face */
+    int64_t verdict_ns; /* SPENT: since when */
+    int n_frames;       /* of this visit */
+    struct {
+        int64_t person; /* whom the frame counts for; 0: nobody */
+        double score;
+    } frames[ISO_DECISION_FRAMES_MAX];
+    double best_score; /* of all frames and anybody; NaN without any */
+};
+
+void iso_decision_init(struct iso_decision *decision, const struct iso_decision_options *options);
+
+/* Nobody is there; a visit that has begun is forgotten. */
+void iso_decision_reset(struct iso_decision *decision);
+
+/* Takes a usable face in; iso_decision_time with its t_ns comes first. Returns true and fills in
+ * *verdict if there is one; else *verdict is untouched. */
+bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_frame *frame,
+                       struct iso_verdict *verdict);
+
+/* Takes in that until t_ns no more usable faces were there than were told of. */
+bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_verdict *verdict);
+
+/* When iso_decision_time will do something; ISO_NEVER_NS if nothing is due. */
+int64_t iso_decision_due_ns(const struct iso_decision *decision);
+
+#endif

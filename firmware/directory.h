@@ -1,0 +1,11 @@
+/* Making sure of names: a file's name is on the disk only when its directory is. */
+#ifndef ISO_FIRMWARE_DIRECTORY_H
+#define ISO_FIRMWARE_DIRECTORY_H
+
+#include "core/fault.h"
+
+/* Synchronises the directory in which `path` lies. Errors of opening and synchronising it. */
+int iso_directory_sync(const char *path, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

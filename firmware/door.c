@@ -1,0 +1,193 @@
+#include "firmware/door.h"
+
+#include <stddef.h>
+
+#include "firmware/times.h"
+
+const char *iso_door_state_name(enum iso_door_state state)
+{
+    static const char *const names[ISO_DOOR_STATES] = {
+        "stopped", "locked", "unlocked", "opened", "held-open", "forced", "fault",
+    };
+    return (unsigned)state < ISO_DOOR_STATES ? names[state] : NULL;
+}
+
+const char *iso_door_event_name(enum iso_door_event event)
+{
+    static const char *const names[ISO_DOOR_EVENTS] = {
+        "start",  "start-open", "stop",         "grant", "refuse",    "exit-button", "opened",
+        "closed", "tamper",     "tamper-ended", "fault", "recovered", "time",
+    };
+    return (unsigned)event < ISO_DOOR_EVENTS ? names[event] : NULL;
+}
+
+void iso_door_init(struct iso_door *door, const struct iso_door_options *options)
+{
+    *door = (struct iso_door){
+        .options = *options,
+        .state = ISO_DOOR_STOPPED,
+        .state_due_ns = ISO_NEVER_NS,
+        .refused_due_ns = ISO_NEVER_NS,
+    };
+}
+
+static enum iso_door_state rest(const struct iso_door *door)
+{
+    return door->fault ? ISO_DOOR_FAULT : ISO_DOOR_LOCKED;
+}
+
+/* When a state that is entered, or entered anew, ends by itself. */
+static int64_t due_of(const struct iso_door *door, enum iso_door_state state, int64_t now_ns)
+{
+    switch (state) {
+    case ISO_DOOR_UNLOCKED:
+        return now_ns + door->options.unlock_ns;
+    case ISO_DOOR_OPENED:
+        return now_ns + door->options.held_ns;
+    default:
+        return ISO_NEVER_NS;
+    }
+}
+
+/* Changes what the event says about faults, the housing and refusals. */
+static void set_flags(struct iso_door *door, enum iso_door_event event, int64_t now_ns)
+{
+    switch (event) {
+    case ISO_DOOR_ON_FAULT:
+        door->fault = true;
+        break;
+    case ISO_DOOR_ON_RECOVERED:
+        door->fault = false;
+        break;
+    case ISO_DOOR_ON_TAMPER:
+        door->tamper = true;
+        break;
+    case ISO_DOOR_ON_TAMPER_ENDED:
+        door->tamper = false;
+        break;
+    case ISO_DOOR_ON_REFUSE:
+        door->refused_due_ns = now_ns + door->options.refused_ns;
+        break;
+    case ISO_DOOR_ON_GRANT:
+    case ISO_DOOR_ON_STOP:
+        door->refused_due_ns = ISO_NEVER_NS;
+        break;
+    case ISO_DOOR_ON_TIME:
+        if (now_ns >= door->refused_due_ns) {
+            door->refused_due_ns = ISO_NEVER_NS;
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+static enum iso_door_state after_time(const struct iso_door *door, int64_t now_ns)
+{
+    if (now_ns < door->state_due_ns) {
+        return door->state;
+    }
+    return door->state == ISO_DOOR_OPENED ? ISO_DOOR_HELD_OPEN : rest(door);
+}
+
+static enum iso_door_state after_opened(const struct iso_door *door)
+{
+    switch (door->state) {
+    case ISO_DOOR_LOCKED:
+        return ISO_DOOR_FORCED;
+    case ISO_DOOR_UNLOCKED:
+        return ISO_DOOR_OPENED;
+    case ISO_DOOR_FAULT:
+        return door->options.fail == ISO_DOOR_FAIL_SAFE ? ISO_DOOR_OPENED : ISO_DOOR_FORCED;
+    default:
+        return door->state;
+    }
+}
+
+static bool is_open(enum iso_door_state state)
+{
+    return state == ISO_DOOR_OPENED || state == ISO_DOOR_HELD_OPEN || state == ISO_DOOR_FORCED;
+}
+
+static bool is_shut(enum iso_door_state state)
+{
+    return state == ISO_DOOR_LOCKED || state == ISO_DOOR_UNLOCKED || state == ISO_DOOR_FAULT;
+}
+
+/* The state that follows, once the flags are set; the same one if the event changes nothing. */
+static enum iso_door_state after(const struct iso_door *door, enum iso_door_event event,
+                                 int64_t now_ns)
+{
+    const enum iso_door_state state = door->state;
+    switch (event) {
+    case ISO_DOOR_ON_START:
+        return state == ISO_DOOR_STOPPED ? rest(door) : state;
+    case ISO_DOOR_ON_START_OPEN:
+        return state == ISO_DOOR_STOPPED ? ISO_DOOR_OPENED : state;
+    case ISO_DOOR_ON_STOP:
+        return ISO_DOOR_STOPPED;
+    case ISO_DOOR_ON_GRANT:
+        return state == ISO_DOOR_LOCKED ? ISO_DOOR_UNLOCKED : state;
+    case ISO_DOOR_ON_EXIT_BUTTON:
+        return is_shut(state) ? ISO_DOOR_UNLOCKED : state;
+    case ISO_DOOR_ON_OPENED:
+        return after_opened(door);
+    case ISO_DOOR_ON_CLOSED:
+        return is_open(state) ? rest(door) : state;
+    case ISO_DOOR_ON_FAULT:
+    case ISO_DOOR_ON_RECOVERED:
+        return state == ISO_DOOR_LOCKED || state == ISO_DOOR_FAULT ? rest(door) : state;
+    case ISO_DOOR_ON_TIME:
+        return after_time(door, now_ns);
+    default:
+        return state;
+    }
+}
+
+/* Whether an unlocked door stays so for the whole time again. */
+static bool renews(const struct iso_door *door, enum iso_door_event event)
+{
+    return door->state == ISO_DOOR_UNLOCKED &&
+           (event == ISO_DOOR_ON_EXIT_BUTTON || (event == ISO_DOOR_ON_GRANT && !door->fault));
+}
+
+bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t now_ns)
+{
+    set_flags(door, event, now_ns);
+    const enum iso_door_state next = after(door, event, now_ns);
+    const bool changed = next != door->state;
+    if (changed || renews(door, event)) {
+        door->state_due_ns = due_of(door, next, now_ns);
+    }
+    door->state = next;
+    return changed;
+}
+
+int64_t iso_door_due_ns(const struct iso_door *door)
+{
+    return door->state_due_ns < door->refused_due_ns ? door->state_due_ns : door->refused_due_ns;
+}
+
+static bool relay_is_powered(const struct iso_door *door)
+{
+    if (door->state == ISO_DOOR_STOPPED || door->state == ISO_DOOR_FAULT) {
+        return false;
+    }
+    const bool unlock = door->state == ISO_DOOR_UNLOCKED;
+    return door->options.fail == ISO_DOOR_FAIL_SECURE ? unlock : !unlock;
+}
+
+struct iso_door_outputs iso_door_outputs_of(const struct iso_door *door)
+{
+    const enum iso_door_state state = door->state;
+    struct iso_door_outputs out = {{false}};
+    if (state == ISO_DOOR_STOPPED) {
+        return out;
+    }
+    out.active[ISO_DOOR_RELAY] = relay_is_powered(door);
+    out.active[ISO_DOOR_LED_GRANTED] = state == ISO_DOOR_UNLOCKED || state == ISO_DOOR_OPENED;
+    out.active[ISO_DOOR_LED_REFUSED] = door->refused_due_ns != ISO_NEVER_NS;
+    out.active[ISO_DOOR_BUZZER] =
+        state == ISO_DOOR_HELD_OPEN || state == ISO_DOOR_FORCED || door->tamper;
+    return out;
+}

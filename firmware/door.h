@@ -1,0 +1,106 @@
+/* The door as a state machine: pure, time comes as an argument.
+ *
+ * A lock is fail-secure (a strike: power unlocks it) or fail-safe (a magnet: power locks it). In
+ * STOPPED and FAULT the relay is without power, as it is when the appliance has none: fail-secure is
+ * then locked, fail-safe is unlocked. So whoever can bring a fail-safe door to a fault (by the
+ * sensor's cable, say) opens it; that is what fail-safe means.
+ *
+ * REST below is FAULT while a fault lasts, else LOCKED. Legal transitions; every other event leaves
+ * the state as it is:
+ *
+ *   STOPPED    start -> REST     start-open -> OPENED
+ *   LOCKED     grant, exit-button -> UNLOCKED     opened -> FORCED     fault -> FAULT
+ *   FAULT      exit-button -> UNLOCKED     recovered -> LOCKED
+ *              opened -> FORCED (fail-secure), OPENED (fail-safe)
+ *   UNLOCKED   opened -> OPENED     after unlock_ms -> REST
+ *              grant, exit-button: unlock_ms anew (grant: not while a fault lasts)
+ *   OPENED     closed -> REST     after held_ms -> HELD_OPEN
+ *   HELD_OPEN  closed -> REST
+ *   FORCED     closed -> REST
+ *   every one  stop -> STOPPED
+ *
+ * Besides the state there are three flags: a fault lasts (fault, recovered), the housing is open
+ * (tamper, tamper-ended), and somebody was refused less than refused_ms ago (refuse).
+ *
+ * Outputs, from state and flags alone:
+ *   relay        unlocks in UNLOCKED; locks again as soon as the door has opened, so that it is
+ *                locked when it falls shut; without power in STOPPED and FAULT
+ *   led_granted  UNLOCKED, OPENED
+ *   led_refused  while somebody was just refused
+ *   buzzer       HELD_OPEN, FORCED, and while the housing is open; not in STOPPED */
+#ifndef ISO_FIRMWARE_DOOR_H
+#define ISO_FIRMWARE_DOOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "drivers/door/door_io.h"
+
+enum iso_door_state {
+    ISO_DOOR_STOPPED = 0,
+    ISO_DOOR_LOCKED,
+    ISO_DOOR_UNLOCKED,
+    ISO_DOOR_OPENED,
+    ISO_DOOR_HELD_OPEN,
+    ISO_DOOR_FORCED,
+    ISO_DOOR_FAULT,
+    ISO_DOOR_STATES
+};
+
+enum iso_door_event {
+    ISO_DOOR_ON_START,      /* the door is shut */
+    ISO_DOOR_ON_START_OPEN, /* it stands open */
+    ISO_DOOR_ON_STOP,
+    ISO_DOOR_ON_GRANT, /* a face is let in */
+    ISO_DOOR_ON_REFUSE,
+    ISO_DOOR_ON_EXIT_BUTTON,
+    ISO_DOOR_ON_OPENED,
+    ISO_DOOR_ON_CLOSED,
+    ISO_DOOR_ON_TAMPER,
+    ISO_DOOR_ON_TAMPER_ENDED,
+    ISO_DOOR_ON_FAULT,
+    ISO_DOOR_ON_RECOVERED,
+    ISO_DOOR_ON_TIME, /* time has passed */
+    ISO_DOOR_EVENTS
+};
+
+/* "stopped", "locked", "unlocked", "opened", "held-open", "forced", "fault"; NULL outside. */
+const char *iso_door_state_name(enum iso_door_state state);
+
+/* "start", "start-open", "stop", "grant", "refuse", "exit-button", "opened", "closed", "tamper",
+ * "tamper-ended", "fault", "recovered", "time"; NULL outside. */
+const char *iso_door_event_name(enum iso_door_event event);
+
+enum iso_door_fail {
+    ISO_DOOR_FAIL_SECURE = 0,
+    ISO_DOOR_FAIL_SAFE,
+};
+
+struct iso_door_options {
+    enum iso_door_fail fail;
+    int64_t unlock_ns, held_ns, refused_ns;
+};
+
+struct iso_door {
+    struct iso_door_options options;
+    enum iso_door_state state;
+    bool fault, tamper;
+    int64_t state_due_ns;   /* the state ends by itself; ISO_NEVER_NS if it does not */
+    int64_t refused_due_ns; /* the refusal is shown until then; ISO_NEVER_NS: there is none */
+};
+
+/* A stopped door. */
+void iso_door_init(struct iso_door *door, const struct iso_door_options *options);
+
+/* Takes an event in; each is one transition at most. What the inputs say comes before the time that
+ * has passed since they were last looked at (ISO_DOOR_ON_TIME): who opens the door in the last
+ * moment of unlock_ms does not force it. Returns true if the state has changed. */
+bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t now_ns);
+
+/* When ISO_DOOR_ON_TIME will do something; ISO_NEVER_NS if nothing is due. */
+int64_t iso_door_due_ns(const struct iso_door *door);
+
+/* The levels that state and flags ask for. */
+struct iso_door_outputs iso_door_outputs_of(const struct iso_door *door);
+
+#endif

@@ -1,0 +1,177 @@
+#include "firmware/door_control.h"
+
+#include <errno.h>
+#include <stdio.h>
+
+#include "firmware/times.h"
+
+void iso_door_control_init(struct iso_door_control *control, const struct iso_door_options *options,
+                           int64_t poll_ns, struct iso_door_io *io,
+                           void (*changed)(void *context, enum iso_door_event cause), void *context)
+{
+    *control = (struct iso_door_control){
+        .io = io,
+        .poll_ns = poll_ns,
+        .read_ns = ISO_NEVER_NS,
+        .changed = changed,
+        .context = context,
+    };
+    iso_door_init(&control->door, options);
+}
+
+/* Alarms do not show in the state alone. */
+static bool is_alarm(enum iso_door_event event)
+{
+    return event == ISO_DOOR_ON_TAMPER || event == ISO_DOOR_ON_TAMPER_ENDED;
+}
+
+static void tell(struct iso_door_control *control, enum iso_door_event event, int64_t now_ns)
+{
+    const bool changed = iso_door_handle(&control->door, event, now_ns);
+    if (changed || is_alarm(event)) {
+        control->changed(control->context, event);
+    }
+}
+
+/* ---- lines ------------------------------------------------------------------------------------
+ */
+
+/* Notes whether the lines work, and lets the machine know when that changes. */
+static void note_lines(struct iso_door_control *control, const struct iso_fault *fault, bool broken,
+                       int64_t now_ns)
+{
+    if (broken) {
+        (void)snprintf(control->fault, sizeof control->fault, "%s", fault->text);
+    }
+    if (broken == control->broken) {
+        return;
+    }
+    control->broken = broken;
+    if (broken) {
+        tell(control, ISO_DOOR_ON_FAULT, now_ns);
+    } else if (!control->asked_fault) {
+        tell(control, ISO_DOOR_ON_RECOVERED, now_ns);
+    }
+}
+
+/* Switches what differs. After a failure no line is certain, and all are switched the next time. */
+static bool switch_outputs(struct iso_door_control *control, struct iso_fault *fault)
+{
+    const struct iso_door_outputs wanted = iso_door_outputs_of(&control->door);
+    bool fine = true;
+    for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
+        if (control->known && control->outputs.active[i] == wanted.active[i]) {
+            continue;
+        }
+        const int error =
+            iso_door_io_set_output(control->io, (enum iso_door_output)i, wanted.active[i], fault);
+        control->lost |= error == -ENODEV;
+        fine = fine && !error; /* the others are switched all the same */
+    }
+    control->outputs = wanted;
+    control->known = fine;
+    return fine;
+}
+
+static bool read_inputs(struct iso_door_control *control, struct iso_door_inputs *out,
+                        int64_t now_ns, struct iso_fault *fault)
+{
+    control->read_ns = now_ns + control->poll_ns;
+    const int error = iso_door_io_get_inputs(control->io, out, fault);
+    control->lost |= error == -ENODEV;
+    return error == 0;
+}
+
+static void tell_inputs(struct iso_door_control *control, const struct iso_door_inputs *inputs,
+                        int64_t now_ns)
+{
+    const bool *now = inputs->active, *before = control->inputs.active;
+    if (now[ISO_DOOR_EXIT_BUTTON] && !before[ISO_DOOR_EXIT_BUTTON]) {
+        tell(control, ISO_DOOR_ON_EXIT_BUTTON, now_ns); /* first: who opens has pressed it */
+    }
+    if (now[ISO_DOOR_CONTACT] != before[ISO_DOOR_CONTACT]) {
+        tell(control, now[ISO_DOOR_CONTACT] ? ISO_DOOR_ON_OPENED : ISO_DOOR_ON_CLOSED, now_ns);
+    }
+    if (now[ISO_DOOR_TAMPER] != before[ISO_DOOR_TAMPER]) {
+        tell(control, now[ISO_DOOR_TAMPER] ? ISO_DOOR_ON_TAMPER : ISO_DOOR_ON_TAMPER_ENDED, now_ns);
+    }
+    control->inputs = *inputs;
+}
+
+/* ---- calls ------------------------------------------------------------------------------------
+ */
+
+static void apply(struct iso_door_control *control, int64_t now_ns)
+{
+    struct iso_fault fault = {""};
+    if (!switch_outputs(control, &fault)) {
+        note_lines(control, &fault, true, now_ns);
+    }
+}
+
+void iso_door_control_start(struct iso_door_control *control, int64_t now_ns)
+{
+    struct iso_fault fault = {""};
+    struct iso_door_inputs inputs = {{false}};
+    const bool fine = read_inputs(control, &inputs, now_ns, &fault);
+    const bool open = inputs.active[ISO_DOOR_CONTACT];
+    note_lines(control, &fault, !fine, now_ns);
+    control->inputs.active[ISO_DOOR_CONTACT] = open;
+    tell(control, open ? ISO_DOOR_ON_START_OPEN : ISO_DOOR_ON_START, now_ns);
+    if (fine) {
+        tell_inputs(control, &inputs, now_ns);
+    }
+    apply(control, now_ns);
+}
+
+void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns)
+{
+    tell(control, ISO_DOOR_ON_STOP, now_ns);
+    apply(control, now_ns);
+    control->read_ns = ISO_NEVER_NS;
+}
+
+void iso_door_control_grant(struct iso_door_control *control, int64_t now_ns)
+{
+    tell(control, ISO_DOOR_ON_GRANT, now_ns);
+    apply(control, now_ns);
+}
+
+void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns)
+{
+    tell(control, ISO_DOOR_ON_REFUSE, now_ns);
+    apply(control, now_ns);
+}
+
+void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns)
+{
+    control->asked_fault = fault;
+    if (fault) {
+        tell(control, ISO_DOOR_ON_FAULT, now_ns);
+    } else if (!control->broken) {
+        tell(control, ISO_DOOR_ON_RECOVERED, now_ns);
+    }
+    apply(control, now_ns);
+}
+
+void iso_door_control_step(struct iso_door_control *control, bool now, int64_t now_ns)
+{
+    struct iso_fault fault = {""};
+    if (now || now_ns >= control->read_ns) {
+        struct iso_door_inputs inputs;
+        const bool fine = read_inputs(control, &inputs, now_ns, &fault);
+        if (fine) {
+            tell_inputs(control, &inputs, now_ns);
+        }
+        const bool switched = switch_outputs(control, &fault);
+        note_lines(control, &fault, !fine || !switched, now_ns);
+    }
+    tell(control, ISO_DOOR_ON_TIME, now_ns);
+    apply(control, now_ns);
+}
+
+int64_t iso_door_control_due_ns(const struct iso_door_control *control)
+{
+    const int64_t door_ns = iso_door_due_ns(&control->door);
+    return door_ns < control->read_ns ? door_ns : control->read_ns;
+}

@@ -1,0 +1,58 @@
+/* The door state machine (door.h) on the door's lines (door_io.h): reads the inputs, tells the
+ * machine, switches what it asks for.
+ *
+ * A line that cannot be read or switched is a fault of the door, which puts the machine in FAULT
+ * until all of them work again. */
+#ifndef ISO_FIRMWARE_DOOR_CONTROL_H
+#define ISO_FIRMWARE_DOOR_CONTROL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+#include "drivers/door/door_io.h"
+#include "firmware/door.h"
+
+struct iso_door_control {
+    struct iso_door door;
+    struct iso_door_io *io;
+    struct iso_door_inputs inputs;   /* as read last */
+    struct iso_door_outputs outputs; /* as switched last */
+    bool known;                      /* outputs are certain */
+    bool broken;                     /* the lines do not work */
+    bool asked_fault;                /* somebody else wants the door at fault */
+    int64_t poll_ns;                 /* how often the inputs are read */
+    int64_t read_ns;                 /* when they are to be read next */
+    bool lost;                       /* the device is gone for good: open it anew */
+    /* Called after each event that changed the state or is about the housing. */
+    void (*changed)(void *context, enum iso_door_event cause);
+    void *context;
+    char fault[256]; /* the last one of the lines; "" if there was none */
+};
+
+/* A stopped door. io, and what `context` points to, must outlive it. */
+void iso_door_control_init(struct iso_door_control *control, const struct iso_door_options *options,
+                           int64_t poll_ns, struct iso_door_io *io,
+                           void (*changed)(void *context, enum iso_door_event cause),
+                           void *context);
+
+/* Reads the inputs and starts the machine. */
+void iso_door_control_start(struct iso_door_control *control, int64_t now_ns);
+
+/* Everything without power. */
+void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns);
+
+/* Lets somebody in, or refuses. */
+void iso_door_control_grant(struct iso_door_control *control, int64_t now_ns);
+void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns);
+
+/* A fault that is not the door's own begins or ends. */
+void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns);
+
+/* Reads the inputs if it is time to, or if `now` says so, lets time pass, switches outputs. */
+void iso_door_control_step(struct iso_door_control *control, bool now, int64_t now_ns);
+
+/* When to step next. */
+int64_t iso_door_control_due_ns(const struct iso_door_control *control);
+
+#endif

@@ -1,0 +1,155 @@
+#include "firmware/enrolment.h"
+
+#include <errno.h>
+#include <math.h>
+
+void iso_enrolment_begin(struct iso_enrolment *enrolment,
+                         const struct iso_enrolment_options *options, int64_t now_ns)
+{
+    iso_enrolment_wipe(enrolment);
+    enrolment->options = *options;
+    enrolment->state = ISO_ENROLMENT_ACTIVE;
+    enrolment->deadline_ns = now_ns + options->timeout_ns;
+    enrolment->stage = 0;
+    enrolment->misfits = 0;
+    enrolment->duplicate_of = 0;
+}
+
+/* The best score of a probe with some templates; -INFINITY if there are none, or too few points for
+ * a comparison. */
+static int best_score(const struct iso_pipeline *pipeline, const struct iso_search_entry *entries,
+                      int n_entries, const struct iso_template *probe, double *out)
+{
+    struct iso_search_hit hit;
+    int n = 0;
+    const int error =
+        pipeline->ops->search(pipeline->self, entries, n_entries, probe, &hit, 1, &n);
+    if (error && error != -ENODATA) {
+        return error;
+    }
+    *out = error || n == 0 ? -INFINITY : hit.score;
+    return 0;
+}
+
+/* The lowest score of a frame with those before it; INFINITY for the first. */
+static int lowest_score(const struct iso_enrolment *enrolment, const struct iso_template *frame,
+                        const struct iso_pipeline *pipeline, double *out)
+{
+    double lowest = INFINITY;
+    for (int i = 0; i < enrolment->stage; i++) {
+        const struct iso_search_entry entry = {.person = 1, .tmpl = &enrolment->frames[i]};
+        double score = 0;
+        const int error = best_score(pipeline, &entry, 1, frame, &score);
+        if (error) {
+            return error;
+        }
+        lowest = fmin(lowest, score);
+    }
+    *out = lowest;
+    return 0;
+}
+
+/* Whether somebody else in the gallery is the same person: their number, or 0. */
+static int find_duplicate(const struct iso_enrolment *enrolment,
+                          const struct iso_pipeline *pipeline,
+                          const struct iso_enrolment_gallery *gallery, int64_t *out)
+{
+    struct iso_search_hit hits[2]; /* one of them may be the person's own */
+    int n = 0;
+    const int error = pipeline->ops->search(pipeline->self, gallery->entries, gallery->n_entries,
+                                            &enrolment->fused, hits, 2, &n);
+    if (error) {
+        return error == -ENODATA ? 0 : error;
+    }
+    for (int i = 0; i < n; i++) {
+        if (hits[i].person != gallery->person &&
+            hits[i].score >= enrolment->options.duplicate_score) {
+            *out = hits[i].person;
+            return 0;
+        }
+    }
+    return 0;
+}
+
+/* What the gallery says to the whole: the state that follows. */
+static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pipeline,
+                 const struct iso_enrolment_gallery *gallery)
+{
+    double own = INFINITY;
+    int64_t duplicate = 0;
+    int error = 0;
+    if (gallery->n_own > 0) {
+        error = best_score(pipeline, gallery->own, gallery->n_own, &enrolment->fused, &own);
+    }
+    if (!error && !enrolment->options.allow_duplicate) {
+        error = find_duplicate(enrolment, pipeline, gallery, &duplicate);
+    }
+    if (error) {
+        return error;
+    }
+    enrolment->duplicate_of = duplicate;
+    enrolment->state = duplicate != 0                           ? ISO_ENROLMENT_DUPLICATE
+                       : own < enrolment->options.agree_score ? ISO_ENROLMENT_FAILED
+                                                                : ISO_ENROLMENT_COMPLETED;
+    return 0;
+}
+
+static int complete(struct iso_enrolment *enrolment, const struct iso_pipeline *pipeline,
+                    const struct iso_enrolment_gallery *gallery)
+{
+    const struct iso_template *frames[ISO_ENROLMENT_STAGES_MAX];
+    for (int i = 0; i < enrolment->stage; i++) {
+        frames[i] = &enrolment->frames[i];
+    }
+    const int error = iso_template_fuse(frames, enrolment->stage, &enrolment->fused);
+    return error ? error : judge(enrolment, pipeline, gallery);
+}
+
+int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
+                        const struct iso_pipeline *pipeline,
+                        const struct iso_enrolment_gallery *gallery, bool *passed)
+{
+    double score = 0;
+    int error = lowest_score(enrolment, frame, pipeline, &score);
+    if (error) {
+        return error;
+    }
+    if (score < enrolment->options.agree_score) {
+        *passed = false;
+        enrolment->misfits++;
+        if (enrolment->misfits >= enrolment->options.stages) {
+            enrolment->state = ISO_ENROLMENT_FAILED;
+        }
+        return 0;
+    }
+    enrolment->frames[enrolment->stage++] = *frame;
+    if (enrolment->stage == enrolment->options.stages) {
+        error = complete(enrolment, pipeline, gallery);
+        if (error) {
+            enrolment->state = ISO_ENROLMENT_FAILED;
+            return error;
+        }
+    }
+    *passed = true;
+    return 0;
+}
+
+void iso_enrolment_time(struct iso_enrolment *enrolment, int64_t now_ns)
+{
+    if (now_ns >= enrolment->deadline_ns) {
+        enrolment->state = ISO_ENROLMENT_TIMED_OUT;
+    }
+}
+
+void iso_enrolment_disconnect(struct iso_enrolment *enrolment)
+{
+    enrolment->state = ISO_ENROLMENT_DISCONNECTED;
+}
+
+void iso_enrolment_wipe(struct iso_enrolment *enrolment)
+{
+    for (int i = 0; i < ISO_ENROLMENT_STAGES_MAX; i++) {
+        iso_template_wipe(&enrolment->frames[i]);
+    }
+    iso_template_wipe(&enrolment->fused);
+}

@@ -1,0 +1,114 @@
+/* The daemon: options, and exit codes. */
+#include <errno.h>
+#include <getopt.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <syslog.h>
+
+#include "firmware/config.h"
+#include "firmware/daemon.h"
+
+/* As of every program of the project; see isothermd(8). */
+enum { EXIT_OK = 0, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
+
+static const char usage[] =
+    "Usage: isothermd [OPTION...]\n"
+    "The face recognition appliance: watches the door, and serves isotherm(1).\n\n"
+    "  --config FILE    read this configuration (default: " ISOTHERM_CONFIG ")\n"
+    "  --check-config   say whether the configuration is sound, and end\n"
+    "  --help-config    print a configuration that names and explains every key\n"
+    "  --help           show this help\n"
+    "  --version        show the version\n\n"
+    "Exit status: 0 ended by SIGTERM or SIGINT, 2 usage or configuration, 3 a file or\n"
+    "driver that is named does not exist, 4 device, data or bus fault.\n";
+
+enum option_id {
+    OPTION_CONFIG = 256,
+    OPTION_CHECK_CONFIG,
+    OPTION_HELP_CONFIG,
+    OPTION_HELP,
+    OPTION_VERSION,
+};
+
+static const struct option options[] = {
+    {"config", required_argument, NULL, OPTION_CONFIG},
+    {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
+    {"help-config", no_argument, NULL, OPTION_HELP_CONFIG},
+    {"help", no_argument, NULL, OPTION_HELP},
+    {"version", no_argument, NULL, OPTION_VERSION},
+    {NULL, 0, NULL, 0},
+};
+
+struct arguments {
+    const char *config;
+    bool check_config;
+};
+
+static int exit_code(int error)
+{
+    switch (error) {
+    case 0:
+        return EXIT_OK;
+    case -EINVAL:
+        return EXIT_USAGE;
+    case -ENOENT:
+        return EXIT_NOT_FOUND;
+    default:
+        return EXIT_FAULT;
+    }
+}
+
+static int say(int error, const struct iso_fault *fault)
+{
+    if (error) {
+        iso_daemon_say(LOG_ERR, fault->text[0] ? fault->text : strerror(-error));
+    }
+    return exit_code(error);
+}
+
+static int run(const struct arguments *arguments)
+{
+    struct iso_config config;
+    struct iso_fault fault = {""};
+    int error = iso_config_load(arguments->config, &config, &fault);
+    if (!error && arguments->check_config) {
+        printf("%s: sound\n", arguments->config);
+    } else if (!error) {
+        error = iso_daemon_run(&config, &fault);
+    }
+    return say(error, &fault);
+}
+
+int main(int argc, char **argv)
+{
+    struct arguments arguments = {.config = ISOTHERM_CONFIG};
+    int id;
+    while ((id = getopt_long(argc, argv, "", options, NULL)) != -1) {
+        switch (id) {
+        case OPTION_CONFIG:
+            arguments.config = optarg;
+            break;
+        case OPTION_CHECK_CONFIG:
+            arguments.check_config = true;
+            break;
+        case OPTION_HELP_CONFIG:
+            iso_config_print_sample(stdout);
+            return EXIT_OK;
+        case OPTION_HELP:
+            fputs(usage, stdout);
+            return EXIT_OK;
+        case OPTION_VERSION:
+            puts("isothermd " ISOTHERM_VERSION);
+            return EXIT_OK;
+        default:
+            fputs("Try isothermd --help.\n", stderr);
+            return EXIT_USAGE;
+        }
+    }
+    if (optind < argc) {
+        fprintf(stderr, "isothermd: superfluous word '%s'\n", argv[optind]);
+        return EXIT_USAGE;
+    }
+    return run(&arguments);
+}

@@ -1,0 +1,106 @@
+#include "firmware/parts.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+static const char *or_installed(const char *path, const char *installed)
+{
+    return *path ? path : installed;
+}
+
+static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_config *config = &parts->config;
+    struct iso_pipeline_options options = {
+        .head_path = or_installed(config->model.head, ISOTHERM_DATA_DIR "/head.model"),
+        .cohort_path = or_installed(config->model.cohort, ISOTHERM_DATA_DIR "/cohort.templates"),
+        .extract = iso_extract_options_default(),
+        .match = iso_match_options_default(),
+        .clock = parts->times.monotonic,
+    };
+    options.extract.distance_min_mm = config->sensor.distance_min_mm;
+    options.extract.distance_max_mm = config->sensor.distance_max_mm;
+    options.match.trim = config->match.trim;
+    options.match.icp_iterations = config->match.icp_iterations;
+    options.match.transform = config->match.transform;
+    return iso_pipeline_open(&options, &parts->pipeline, fault);
+}
+
+static int open_door(struct iso_parts *parts, struct iso_fault *fault)
+{
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    const struct iso_door_outputs unpowered = {{false}};
+    const size_t n = iso_config_door_options(&parts->config, options);
+    return iso_door_io_open(parts->config.door.backend, options, n, &parts->times.monotonic,
+                            &unpowered, &parts->door_io, fault);
+}
+
+static int open_stores(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_config *config = &parts->config;
+    const uint32_t algorithm = parts->pipeline.ops->algorithm(parts->pipeline.self);
+    const int error = iso_gallery_open(config->gallery.path, config->gallery.capacity, algorithm,
+                                       &parts->gallery, fault);
+    return error ? error
+                 : iso_audit_open(config->log.path, config->log.sync, &parts->times, &parts->audit,
+                                  fault);
+}
+
+int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
+                   struct iso_parts **out, struct iso_fault *fault)
+{
+    struct iso_parts *parts = calloc(1, sizeof *parts);
+    if (!parts) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    parts->config = *config;
+    parts->times = *times;
+    int error = open_pipeline(parts, fault);
+    if (!error) {
+        error = open_stores(parts, fault);
+    }
+    if (!error) {
+        error = open_door(parts, fault);
+    }
+    if (error) {
+        iso_parts_close(parts);
+        return error;
+    }
+    *out = parts;
+    return 0;
+}
+
+void iso_parts_close(struct iso_parts *parts)
+{
+    if (parts) {
+        iso_door_io_close(parts->door_io);
+        iso_audit_close(parts->audit);
+        iso_gallery_close(parts->gallery);
+        iso_pipeline_close(&parts->pipeline);
+        free(parts);
+    }
+}
+
+static int open_sensor(void *context, struct iso_sensor **out, struct iso_fault *fault)
+{
+    const struct iso_parts *parts = context;
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    const size_t n = iso_config_sensor_options(&parts->config, options);
+    return iso_sensor_open(parts->config.sensor.backend, options, n, &parts->times.monotonic, out,
+                           fault);
+}
+
+struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
+                                          const struct iso_appliance_events *events)
+{
+    return (struct iso_appliance_parts){
+        .config = &parts->config,
+        .times = parts->times,
+        .sensor = {open_sensor, parts},
+        .pipeline = parts->pipeline,
+        .door_io = parts->door_io,
+        .gallery = parts->gallery,
+        .audit = parts->audit,
+        .events = *events,
+    };
+}

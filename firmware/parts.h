@@ -1,0 +1,31 @@
+/* What a configuration asks for, opened: everything that an appliance borrows. */
+#ifndef ISO_FIRMWARE_PARTS_H
+#define ISO_FIRMWARE_PARTS_H
+
+#include "core/fault.h"
+#include "firmware/appliance.h"
+
+struct iso_parts {
+    struct iso_config config;
+    struct iso_times times;
+    struct iso_pipeline pipeline;
+    struct iso_gallery *gallery;
+    struct iso_audit *audit;
+    struct iso_door_io *door_io;
+};
+
+/* Opens them in an order in which the door's lines are touched last. Every error of iso_pipeline_open,
+ * iso_gallery_open, iso_audit_open and iso_door_io_open, with nothing left open. What `times` points
+ * to must outlive the parts. */
+int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
+                   struct iso_parts **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* NULL is fine. */
+void iso_parts_close(struct iso_parts *parts);
+
+/* Lent to an appliance; the sensor is opened from the configuration when it is needed. */
+struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
+                                          const struct iso_appliance_events *events);
+
+#endif

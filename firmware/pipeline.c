@@ -1,0 +1,149 @@
+#include "firmware/pipeline.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "firmware/data_file.h"
+
+enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
+
+struct pipeline {
+    struct iso_head_model *head;
+    struct iso_cohort *cohort;
+    struct iso_extractor *extractor;
+    struct iso_match_options match;
+};
+
+static int pipeline_extract(void *self, const struct iso_frame *frame, const char *sensor,
+                            struct iso_extraction *out)
+{
+    const struct pipeline *pipeline = self;
+    const int error = iso_extractor_run(pipeline->extractor, frame, out);
+    if (!error && out->outcome == ISO_CAPTURE_OK && *sensor) {
+        (void)snprintf(out->tmpl.sensor, sizeof out->tmpl.sensor, "%s", sensor);
+    }
+    return error;
+}
+
+static int pipeline_search(void *self, const struct iso_search_entry *entries, int n_entries,
+                           const struct iso_template *probe, struct iso_search_hit *hits,
+                           int capacity, int *n_hits)
+{
+    const struct pipeline *pipeline = self;
+    return iso_search(entries, n_entries, probe, pipeline->cohort, &pipeline->match, hits, capacity,
+                      n_hits);
+}
+
+static uint32_t pipeline_algorithm(const void *self)
+{
+    return iso_extractor_algorithm(((const struct pipeline *)self)->extractor);
+}
+
+static uint32_t pipeline_model(const void *self)
+{
+    return ((const struct pipeline *)self)->head->crc32;
+}
+
+static void pipeline_close(void *self)
+{
+    struct pipeline *pipeline = self;
+    iso_extractor_free(pipeline->extractor);
+    iso_cohort_free(pipeline->cohort);
+    iso_head_model_free(pipeline->head);
+    free(pipeline);
+}
+
+static const struct iso_pipeline_ops ops = {
+    .extract = pipeline_extract,
+    .search = pipeline_search,
+    .algorithm = pipeline_algorithm,
+    .model = pipeline_model,
+    .close = pipeline_close,
+};
+
+static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
+{
+    return iso_fault_set(fault, error, "%s: %s", path,
+                         error == -ENOMEM ? "out of memory" : what ? what : "damaged");
+}
+
+static int load_head(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
+{
+    void *bytes = NULL;
+    size_t size = 0;
+    const char *what = NULL;
+    int error = iso_data_file_read(path, ISO_HEAD_BYTES_MAX, &bytes, &size, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_head_model_parse(bytes, size, &pipeline->head, &what);
+    free(bytes);
+    return error ? refuse(path, error, what, fault) : 0;
+}
+
+static int load_cohort(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
+{
+    void *bytes = NULL;
+    size_t size = 0;
+    const char *what = NULL;
+    int error = iso_data_file_read(path, COHORT_BYTES_MAX, &bytes, &size, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_cohort_parse(bytes, size, &pipeline->cohort, &what);
+    free(bytes);
+    if (error) {
+        return refuse(path, error, what, fault);
+    }
+    if (iso_cohort_algorithm(pipeline->cohort) != iso_extractor_algorithm(pipeline->extractor)) {
+        return iso_fault_set(fault, -EINVAL,
+                             "%s: made with another head model or other options (%08x, not %08x)",
+                             path, iso_cohort_algorithm(pipeline->cohort),
+                             iso_extractor_algorithm(pipeline->extractor));
+    }
+    return 0;
+}
+
+static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_options *options,
+                          struct iso_fault *fault)
+{
+    struct iso_extract_options extract = options->extract;
+    extract.now_ns = options->clock.now_ns;
+    extract.now_context = options->clock.context;
+    const int error = iso_extractor_new(pipeline->head, &extract, &pipeline->extractor);
+    return error ? iso_fault_set(fault, error, "extractor: %s",
+                                 error == -EINVAL ? "options out of range" : "out of memory")
+                 : 0;
+}
+
+int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,
+                      struct iso_fault *fault)
+{
+    struct pipeline *pipeline = calloc(1, sizeof *pipeline);
+    if (!pipeline) {
+        return iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
+    }
+    pipeline->match = options->match;
+    int error = load_head(pipeline, options->head_path, fault);
+    if (!error) {
+        error = make_extractor(pipeline, options, fault);
+    }
+    if (!error) {
+        error = load_cohort(pipeline, options->cohort_path, fault);
+    }
+    if (error) {
+        pipeline_close(pipeline);
+        return error;
+    }
+    *out = (struct iso_pipeline){.ops = &ops, .self = pipeline};
+    return 0;
+}
+
+void iso_pipeline_close(struct iso_pipeline *pipeline)
+{
+    if (pipeline->ops) {
+        pipeline->ops->close(pipeline->self);
+        *pipeline = (struct iso_pipeline){0};
+    }
+}

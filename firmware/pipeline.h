@@ -1,0 +1,58 @@
+/* From a frame to those in the gallery who look most like it: the class that the appliance sees, so
+ * that a test can put something else in its place, and the real one.
+ *
+ * The real one owns extractor, head model, cohort and options. One pipeline is used by one thread;
+ * nothing is allocated per frame. */
+#ifndef ISO_FIRMWARE_PIPELINE_H
+#define ISO_FIRMWARE_PIPELINE_H
+
+#include <stdint.h>
+
+#include "core/clock.h"
+#include "core/extract.h"
+#include "core/fault.h"
+#include "core/match/search.h"
+
+struct iso_pipeline_ops {
+    /* The template of a frame, or why there is none: out->outcome. `sensor` is the model of the
+     * sensor ("" if unknown). -EINVAL a frame that cannot be worked on, -EDOM, -ENOMEM. */
+    int (*extract)(void *self, const struct iso_frame *frame, const char *sensor,
+                   struct iso_extraction *out);
+
+    /* As iso_search with the pipeline's cohort and options. -ENODATA: the probe has too few
+     * points to say anything about it. */
+    int (*search)(void *self, const struct iso_search_entry *entries, int n_entries,
+                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
+                  int *n_hits);
+
+    /* Whose templates can be compared, and which head model they come from. */
+    uint32_t (*algorithm)(const void *self);
+    uint32_t (*model)(const void *self);
+
+    /* NULL is not passed. */
+    void (*close)(void *self);
+};
+
+struct iso_pipeline {
+    const struct iso_pipeline_ops *ops;
+    void *self;
+};
+
+struct iso_pipeline_options {
+    const char *head_path, *cohort_path;
+    struct iso_extract_options extract; /* sensor and clock are set by the pipeline */
+    struct iso_match_options match;
+    struct iso_clock clock; /* for the times of the stages */
+};
+
+/* Reads model and cohort and makes everything ready. -ENOENT and other errors of reading the files,
+ * -EBADMSG one of them is damaged, -EINVAL options out of range or a cohort that was made with
+ * another model or other options, -ENOMEM; each with a line. What options->clock points to must
+ * outlive the pipeline. */
+int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Closes and clears it; one that is all zero is fine. */
+void iso_pipeline_close(struct iso_pipeline *pipeline);
+
+#endif

@@ -1,0 +1,67 @@
+/* Keeps a sensor running: opens it, starts it, and opens it again when it is lost.
+ *
+ *   AWAY     it is time to try, and opening works             -> RUNNING
+ *            opening fails                                    -> AWAY, the next wait twice as long
+ *   RUNNING  it fails (-EIO, -ENODEV), or is silent too long  -> AWAY
+ *
+ * A lost or damaged frame is reported and changes nothing. Silence is counted only for a back end
+ * that has no next_due_ns: one that has says itself when there is something to see, and may be idle
+ * for good. */
+#ifndef ISO_FIRMWARE_SENSOR_KEEPER_H
+#define ISO_FIRMWARE_SENSOR_KEEPER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+#include "drivers/sensor/sensor.h"
+
+/* Opens the sensor anew; the errors are those of iso_sensor_open. */
+struct iso_sensor_source {
+    int (*open)(void *context, struct iso_sensor **out, struct iso_fault *fault);
+    void *context;
+};
+
+struct iso_sensor_keeper_options {
+    int64_t silence_ns, retry_ns, retry_max_ns;
+};
+
+struct iso_sensor_keeper {
+    struct iso_sensor_keeper_options options;
+    struct iso_sensor_source source;
+    struct iso_sensor *sensor; /* RUNNING; NULL: AWAY */
+    int64_t try_ns;            /* AWAY: when to try next */
+    int64_t wait_ns;           /* how long after the next failure */
+    int64_t heard_ns;          /* RUNNING: the last sign of life */
+    uint64_t progress;         /* counts signs of life, for the watchdog */
+    uint64_t frames;
+    char model[32];            /* of the sensor; "" while unknown */
+    int error;                 /* the last one, negative errno; 0 if there was none */
+    char fault[256];           /* what it was, in words */
+};
+
+enum iso_sensor_news {
+    ISO_SENSOR_QUIET,  /* nothing happened */
+    ISO_SENSOR_FRAME,  /* *frame is there */
+    ISO_SENSOR_FLAW,   /* a frame was lost or damaged, or another try has failed; see ->fault */
+    ISO_SENSOR_BACK,   /* it runs, from now on */
+    ISO_SENSOR_GONE,   /* it does not, from now on; see ->fault */
+};
+
+/* AWAY, to be tried at once. */
+void iso_sensor_keeper_init(struct iso_sensor_keeper *keeper,
+                            const struct iso_sensor_keeper_options *options,
+                            const struct iso_sensor_source *source, int64_t now_ns);
+
+/* Looks what the sensor has, without waiting for it. *frame belongs to the sensor, until the next
+ * call. */
+enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, int64_t now_ns,
+                                            const struct iso_frame **frame);
+
+/* When to look again, if nothing is to be missed. */
+int64_t iso_sensor_keeper_due_ns(const struct iso_sensor_keeper *keeper, int64_t now_ns);
+
+/* Closes the sensor. */
+void iso_sensor_keeper_done(struct iso_sensor_keeper *keeper);
+
+#endif

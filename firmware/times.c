@@ -1,0 +1,28 @@
+#include "firmware/times.h"
+
+#include <stddef.h>
+#include <time.h>
+
+static int64_t read_clock(clockid_t id)
+{
+    struct timespec now;
+    (void)clock_gettime(id, &now);
+    return now.tv_sec * ISO_NS_PER_S + now.tv_nsec;
+}
+
+static int64_t monotonic_ns(void *context)
+{
+    (void)context;
+    return read_clock(CLOCK_MONOTONIC);
+}
+
+static int64_t wall_ns(void *context)
+{
+    (void)context;
+    return read_clock(CLOCK_REALTIME);
+}
+
+struct iso_times iso_times_system(void)
+{
+    return (struct iso_times){.monotonic = {monotonic_ns, NULL}, .wall_ns = wall_ns};
+}

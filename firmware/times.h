@@ -1,0 +1,42 @@
+/* The two times an appliance lives by, both injected: one that measures, and the date. */
+#ifndef ISO_FIRMWARE_TIMES_H
+#define ISO_FIRMWARE_TIMES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/clock.h"
+
+#define ISO_NS_PER_S  INT64_C(1000000000)
+#define ISO_NS_PER_MS INT64_C(1000000)
+
+/* "Never", for times at which something is due. */
+#define ISO_NEVER_NS INT64_MAX
+
+struct iso_times {
+    struct iso_clock monotonic;
+    int64_t (*wall_ns)(void *context); /* since 1970 UTC; may jump when the clock is set */
+    void *wall_context;
+};
+
+static inline int64_t iso_times_now_ns(const struct iso_times *times)
+{
+    return iso_clock_now_ns(&times->monotonic);
+}
+
+static inline int64_t iso_times_wall_ns(const struct iso_times *times)
+{
+    return times->wall_ns(times->wall_context);
+}
+
+/* Whether a date is one that a clock shows which has been set: a board without a battery starts in
+ * 1970 and would take what has expired for valid. */
+static inline bool iso_wall_is_set(int64_t wall_s)
+{
+    return wall_s >= INT64_C(1704067200); /* 2024-01-01 */
+}
+
+/* The times of this machine. */
+struct iso_times iso_times_system(void);
+
+#endif

@@ -1,0 +1,38 @@
+#include "firmware/utf8.h"
+
+/* Length by the first byte, 0 if none begins so. */
+static int sequence_length(unsigned char first)
+{
+    if (first < 0x80) {
+        return 1;
+    }
+    if (first < 0xc2) { /* a continuation, or an overlong pair */
+        return 0;
+    }
+    return first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+}
+
+int iso_utf8_decode(const char *text, uint32_t *character)
+{
+    static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned char *bytes = (const unsigned char *)text;
+    const int length = sequence_length(bytes[0]);
+    if (length <= 1) {
+        if (length) {
+            *character = bytes[0];
+        }
+        return length;
+    }
+    uint32_t c = bytes[0] & (0x7fu >> length);
+    for (int i = 1; i < length; i++) {
+        if ((bytes[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+        c = c << 6 | (bytes[i] & 0x3fu);
+    }
+    if (c < smallest[length] || (c >= 0xd800 && c < 0xe000) || c > 0x10ffff) {
+        return 0;
+    }
+    *character = c;
+    return length;
+}

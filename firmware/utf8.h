@@ -1,0 +1,12 @@
+/* Reading UTF-8 strictly (RFC 3629). */
+#ifndef ISO_FIRMWARE_UTF8_H
+#define ISO_FIRMWARE_UTF8_H
+
+#include <stdint.h>
+
+/* Decodes the character at the beginning of a NUL-terminated text. Returns its length in bytes,
+ * 1..4; or 0, with *character untouched, if that is no UTF-8 (also: longer than need be, surrogate,
+ * beyond U+10FFFF, cut short). The terminating NUL counts as a character of length 1. */
+int iso_utf8_decode(const char *text, uint32_t *character);
+
+#endif

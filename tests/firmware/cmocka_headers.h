@@ -1,0 +1,13 @@
+/* cmocka, with what it wants included before it. */
+#ifndef TESTS_FIRMWARE_CMOCKA_HEADERS_H
+#define TESTS_FIRMWARE_CMOCKA_HEADERS_H
+
+// clang-format off
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+
+#endif

@@ -1,0 +1,262 @@
+#include "tests/firmware/puppets.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/times.h"
+
+/* ---- templates ---------------------------------------------------------------------------------
+ */
+
+struct iso_template puppet_template(int face, uint32_t algorithm)
+{
+    struct iso_template t = {
+        .algorithm = algorithm,
+        .sensor = "puppet",
+        .n_radii = 1,
+        .n_points = 4,
+        .n_frames = 1,
+        .quality = 0.75f,
+        .radius_mm = {(float)face},
+    };
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        for (int i = 0; i < t.n_points; i++) {
+            t.points_mm[0][l][i][0] = (float)(5 * l - 3 * i);
+            t.points_mm[0][l][i][1] = (float)(l * l - 2 * i);
+            t.points_mm[0][l][i][2] = (float)(7 * i - l);
+            t.weight[0][l][i] = 1;
+        }
+    }
+    return t;
+}
+
+int puppet_face_of(const struct iso_template *tmpl)
+{
+    return (int)tmpl->radius_mm[0];
+}
+
+/* ---- sensor ------------------------------------------------------------------------------------
+ */
+
+/* A frame's first pixel is the face, its second the outcome: 100 and more, to be valid depths. */
+struct stream {
+    struct puppet_sensor *sensor;
+    float depth_mm[3];
+    struct iso_frame frame;
+};
+
+static struct puppet_sensor *being_opened; /* options cannot carry it */
+
+static int stream_open(const struct iso_option *options, size_t n_options,
+                       const struct iso_clock *clock, void **self, struct iso_fault *fault)
+{
+    struct stream *stream;
+    (void)options;
+    (void)n_options;
+    (void)clock;
+    if (being_opened->open_error) {
+        return iso_fault_set(fault, being_opened->open_error, "puppet: will not open");
+    }
+    stream = calloc(1, sizeof *stream);
+    assert_non_null(stream);
+    stream->sensor = being_opened;
+    stream->frame = (struct iso_frame){
+        .camera = {.projection = ISO_PINHOLE,
+                   .width_px = 3,
+                   .height_px = 1,
+                   .fx_px = 500,
+                   .fy_px = 500,
+                   .cx_px = 1},
+        .width_px = 3,
+        .height_px = 1,
+        .depth_mm = stream->depth_mm,
+    };
+    being_opened->opened++;
+    *self = stream;
+    return 0;
+}
+
+static int stream_start(void *self, struct iso_fault *fault)
+{
+    const struct stream *stream = self;
+    return stream->sensor->start_error
+               ? iso_fault_set(fault, stream->sensor->start_error, "puppet: will not start")
+               : 0;
+}
+
+static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
+                       struct iso_fault *fault)
+{
+    struct stream *stream = self;
+    struct puppet_sensor *sensor = stream->sensor;
+    (void)deadline_ns;
+    if (sensor->wait_error) {
+        return iso_fault_set(fault, sensor->wait_error, "puppet: will not wait");
+    }
+    if (sensor->next == sensor->n_frames ||
+        sensor->frames[sensor->next].t_ns > iso_clock_now_ns(&sensor->clock)) {
+        return -ETIMEDOUT;
+    }
+    stream->depth_mm[0] = (float)(100 + sensor->frames[sensor->next].face);
+    stream->depth_mm[1] = (float)(100 + (int)sensor->frames[sensor->next].capture);
+    stream->frame.t_ns = sensor->frames[sensor->next].t_ns;
+    stream->frame.sequence = (uint64_t)sensor->next++;
+    *frame = &stream->frame;
+    return 0;
+}
+
+static int stream_next_due_ns(void *self, int64_t *due_ns)
+{
+    const struct puppet_sensor *sensor = ((const struct stream *)self)->sensor;
+    *due_ns = sensor->next < sensor->n_frames
+                  ? sensor->frames[sensor->next].t_ns
+                  : iso_clock_now_ns(&sensor->clock) + 50 * ISO_NS_PER_MS;
+    return 0;
+}
+
+static int stream_describe(void *self, struct iso_sensor_description *out)
+{
+    (void)self;
+    *out = (struct iso_sensor_description){.model = "puppet9", .width_px = 3, .height_px = 1};
+    return 0;
+}
+
+static int stream_stop(void *self)
+{
+    (void)self;
+    return 0;
+}
+
+static void stream_close(void *self)
+{
+    ((struct stream *)self)->sensor->closed++;
+    free(self);
+}
+
+static const struct iso_sensor_ops idle_ops = {
+    .name = "puppet",
+    .open = stream_open,
+    .start = stream_start,
+    .wait = stream_wait,
+    .next_due_ns = stream_next_due_ns,
+    .describe = stream_describe,
+    .stop = stream_stop,
+    .close = stream_close,
+};
+
+static const struct iso_sensor_ops streaming_ops = {
+    .name = "puppet",
+    .open = stream_open,
+    .start = stream_start,
+    .wait = stream_wait,
+    .stop = stream_stop,
+    .close = stream_close,
+};
+
+static int open_puppet(void *context, struct iso_sensor **out, struct iso_fault *fault)
+{
+    being_opened = context;
+    return iso_sensor_open_ops(being_opened->streams ? &streaming_ops : &idle_ops, NULL, 0,
+                               &being_opened->clock, out, fault);
+}
+
+struct iso_sensor_source puppet_sensor_source(struct puppet_sensor *sensor)
+{
+    return (struct iso_sensor_source){open_puppet, sensor};
+}
+
+void puppet_sensor_add(struct puppet_sensor *sensor, int64_t t_ns, int face,
+                       enum iso_capture capture)
+{
+    assert_in_range(sensor->n_frames, 0, PUPPET_FRAMES_MAX - 1);
+    sensor->frames[sensor->n_frames].t_ns = t_ns;
+    sensor->frames[sensor->n_frames].face = face;
+    sensor->frames[sensor->n_frames].capture = capture;
+    sensor->n_frames++;
+}
+
+/* ---- pipeline ----------------------------------------------------------------------------------
+ */
+
+static int extract(void *self, const struct iso_frame *frame, const char *sensor,
+                   struct iso_extraction *out)
+{
+    struct puppet_pipeline *pipeline = self;
+    (void)snprintf(pipeline->sensor, sizeof pipeline->sensor, "%s", sensor);
+    if (pipeline->extract_error) {
+        return pipeline->extract_error;
+    }
+    out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);
+    out->tmpl = puppet_template((int)frame->depth_mm[0] - 100, PUPPET_ALGORITHM);
+    return 0;
+}
+
+static int by_falling_score(const void *a, const void *b)
+{
+    const double x = ((const struct iso_search_hit *)a)->score;
+    const double y = ((const struct iso_search_hit *)b)->score;
+    return (x < y) - (x > y);
+}
+
+static int search(void *self, const struct iso_search_entry *entries, int n_entries,
+                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
+                  int *n_hits)
+{
+    const struct puppet_pipeline *pipeline = self;
+    struct iso_search_hit all[64];
+    int n = 0;
+    if (pipeline->search_error) {
+        return pipeline->search_error;
+    }
+    for (int i = 0; i < n_entries; i++) {
+        const double score = 10 - abs(puppet_face_of(probe) - puppet_face_of(entries[i].tmpl));
+        int at = 0;
+        assert_int_equal(entries[i].tmpl->algorithm, PUPPET_ALGORITHM);
+        while (at < n && all[at].person != entries[i].person) {
+            at++;
+        }
+        if (at == n) {
+            all[n++] = (struct iso_search_hit){entries[i].person, 10 - score, score};
+        }
+        all[at].score = fmax(all[at].score, score);
+    }
+    qsort(all, (size_t)n, sizeof *all, by_falling_score);
+    *n_hits = n < capacity ? n : capacity;
+    memcpy(hits, all, (size_t)*n_hits * sizeof *hits);
+    return 0;
+}
+
+static uint32_t algorithm(const void *self)
+{
+    (void)self;
+    return PUPPET_ALGORITHM;
+}
+
+static uint32_t model(const void *self)
+{
+    (void)self;
+    return PUPPET_MODEL;
+}
+
+static void close_pipeline(void *self)
+{
+    (void)self;
+}
+
+static const struct iso_pipeline_ops pipeline_ops = {
+    .extract = extract,
+    .search = search,
+    .algorithm = algorithm,
+    .model = model,
+    .close = close_pipeline,
+};
+
+struct iso_pipeline puppet_pipeline(struct puppet_pipeline *pipeline)
+{
+    return (struct iso_pipeline){&pipeline_ops, pipeline};
+}

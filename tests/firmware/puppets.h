@@ -1,0 +1,51 @@
+/* A sensor and a pipeline that a test moves by strings: frames that carry who is on them, and a
+ * matcher that reads it.
+ *
+ * A face is a whole number. Two templates have the score 10 - |difference of their faces|. */
+#ifndef TESTS_FIRMWARE_PUPPETS_H
+#define TESTS_FIRMWARE_PUPPETS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/capture.h"
+#include "core/clock.h"
+#include "core/match/template.h"
+#include "firmware/pipeline.h"
+#include "firmware/sensor_keeper.h"
+
+enum { PUPPET_ALGORITHM = 0x51, PUPPET_MODEL = 0xabc, PUPPET_FRAMES_MAX = 64 };
+
+/* A template of that face, by that algorithm; it can be serialised and fused. */
+struct iso_template puppet_template(int face, uint32_t algorithm);
+int puppet_face_of(const struct iso_template *tmpl);
+
+struct puppet_sensor {
+    struct iso_clock clock;
+    /* Frames to come; those whose time is not reached are not there yet. */
+    struct {
+        int64_t t_ns;
+        enum iso_capture capture;
+        int face;
+    } frames[PUPPET_FRAMES_MAX];
+    int n_frames, next;
+    int open_error, start_error, wait_error; /* what the next call of each fails with; stays */
+    bool streams; /* it has no next_due_ns: silence is a fault */
+    int opened, closed; /* how often it was */
+};
+
+/* Opens this sensor whenever it is asked to; `sensor` must outlive it. */
+struct iso_sensor_source puppet_sensor_source(struct puppet_sensor *sensor);
+
+/* One more frame: a usable face, or (face 0) what else the extraction shall find. */
+void puppet_sensor_add(struct puppet_sensor *sensor, int64_t t_ns, int face,
+                       enum iso_capture capture);
+
+struct puppet_pipeline {
+    int extract_error, search_error;
+    char sensor[32]; /* as the last extraction was told */
+};
+
+struct iso_pipeline puppet_pipeline(struct puppet_pipeline *pipeline);
+
+#endif

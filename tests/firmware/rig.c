@@ -1,0 +1,248 @@
+#include "tests/firmware/rig.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "drivers/door/door_null.h"
+#include "tests/support/manual_clock.h"
+#include "tests/support/scratch.h"
+
+/* ---- what it reports ---------------------------------------------------------------------------
+ */
+
+__attribute__((format(printf, 2, 3))) static void tell(struct rig *rig, const char *format, ...)
+{
+    const size_t used = strlen(rig->told);
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(rig->told + used, sizeof rig->told - used, format, arguments);
+    va_end(arguments);
+}
+
+static void on_enroll_status(void *context, const char *result, bool done, unsigned stage,
+                             unsigned stages, double quality)
+{
+    assert_true(isfinite(quality));
+    tell(context, "enroll %s %u/%u%s; ", result, stage, stages, done ? " done" : "");
+}
+
+static void on_recognition_status(void *context, enum iso_appliance_mode mode, const char *result,
+                                  bool done, const char *person, double score, double threshold)
+{
+    const struct rig *rig = context;
+    assert_true(threshold == rig->config.decision.threshold);
+    assert_true(isnan(score) || score <= 10);
+    tell(context, "%s %s%s%s%s; ", iso_appliance_mode_name(mode), result, *person ? " " : "", person,
+         done ? " done" : "");
+}
+
+static void on_visit(void *context, const struct iso_visit *visit)
+{
+    tell(context, "visit %s%s%s %s %d; ", visit->verdict.allow ? "allow" : "deny",
+         *visit->person ? " " : "", visit->person, iso_reason_name(visit->verdict.reason),
+         visit->verdict.frames);
+}
+
+static void on_door_changed(void *context, const char *state, const char *cause)
+{
+    tell(context, "door %s %s; ", state, cause);
+}
+
+static void on_claim_lost(void *context)
+{
+    tell(context, "claim lost; ");
+}
+
+static void on_message(void *context, int priority, const char *text)
+{
+    (void)context;
+    assert_in_range(priority, 0, 7);
+    assert_null(strchr(text, '\n'));
+}
+
+/* ---- set-up ------------------------------------------------------------------------------------
+ */
+
+static void open_parts(struct rig *rig)
+{
+    const struct iso_clock clock = manual_clock(&rig->now_ns);
+    const struct iso_door_outputs unpowered = {{false}};
+    rig->sensor.clock = clock;
+    rig->parts = (struct iso_appliance_parts){
+        .config = &rig->config,
+        .times = {clock, manual_clock_now_ns, &rig->wall_ns},
+        .sensor = puppet_sensor_source(&rig->sensor),
+        .pipeline = puppet_pipeline(&rig->puppet),
+        .events = {on_enroll_status, on_recognition_status, on_visit, on_door_changed,
+                   on_claim_lost, on_message, rig},
+    };
+    assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
+    assert_int_equal(iso_gallery_open(scratch_path(rig->directory, "g.db"), 3, PUPPET_ALGORITHM,
+                                      &rig->gallery, NULL),
+                     0);
+    assert_int_equal(iso_audit_open(scratch_path(rig->directory, "a.log"), false,
+                                    &rig->parts.times, &rig->audit, NULL),
+                     0);
+    rig->parts.door_io = rig->door_io;
+    rig->parts.gallery = rig->gallery;
+    rig->parts.audit = rig->audit;
+}
+
+int rig_setup(void **state)
+{
+    void *directory = NULL;
+    struct rig *rig = calloc(1, sizeof *rig);
+    if (!rig || scratch_setup(&directory)) {
+        return -1;
+    }
+    rig->directory = directory;
+    rig->now_ns = 100 * ISO_NS_PER_S;
+    rig->wall_ns = INT64_C(1795250000) * ISO_NS_PER_S;
+    rig->config = iso_config_default();
+    rig->config.decision.threshold = 6;
+    rig->config.decision.margin = 1;
+    rig->config.enroll.agree_score = 4;
+    rig->config.enroll.duplicate_score = 6;
+    rig->config.enroll.stages = 3;
+    open_parts(rig);
+    *state = rig;
+    return iso_appliance_new(&rig->parts, &rig->appliance);
+}
+
+int rig_teardown(void **state)
+{
+    struct rig *rig = *state;
+    void *directory = rig->directory;
+    iso_appliance_free(rig->appliance);
+    iso_audit_close(rig->audit);
+    iso_gallery_close(rig->gallery);
+    iso_door_io_close(rig->door_io);
+    assert_int_equal(rig->sensor.opened, rig->sensor.closed);
+    free(rig);
+    return scratch_teardown(&directory);
+}
+
+/* ---- moving ------------------------------------------------------------------------------------
+ */
+
+void rig_start(struct rig *rig)
+{
+    struct iso_fault fault = {""};
+    if (iso_appliance_start(rig->appliance, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    (void)rig_news(rig);
+}
+
+void rig_enrol(struct rig *rig, const char *person, int face)
+{
+    struct iso_person entry = {.enrolled_s = 1};
+    const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
+    (void)snprintf(entry.name, sizeof entry.name, "%s", person);
+    assert_int_equal(iso_gallery_add(rig->gallery, &entry, &tmpl, NULL), 0);
+}
+
+void rig_show(struct rig *rig, int face, int n)
+{
+    for (int i = 1; i <= n; i++) {
+        puppet_sensor_add(&rig->sensor, rig->now_ns + 33 * i * ISO_NS_PER_MS, face, ISO_CAPTURE_OK);
+    }
+}
+
+void rig_show_unusable(struct rig *rig, enum iso_capture capture, int n)
+{
+    for (int i = 1; i <= n; i++) {
+        puppet_sensor_add(&rig->sensor, rig->now_ns + 33 * i * ISO_NS_PER_MS, 0, capture);
+    }
+}
+
+void rig_run(struct rig *rig, int64_t ms)
+{
+    const int64_t end_ns = rig->now_ns + ms * ISO_NS_PER_MS;
+    for (int steps = 0;; steps++) {
+        int64_t wake_ns = 0;
+        struct iso_fault fault = {""};
+        if (iso_appliance_step(rig->appliance, &wake_ns, &fault)) {
+            fail_msg("%s", fault.text);
+        }
+        assert_true(steps < 100 + 2 * ms); /* else it is busy doing nothing */
+        if (wake_ns > end_ns) {
+            break;
+        }
+        if (wake_ns > rig->now_ns) {
+            rig->wall_ns += wake_ns - rig->now_ns;
+            rig->now_ns = wake_ns;
+        }
+    }
+    rig->wall_ns += end_ns - rig->now_ns;
+    rig->now_ns = end_ns;
+}
+
+/* ---- looking -----------------------------------------------------------------------------------
+ */
+
+const char *rig_news(struct rig *rig)
+{
+    static char text[sizeof rig->told];
+    strcpy(text, rig->told);
+    rig->told[0] = '\0';
+    const size_t length = strlen(text);
+    if (length > 2) {
+        text[length - 2] = '\0'; /* the last "; " */
+    }
+    return text;
+}
+
+bool rig_relay(const struct rig *rig)
+{
+    bool active = false;
+    assert_int_equal(iso_door_null_get_output(rig->door_io, ISO_DOOR_RELAY, &active), 0);
+    return active;
+}
+
+struct record {
+    char event[64], line[1024];
+};
+
+static int keep_last(void *context, const char *line)
+{
+    struct record *record = context;
+    if (strstr(line, record->event)) {
+        (void)snprintf(record->line, sizeof record->line, "%s", line);
+    }
+    return 0;
+}
+
+const char *rig_record(struct rig *rig, const char *event)
+{
+    static struct record record;
+    record.line[0] = '\0';
+    (void)snprintf(record.event, sizeof record.event, "\"event\":\"%s\"", event);
+    assert_int_equal(iso_audit_read(rig->audit, 1, UINT32_MAX, keep_last, &record), 0);
+    return record.line;
+}
+
+static void limit_files(rlim_t bytes)
+{
+    struct rlimit limit;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit.rlim_cur = bytes;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+}
+
+void rig_fill_disk(void)
+{
+    (void)signal(SIGXFSZ, SIG_IGN);
+    limit_files(1);
+}
+
+void rig_free_disk(void)
+{
+    limit_files(RLIM_INFINITY);
+}

@@ -1,0 +1,400 @@
+/* What a client can do with the appliance: claim, enrol, verify, identify, delete. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "tests/firmware/rig.h"
+
+static void start_claimed(struct rig *rig)
+{
+    rig_start(rig);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+}
+
+static void enroll(struct rig *rig, const char *person)
+{
+    const struct iso_enroll_request request = {.person = person};
+    struct iso_fault fault = {""};
+    if (iso_appliance_enroll(rig->appliance, &request, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+}
+
+/* ---- claim -------------------------------------------------------------------------------------
+ */
+
+static void a_claim_keeps_the_door_shut(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_claim(rig->appliance), -EBUSY);
+    rig_show(rig, 50, 4);
+    rig_run(rig, 1000);
+    assert_string_equal(rig_news(rig), "");
+    iso_appliance_release(rig->appliance);
+    iso_appliance_release(rig->appliance); /* once more does no harm */
+    rig_show(rig, 50, 2);
+    rig_run(rig, 1000);
+    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+}
+
+static void a_claim_ends_a_visit_without_a_verdict(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 100);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    iso_appliance_release(rig->appliance);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "");
+}
+
+static void an_idle_claim_runs_out(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    rig_run(rig, 59000);
+    assert_string_equal(rig_news(rig), "");
+    rig_run(rig, 2000);
+    assert_string_equal(rig_news(rig), "claim lost");
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+}
+
+static void nothing_goes_without_a_claim(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    const struct iso_enroll_request request = {.person = "anna"};
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), -EACCES);
+    assert_string_equal(fault.text, "claim the camera first");
+    assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), -EACCES);
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), -EACCES);
+    assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_ENROLL), -ENODATA);
+}
+
+static void one_action_at_a_time(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+    assert_int_equal(iso_appliance_identify(rig->appliance, &fault), -EBUSY);
+    assert_string_equal(fault.text, "identify goes on, stop it first");
+    assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_VERIFY), -ENODATA);
+    assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_IDENTIFY), 0);
+    assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_IDENTIFY), -ENODATA);
+    enroll(rig, "anna");
+}
+
+/* ---- enrolling ---------------------------------------------------------------------------------
+ */
+
+static void enrols_with_hints(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    enroll(rig, "anna");
+    rig_show_unusable(rig, ISO_CAPTURE_TOO_FAR, 5);
+    rig_run(rig, 200);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 50);
+    rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 1);
+    rig_run(rig, 50);
+    rig_show(rig, 90, 1); /* somebody else looks in */
+    rig_run(rig, 50);
+    rig_show(rig, 51, 4);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig),
+                        "enroll retry-too-far 0/3; enroll stage-passed 1/3; "
+                        "enroll retry-turn-left 1/3; enroll retry-moving 1/3; "
+                        "enroll stage-passed 2/3; enroll stage-passed 3/3; "
+                        "enroll completed 3/3 done");
+    const struct iso_person *anna = iso_gallery_find(rig->gallery, "anna");
+    assert_int_equal(anna->usable, 1);
+    assert_in_range(anna->enrolled_s, 1795250000, 1795250001);
+    assert_non_null(strstr(rig_record(rig, "enroll"),
+                           "\"person\":\"anna\",\"reason\":\"completed\",\"frames\":3}"));
+    /* It has ended by itself: stopping it is fine, once. */
+    assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_ENROLL), 0);
+    assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_ENROLL), -ENODATA);
+    iso_appliance_release(rig->appliance);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+}
+
+static void repeats_a_hint_once_a_second(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    enroll(rig, "anna");
+    rig_show_unusable(rig, ISO_CAPTURE_FLAT, 40);
+    rig_run(rig, 1400);
+    assert_string_equal(rig_news(rig), "enroll retry-flat 0/3; enroll retry-flat 0/3");
+}
+
+static void enrols_within_limits(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    struct iso_enroll_request request = {
+        .person = "anna", .valid_from_s = 1795250000, .valid_until_s = 1795250000};
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), -EINVAL);
+    assert_string_equal(fault.text, "the time of validity is empty");
+    request.valid_until_s++;
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
+    rig_show(rig, 50, 3);
+    rig_run(rig, 200);
+    assert_int_equal(iso_gallery_find(rig->gallery, "anna")->valid_from_s, 1795250000);
+    assert_int_equal(iso_gallery_find(rig->gallery, "anna")->valid_until_s, 1795250001);
+}
+
+static void refuses_a_duplicate(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_enroll_request request = {.person = "bob"};
+    rig_enrol(rig, "anna", 50);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
+    rig_show(rig, 51, 3);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "enroll stage-passed 1/3; enroll stage-passed 2/3; "
+                                       "enroll stage-passed 3/3; enroll duplicate 3/3 done");
+    assert_null(iso_gallery_find(rig->gallery, "bob"));
+    assert_non_null(strstr(rig_record(rig, "enroll"), "\"person\":\"bob\",\"reason\":\"duplicate\","
+                                                      "\"frames\":3,\"note\":\"anna\"}"));
+    request.allow_duplicate = true;
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
+    rig_show(rig, 51, 3);
+    rig_run(rig, 200);
+    assert_non_null(iso_gallery_find(rig->gallery, "bob"));
+}
+
+static void an_enrolment_can_fail(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    enroll(rig, "anna");
+    rig_show(rig, 50, 1);
+    rig_run(rig, 50);
+    rig_show(rig, 90, 3);
+    rig_run(rig, 150);
+    assert_non_null(strstr(rig_news(rig), "enroll failed 1/3 done"));
+    assert_null(iso_gallery_find(rig->gallery, "anna"));
+}
+
+static void an_enrolment_takes_its_time(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    enroll(rig, "anna");
+    rig_run(rig, 59990);
+    assert_string_equal(rig_news(rig), "");
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "enroll timed-out 0/3 done");
+}
+
+static void an_enrolment_that_cannot_be_kept_fails(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    enroll(rig, "anna");
+    rig_show(rig, 50, 3);
+    rig_fill_disk();
+    rig_run(rig, 200);
+    rig_free_disk();
+    assert_non_null(strstr(rig_news(rig), "enroll failed 3/3 done"));
+    assert_null(iso_gallery_find(rig->gallery, "anna"));
+}
+
+static void refuses_names_and_numbers(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    struct iso_enroll_request request = {.person = "an\tna"};
+    rig_enrol(rig, "anna", 50);
+    rig_enrol(rig, "bob", 70);
+    rig_enrol(rig, "eve", 90);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), -EINVAL);
+    assert_string_equal(fault.text, "the name holds a control character");
+    request.person = "zac";
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), -EDQUOT);
+    assert_string_equal(fault.text, "the gallery is full: 3 people");
+    enroll(rig, "anna");
+}
+
+static void a_lost_sensor_ends_every_action(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    rig_enrol(rig, "anna", 50);
+    start_claimed(rig);
+    for (int action = 0; action < 3; action++) {
+        if (action == 0) {
+            enroll(rig, "bob");
+        } else if (action == 1) {
+            assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
+        } else {
+            assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+        }
+        rig->sensor.wait_error = rig->sensor.open_error = -ENODEV;
+        rig_run(rig, 100);
+        rig->sensor.wait_error = rig->sensor.open_error = 0;
+        assert_int_equal(iso_appliance_identify(rig->appliance, &fault), -ENODEV);
+        rig_run(rig, 35000);
+        if (action == 0) {
+            assert_string_equal(fault.text, "puppet: will not wait");
+            assert_string_equal(rig_news(rig), "enroll disconnected 0/3 done; door fault fault; "
+                                               "door locked recovered");
+        } else {
+            char wanted[128];
+            (void)snprintf(wanted, sizeof wanted,
+                           "%s disconnected done; door fault fault; door locked recovered",
+                           action == 1 ? "verify" : "identify");
+            assert_string_equal(rig_news(rig), wanted);
+        }
+        iso_appliance_release(rig->appliance);
+        assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    }
+}
+
+/* ---- verifying and identifying -----------------------------------------------------------------
+ */
+
+static void verifies(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_enrol(rig, "bob", 80);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
+    rig_show(rig, 52, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "verify match anna done");
+    assert_false(rig_relay(rig)); /* nothing of it opens the door */
+    assert_non_null(strstr(rig_record(rig, "verify"), "\"person\":\"anna\",\"reason\":\"match\","));
+    assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
+    rig_show(rig, 80, 6);
+    rig_run(rig, 300);
+    assert_string_equal(rig_news(rig), "verify no-match anna done");
+    struct iso_fault fault = {""};
+    assert_int_equal(iso_appliance_verify(rig->appliance, "zac", &fault), -ENOENT);
+    assert_string_equal(fault.text, "zac: no such person");
+}
+
+static void identifies(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_enrol(rig, "bob", 80);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+    rig_show_unusable(rig, ISO_CAPTURE_NO_FACE, 1);
+    rig_run(rig, 50);
+    rig_show(rig, 81, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "identify retry-no-face; identify match bob done");
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+    rig_show(rig, 65, 1); /* and is gone again */
+    rig_run(rig, 2000);
+    assert_string_equal(rig_news(rig), "identify no-match done");
+    assert_false(rig_relay(rig));
+}
+
+static void who_may_not_enter_now_is_still_recognised(void **state)
+{
+    struct rig *rig = *state;
+    const struct iso_person anna = {.name = "anna", .valid_until_s = 1795240000};
+    const struct iso_template tmpl = puppet_template(50, PUPPET_ALGORITHM);
+    assert_int_equal(iso_gallery_add(rig->gallery, &anna, &tmpl, NULL), 0);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "identify match anna done");
+}
+
+static void looks_for_a_time_only(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
+    rig_run(rig, 29900);
+    assert_string_equal(rig_news(rig), "");
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "verify timed-out done");
+}
+
+/* ---- deleting ----------------------------------------------------------------------------------
+ */
+
+static void deletes_on_record(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    assert_int_equal(iso_appliance_remove(rig->appliance, "zac", &fault), -ENOENT);
+    assert_string_equal(fault.text, "zac: no such person");
+    rig_fill_disk();
+    assert_int_equal(iso_appliance_remove(rig->appliance, "anna", &fault), -ENOSPC);
+    rig_free_disk();
+    assert_non_null(iso_gallery_find(rig->gallery, "anna"));
+    assert_int_equal(iso_appliance_remove(rig->appliance, "anna", NULL), 0);
+    assert_null(iso_gallery_find(rig->gallery, "anna"));
+    assert_non_null(strstr(rig_record(rig, "delete"), "\"person\":\"anna\"}"));
+    rig_show(rig, 50, 6);
+    rig_run(rig, 300);
+    assert_string_equal(rig_news(rig), "visit deny unknown 6");
+}
+
+static void who_is_deleted_while_being_verified_does_not_match(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
+    assert_int_equal(iso_appliance_remove(rig->appliance, "anna", NULL), 0);
+    rig_show(rig, 50, 6);
+    rig_run(rig, 300);
+    assert_string_equal(rig_news(rig), "verify no-match anna done");
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(a_claim_keeps_the_door_shut),
+        TEST(a_claim_ends_a_visit_without_a_verdict),
+        TEST(an_idle_claim_runs_out),
+        TEST(nothing_goes_without_a_claim),
+        TEST(one_action_at_a_time),
+        TEST(enrols_with_hints),
+        TEST(repeats_a_hint_once_a_second),
+        TEST(enrols_within_limits),
+        TEST(refuses_a_duplicate),
+        TEST(an_enrolment_can_fail),
+        TEST(an_enrolment_takes_its_time),
+        TEST(an_enrolment_that_cannot_be_kept_fails),
+        TEST(refuses_names_and_numbers),
+        TEST(a_lost_sensor_ends_every_action),
+        TEST(verifies),
+        TEST(identifies),
+        TEST(who_may_not_enter_now_is_still_recognised),
+        TEST(looks_for_a_time_only),
+        TEST(deletes_on_record),
+        TEST(who_is_deleted_while_being_verified_does_not_match),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

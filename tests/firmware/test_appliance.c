@@ -1,0 +1,348 @@
+/* The appliance at the door: visits, sensor, lines, log. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "drivers/door/door_null.h"
+#include "tests/firmware/rig.h"
+
+/* ---- visits ------------------------------------------------------------------------------------
+ */
+
+static void lets_in_who_is_known(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 52, 3);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_true(rig_relay(rig));
+    assert_string_equal(rig->puppet.sensor, "puppet9");
+    assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "allow anna");
+    const char *record = rig_record(rig, "visit");
+    assert_non_null(strstr(record, "\"person\":\"anna\",\"verdict\":\"allow\",\"reason\":\"match\","
+                                   "\"score\":8,\"threshold\":6,\"frames\":2}"));
+    rig_run(rig, 5000);
+    assert_string_equal(rig_news(rig), "door locked time");
+    assert_false(rig_relay(rig));
+}
+
+static void refuses_a_stranger(void **state)
+{
+    struct rig *rig = *state;
+    bool lit = false;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 55, 6);
+    rig_run(rig, 300);
+    assert_string_equal(rig_news(rig), "visit deny unknown 6");
+    assert_false(rig_relay(rig));
+    assert_int_equal(iso_door_null_get_output(rig->door_io, ISO_DOOR_LED_REFUSED, &lit), 0);
+    assert_true(lit);
+    assert_non_null(strstr(rig_record(rig, "visit"), "\"verdict\":\"deny\",\"reason\":\"unknown\","
+                                                     "\"score\":5,\"threshold\":6,\"frames\":6}"));
+    assert_null(strstr(rig_record(rig, "visit"), "anna"));
+    assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "deny");
+}
+
+static void refuses_who_leaves(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 1500);
+    assert_string_equal(rig_news(rig), "");
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "visit deny left 1");
+}
+
+static void refuses_everybody_with_an_empty_gallery(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_show(rig, 50, 6);
+    rig_run(rig, 300);
+    assert_string_equal(rig_news(rig), "visit deny unknown 6");
+    assert_null(strstr(rig_record(rig, "visit"), "score"));
+}
+
+static void nobody_is_no_visit(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_show_unusable(rig, ISO_CAPTURE_TOO_FAR, 20);
+    rig_run(rig, 60000);
+    assert_string_equal(rig_news(rig), "");
+}
+
+static void two_people_one_after_the_other(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_enrol(rig, "bob", 80);
+    rig_start(rig);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 3000);
+    rig_show(rig, 81, 2);
+    rig_run(rig, 3000);
+    assert_string_equal(rig_news(rig),
+                        "visit allow anna match 2; door unlocked grant; visit allow bob match 2");
+}
+
+/* However late the frames are worked on, it is the time of their exposure that counts. */
+static void a_slow_machine_sees_one_visit(void **state)
+{
+    struct rig *rig = *state;
+    int64_t wake_ns;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 2);
+    for (int i = 0; i < 2; i++) {
+        rig->now_ns += 3 * ISO_NS_PER_S;
+        assert_int_equal(iso_appliance_step(rig->appliance, &wake_ns, NULL), 0);
+    }
+    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+}
+
+static void the_time_of_validity_counts(void **state)
+{
+    static const struct {
+        int64_t from_s, until_s;
+        bool clock_set;
+        const char *news;
+    } cases[] = {
+        {0, 0, true, "visit allow anna match 2; door unlocked grant"},
+        {0, 0, false, "visit allow anna match 2; door unlocked grant"},
+        {1795249000, 1795260000, true, "visit allow anna match 2; door unlocked grant"},
+        {1795249000, 0, true, "visit allow anna match 2; door unlocked grant"},
+        {1795260000, 0, true, "visit deny anna not-valid 2"},
+        {0, 1795249000, true, "visit deny anna not-valid 2"},
+        {0, 1795260000, false, "visit deny anna not-valid 2"}, /* a clock that was never set */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        void *own = NULL;
+        assert_int_equal(rig_setup(&own), 0);
+        struct rig *rig = own;
+        struct iso_person anna = {.name = "anna",
+                                  .valid_from_s = cases[i].from_s,
+                                  .valid_until_s = cases[i].until_s};
+        const struct iso_template tmpl = puppet_template(50, PUPPET_ALGORITHM);
+        rig->wall_ns = cases[i].clock_set ? rig->wall_ns : 5 * ISO_NS_PER_S;
+        assert_int_equal(iso_gallery_add(rig->gallery, &anna, &tmpl, NULL), 0);
+        rig_start(rig);
+        rig_show(rig, 50, 2);
+        rig_run(rig, 200);
+        assert_string_equal(rig_news(rig), cases[i].news);
+        assert_int_equal(rig_teardown(&own), 0);
+    }
+    (void)state;
+}
+
+static void what_cannot_be_logged_does_not_open(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 2);
+    rig_fill_disk();
+    rig_run(rig, 2500);
+    rig_free_disk();
+    assert_string_equal(rig_news(rig), "visit deny anna unlogged 2");
+    assert_false(rig_relay(rig));
+    rig_show(rig, 50, 2);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+}
+
+static void who_is_inside_gets_out_with_a_full_disk(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_fill_disk();
+    assert_int_equal(iso_door_null_set_input(rig->door_io, ISO_DOOR_EXIT_BUTTON, true), 0);
+    rig_run(rig, 100);
+    rig_free_disk();
+    assert_string_equal(rig_news(rig), "door unlocked exit-button");
+    assert_true(rig_relay(rig));
+}
+
+/* ---- frames that cannot be worked on -----------------------------------------------------------
+ */
+
+static void goes_on_after_a_frame_that_fails(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 4);
+    rig->puppet.extract_error = -EDOM;
+    rig_run(rig, 40);
+    rig->puppet.extract_error = 0;
+    rig->puppet.search_error = -ENOMEM;
+    rig_run(rig, 33);
+    rig->puppet.search_error = 0;
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+}
+
+static void a_face_with_too_few_points_is_none(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig->puppet.search_error = -ENODATA;
+    rig_show(rig, 50, 6);
+    rig_run(rig, 5000);
+    assert_string_equal(rig_news(rig), "");
+}
+
+/* ---- the sensor --------------------------------------------------------------------------------
+ */
+
+static void a_lost_sensor_is_a_fault_of_the_door(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 100);
+    rig->sensor.wait_error = rig->sensor.open_error = -ENODEV;
+    rig_run(rig, 2000);
+    assert_string_equal(rig_news(rig), "door fault fault"); /* and the visit is forgotten */
+    assert_non_null(strstr(rig_record(rig, "sensor"), "\"reason\":\"lost\""));
+    assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "lost");
+    assert_string_equal(iso_appliance_status(rig->appliance).sensor_fault, "puppet: will not open");
+    rig->sensor.wait_error = rig->sensor.open_error = 0;
+    rig_run(rig, 30000);
+    assert_string_equal(rig_news(rig), "door locked recovered");
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+}
+
+static void starts_without_a_sensor(void **state)
+{
+    struct rig *rig = *state;
+    rig->sensor.open_error = -ENODEV;
+    assert_int_equal(iso_appliance_start(rig->appliance, NULL), 0);
+    assert_string_equal(rig_news(rig), "door fault start");
+    rig->sensor.open_error = 0;
+    rig_run(rig, 1000);
+    assert_string_equal(rig_news(rig), "door locked recovered");
+}
+
+static void does_not_start_with_a_sensor_that_cannot_be(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    rig->sensor.open_error = -EINVAL;
+    assert_int_equal(iso_appliance_start(rig->appliance, &fault), -EINVAL);
+    assert_string_equal(fault.text, "puppet: will not open");
+}
+
+static void a_damaged_frame_is_no_fault_of_the_door(void **state)
+{
+    struct rig *rig = *state;
+    int64_t wake_ns;
+    rig_start(rig);
+    rig->sensor.wait_error = -EBADMSG;
+    assert_int_equal(iso_appliance_step(rig->appliance, &wake_ns, NULL), 0);
+    assert_string_equal(rig_news(rig), "");
+    rig->sensor.wait_error = 0;
+    rig_run(rig, 100);
+    assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "started");
+}
+
+static void the_watchdog_sees_an_idle_sensor_and_not_a_dead_one(void **state)
+{
+    struct rig *rig = *state;
+    rig->sensor.streams = true;
+    rig->config.sensor.silence_ms = 600000;
+    rig_start(rig);
+    const uint64_t dead = iso_appliance_progress(rig->appliance);
+    rig_run(rig, 60000);
+    assert_int_equal(iso_appliance_progress(rig->appliance), dead);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 100);
+    assert_int_equal(iso_appliance_progress(rig->appliance), dead + 1);
+}
+
+/* ---- the door ----------------------------------------------------------------------------------
+ */
+
+static void puts_the_door_on_record(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    assert_int_equal(iso_door_null_set_input(rig->door_io, ISO_DOOR_CONTACT, true), 0);
+    rig_run(rig, 60);
+    assert_string_equal(rig_news(rig), "door forced opened");
+    assert_non_null(
+        strstr(rig_record(rig, "door"), "\"event\":\"door\",\"reason\":\"opened\",\"note\":\"forced\"}"));
+}
+
+static void stops_without_power(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+    assert_true(rig_relay(rig));
+    iso_appliance_stop(rig->appliance);
+    assert_false(rig_relay(rig));
+    assert_int_equal(rig->sensor.closed, 1);
+    assert_string_not_equal(rig_record(rig, "stop"), "");
+    assert_non_null(strstr(rig_record(rig, "start"), "\"sequence\":1,"));
+}
+
+static void knows_its_state(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 250);
+    const struct iso_appliance_status status = iso_appliance_status(rig->appliance);
+    assert_int_equal(status.mode, ISO_APPLIANCE_WATCH);
+    assert_string_equal(iso_appliance_mode_name(status.mode), "watch");
+    assert_int_equal(status.door, ISO_DOOR_LOCKED);
+    assert_string_equal(status.sensor_model, "puppet9");
+    assert_int_equal(status.frames, 1);
+    assert_int_equal(status.model, PUPPET_MODEL);
+    assert_int_equal(status.algorithm, PUPPET_ALGORITHM);
+    assert_int_equal(status.uptime_ns, 250 * ISO_NS_PER_MS);
+    assert_true(iso_appliance_door_fd(rig->appliance) >= 0);
+    assert_int_equal(iso_appliance_sensor_fd(rig->appliance), -ENOSYS);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(lets_in_who_is_known),
+        TEST(refuses_a_stranger),
+        TEST(refuses_who_leaves),
+        TEST(refuses_everybody_with_an_empty_gallery),
+        TEST(nobody_is_no_visit),
+        TEST(two_people_one_after_the_other),
+        TEST(a_slow_machine_sees_one_visit),
+        cmocka_unit_test(the_time_of_validity_counts),
+        TEST(what_cannot_be_logged_does_not_open),
+        TEST(who_is_inside_gets_out_with_a_full_disk),
+        TEST(goes_on_after_a_frame_that_fails),
+        TEST(a_face_with_too_few_points_is_none),
+        TEST(a_lost_sensor_is_a_fault_of_the_door),
+        TEST(starts_without_a_sensor),
+        TEST(does_not_start_with_a_sensor_that_cannot_be),
+        TEST(a_damaged_frame_is_no_fault_of_the_door),
+        TEST(the_watchdog_sees_an_idle_sensor_and_not_a_dead_one),
+        TEST(puts_the_door_on_record),
+        TEST(stops_without_power),
+        TEST(knows_its_state),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,248 @@
+/* The configuration: defaults, every refusal by its line, and that sample and manual say the same as
+ * the table. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "core/extract.h"
+#include "core/match/distance.h"
+#include "firmware/config.h"
+#include "tests/support/scratch.h"
+
+static void holds_defaults_without_a_file(void **state)
+{
+    const struct iso_config config = iso_config_default();
+    const struct iso_extract_options extract = iso_extract_options_default();
+    const struct iso_match_options match = iso_match_options_default();
+    (void)state;
+    assert_string_equal(config.sensor.backend, "replay");
+    assert_string_equal(config.door.backend, "null");
+    assert_int_equal(config.door.fail, ISO_DOOR_FAIL_SECURE);
+    assert_int_equal(config.decision.agree, 2);
+    assert_true(config.log.sync);
+    assert_string_equal(config.bus.address, "system");
+    /* Said twice, in core and here: they have to agree. */
+    assert_true(config.sensor.distance_min_mm == extract.distance_min_mm);
+    assert_true(config.sensor.distance_max_mm == extract.distance_max_mm);
+    assert_true(config.match.trim == match.trim);
+    assert_int_equal(config.match.icp_iterations, match.icp_iterations);
+    assert_int_equal(config.match.transform, match.transform);
+}
+
+static void every_default_is_sound(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < iso_config_n_keys; i++) {
+        const struct iso_config_key *key = &iso_config_keys[i];
+        struct iso_config config;
+        struct iso_fault fault = {""};
+        char text[256];
+        (void)snprintf(text, sizeof text, "[%s]\n%s = %s\n", key->section, key->name,
+                       key->standard);
+        if (iso_config_parse("default", text, &config, &fault)) {
+            fail_msg("%s", fault.text);
+        }
+        assert_non_null(key->help);
+        assert_null(strchr(key->help, '\n'));
+    }
+}
+
+static void reads_every_type(void **state)
+{
+    struct iso_config config;
+    (void)state;
+    assert_int_equal(iso_config_parse("c",
+                                      "; a comment\n"
+                                      "[sensor]\n"
+                                      "path = /srv/slot ; where visitors stand\n"
+                                      "distance_min_mm = 412.5\n"
+                                      "[door]\n"
+                                      "fail=safe\n"
+                                      "unlock_ms = 700\n"
+                                      "[log]\n"
+                                      "sync = no\n"
+                                      "[match]\n"
+                                      "transform = affine",
+                                      &config, NULL),
+                     0);
+    assert_string_equal(config.sensor.path, "/srv/slot");
+    assert_true(config.sensor.distance_min_mm == 412.5);
+    assert_int_equal(config.door.fail, ISO_DOOR_FAIL_SAFE);
+    assert_int_equal(config.door.unlock_ms, 700);
+    assert_false(config.log.sync);
+    assert_int_equal(config.match.transform, ISO_ICP_AFFINE);
+    assert_int_equal(config.door.held_ms, 30000);
+}
+
+static void refuses(const char *text, const char *message)
+{
+    struct iso_config config = {.door.unlock_ms = 4711};
+    struct iso_fault fault = {""};
+    assert_int_equal(iso_config_parse("door.conf", text, &config, &fault), -EINVAL);
+    assert_string_equal(fault.text, message);
+    assert_int_equal(config.door.unlock_ms, 4711); /* untouched */
+}
+
+static void refuses_what_it_does_not_know(void **state)
+{
+    (void)state;
+    refuses("[door]\nunlock_ms = 700\n[wall]\nheight = 3\n", "door.conf:3: unknown section [wall]");
+    refuses("\n\n[wall]\n", "door.conf:3: unknown section [wall]");
+    refuses("[door]\n# color\ncolour = red\n", "door.conf:3: unknown key 'colour' in [door]");
+    refuses("unlock_ms = 700\n", "door.conf:1: key 'unlock_ms' stands in no known section");
+    refuses("[gallery]\nunlock_ms = 700\n", "door.conf:2: unknown key 'unlock_ms' in [gallery]");
+}
+
+static void refuses_bad_lines(void **state)
+{
+    char text[400] = "[door]\n";
+    (void)state;
+    refuses("[door]\nunlock_ms 700\n", "door.conf:2: not `key = value`");
+    refuses("[door]\nunlock_ms 700\ncolour = red\n", "door.conf:2: not `key = value`");
+    refuses("[door\nunlock_ms = 700\n", "door.conf:1: not `key = value`");
+    refuses("[door]\nunlock_ms = 700\nheld_ms = 2000\nunlock_ms = 700\n",
+            "door.conf:4: 'unlock_ms' is given twice");
+    memset(text + 7, 'x', 191);
+    refuses(text, "door.conf:2: line is longer than 190 bytes");
+}
+
+static void refuses_bad_values(void **state)
+{
+    (void)state;
+    refuses("[door]\nunlock_ms = soon\n",
+            "door.conf:2: bad value 'soon' for 'unlock_ms' (a whole number, 100 to 600000)");
+    refuses("[door]\nunlock_ms = 99\n",
+            "door.conf:2: bad value '99' for 'unlock_ms' (a whole number, 100 to 600000)");
+    refuses("[door]\nunlock_ms = 700.5\n",
+            "door.conf:2: bad value '700.5' for 'unlock_ms' (a whole number, 100 to 600000)");
+    refuses("[door]\nfail = open\n", "door.conf:2: bad value 'open' for 'fail' (secure|safe)");
+    refuses("[door]\nfail = sec\n", "door.conf:2: bad value 'sec' for 'fail' (secure|safe)");
+    refuses("[log]\nsync = true\n", "door.conf:2: bad value 'true' for 'sync' (no|yes)");
+    refuses("[decision]\nthreshold = nan\n",
+            "door.conf:2: bad value 'nan' for 'threshold' (a number, -100 to 100)");
+    refuses("[match]\ntrim = 1.01\n", "door.conf:2: bad value '1.01' for 'trim' (a number, 0.5 to 1)");
+}
+
+static void refuses_what_does_not_fit_together(void **state)
+{
+    (void)state;
+    refuses("[decision]\nagree = 7\nmax_frames = 6\n",
+            "door.conf: [decision] agree is above max_frames");
+    refuses("[sensor]\ndistance_min_mm = 900\ndistance_max_mm = 800\n",
+            "door.conf: [sensor] distance_min_mm is not below distance_max_mm");
+    refuses("[sensor]\nretry_ms = 500\nretry_max_ms = 400\n",
+            "door.conf: [sensor] retry_ms is above retry_max_ms");
+}
+
+static void names_the_file_that_is_not_there(void **state)
+{
+    struct iso_config config;
+    struct iso_fault fault = {""};
+    (void)state;
+    assert_int_equal(iso_config_load("/nonexistent/isotherm.conf", &config, &fault), -ENOENT);
+    assert_string_equal(fault.text, "/nonexistent/isotherm.conf: No such file or directory");
+}
+
+static void hands_on_the_options_that_are_given(void **state)
+{
+    struct iso_config config;
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    (void)state;
+    assert_int_equal(
+        iso_config_parse("c", "[sensor]\npath = /srv/slot\nloop = yes\n", &config, NULL), 0);
+    assert_int_equal(iso_config_sensor_options(&config, options), 2);
+    assert_string_equal(options[0].key, "path");
+    assert_string_equal(options[0].value, "/srv/slot");
+    assert_string_equal(options[1].key, "loop");
+    assert_int_equal(iso_config_door_options(&config, options), 0);
+}
+
+/* ---- sample and manual ------------------------------------------------------------------------
+ */
+
+static char *sample(void)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    assert_non_null(file);
+    iso_config_print_sample(file);
+    assert_int_equal(fclose(file), 0);
+    return text;
+}
+
+static void the_sample_of_the_board_is_the_table(void **state)
+{
+    size_t size = 0;
+    char *printed = sample();
+    char *committed = scratch_read(ISOTHERM_SOURCE_DIR "/board/generic/isotherm.conf", &size);
+    (void)state;
+    committed[size] = '\0';
+    assert_string_equal(committed, printed);
+    free(committed);
+    free(printed);
+}
+
+/* Also with every key taken out of its comment. */
+static void the_sample_is_sound(void **state)
+{
+    struct iso_config config;
+    struct iso_fault fault = {""};
+    const struct iso_config otherwise = iso_config_default();
+    char *text = sample();
+    (void)state;
+    assert_int_equal(iso_config_parse("sample", text, &config, &fault), 0);
+    for (char *at = text; (at = strstr(at, "\n#")); at++) {
+        if (at[2] != ' ') {
+            at[1] = ' ';
+            memmove(at + 1, at + 2, strlen(at + 2) + 1);
+        }
+    }
+    if (iso_config_parse("sample", text, &config, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_memory_equal(&config, &otherwise, sizeof config);
+    free(text);
+}
+
+static void the_manual_names_every_key(void **state)
+{
+    size_t size = 0;
+    char *manual = scratch_read(ISOTHERM_SOURCE_DIR "/enroll/man/isotherm.conf.5", &size);
+    (void)state;
+    manual[size] = '\0';
+    for (size_t i = 0; i < iso_config_n_keys; i++) {
+        const struct iso_config_key *key = &iso_config_keys[i];
+        char heading[64], item[128];
+        (void)snprintf(heading, sizeof heading, ".Ss Section %s\n", key->section);
+        (void)snprintf(item, sizeof item, ".It Cm %s =%s%s\n", key->name, *key->standard ? " " : "",
+                       key->standard);
+        const char *section = strstr(manual, heading);
+        if (!section || !strstr(section, item)) {
+            fail_msg("isotherm.conf.5 lacks '%s' in [%s]", item, key->section);
+        }
+    }
+    free(manual);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(holds_defaults_without_a_file),
+        cmocka_unit_test(every_default_is_sound),
+        cmocka_unit_test(reads_every_type),
+        cmocka_unit_test(refuses_what_it_does_not_know),
+        cmocka_unit_test(refuses_bad_lines),
+        cmocka_unit_test(refuses_bad_values),
+        cmocka_unit_test(refuses_what_does_not_fit_together),
+        cmocka_unit_test(names_the_file_that_is_not_there),
+        cmocka_unit_test(hands_on_the_options_that_are_given),
+        cmocka_unit_test(the_sample_of_the_board_is_the_table),
+        cmocka_unit_test(the_sample_is_sound),
+        cmocka_unit_test(the_manual_names_every_key),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,222 @@
+/* One enrolment, with the puppet's faces: two agree if they differ by at most 6, and are duplicates
+ * if they differ by at most 4. */
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/enrolment.h"
+#include "firmware/times.h"
+#include "tests/firmware/puppets.h"
+
+static struct iso_enrolment enrolment;
+static struct puppet_pipeline puppet;
+static struct iso_pipeline pipeline;
+static struct iso_enrolment_gallery gallery;
+
+static int setup(void **state)
+{
+    const struct iso_enrolment_options options = {
+        .stages = 3,
+        .agree_score = 4,
+        .duplicate_score = 6,
+        .timeout_ns = 60 * ISO_NS_PER_S,
+    };
+    (void)state;
+    puppet = (struct puppet_pipeline){0};
+    pipeline = puppet_pipeline(&puppet);
+    gallery = (struct iso_enrolment_gallery){0};
+    iso_enrolment_begin(&enrolment, &options, 5 * ISO_NS_PER_S);
+    return 0;
+}
+
+/* A frame of that face; whether it passed. */
+static bool frame(int face)
+{
+    const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
+    bool passed = false;
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+    assert_int_equal(iso_enrolment_frame(&enrolment, &tmpl, &pipeline, &gallery, &passed), 0);
+    return passed;
+}
+
+static void completes_with_frames_that_agree(void **state)
+{
+    (void)state;
+    assert_true(frame(50));
+    assert_true(frame(53));
+    assert_int_equal(enrolment.stage, 2);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+    assert_true(frame(47));
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+    assert_int_equal(puppet_face_of(&enrolment.fused), 50);
+    assert_int_equal(enrolment.fused.n_frames, 3);
+    assert_int_equal(enrolment.fused.algorithm, PUPPET_ALGORITHM);
+}
+
+static void leaves_a_misfit_out(void **state)
+{
+    (void)state;
+    assert_true(frame(50));
+    assert_true(frame(56));
+    assert_false(frame(62)); /* like the second, not like the first */
+    assert_true(frame(52));
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+    assert_int_equal(enrolment.misfits, 1);
+}
+
+static void fails_when_nothing_agrees(void **state)
+{
+    (void)state;
+    assert_true(frame(50));
+    assert_false(frame(80));
+    assert_false(frame(81));
+    assert_false(frame(82));
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
+}
+
+static void finds_a_duplicate(void **state)
+{
+    const struct iso_template known = puppet_template(54, PUPPET_ALGORITHM);
+    const struct iso_search_entry entries[] = {{.person = 9, .tmpl = &known}};
+    (void)state;
+    gallery.entries = entries;
+    gallery.n_entries = 1;
+    assert_true(frame(50));
+    assert_true(frame(51));
+    assert_true(frame(52));
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_DUPLICATE);
+    assert_int_equal(enrolment.duplicate_of, 9);
+}
+
+static void a_duplicate_may_be_allowed(void **state)
+{
+    const struct iso_template known = puppet_template(54, PUPPET_ALGORITHM);
+    const struct iso_search_entry entries[] = {{.person = 9, .tmpl = &known}};
+    (void)state;
+    gallery.entries = entries;
+    gallery.n_entries = 1;
+    enrolment.options.allow_duplicate = true;
+    (void)frame(50);
+    (void)frame(51);
+    (void)frame(52);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+}
+
+static void somebody_less_alike_is_no_duplicate(void **state)
+{
+    const struct iso_template known = puppet_template(55, PUPPET_ALGORITHM);
+    const struct iso_search_entry entries[] = {{.person = 9, .tmpl = &known}};
+    (void)state;
+    gallery.entries = entries;
+    gallery.n_entries = 1;
+    (void)frame(50);
+    (void)frame(51);
+    (void)frame(52);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+}
+
+/* More templates for who is known: their own are no duplicates, even behind them another may be. */
+static void adds_to_a_person(void **state)
+{
+    const struct iso_template known = puppet_template(51, PUPPET_ALGORITHM);
+    const struct iso_template other = puppet_template(54, PUPPET_ALGORITHM);
+    const struct iso_search_entry entries[] = {{.person = 3, .tmpl = &known},
+                                               {.person = 9, .tmpl = &other}};
+    (void)state;
+    gallery = (struct iso_enrolment_gallery){entries, entries, 1, 1, 3};
+    (void)frame(50);
+    (void)frame(51);
+    (void)frame(52);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+
+    assert_int_equal(setup(NULL), 0);
+    gallery = (struct iso_enrolment_gallery){entries, entries, 2, 1, 3};
+    (void)frame(50);
+    (void)frame(51);
+    (void)frame(52);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_DUPLICATE);
+    assert_int_equal(enrolment.duplicate_of, 9);
+}
+
+static void does_not_add_somebody_else_to_a_person(void **state)
+{
+    const struct iso_template known = puppet_template(90, PUPPET_ALGORITHM);
+    const struct iso_search_entry entries[] = {{.person = 3, .tmpl = &known}};
+    (void)state;
+    gallery = (struct iso_enrolment_gallery){entries, entries, 1, 1, 3};
+    (void)frame(50);
+    (void)frame(51);
+    (void)frame(52);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
+}
+
+static void ends_in_time(void **state)
+{
+    (void)state;
+    iso_enrolment_time(&enrolment, 65 * ISO_NS_PER_S - 1);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+    iso_enrolment_time(&enrolment, 65 * ISO_NS_PER_S);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_TIMED_OUT);
+}
+
+static void ends_without_a_sensor(void **state)
+{
+    (void)state;
+    iso_enrolment_disconnect(&enrolment);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_DISCONNECTED);
+}
+
+static void a_frame_without_enough_points_agrees_with_none(void **state)
+{
+    (void)state;
+    assert_true(frame(50));
+    puppet.search_error = -ENODATA;
+    assert_false(frame(50));
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+}
+
+static void hands_up_an_error_of_the_search(void **state)
+{
+    const struct iso_template tmpl = puppet_template(50, PUPPET_ALGORITHM);
+    bool passed = true;
+    (void)state;
+    assert_true(frame(50));
+    puppet.search_error = -ENOMEM;
+    assert_int_equal(iso_enrolment_frame(&enrolment, &tmpl, &pipeline, &gallery, &passed), -ENOMEM);
+    assert_true(passed); /* untouched */
+    assert_int_equal(enrolment.stage, 1);
+}
+
+static void wipes_its_templates(void **state)
+{
+    const struct iso_template nothing = {0};
+    (void)state;
+    (void)frame(50);
+    (void)frame(51);
+    (void)frame(52);
+    iso_enrolment_wipe(&enrolment);
+    assert_memory_equal(&enrolment.frames[1], &nothing, sizeof nothing);
+    assert_memory_equal(&enrolment.fused, &nothing, sizeof nothing);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(completes_with_frames_that_agree, setup),
+        cmocka_unit_test_setup(leaves_a_misfit_out, setup),
+        cmocka_unit_test_setup(fails_when_nothing_agrees, setup),
+        cmocka_unit_test_setup(finds_a_duplicate, setup),
+        cmocka_unit_test_setup(a_duplicate_may_be_allowed, setup),
+        cmocka_unit_test_setup(somebody_less_alike_is_no_duplicate, setup),
+        cmocka_unit_test_setup(adds_to_a_person, setup),
+        cmocka_unit_test_setup(does_not_add_somebody_else_to_a_person, setup),
+        cmocka_unit_test_setup(ends_in_time, setup),
+        cmocka_unit_test_setup(ends_without_a_sensor, setup),
+        cmocka_unit_test_setup(a_frame_without_enough_points_agrees_with_none, setup),
+        cmocka_unit_test_setup(hands_up_an_error_of_the_search, setup),
+        cmocka_unit_test_setup(wipes_its_templates, setup),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

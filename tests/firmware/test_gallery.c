@@ -1,0 +1,227 @@
+/* The gallery: what goes in comes out again, in memory and after a restart. */
+#include <errno.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/gallery.h"
+#include "tests/firmware/puppets.h"
+#include "tests/support/scratch.h"
+
+static struct iso_gallery *open_gallery(const char *directory)
+{
+    struct iso_gallery *gallery = NULL;
+    struct iso_fault fault = {""};
+    if (iso_gallery_open(scratch_path(directory, "g.db"), 3, PUPPET_ALGORITHM, &gallery, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return gallery;
+}
+
+static int add(struct iso_gallery *gallery, const char *name, int face, struct iso_fault *fault)
+{
+    struct iso_person person = {.enrolled_s = 1000 + face, .valid_until_s = 2000};
+    const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
+    (void)snprintf(person.name, sizeof person.name, "%s", name);
+    return iso_gallery_add(gallery, &person, &tmpl, fault);
+}
+
+static void expect_person(const struct iso_gallery *gallery, const char *name, unsigned templates)
+{
+    const struct iso_person *person = iso_gallery_find(gallery, name);
+    int n = -1;
+    assert_non_null(person);
+    assert_int_equal(person->templates, templates);
+    assert_int_equal(person->usable, templates);
+    assert_ptr_equal(iso_gallery_find_id(gallery, person->id), person);
+    (void)iso_gallery_entries_of(gallery, person->id, &n);
+    assert_int_equal(n, templates);
+}
+
+static void begins_empty_and_private(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    struct stat status;
+    size_t n_people = 1;
+    int n_entries = 1;
+    (void)iso_gallery_people(gallery, &n_people);
+    (void)iso_gallery_entries(gallery, &n_entries);
+    assert_int_equal(n_people, 0);
+    assert_int_equal(n_entries, 0);
+    assert_null(iso_gallery_find(gallery, "anna"));
+    assert_null(iso_gallery_entries_of(gallery, 1, &n_entries));
+    assert_int_equal(stat(scratch_path(*state, "g.db"), &status), 0);
+    assert_int_equal(status.st_mode & 0777, 0600);
+    iso_gallery_close(gallery);
+    iso_gallery_close(NULL);
+}
+
+/* Everything the same before and after a restart. */
+static void check_three(const struct iso_gallery *gallery)
+{
+    size_t n_people = 0;
+    int n = 0;
+    const struct iso_person *people = iso_gallery_people(gallery, &n_people);
+    const struct iso_search_entry *entries = iso_gallery_entries(gallery, &n);
+    assert_int_equal(n_people, 2);
+    assert_string_equal(people[0].name, "anna");
+    assert_string_equal(people[1].name, "Zo\xc3\xab");
+    assert_int_equal(people[0].enrolled_s, 1020); /* the second template does not change that */
+    assert_int_equal(people[0].valid_from_s, 0);
+    assert_int_equal(people[0].valid_until_s, 2000);
+    expect_person(gallery, "anna", 2);
+    expect_person(gallery, "Zo\xc3\xab", 1);
+    /* Those of one person side by side, though they came in another order. */
+    assert_int_equal(n, 3);
+    assert_int_equal(puppet_face_of(entries[0].tmpl), 20);
+    assert_int_equal(puppet_face_of(entries[1].tmpl), 22);
+    assert_int_equal(puppet_face_of(entries[2].tmpl), 60);
+    assert_int_equal(entries[1].person, people[0].id);
+}
+
+static void keeps_people_over_a_restart(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    assert_int_equal(add(gallery, "Zo\xc3\xab", 60, NULL), 0);
+    assert_int_equal(add(gallery, "anna", 22, NULL), 0);
+    check_three(gallery);
+    iso_gallery_close(gallery);
+    gallery = open_gallery(*state);
+    check_three(gallery);
+    iso_gallery_close(gallery);
+}
+
+static void a_template_is_as_it_was(void **state)
+{
+    const struct iso_template wanted = puppet_template(20, PUPPET_ALGORITHM);
+    struct iso_gallery *gallery = open_gallery(*state);
+    int n = 0;
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    assert_memory_equal(iso_gallery_entries(gallery, &n)->tmpl, &wanted, sizeof wanted);
+    iso_gallery_close(gallery);
+    gallery = open_gallery(*state);
+    assert_memory_equal(iso_gallery_entries(gallery, &n)->tmpl, &wanted, sizeof wanted);
+    iso_gallery_close(gallery);
+}
+
+static void deletes_a_person_whole(void **state)
+{
+    struct iso_fault fault = {""};
+    struct iso_gallery *gallery = open_gallery(*state);
+    int n = 0;
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    assert_int_equal(add(gallery, "bob", 60, NULL), 0);
+    assert_int_equal(add(gallery, "anna", 22, NULL), 0);
+    const int64_t id = iso_gallery_find(gallery, "anna")->id;
+    assert_int_equal(iso_gallery_remove(gallery, "anna", NULL), 0);
+    assert_null(iso_gallery_find(gallery, "anna"));
+    expect_person(gallery, "bob", 1);
+    (void)iso_gallery_entries(gallery, &n);
+    assert_int_equal(n, 1);
+    assert_int_equal(iso_gallery_remove(gallery, "anna", &fault), -ENOENT);
+    assert_string_equal(fault.text, "anna: no such person");
+    iso_gallery_close(gallery);
+
+    gallery = open_gallery(*state);
+    assert_null(iso_gallery_find(gallery, "anna"));
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    assert_true(iso_gallery_find(gallery, "anna")->id > id); /* the number is not used again */
+    iso_gallery_close(gallery);
+}
+
+/* The bytes of whom it forgets are gone from the file, too. */
+static void leaves_nothing_behind(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    size_t size = 0;
+    assert_int_equal(add(gallery, "Wilhelmina", 20, NULL), 0);
+    char *before = scratch_read(scratch_path(*state, "g.db"), &size);
+    assert_non_null(memmem(before, size, "Wilhelmina", 10));
+    assert_int_equal(iso_gallery_remove(gallery, "Wilhelmina", NULL), 0);
+    iso_gallery_close(gallery);
+    char *after = scratch_read(scratch_path(*state, "g.db"), &size);
+    assert_null(memmem(after, size, "Wilhelmina", 10));
+    assert_null(memmem(after, size, "ISOT\1", 5)); /* of a template */
+    free(before);
+    free(after);
+}
+
+static void refuses_more_than_its_capacity(void **state)
+{
+    struct iso_fault fault = {""};
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    assert_int_equal(add(gallery, "bob", 60, NULL), 0);
+    assert_int_equal(add(gallery, "eve", 100, NULL), 0);
+    assert_int_equal(add(gallery, "zac", 140, &fault), -EDQUOT);
+    assert_string_equal(fault.text, "the gallery is full: 3 people");
+    assert_int_equal(iso_gallery_room(gallery, "zac", NULL), -EDQUOT);
+    assert_int_equal(iso_gallery_room(gallery, "anna", NULL), 0);
+    for (int i = 1; i < ISO_GALLERY_TEMPLATES_MAX; i++) {
+        assert_int_equal(add(gallery, "anna", 20 + i, NULL), 0);
+    }
+    assert_int_equal(add(gallery, "anna", 19, &fault), -EDQUOT);
+    assert_string_equal(fault.text, "anna has 16 templates, there is no room for more");
+    expect_person(gallery, "anna", 16);
+    iso_gallery_close(gallery);
+}
+
+static void refuses_what_makes_no_sense(void **state)
+{
+    struct iso_fault fault = {""};
+    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_person person = {.name = "anna"};
+    struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM + 1);
+    assert_int_equal(add(gallery, "an\nna", 20, &fault), -EINVAL);
+    assert_string_equal(fault.text, "the name holds a control character");
+    assert_int_equal(iso_gallery_add(gallery, &person, &tmpl, &fault), -EINVAL);
+    assert_string_equal(fault.text, "the template is of another algorithm");
+    tmpl = puppet_template(20, PUPPET_ALGORITHM);
+    tmpl.points_mm[0][3][1][2] = 600;
+    assert_int_equal(iso_gallery_add(gallery, &person, &tmpl, &fault), -EINVAL);
+    assert_string_equal(fault.text, "the template is out of range");
+    assert_null(iso_gallery_find(gallery, "anna"));
+    iso_gallery_close(gallery);
+}
+
+static void keeps_templates_of_another_algorithm(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    int n = -1;
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    iso_gallery_close(gallery);
+
+    assert_int_equal(
+        iso_gallery_open(scratch_path(*state, "g.db"), 3, PUPPET_ALGORITHM + 1, &gallery, NULL), 0);
+    const struct iso_person *person = iso_gallery_find(gallery, "anna");
+    assert_int_equal(person->templates, 1);
+    assert_int_equal(person->usable, 0);
+    (void)iso_gallery_entries(gallery, &n);
+    assert_int_equal(n, 0);
+    iso_gallery_close(gallery);
+
+    gallery = open_gallery(*state);
+    expect_person(gallery, "anna", 1);
+    iso_gallery_close(gallery);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, scratch_setup, scratch_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(begins_empty_and_private),
+        TEST(keeps_people_over_a_restart),
+        TEST(a_template_is_as_it_was),
+        TEST(deletes_a_person_whole),
+        TEST(leaves_nothing_behind),
+        TEST(refuses_more_than_its_capacity),
+        TEST(refuses_what_makes_no_sense),
+        TEST(keeps_templates_of_another_algorithm),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,183 @@
+/* Keeping a sensor running. */
+#include <errno.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/sensor_keeper.h"
+#include "firmware/times.h"
+#include "tests/firmware/puppets.h"
+#include "tests/support/manual_clock.h"
+
+#define MS ISO_NS_PER_MS
+
+static int64_t now_ns;
+static struct puppet_sensor sensor;
+static struct iso_sensor_keeper keeper;
+
+static int setup(void **state)
+{
+    const struct iso_sensor_keeper_options options = {1000 * MS, 100 * MS, 700 * MS};
+    const struct iso_sensor_source source = puppet_sensor_source(&sensor);
+    (void)state;
+    now_ns = 1000 * MS;
+    sensor = (struct puppet_sensor){.clock = manual_clock(&now_ns)};
+    iso_sensor_keeper_init(&keeper, &options, &source, now_ns);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    (void)state;
+    iso_sensor_keeper_done(&keeper);
+    assert_int_equal(sensor.opened, sensor.closed);
+    return 0;
+}
+
+static enum iso_sensor_news look(void)
+{
+    const struct iso_frame *frame = NULL;
+    return iso_sensor_keeper_look(&keeper, now_ns, &frame);
+}
+
+static void opens_and_hands_out_frames(void **state)
+{
+    const struct iso_frame *frame = NULL;
+    (void)state;
+    puppet_sensor_add(&sensor, 1200 * MS, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), 1200 * MS);
+    assert_string_equal(keeper.model, "");
+    now_ns = 1200 * MS;
+    assert_int_equal(iso_sensor_keeper_look(&keeper, now_ns, &frame), ISO_SENSOR_FRAME);
+    assert_int_equal(frame->t_ns, 1200 * MS);
+    assert_int_equal(keeper.frames, 1);
+    assert_string_equal(keeper.model, "puppet9");
+}
+
+static void waits_longer_after_each_failure(void **state)
+{
+    static const int64_t tries_ms[] = {1000, 1100, 1300, 1700, 2400, 3100};
+    (void)state;
+    sensor.open_error = -ENODEV;
+    for (size_t i = 0; i < sizeof tries_ms / sizeof *tries_ms; i++) {
+        now_ns = tries_ms[i] * MS - 1;
+        if (i > 0) {
+            assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), tries_ms[i] * MS);
+            assert_int_equal(look(), ISO_SENSOR_QUIET);
+        }
+        now_ns = tries_ms[i] * MS;
+        assert_int_equal(look(), ISO_SENSOR_FLAW);
+        assert_string_equal(keeper.fault, "puppet: will not open");
+        assert_int_equal(keeper.error, -ENODEV);
+        assert_int_equal(keeper.progress, i + 1); /* the program lives, all the same */
+    }
+    sensor.open_error = 0;
+    now_ns = 3800 * MS;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+}
+
+static void a_sensor_that_does_not_start_is_closed(void **state)
+{
+    (void)state;
+    sensor.start_error = -EIO;
+    assert_int_equal(look(), ISO_SENSOR_FLAW);
+    assert_string_equal(keeper.fault, "puppet: will not start");
+    assert_int_equal(sensor.closed, 1);
+    assert_null(keeper.sensor);
+}
+
+static void opens_again_what_was_lost(void **state)
+{
+    (void)state;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    sensor.wait_error = -ENODEV;
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+    assert_string_equal(keeper.fault, "puppet: will not wait");
+    assert_int_equal(sensor.closed, 1);
+    sensor.wait_error = 0;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    now_ns += 100 * MS;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+}
+
+/* One that opens and breaks at once is tried less and less often, too. */
+static void a_sign_of_life_shortens_the_wait(void **state)
+{
+    (void)state;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    sensor.wait_error = -EIO;
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+    now_ns += 100 * MS;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+    assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), now_ns + 200 * MS);
+    now_ns += 200 * MS;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    sensor.wait_error = 0;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    sensor.wait_error = -EIO;
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+    assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), now_ns + 100 * MS);
+}
+
+static void goes_on_after_a_damaged_frame(void **state)
+{
+    (void)state;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    sensor.wait_error = -EBADMSG;
+    assert_int_equal(look(), ISO_SENSOR_FLAW);
+    assert_int_equal(sensor.closed, 0);
+    sensor.wait_error = 0;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+}
+
+static void an_idle_sensor_may_be_idle_for_good(void **state)
+{
+    (void)state;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    for (int i = 0; i < 100; i++) {
+        const uint64_t progress = keeper.progress;
+        now_ns = iso_sensor_keeper_due_ns(&keeper, now_ns);
+        assert_int_equal(look(), ISO_SENSOR_QUIET);
+        assert_int_equal(keeper.progress, progress + 1);
+    }
+    assert_int_equal(now_ns, 6000 * MS);
+}
+
+static void a_silent_stream_is_broken(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    puppet_sensor_add(&sensor, 1500 * MS, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    const uint64_t progress = keeper.progress;
+    now_ns = 1499 * MS;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_int_equal(keeper.progress, progress); /* silence is no sign of life */
+    now_ns = 1500 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    now_ns = 2499 * MS;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    now_ns = 2500 * MS;
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+    assert_string_equal(keeper.fault, "sensor puppet: no frame for 1000 ms");
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(opens_and_hands_out_frames),
+        TEST(waits_longer_after_each_failure),
+        TEST(a_sensor_that_does_not_start_is_closed),
+        TEST(opens_again_what_was_lost),
+        TEST(a_sign_of_life_shortens_the_wait),
+        TEST(goes_on_after_a_damaged_frame),
+        TEST(an_idle_sensor_may_be_idle_for_good),
+        TEST(a_silent_stream_is_broken),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
