@@ -1,0 +1,64 @@
+#include "enroll/action.h"
+
+#include <string.h>
+
+#include "core/contract.h"
+
+static enum cli_exit start(struct cli_door *door, const struct cli_action *action,
+                           struct cli_fault *fault)
+{
+    sd_bus_message *call = NULL;
+    enum cli_exit exit = cli_door_message(door, action->start, &call, fault);
+
+    if (exit) {
+        return exit;
+    }
+    const int r = action->append ? action->append(call, action->context) : 0;
+    if (r < 0) {
+        sd_bus_message_unref(call);
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-argument", "%s: %s", action->start,
+                             strerror(-r));
+    }
+    return cli_door_send(door, call, NULL, fault);
+}
+
+/* What ended the action counts; a fault on the way out would only hide it. */
+static void finish(struct cli_door *door, const char *method)
+{
+    struct cli_fault ignored;
+
+    (void)!cli_door_call(door, method, NULL, &ignored);
+}
+
+/* Listening begins after the claim: what the bus passed on before that belongs to another client.
+ */
+static enum cli_exit run_claimed(struct cli_door *door, const struct cli_action *action,
+                                 struct cli_fault *fault)
+{
+    enum cli_exit exit;
+
+    exit = cli_door_subscribe(door, action->signal, action->status, action->context, fault);
+    exit = exit ? exit : start(door, action, fault);
+    if (exit) {
+        return exit;
+    }
+    action->started(action->context);
+    exit = cli_door_wait(door, action->timeout_s, fault);
+    finish(door, action->stop);
+    return exit;
+}
+
+enum cli_exit cli_action_run(struct cli_door *door, const struct cli_action *action,
+                             struct cli_fault *fault)
+{
+    enum cli_exit exit;
+
+    exit = cli_door_catch_interrupt(door, fault);
+    exit = exit ? exit : cli_door_call(door, ISO_CONTRACT_CLAIM, NULL, fault);
+    if (exit) {
+        return exit;
+    }
+    exit = run_claimed(door, action, fault);
+    finish(door, ISO_CONTRACT_RELEASE);
+    return exit;
+}

@@ -1,0 +1,295 @@
+#include "enroll/arguments.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "enroll/when.h"
+
+#define FOR(verb) (1u << (verb))
+
+static const struct verb {
+    const char *name, *words, *summary;
+} verbs[CLI_VERBS] = {
+    [CLI_ENROLL] = {"enroll", "NAME", "enrol the person in front of the camera as NAME"},
+    [CLI_IDENTIFY] = {"identify", "", "say who is in front of the camera"},
+    [CLI_VERIFY] = {"verify", "NAME", "say whether NAME is in front of the camera"},
+    [CLI_LIST] = {"list", "", "list the enrolled people"},
+    [CLI_REMOVE] = {"remove", "NAME", "delete NAME and every template of NAME"},
+    [CLI_STATUS] = {"status", "", "show the state of the appliance"},
+    [CLI_LOG] = {"log", "", "show the audit log"},
+    [CLI_DOCTOR] = {"doctor", "", "look for faults and say how to mend them"},
+};
+
+enum option_id {
+    OPTION_JSON = 256, /* above every character, which getopt returns too */
+    OPTION_BUS,
+    OPTION_SESSION,
+    OPTION_HELP,
+    OPTION_VERSION,
+    OPTION_TIMEOUT,
+    OPTION_ALLOW_DUPLICATE,
+    OPTION_VALID_FROM,
+    OPTION_VALID_UNTIL,
+    OPTION_FROM,
+    OPTION_COUNT,
+    OPTION_FOLLOW,
+};
+
+static const struct choice {
+    const char *name;
+    const char *argument; /* NULL: it takes none */
+    enum option_id id;
+    unsigned verbs; /* of FOR(); 0: common to all, and to none */
+    const char *help;
+} choices[] = {
+    {"timeout", "S", OPTION_TIMEOUT, FOR(CLI_ENROLL) | FOR(CLI_IDENTIFY) | FOR(CLI_VERIFY),
+     "give up after S seconds (enroll: 60, else 30)"},
+    {"allow-duplicate", NULL, OPTION_ALLOW_DUPLICATE, FOR(CLI_ENROLL),
+     "enrol even if this face is known under another name"},
+    {"valid-from", "T", OPTION_VALID_FROM, FOR(CLI_ENROLL), "the door opens to NAME from T on"},
+    {"valid-until", "T", OPTION_VALID_UNTIL, FOR(CLI_ENROLL),
+     "... and until T: 2026-12-31 or 2026-12-31T18:00"},
+    {"from", "N", OPTION_FROM, FOR(CLI_LOG), "begin at record N"},
+    {"count", "N", OPTION_COUNT, FOR(CLI_LOG), "also -n N: at most N records (20; the last ones)"},
+    {"follow", NULL, OPTION_FOLLOW, FOR(CLI_LOG), "go on with new records until interrupted"},
+    {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
+    {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
+    {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
+    {"help", NULL, OPTION_HELP, 0, "show this help (after a command: its own)"},
+    {"version", NULL, OPTION_VERSION, 0, "show the version"},
+};
+
+enum { CHOICES = sizeof choices / sizeof *choices };
+
+/* Every "--json", even one behind a fault that ends the parsing. */
+static bool wants_json(int argc, char **argv)
+{
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (strcmp(argv[i], "--json") == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool parse_count(const char *text, unsigned long long max, unsigned long long *out)
+{
+    char *end;
+
+    if (*text < '0' || *text > '9') {
+        return false;
+    }
+    errno = 0;
+    const unsigned long long value = strtoull(text, &end, 10);
+    if (errno || *end || value == 0 || value > max) {
+        return false;
+    }
+    *out = value;
+    return true;
+}
+
+static bool parse_seconds(const char *text, double *out)
+{
+    char *end;
+    const double value = strtod(text, &end);
+
+    if (end == text || *end || !isfinite(value) || value <= 0 || value > 86400) {
+        return false;
+    }
+    *out = value;
+    return true;
+}
+
+/* Takes one option that belongs to the table; false if its value is bad. */
+static bool take(struct cli_arguments *out, enum option_id id, const char *value)
+{
+    unsigned long long number = 0;
+
+    switch (id) {
+    case OPTION_JSON:
+        return true; /* wants_json() has seen it */
+    case OPTION_BUS:
+        out->bus.address = value;
+        return *value != '\0';
+    case OPTION_SESSION:
+        out->bus.session = true;
+        return true;
+    case OPTION_HELP:
+        out->help = true;
+        return true;
+    case OPTION_VERSION:
+        out->version = true;
+        return true;
+    case OPTION_TIMEOUT:
+        return parse_seconds(value, &out->timeout_s);
+    case OPTION_ALLOW_DUPLICATE:
+        out->allow_duplicate = true;
+        return true;
+    case OPTION_VALID_FROM:
+        return cli_when_parse(value, false, &out->valid_from_s);
+    case OPTION_VALID_UNTIL:
+        return cli_when_parse(value, true, &out->valid_until_s);
+    case OPTION_FROM:
+        return parse_count(value, UINT64_MAX, &number) && (out->from = number, true);
+    case OPTION_COUNT:
+        return parse_count(value, 100000, &number) && (out->count = (unsigned)number, true);
+    case OPTION_FOLLOW:
+        out->follow = true;
+        return true;
+    }
+    return false;
+}
+
+static const struct choice *find_choice(int id)
+{
+    for (size_t i = 0; i < CHOICES; i++) {
+        if ((int)choices[i].id == id) {
+            return &choices[i];
+        }
+    }
+    return NULL;
+}
+
+static void make_getopt_table(struct option table[CHOICES + 1])
+{
+    for (size_t i = 0; i < CHOICES; i++) {
+        table[i] = (struct option){choices[i].name, choices[i].argument != NULL, NULL,
+                                   (int)choices[i].id};
+    }
+    table[CHOICES] = (struct option){0};
+}
+
+static enum cli_exit usage(struct cli_fault *fault, const char *text, const char *word)
+{
+    return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "%s '%s' (see isotherm --help)", text,
+                         word);
+}
+
+/* Reads the options, notes in *given which were there (a bit for each of the table). */
+static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *out,
+                                   unsigned *given, struct cli_fault *fault)
+{
+    struct option table[CHOICES + 1];
+    int id;
+
+    make_getopt_table(table);
+    opterr = 0;
+    optind = 0; /* GNU: begin anew, also after an earlier call */
+    while ((id = getopt_long(argc, argv, ":n:", table, NULL)) != -1) {
+        if (id == '?') {
+            return usage(fault, "unknown option, or one that takes no value:", argv[optind - 1]);
+        }
+        if (id == ':') {
+            return usage(fault, "a value is missing after", argv[optind - 1]);
+        }
+        const struct choice *choice = find_choice(id == 'n' ? OPTION_COUNT : id);
+        if (!take(out, choice->id, optarg)) {
+            return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--%s: bad value '%s'",
+                                 choice->name, optarg);
+        }
+        *given |= 1u << (choice - choices);
+    }
+    return CLI_EXIT_OK;
+}
+
+static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments *out,
+                                 struct cli_fault *fault)
+{
+    if (n_words == 0) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "no command given (see isotherm --help)");
+    }
+    for (out->verb = 0; out->verb < CLI_VERBS; out->verb++) {
+        if (strcmp(words[0], verbs[out->verb].name) == 0) {
+            break;
+        }
+    }
+    if (out->verb == CLI_VERBS) {
+        return usage(fault, "unknown command", words[0]);
+    }
+    const int wanted = 1 + (*verbs[out->verb].words != '\0');
+    if (n_words < wanted && !out->help) {
+        return usage(fault, "a NAME is missing after", words[0]);
+    }
+    if (n_words > wanted) {
+        return usage(fault, "superfluous word", words[wanted]);
+    }
+    out->person = n_words > 1 ? words[1] : NULL;
+    return CLI_EXIT_OK;
+}
+
+static enum cli_exit check_options(const struct cli_arguments *arguments, unsigned given,
+                                   struct cli_fault *fault)
+{
+    for (size_t i = 0; i < CHOICES; i++) {
+        if ((given & 1u << i) && choices[i].verbs && !(choices[i].verbs & FOR(arguments->verb))) {
+            return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "%s takes no --%s",
+                                 verbs[arguments->verb].name, choices[i].name);
+        }
+    }
+    if (arguments->bus.address && arguments->bus.session) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "give --bus or --session, not both");
+    }
+    if (arguments->valid_from_s && arguments->valid_until_s &&
+        arguments->valid_from_s >= arguments->valid_until_s) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "--valid-until is not after "
+                             "--valid-from");
+    }
+    return CLI_EXIT_OK;
+}
+
+enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *out,
+                                  struct cli_fault *fault)
+{
+    unsigned given = 0;
+    enum cli_exit exit;
+
+    *out = (struct cli_arguments){.verb = CLI_VERBS, .json = wants_json(argc, argv)};
+    exit = parse_options(argc, argv, out, &given, fault);
+    if (exit || out->version || (out->help && optind == argc)) {
+        return exit;
+    }
+    exit = parse_words(argc - optind, argv + optind, out, fault);
+    return exit ? exit : check_options(out, given, fault);
+}
+
+static void help_option(const struct choice *choice, FILE *out)
+{
+    char left[40];
+
+    (void)snprintf(left, sizeof left, "--%s%s%s", choice->name, choice->argument ? " " : "",
+                   choice->argument ? choice->argument : "");
+    fprintf(out, "  %-18s %s\n", left, choice->help);
+}
+
+void cli_arguments_help(enum cli_verb verb, FILE *out)
+{
+    if (verb == CLI_VERBS) {
+        fputs("Usage: isotherm [OPTION...] COMMAND\n"
+              "A client of the face recognition appliance isothermd.\n\nCommands:\n",
+              out);
+        for (size_t i = 0; i < CLI_VERBS; i++) {
+            fprintf(out, "  %-8s %-9s %s\n", verbs[i].name, verbs[i].words, verbs[i].summary);
+        }
+    } else {
+        fprintf(out, "Usage: isotherm %s%s%s [OPTION...]\n%c%s.\n", verbs[verb].name,
+                *verbs[verb].words ? " " : "", verbs[verb].words,
+                verbs[verb].summary[0] - 'a' + 'A', verbs[verb].summary + 1);
+    }
+    fputs("\nOptions:\n", out);
+    for (size_t i = 0; i < CHOICES; i++) {
+        if (choices[i].verbs == 0 || (verb < CLI_VERBS && (choices[i].verbs & FOR(verb)))) {
+            help_option(&choices[i], out);
+        }
+    }
+    if (verb == CLI_VERBS) {
+        fputs("\n`isotherm COMMAND --help` lists a command's own options.\n", out);
+    }
+    fputs("\nExit status: 0 yes or done, 1 no match or refused, 2 usage, 3 no such thing,\n"
+          "4 device, daemon or data fault, 5 timed out.\n",
+          out);
+}

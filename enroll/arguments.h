@@ -1,0 +1,48 @@
+/* The command line: one table of all options says which commands take which, reads them, and writes
+ * the help. */
+#ifndef CLI_ARGUMENTS_H
+#define CLI_ARGUMENTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "enroll/door.h"
+#include "enroll/fault.h"
+
+enum cli_verb {
+    CLI_ENROLL,
+    CLI_IDENTIFY,
+    CLI_VERIFY,
+    CLI_LIST,
+    CLI_REMOVE,
+    CLI_STATUS,
+    CLI_LOG,
+    CLI_DOCTOR,
+    CLI_VERBS /* none given */
+};
+
+struct cli_arguments {
+    enum cli_verb verb;
+    const char *person; /* for the commands that take a NAME */
+    bool help, version, json;
+    struct cli_bus bus;
+    double timeout_s;                    /* 0: the command's own */
+    bool allow_duplicate;                /* enroll */
+    int64_t valid_from_s, valid_until_s; /* enroll: since 1970, 0: no limit */
+    uint64_t from;                       /* log: a sequence number; 0: not given */
+    unsigned count;                      /* log: records at most; 0: not given */
+    bool follow;                         /* log */
+};
+
+/* Reads argv, options and words in any order. The texts of *out point into argv. With --help or
+ * --version nothing else is required. CLI_EXIT_USAGE for what is wrong: an unknown command or
+ * option, an option of another command, a missing, superfluous or bad value. out->json is right
+ * even then, so that the fault can be told in the form that was asked for. */
+enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *out,
+                                  struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* The help of a command, or with CLI_VERBS that of the program. */
+void cli_arguments_help(enum cli_verb verb, FILE *out);
+
+#endif

@@ -1,0 +1,82 @@
+#include "enroll/commands.h"
+
+#include <string.h>
+
+#include "core/contract.h"
+#include "enroll/diagnosis.h"
+#include "enroll/report.h"
+#include "enroll/state.h"
+
+/* Whether the bus lets this user command the daemon. Release() without a claim changes nothing: the
+ * daemon refuses it, and that it was asked at all is the answer. */
+static void check_permission(struct cli_door *door, struct cli_diagnosis *diagnosis)
+{
+    struct cli_fault fault = {0};
+    const enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_RELEASE, NULL, &fault);
+
+    if (exit == CLI_EXIT_NO) {
+        cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_DENIED,
+                          "this user may not command the daemon",
+                          "become a member of the group isotherm: adduser USER isotherm");
+    } else {
+        cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_GOOD, "this user may", NULL);
+    }
+}
+
+/* False if it makes no sense to go on: there is nobody to ask. */
+static bool check_daemon(struct cli_door *door, struct cli_diagnosis *diagnosis, json_t **state)
+{
+    struct cli_fault fault = {0};
+    bool running = false;
+
+    if (cli_door_has_daemon(door, &running, &fault) || !running) {
+        cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_BAD, "isothermd is not on the bus",
+                          "systemctl start isothermd; if it does not stay up: "
+                          "journalctl --unit=isothermd");
+        return false;
+    }
+    cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_GOOD, "running", NULL);
+    const enum cli_exit exit = cli_state_fetch(door, state, &fault);
+    if (exit) {
+        cli_diagnosis_add(diagnosis, "status",
+                          exit == CLI_EXIT_NO ? CLI_CHECK_DENIED : CLI_CHECK_BAD, fault.text,
+                          "journalctl --unit=isothermd; systemctl restart isothermd");
+        return false;
+    }
+    return true;
+}
+
+static void examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis)
+{
+    struct cli_fault fault = {0};
+    struct cli_door *door = NULL;
+    json_t *state = NULL;
+
+    if (cli_door_open(bus, &door, &fault)) {
+        cli_diagnosis_add(diagnosis, "bus", CLI_CHECK_BAD, fault.text,
+                          "start the bus (systemctl start dbus), or name another with --bus");
+        return;
+    }
+    cli_diagnosis_add(diagnosis, "bus", CLI_CHECK_GOOD, "reachable", NULL);
+    if (check_daemon(door, diagnosis, &state)) {
+        cli_diagnosis_judge(diagnosis, state);
+        check_permission(door, diagnosis);
+    }
+    json_decref(state);
+    cli_door_close(door);
+}
+
+enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault)
+{
+    struct cli_diagnosis diagnosis = {0};
+
+    (void)fault; /* what goes wrong here is what was asked for */
+    examine(&arguments->bus, &diagnosis);
+    const enum cli_exit exit = cli_diagnosis_exit(&diagnosis);
+    if (!arguments->json) {
+        cli_diagnosis_print(&diagnosis, stdout);
+        return exit;
+    }
+    const enum cli_exit written = cli_report_json(cli_diagnosis_json(&diagnosis));
+    return written ? written : exit;
+}

@@ -1,0 +1,152 @@
+#include "enroll/commands.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "core/contract.h"
+#include "enroll/action.h"
+#include "enroll/hint.h"
+#include "enroll/report.h"
+
+enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64 };
+
+struct enrolment {
+    const struct cli_arguments *arguments;
+    struct cli_hints hints;   /* to stdout, or beside a JSON document to stderr */
+    char result[RESULT_SIZE]; /* the last word of the daemon that was not a hint */
+    unsigned stage, stages;
+    double quality;
+};
+
+static int append_options(sd_bus_message *call, const struct cli_arguments *arguments)
+{
+    int r = sd_bus_message_open_container(call, 'a', "{sv}");
+
+    if (r >= 0 && arguments->allow_duplicate) {
+        r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_ALLOW_DUPLICATE, "b", 1);
+    }
+    if (r >= 0 && arguments->valid_from_s) {
+        r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_VALID_FROM, "x",
+                                  arguments->valid_from_s);
+    }
+    if (r >= 0 && arguments->valid_until_s) {
+        r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_VALID_UNTIL, "x",
+                                  arguments->valid_until_s);
+    }
+    return r < 0 ? r : sd_bus_message_close_container(call);
+}
+
+static int append_arguments(sd_bus_message *call, const void *context)
+{
+    const struct enrolment *enrolment = context;
+    const int r = sd_bus_message_append(call, "s", enrolment->arguments->person);
+
+    return r < 0 ? r : append_options(call, enrolment->arguments);
+}
+
+static void on_started(const void *context)
+{
+    const struct enrolment *enrolment = context;
+
+    fprintf(enrolment->hints.out, "Enrolling %s: look straight at the camera.\n",
+            enrolment->arguments->person);
+}
+
+static bool on_status(sd_bus_message *signal, void *context)
+{
+    struct enrolment *enrolment = context;
+    const char *result, *word;
+    unsigned stage, stages;
+    double quality;
+    int done;
+
+    if (sd_bus_message_read(signal, "sbuud", &result, &done, &stage, &stages, &quality) < 0) {
+        return true; /* the result stays empty: "not understood" */
+    }
+    enrolment->stage = stage;
+    enrolment->stages = stages;
+    if (cli_hint_is_retry(result, "enroll", &word)) {
+        cli_hints_say(&enrolment->hints, word);
+        return done;
+    }
+    (void)snprintf(enrolment->result, sizeof enrolment->result, "%s", result);
+    if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_STAGE_PASSED) == 0) {
+        enrolment->hints.last[0] = '\0';
+        enrolment->quality = quality;
+        fprintf(enrolment->hints.out, "stage %u/%u done (quality %.2f)\n", stage, stages, quality);
+    } else if (isfinite(quality) && quality > 0) {
+        enrolment->quality = quality;
+    }
+    return done;
+}
+
+static const struct outcome {
+    const char *result;
+    enum cli_exit exit;
+    const char *text; /* after the person's name */
+} outcomes[] = {
+    {"enroll-" ISO_CONTRACT_RESULT_COMPLETED, CLI_EXIT_OK, "is enrolled"},
+    {"enroll-" ISO_CONTRACT_RESULT_DUPLICATE, CLI_EXIT_NO,
+     "is not enrolled: this face is known under another name (see --allow-duplicate)"},
+    {"enroll-" ISO_CONTRACT_RESULT_FAILED, CLI_EXIT_NO,
+     "is not enrolled: the captures did not agree with each other, or with earlier ones of this "
+     "name; try again, alone and holding still"},
+    {"enroll-" ISO_CONTRACT_RESULT_TIMED_OUT, CLI_EXIT_TIMED_OUT,
+     "is not enrolled: no usable face in time"},
+    {"enroll-" ISO_CONTRACT_RESULT_DISCONNECTED, CLI_EXIT_FAULT,
+     "is not enrolled: the sensor has gone away"},
+    {"interrupted", CLI_EXIT_INTERRUPTED, "is not enrolled: interrupted"},
+};
+
+static enum cli_exit report(const struct enrolment *enrolment, struct cli_fault *fault)
+{
+    const char *person = enrolment->arguments->person;
+
+    for (size_t i = 0; i < sizeof outcomes / sizeof *outcomes; i++) {
+        if (strcmp(enrolment->result, outcomes[i].result) != 0) {
+            continue;
+        }
+        if (!enrolment->arguments->json) {
+            FILE *out = outcomes[i].exit == CLI_EXIT_OK ? stdout : stderr;
+            fprintf(out, "%s %s.\n", person, outcomes[i].text);
+            return outcomes[i].exit;
+        }
+        const enum cli_exit written = cli_report_json(
+            json_pack("{s:s, s:s, s:i, s:i, s:f}", "person", person, "result", enrolment->result,
+                      "stage", (int)enrolment->stage, "stages", (int)enrolment->stages, "quality",
+                      enrolment->quality));
+        return written ? written : outcomes[i].exit;
+    }
+    return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",
+                         "the daemon ended the enrolment in an unknown way ('%s')",
+                         enrolment->result);
+}
+
+enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault)
+{
+    struct enrolment enrolment = {
+        .arguments = arguments,
+        .hints.out = arguments->json ? stderr : stdout,
+    };
+    const struct cli_action action = {
+        .start = ISO_CONTRACT_ENROLL_START,
+        .stop = ISO_CONTRACT_ENROLL_STOP,
+        .signal = ISO_CONTRACT_ENROLL_STATUS,
+        .append = append_arguments,
+        .started = on_started,
+        .status = on_status,
+        .context = &enrolment,
+        .timeout_s = arguments->timeout_s > 0 ? arguments->timeout_s : DEFAULT_TIMEOUT_S,
+    };
+
+    const enum cli_exit exit = cli_action_run(door, &action, fault);
+    if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
+        strcpy(enrolment.result, "enroll-" ISO_CONTRACT_RESULT_TIMED_OUT);
+    } else if (exit == CLI_EXIT_INTERRUPTED) {
+        strcpy(enrolment.result, "interrupted");
+    } else if (exit) {
+        return exit;
+    }
+    return report(&enrolment, fault);
+}

@@ -1,0 +1,120 @@
+/* list and remove: the gallery's people. */
+#include "enroll/commands.h"
+
+#include <errno.h>
+#include <inttypes.h>
+
+#include "core/contract.h"
+#include "enroll/report.h"
+#include "enroll/when.h"
+
+struct person {
+    const char *name; /* points into the reply */
+    int64_t enrolled_s, valid_from_s, valid_until_s;
+    uint32_t templates;
+};
+
+/* 1: *person is filled in, 0: there are no more, or a negative errno. */
+static int next_person(sd_bus_message *reply, struct person *person)
+{
+    return sd_bus_message_read(reply, "(sxxxu)", &person->name, &person->enrolled_s,
+                               &person->valid_from_s, &person->valid_until_s, &person->templates);
+}
+
+static json_t *to_json(const struct person *person)
+{
+    return json_pack("{s:s, s:I, s:I, s:I, s:I}", "person", person->name, "enrolled",
+                     (json_int_t)person->enrolled_s, "valid_from", (json_int_t)person->valid_from_s,
+                     "valid_until", (json_int_t)person->valid_until_s, "templates",
+                     (json_int_t)person->templates);
+}
+
+static enum cli_exit list_json(sd_bus_message *reply, struct cli_fault *fault)
+{
+    json_t *people = json_array();
+    struct person person;
+    int r;
+
+    while ((r = next_person(reply, &person)) > 0) {
+        if (json_array_append_new(people, to_json(&person)) < 0) {
+            r = -ENOMEM;
+            break;
+        }
+    }
+    if (r < 0) {
+        json_decref(people);
+        return cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
+    }
+    return cli_report_json(json_pack("{s:o}", "people", people));
+}
+
+static enum cli_exit list_text(sd_bus_message *reply, struct cli_fault *fault)
+{
+    struct person person;
+    unsigned count = 0;
+    int r;
+
+    while ((r = next_person(reply, &person)) > 0) {
+        char enrolled[CLI_WHEN_SIZE], from[CLI_WHEN_SIZE], until[CLI_WHEN_SIZE];
+        cli_when_format(person.enrolled_s, enrolled);
+        cli_when_format(person.valid_from_s, from);
+        cli_when_format(person.valid_until_s, until);
+        if (count++ == 0) {
+            printf("%-24s %-16s  %-16s  %-16s  %s\n", "person", "enrolled", "valid from",
+                   "valid until", "templates");
+        }
+        printf("%-24s %-16s  %-16s  %-16s  %" PRIu32 "\n", person.name, enrolled, from, until,
+               person.templates);
+    }
+    if (r < 0) {
+        return cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
+    }
+    if (count == 0) {
+        puts("nobody is enrolled");
+    }
+    return CLI_EXIT_OK;
+}
+
+enum cli_exit cli_list(struct cli_door *door, const struct cli_arguments *arguments,
+                       struct cli_fault *fault)
+{
+    sd_bus_message *reply = NULL;
+    enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_LIST_PEOPLE, &reply, fault);
+
+    if (exit) {
+        return exit;
+    }
+    const int r = sd_bus_message_enter_container(reply, 'a', "(sxxxu)");
+    if (r < 0) {
+        exit = cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
+    } else {
+        exit = arguments->json ? list_json(reply, fault) : list_text(reply, fault);
+    }
+    sd_bus_message_unref(reply);
+    return exit;
+}
+
+enum cli_exit cli_remove(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault)
+{
+    sd_bus_message *call = NULL;
+    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_DELETE_PERSON, &call, fault);
+
+    if (exit) {
+        return exit;
+    }
+    const int r = sd_bus_message_append(call, "s", arguments->person);
+    if (r < 0) {
+        sd_bus_message_unref(call);
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-name", "the name is not UTF-8");
+    }
+    exit = cli_door_send(door, call, NULL, fault);
+    if (exit) {
+        return exit;
+    }
+    if (arguments->json) {
+        return cli_report_json(json_pack("{s:s}", "removed", arguments->person));
+    }
+    printf("%s is removed.\n", arguments->person);
+    return CLI_EXIT_OK;
+}

@@ -1,0 +1,28 @@
+/* The commands. Each prints its result on stdout, remarks on stderr, and returns the exit code of
+ * the program; with *fault filled in where it could not do its work. */
+#ifndef CLI_COMMANDS_H
+#define CLI_COMMANDS_H
+
+#include "enroll/arguments.h"
+#include "enroll/door.h"
+#include "enroll/fault.h"
+
+enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
+enum cli_exit cli_identify(struct cli_door *door, const struct cli_arguments *arguments,
+                           struct cli_fault *fault);
+enum cli_exit cli_verify(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
+enum cli_exit cli_list(struct cli_door *door, const struct cli_arguments *arguments,
+                       struct cli_fault *fault);
+enum cli_exit cli_remove(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
+enum cli_exit cli_status(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
+enum cli_exit cli_log(struct cli_door *door, const struct cli_arguments *arguments,
+                      struct cli_fault *fault);
+
+/* Opens the bus by itself: that it cannot be reached is one of its findings. */
+enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);
+
+#endif

@@ -1,0 +1,166 @@
+#include "enroll/diagnosis.h"
+
+#include <string.h>
+
+#include "enroll/state.h"
+
+static const char *const check_names[] = {
+    [CLI_CHECK_GOOD] = "ok",
+    [CLI_CHECK_ODD] = "warning",
+    [CLI_CHECK_DENIED] = "denied",
+    [CLI_CHECK_BAD] = "fault",
+};
+
+void cli_diagnosis_add(struct cli_diagnosis *diagnosis, const char *subject, enum cli_check check,
+                       const char *found, const char *remedy)
+{
+    if (diagnosis->n_findings == CLI_FINDINGS_MAX) {
+        return;
+    }
+    struct cli_finding *finding = &diagnosis->findings[diagnosis->n_findings++];
+    finding->subject = subject;
+    finding->check = check;
+    (void)snprintf(finding->found, sizeof finding->found, "%s", found);
+    finding->remedy = remedy;
+}
+
+static void judge_version(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *version = cli_state_text(state, "version");
+    const bool same = version && strcmp(version, ISOTHERM_VERSION) == 0;
+
+    cli_diagnosis_add(diagnosis, "version", same ? CLI_CHECK_GOOD : CLI_CHECK_ODD,
+                      version ? version : "not told",
+                      same ? NULL
+                           : "daemon and client differ (this client: " ISOTHERM_VERSION
+                             "); install both from one release and restart isothermd");
+}
+
+static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *word = cli_state_text(state, "sensor-state");
+    const char *cause = cli_state_text(state, "sensor-fault");
+    char found[256];
+
+    if (word && strcmp(word, "started") == 0) {
+        cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_GOOD, word, NULL);
+        return;
+    }
+    (void)snprintf(found, sizeof found, "%s%s%s", word ? word : "not told",
+                   cause && *cause ? ": " : "", cause ? cause : "");
+    cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_BAD, found,
+                      "check its cable and power, and [sensor] in isotherm.conf(5); the daemon "
+                      "keeps trying");
+}
+
+static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    static const struct {
+        const char *word;
+        enum cli_check check;
+        const char *remedy;
+    } states[] = {
+        {"locked", CLI_CHECK_GOOD, NULL},
+        {"unlocked", CLI_CHECK_GOOD, NULL},
+        {"opened", CLI_CHECK_GOOD, NULL},
+        {"held-open", CLI_CHECK_ODD, "the door stands open too long: close it"},
+        {"forced", CLI_CHECK_BAD, "the door was opened while locked: look at it, and isotherm log"},
+    };
+    const char *word = cli_state_text(state, "door-state");
+
+    for (size_t i = 0; word && i < sizeof states / sizeof *states; i++) {
+        if (strcmp(word, states[i].word) == 0) {
+            cli_diagnosis_add(diagnosis, "door", states[i].check, word, states[i].remedy);
+            return;
+        }
+    }
+    cli_diagnosis_add(diagnosis, "door", CLI_CHECK_BAD, word ? word : "not told",
+                      "check its wiring, and [door] in isotherm.conf(5); isotherm log");
+}
+
+static void judge_model(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *model = cli_state_text(state, "model");
+    const bool there = model && *model;
+
+    cli_diagnosis_add(diagnosis, "model", there ? CLI_CHECK_GOOD : CLI_CHECK_BAD,
+                      there ? model : "not loaded",
+                      there ? NULL : "reinstall head.model, or mend [model] in isotherm.conf(5)");
+}
+
+static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const json_int_t people = cli_state_number(state, "people", -1);
+    const json_int_t templates = cli_state_number(state, "templates-usable", -1);
+    char found[64];
+
+    if (people < 0) {
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, "not told",
+                          "see the daemon's log: journalctl --unit=isothermd");
+        return;
+    }
+    (void)snprintf(found, sizeof found,
+                   "%" JSON_INTEGER_FORMAT " people, %" JSON_INTEGER_FORMAT " usable templates",
+                   people, templates);
+    if (people == 0) {
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, found,
+                          "the door opens to nobody yet: isotherm enroll NAME");
+    } else if (templates < people) {
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, found,
+                          "some people have no template of this algorithm: enrol them again");
+    } else {
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_GOOD, found, NULL);
+    }
+}
+
+void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    judge_version(diagnosis, state);
+    judge_sensor(diagnosis, state);
+    judge_door(diagnosis, state);
+    judge_model(diagnosis, state);
+    judge_gallery(diagnosis, state);
+}
+
+enum cli_exit cli_diagnosis_exit(const struct cli_diagnosis *diagnosis)
+{
+    enum cli_check worst = CLI_CHECK_GOOD;
+
+    for (size_t i = 0; i < diagnosis->n_findings; i++) {
+        const enum cli_check check = diagnosis->findings[i].check;
+        worst = check > worst ? check : worst;
+    }
+    return worst == CLI_CHECK_BAD      ? CLI_EXIT_FAULT
+           : worst == CLI_CHECK_DENIED ? CLI_EXIT_NO
+                                       : CLI_EXIT_OK;
+}
+
+void cli_diagnosis_print(const struct cli_diagnosis *diagnosis, FILE *out)
+{
+    for (size_t i = 0; i < diagnosis->n_findings; i++) {
+        const struct cli_finding *finding = &diagnosis->findings[i];
+        fprintf(out, "%-8s %-11s %s\n", check_names[finding->check], finding->subject,
+                finding->found);
+        if (finding->remedy) {
+            fprintf(out, "%-8s %-11s -> %s\n", "", "", finding->remedy);
+        }
+    }
+}
+
+json_t *cli_diagnosis_json(const struct cli_diagnosis *diagnosis)
+{
+    json_t *checks = json_array();
+
+    for (size_t i = 0; i < diagnosis->n_findings; i++) {
+        const struct cli_finding *finding = &diagnosis->findings[i];
+        json_t *check = json_pack("{s:s, s:s, s:s, s:s?}", "subject", finding->subject, "state",
+                                  check_names[finding->check], "found", finding->found, "remedy",
+                                  finding->remedy);
+        if (json_array_append_new(checks, check) < 0) {
+            json_decref(checks);
+            return NULL;
+        }
+    }
+    return json_pack("{s:b, s:o}", "healthy", cli_diagnosis_exit(diagnosis) == CLI_EXIT_OK,
+                     "checks", checks);
+}

@@ -1,0 +1,46 @@
+/* The findings of `isotherm doctor`: what was checked, what was found, and how to mend it. */
+#ifndef CLI_DIAGNOSIS_H
+#define CLI_DIAGNOSIS_H
+
+#include <jansson.h>
+#include <stdio.h>
+
+#include "enroll/fault.h"
+
+enum cli_check {
+    CLI_CHECK_GOOD,
+    CLI_CHECK_ODD,    /* works, but somebody should know */
+    CLI_CHECK_DENIED, /* this user may not */
+    CLI_CHECK_BAD,
+};
+
+enum { CLI_FINDINGS_MAX = 16 };
+
+struct cli_diagnosis {
+    size_t n_findings;
+    struct cli_finding {
+        const char *subject; /* a literal */
+        enum cli_check check;
+        char found[256];
+        const char *remedy; /* a literal; NULL if nothing is to be done */
+    } findings[CLI_FINDINGS_MAX];
+};
+
+/* Adds a finding; `found` is copied, the other texts are kept. Findings beyond the maximum would be
+ * a mistake of the program and are dropped. */
+void cli_diagnosis_add(struct cli_diagnosis *diagnosis, const char *subject, enum cli_check check,
+                       const char *found, const char *remedy);
+
+/* Adds the findings that follow from the daemon's status (see enroll/state.h). */
+void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state);
+
+/* CLI_EXIT_FAULT if anything is bad, else CLI_EXIT_NO if anything is denied, else CLI_EXIT_OK. */
+enum cli_exit cli_diagnosis_exit(const struct cli_diagnosis *diagnosis);
+
+void cli_diagnosis_print(const struct cli_diagnosis *diagnosis, FILE *out);
+
+/* {"healthy": bool, "checks": [{"subject", "state", "found", "remedy"}]}; NULL for want of memory.
+ */
+json_t *cli_diagnosis_json(const struct cli_diagnosis *diagnosis);
+
+#endif

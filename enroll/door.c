@@ -1,0 +1,321 @@
+#include "enroll/door.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <systemd/sd-event.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "core/contract.h"
+#include "enroll/door_error.h"
+
+enum { CALL_TIMEOUT_US = 10 * 1000 * 1000 };
+
+struct cli_door {
+    sd_bus *bus;
+    sd_event *event;
+    cli_door_signal_fn handler;
+    void *context;
+    bool done, interrupted, gone; /* why a wait ended */
+};
+
+static enum cli_exit no_bus(int error, const struct cli_bus *bus, struct cli_fault *fault)
+{
+    const char *name = bus->address ? bus->address : bus->session ? "session" : "system";
+
+    return cli_fault_set(fault, CLI_EXIT_FAULT, "no-bus", "cannot reach the bus (%s): %s", name,
+                         strerror(-error));
+}
+
+static int connect_bus(const struct cli_bus *bus, sd_bus **out)
+{
+    sd_bus *made = NULL;
+    int r;
+
+    if (!bus->address) {
+        return bus->session ? sd_bus_open_user(out) : sd_bus_open_system(out);
+    }
+    r = sd_bus_new(&made);
+    if (r < 0) {
+        return r;
+    }
+    r = sd_bus_set_address(made, bus->address);
+    r = r < 0 ? r : sd_bus_set_bus_client(made, 1);
+    r = r < 0 ? r : sd_bus_start(made);
+    if (r < 0) {
+        sd_bus_unref(made);
+        return r;
+    }
+    *out = made;
+    return 0;
+}
+
+static int on_bus_gone(sd_bus_message *signal, void *context, sd_bus_error *error)
+{
+    (void)signal, (void)error;
+    ((struct cli_door *)context)->gone = true;
+    return 0;
+}
+
+static int on_owner_changed(sd_bus_message *signal, void *context, sd_bus_error *error)
+{
+    struct cli_door *door = context;
+    const char *name, *before, *after;
+
+    (void)error;
+    if (sd_bus_message_read(signal, "sss", &name, &before, &after) >= 0 && *before && !*after) {
+        door->gone = true;
+    }
+    return 0;
+}
+
+/* Both are installed without waiting for the bus, which has them before any later call of ours. */
+static int watch_daemon(struct cli_door *door)
+{
+    int r = sd_bus_add_match_async(
+        door->bus, NULL,
+        "type='signal',sender='org.freedesktop.DBus',path='/org/freedesktop/DBus',"
+        "interface='org.freedesktop.DBus',member='NameOwnerChanged',arg0='" ISO_CONTRACT_NAME "'",
+        on_owner_changed, NULL, door);
+    if (r < 0) {
+        return r;
+    }
+    return sd_bus_match_signal_async(door->bus, NULL, "org.freedesktop.DBus.Local", NULL,
+                                     "org.freedesktop.DBus.Local", "Disconnected", on_bus_gone,
+                                     NULL, door);
+}
+
+enum cli_exit cli_door_open(const struct cli_bus *bus, struct cli_door **out,
+                            struct cli_fault *fault)
+{
+    struct cli_door *door = calloc(1, sizeof *door);
+    const char *unique;
+    int r;
+
+    if (!door) {
+        return no_bus(-ENOMEM, bus, fault);
+    }
+    r = connect_bus(bus, &door->bus);
+    r = r < 0 ? r : sd_bus_get_unique_name(door->bus, &unique); /* waits for the handshake */
+    r = r < 0 ? r : sd_bus_set_method_call_timeout(door->bus, CALL_TIMEOUT_US);
+    r = r < 0 ? r : sd_event_new(&door->event);
+    r = r < 0 ? r : sd_bus_attach_event(door->bus, door->event, SD_EVENT_PRIORITY_NORMAL);
+    r = r < 0 ? r : watch_daemon(door);
+    if (r < 0) {
+        cli_door_close(door);
+        return no_bus(r, bus, fault);
+    }
+    *out = door;
+    return CLI_EXIT_OK;
+}
+
+void cli_door_close(struct cli_door *door)
+{
+    if (!door) {
+        return;
+    }
+    if (door->bus) {
+        sd_bus_detach_event(door->bus);
+        sd_bus_flush_close_unref(door->bus);
+    }
+    sd_event_unref(door->event);
+    free(door);
+}
+
+enum cli_exit cli_door_message(struct cli_door *door, const char *method, sd_bus_message **out,
+                               struct cli_fault *fault)
+{
+    const int r = sd_bus_message_new_method_call(door->bus, out, ISO_CONTRACT_NAME,
+                                                 ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE, method);
+
+    if (r < 0) {
+        return cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "%s: %s", method, strerror(-r));
+    }
+    return CLI_EXIT_OK;
+}
+
+enum cli_exit cli_door_send(struct cli_door *door, sd_bus_message *call, sd_bus_message **reply,
+                            struct cli_fault *fault)
+{
+    sd_bus_error error = SD_BUS_ERROR_NULL;
+    enum cli_exit exit = CLI_EXIT_OK;
+    const int r = sd_bus_call(door->bus, call, 0, &error, reply);
+
+    if (r < 0) {
+        exit = cli_door_error(&error, r, sd_bus_message_get_member(call), fault);
+    }
+    sd_bus_error_free(&error);
+    sd_bus_message_unref(call);
+    return exit;
+}
+
+enum cli_exit cli_door_call(struct cli_door *door, const char *method, sd_bus_message **reply,
+                            struct cli_fault *fault)
+{
+    sd_bus_message *call = NULL;
+    const enum cli_exit exit = cli_door_message(door, method, &call, fault);
+
+    return exit ? exit : cli_door_send(door, call, reply, fault);
+}
+
+enum cli_exit cli_door_bad_reply(int error, const char *method, struct cli_fault *fault)
+{
+    return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",
+                         "%s: the daemon's answer is not understood (%s); do `isotherm --version` "
+                         "and `isothermd --version` agree?",
+                         method, strerror(-error));
+}
+
+/* The connection that has the daemon's name now; the caller frees *owner. */
+static int find_owner(struct cli_door *door, sd_bus_error *error, char **owner)
+{
+    sd_bus_message *reply = NULL;
+    const char *name;
+    int r = sd_bus_call_method(door->bus, "org.freedesktop.DBus", "/org/freedesktop/DBus",
+                               "org.freedesktop.DBus", "GetNameOwner", error, &reply, "s",
+                               ISO_CONTRACT_NAME);
+
+    r = r < 0 ? r : sd_bus_message_read_basic(reply, 's', &name);
+    if (r >= 0) {
+        *owner = strdup(name);
+        r = *owner ? 0 : -ENOMEM;
+    }
+    sd_bus_message_unref(reply);
+    return r;
+}
+
+enum cli_exit cli_door_has_daemon(struct cli_door *door, bool *has, struct cli_fault *fault)
+{
+    sd_bus_error error = SD_BUS_ERROR_NULL;
+    enum cli_exit exit = CLI_EXIT_OK;
+    char *owner = NULL;
+    const int r = find_owner(door, &error, &owner);
+
+    if (r < 0 && !sd_bus_error_has_name(&error, SD_BUS_ERROR_NAME_HAS_NO_OWNER)) {
+        exit = cli_door_error(&error, r, "GetNameOwner", fault);
+    } else {
+        *has = r >= 0;
+    }
+    free(owner);
+    sd_bus_error_free(&error);
+    return exit;
+}
+
+static int on_signal(sd_bus_message *signal, void *context, sd_bus_error *error)
+{
+    struct cli_door *door = context;
+
+    (void)error;
+    if (!door->done && door->handler(signal, door->context)) {
+        door->done = true;
+    }
+    return 0;
+}
+
+/* The match names the connection, not the service: anybody may send a signal straight to us, past
+ * the bus's own matching, and only a connection's name is compared on our side. */
+enum cli_exit cli_door_subscribe(struct cli_door *door, const char *member,
+                                 cli_door_signal_fn handler, void *context, struct cli_fault *fault)
+{
+    sd_bus_error error = SD_BUS_ERROR_NULL;
+    enum cli_exit exit = CLI_EXIT_OK;
+    char *owner = NULL;
+    int r = find_owner(door, &error, &owner);
+
+    door->handler = handler;
+    door->context = context;
+    r = r < 0 ? r
+              : sd_bus_match_signal(door->bus, NULL, owner, ISO_CONTRACT_PATH,
+                                    ISO_CONTRACT_INTERFACE, member, on_signal, door);
+    if (r < 0) {
+        exit = cli_door_error(&error, r, "AddMatch", fault);
+    }
+    free(owner);
+    sd_bus_error_free(&error);
+    return exit;
+}
+
+/* A handler and an event descriptor, not a blocked signal and a signalfd: a library's threads
+ * (those of a BLAS, say) do not block the signal, and would have it end the program. */
+static int interrupt_fd = -1;
+
+static void handle_interrupt(int number)
+{
+    const int saved = errno;
+
+    (void)number;
+    (void)!write(interrupt_fd, &(uint64_t){1}, sizeof(uint64_t));
+    errno = saved;
+}
+
+static int on_interrupt(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    (void)source, (void)fd, (void)events;
+    ((struct cli_door *)context)->interrupted = true;
+    return 0;
+}
+
+static int catch_interrupt(struct cli_door *door)
+{
+    const struct sigaction action = {.sa_handler = handle_interrupt, .sa_flags = SA_RESTART};
+
+    if (interrupt_fd < 0) {
+        interrupt_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    }
+    if (interrupt_fd < 0 || sigaction(SIGINT, &action, NULL) < 0 ||
+        sigaction(SIGTERM, &action, NULL) < 0) {
+        return -errno;
+    }
+    return sd_event_add_io(door->event, NULL, interrupt_fd, EPOLLIN, on_interrupt, door);
+}
+
+enum cli_exit cli_door_catch_interrupt(struct cli_door *door, struct cli_fault *fault)
+{
+    const int r = catch_interrupt(door);
+
+    if (r < 0) {
+        return cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "cannot catch interrupts: %s",
+                             strerror(-r));
+    }
+    return CLI_EXIT_OK;
+}
+
+static uint64_t now_us(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+}
+
+enum cli_exit cli_door_wait(struct cli_door *door, double timeout_s, struct cli_fault *fault)
+{
+    const bool forever = timeout_s <= 0;
+    const uint64_t deadline_us = now_us() + (forever ? 0 : (uint64_t)(timeout_s * 1e6));
+
+    door->done = false;
+    while (!door->done && !door->interrupted && !door->gone) {
+        const uint64_t now = now_us();
+        if (!forever && now >= deadline_us) {
+            return CLI_EXIT_TIMED_OUT;
+        }
+        const int r = sd_event_run(door->event, forever ? UINT64_MAX : deadline_us - now);
+        if (r < 0 && r != -EINTR) {
+            return cli_fault_set(fault, CLI_EXIT_FAULT, "daemon-gone", "lost the bus: %s",
+                                 strerror(-r));
+        }
+    }
+    if (door->done) {
+        return CLI_EXIT_OK;
+    }
+    if (door->interrupted) {
+        return CLI_EXIT_INTERRUPTED;
+    }
+    return cli_fault_set(fault, CLI_EXIT_FAULT, "daemon-gone",
+                         "the daemon has gone away; see its log (journalctl --unit=isothermd)");
+}

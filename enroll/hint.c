@@ -1,0 +1,56 @@
+#include "enroll/hint.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "core/capture.h"
+#include "core/contract.h"
+
+const char *cli_hint_text(const char *capture_word)
+{
+    static const char *const hints[ISO_CAPTURES] = {
+        [ISO_CAPTURE_NO_FACE] = "no face to be seen: stand in front of the camera",
+        [ISO_CAPTURE_OK] = "good, hold still",
+        [ISO_CAPTURE_TOO_FAR] = "come closer",
+        [ISO_CAPTURE_TOO_CLOSE] = "step back a little",
+        [ISO_CAPTURE_OFF_CENTRE] = "move to the middle of the picture",
+        [ISO_CAPTURE_TURN_LEFT] = "turn a little to your left",
+        [ISO_CAPTURE_TURN_RIGHT] = "turn a little to your right",
+        [ISO_CAPTURE_LOOK_UP] = "lift your chin a little",
+        [ISO_CAPTURE_LOOK_DOWN] = "lower your chin a little",
+        [ISO_CAPTURE_TOO_FEW_POINTS] = "keep hair and hands off your face, and avoid direct sun",
+        [ISO_CAPTURE_NOT_A_FACE] = "look straight at the camera",
+        [ISO_CAPTURE_FLAT] = "this looks like a picture: a real face is needed",
+        [ISO_CAPTURE_MOVING] = "hold still",
+    };
+
+    for (int i = 0; i < ISO_CAPTURES; i++) {
+        if (strcmp(capture_word, iso_capture_name((enum iso_capture)i)) == 0) {
+            return hints[i];
+        }
+    }
+    return NULL;
+}
+
+bool cli_hint_is_retry(const char *result, const char *prefix, const char **capture_word)
+{
+    static const char infix[] = "-" ISO_CONTRACT_RESULT_RETRY;
+    const size_t length = strlen(prefix);
+
+    if (strncmp(result, prefix, length) != 0 ||
+        strncmp(result + length, infix, sizeof infix - 1) != 0) {
+        return false;
+    }
+    *capture_word = result + length + sizeof infix - 1;
+    return true;
+}
+
+void cli_hints_say(struct cli_hints *hints, const char *capture_word)
+{
+    const char *text = cli_hint_text(capture_word);
+
+    if (strcmp(hints->last, capture_word) != 0) {
+        (void)snprintf(hints->last, sizeof hints->last, "%s", capture_word);
+        fprintf(hints->out, "  %s\n", text ? text : capture_word);
+    }
+}

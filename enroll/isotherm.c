@@ -1,0 +1,47 @@
+/* isotherm: the command line client of the appliance. */
+#include <stdio.h>
+
+#include "enroll/arguments.h"
+#include "enroll/commands.h"
+#include "enroll/report.h"
+
+static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault *fault)
+{
+    static enum cli_exit (*const commands[CLI_VERBS])(
+        struct cli_door *, const struct cli_arguments *, struct cli_fault *) = {
+        [CLI_ENROLL] = cli_enroll, [CLI_IDENTIFY] = cli_identify, [CLI_VERIFY] = cli_verify,
+        [CLI_LIST] = cli_list,     [CLI_REMOVE] = cli_remove,     [CLI_STATUS] = cli_status,
+        [CLI_LOG] = cli_log,
+    };
+    struct cli_door *door = NULL;
+
+    if (arguments->verb == CLI_DOCTOR) {
+        return cli_doctor(arguments, fault);
+    }
+    enum cli_exit exit = cli_door_open(&arguments->bus, &door, fault);
+    if (exit == CLI_EXIT_OK) {
+        exit = commands[arguments->verb](door, arguments, fault);
+    }
+    cli_door_close(door);
+    return exit;
+}
+
+int main(int argc, char **argv)
+{
+    struct cli_arguments arguments;
+    struct cli_fault fault = {0};
+    enum cli_exit exit = cli_arguments_parse(argc, argv, &arguments, &fault);
+
+    if (exit == CLI_EXIT_OK && arguments.version) {
+        puts("isotherm " ISOTHERM_VERSION);
+    } else if (exit == CLI_EXIT_OK && arguments.help) {
+        cli_arguments_help(arguments.verb, stdout);
+    } else if (exit == CLI_EXIT_OK) {
+        setvbuf(stdout, NULL, _IOLBF, 0); /* hints and followed records are read as they come */
+        exit = run(&arguments, &fault);
+    }
+    if (fault.text[0]) {
+        cli_report_fault(&fault, exit, arguments.json);
+    }
+    return (int)exit;
+}

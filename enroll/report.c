@@ -1,0 +1,28 @@
+#include "enroll/report.h"
+
+#include <stdio.h>
+
+enum cli_exit cli_report_json(json_t *document)
+{
+    const int r = document ? json_dumpf(document, stdout, JSON_INDENT(2)) : -1;
+
+    json_decref(document);
+    if (r < 0 || putchar('\n') == EOF || fflush(stdout) == EOF) {
+        fputs("isotherm: cannot write the result\n", stderr);
+        return CLI_EXIT_FAULT;
+    }
+    return CLI_EXIT_OK;
+}
+
+void cli_report_fault(const struct cli_fault *fault, enum cli_exit exit, bool json)
+{
+    if (!json) {
+        fprintf(stderr, "isotherm: %s\n", fault->text);
+        return;
+    }
+    json_t *document = json_pack("{s:{s:s, s:s, s:i}}", "error", "code", fault->code, "message",
+                                 fault->text, "exit_code", (int)exit);
+    if (cli_report_json(document) != CLI_EXIT_OK) {
+        fprintf(stderr, "isotherm: %s\n", fault->text);
+    }
+}

@@ -1,0 +1,17 @@
+/* What the commands print: results on stdout (one JSON document with --json), faults on stderr, or
+ * with --json as a document {"error": {"code", "message", "exit_code"}} on stdout. */
+#ifndef CLI_REPORT_H
+#define CLI_REPORT_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#include "enroll/fault.h"
+
+/* Prints the document on stdout and releases it. CLI_EXIT_FAULT if it is NULL (out of memory) or
+ * cannot be written; the fault is then on stderr. */
+enum cli_exit cli_report_json(json_t *document);
+
+void cli_report_fault(const struct cli_fault *fault, enum cli_exit exit, bool json);
+
+#endif

@@ -1,0 +1,108 @@
+#include "enroll/state.h"
+
+#include <errno.h>
+#include <math.h>
+
+#include "core/contract.h"
+
+/* The value of a variant as JSON; a type that no status has is -EBADMSG. */
+static int read_value(sd_bus_message *reply, char type, json_t **out)
+{
+    union {
+        const char *text;
+        int boolean;
+        uint32_t u;
+        int32_t i;
+        uint64_t t;
+        int64_t x;
+        double d;
+    } value;
+    const int r = sd_bus_message_read_basic(reply, type, &value);
+
+    if (r < 0) {
+        return r;
+    }
+    switch (type) {
+    case 's':
+        *out = json_string(value.text);
+        break;
+    case 'b':
+        *out = json_boolean(value.boolean);
+        break;
+    case 'u':
+        *out = json_integer(value.u);
+        break;
+    case 'i':
+        *out = json_integer(value.i);
+        break;
+    case 't':
+        *out = json_integer((json_int_t)value.t);
+        break;
+    case 'x':
+        *out = json_integer(value.x);
+        break;
+    case 'd':
+        *out = isfinite(value.d) ? json_real(value.d) : json_null();
+        break;
+    default:
+        return -EBADMSG;
+    }
+    return *out ? 0 : -ENOMEM;
+}
+
+/* Reads one {sv} whose container has been entered. */
+static int read_entry(sd_bus_message *reply, json_t *state)
+{
+    const char *name, *type;
+    json_t *value = NULL;
+    char container;
+    int r = sd_bus_message_read_basic(reply, 's', &name);
+
+    r = r < 0 ? r : sd_bus_message_peek_type(reply, &container, &type);
+    r = r < 0 ? r : sd_bus_message_enter_container(reply, 'v', type);
+    r = r < 0 ? r : read_value(reply, type[0], &value);
+    r = r < 0 ? r : json_object_set_new(state, name, value);
+    return r < 0 ? r : sd_bus_message_exit_container(reply);
+}
+
+static int read_dictionary(sd_bus_message *reply, json_t *state)
+{
+    int r = sd_bus_message_enter_container(reply, 'a', "{sv}");
+
+    while (r >= 0 && (r = sd_bus_message_enter_container(reply, 'e', "sv")) > 0) {
+        r = read_entry(reply, state);
+        r = r < 0 ? r : sd_bus_message_exit_container(reply);
+    }
+    return r;
+}
+
+enum cli_exit cli_state_fetch(struct cli_door *door, json_t **out, struct cli_fault *fault)
+{
+    sd_bus_message *reply = NULL;
+    enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_GET_STATUS, &reply, fault);
+
+    if (exit) {
+        return exit;
+    }
+    json_t *state = json_object();
+    const int r = state ? read_dictionary(reply, state) : -ENOMEM;
+    sd_bus_message_unref(reply);
+    if (r < 0) {
+        json_decref(state);
+        return cli_door_bad_reply(r, ISO_CONTRACT_GET_STATUS, fault);
+    }
+    *out = state;
+    return CLI_EXIT_OK;
+}
+
+const char *cli_state_text(const json_t *state, const char *name)
+{
+    return json_string_value(json_object_get(state, name));
+}
+
+json_int_t cli_state_number(const json_t *state, const char *name, json_int_t otherwise)
+{
+    const json_t *value = json_object_get(state, name);
+
+    return json_is_integer(value) ? json_integer_value(value) : otherwise;
+}

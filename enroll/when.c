@@ -1,0 +1,75 @@
+#include "enroll/when.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static bool parse_seconds(const char *text, int64_t *unix_s)
+{
+    char *end;
+
+    if (*text < '0' || *text > '9') {
+        return false;
+    }
+    errno = 0;
+    const long long value = strtoll(text, &end, 10);
+    if (errno || *end || value <= 0) {
+        return false;
+    }
+    *unix_s = value;
+    return true;
+}
+
+/* mktime() and timegm() turn 30 February into 2 March; a date that came back changed was not one.
+ */
+static bool to_unix(const struct tm *fields, bool utc, int64_t *unix_s)
+{
+    struct tm made = *fields;
+    const time_t value = utc ? timegm(&made) : mktime(&made);
+
+    if (value <= 0 || made.tm_mday != fields->tm_mday || made.tm_mon != fields->tm_mon) {
+        return false;
+    }
+    *unix_s = value;
+    return true;
+}
+
+bool cli_when_parse(const char *text, bool end_of_day, int64_t *unix_s)
+{
+    static const char *const clocks[] = {"T%H:%M:%S", "T%H:%M", " %H:%M:%S", " %H:%M", ""};
+
+    if (text[0] == '@') {
+        return parse_seconds(text + 1, unix_s);
+    }
+    for (size_t i = 0; i < sizeof clocks / sizeof *clocks; i++) {
+        struct tm fields = {.tm_isdst = -1};
+        const char *rest = strptime(text, "%Y-%m-%d", &fields);
+        if (!rest) {
+            return false;
+        }
+        const bool date_only = clocks[i][0] == '\0';
+        rest = date_only ? rest : strptime(rest, clocks[i], &fields);
+        if (!rest || (*rest && strcmp(rest, "Z") != 0)) {
+            continue;
+        }
+        if (date_only && end_of_day) {
+            fields.tm_hour = 23;
+            fields.tm_min = fields.tm_sec = 59;
+        }
+        return to_unix(&fields, *rest == 'Z', unix_s);
+    }
+    return false;
+}
+
+void cli_when_format(int64_t unix_s, char text[CLI_WHEN_SIZE])
+{
+    const time_t seconds = (time_t)unix_s;
+    struct tm fields;
+
+    if (unix_s == 0 || !localtime_r(&seconds, &fields) ||
+        strftime(text, CLI_WHEN_SIZE, "%Y-%m-%d %H:%M", &fields) == 0) {
+        (void)snprintf(text, CLI_WHEN_SIZE, "-");
+    }
+}

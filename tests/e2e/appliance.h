@@ -1,0 +1,62 @@
+/* A whole appliance for a test: a private bus, an empty state directory, a slot for visitors, and
+ * the daemon playing it. Its programs are those of the build; its people those of sim/stored. */
+#ifndef TEST_APPLIANCE_H
+#define TEST_APPLIANCE_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#include "tests/enroll/private_bus.h"
+#include "tests/enroll/run.h"
+
+#define APPLIANCE_CORPUS ISOTHERM_SOURCE_DIR "/sim/stored"
+
+/* The command line tool of the build. */
+extern const char appliance_isotherm[];
+
+struct appliance {
+    struct private_bus bus;
+    char *directory; /* of its own, removed at the end */
+    char slot[128], configuration[128];
+    struct run daemon;
+    int notify_fd; /* what the daemon tells its service manager */
+};
+
+/* Starts the bus. False, with a line that says why, if the machine or the checkout has not what an
+ * appliance needs: a dbus-daemon, the stored corpus, the trained model and cohort. */
+bool appliance_find(void);
+
+/* cmocka set-up and tear-down of a group of tests: *state becomes the appliance, running. */
+int appliance_setup(void **state);
+int appliance_teardown(void **state);
+
+/* Starts the daemon and waits until it says that it is ready. */
+void appliance_start_daemon(struct appliance *appliance);
+
+/* Sends the daemon a signal and waits for its end; its exit code is in daemon.exit. */
+void appliance_end_daemon(struct appliance *appliance, int signal);
+
+/* Has somebody stand before the camera; NULL: nobody. */
+void appliance_show(const struct appliance *appliance, const char *recording);
+
+struct appliance_result {
+    int exit;
+    char out[32768], err[4096]; /* cut to fit */
+};
+
+/* Runs `isotherm --bus ADDRESS WORDS`, words being separated by single blanks. If `recording` is
+ * given, that one stands before the camera as soon as the tool says that the camera looks, and
+ * leaves with its end. The result is valid until the next run. */
+const struct appliance_result *appliance_run(const struct appliance *appliance, const char *words,
+                                             const char *recording);
+
+/* The same with --json; the caller releases the document. */
+json_t *appliance_run_json(const struct appliance *appliance, const char *words,
+                           const char *recording, int exit);
+
+/* Has the people of these rows of the manifest, "p01-v1" and so on up to NULL, come to the door
+ * (isotherm-sim visit); visits.csv is then in the appliance's directory. */
+const struct appliance_result *appliance_visit(const struct appliance *appliance,
+                                               const char *const recordings[]);
+
+#endif

@@ -1,0 +1,281 @@
+/* The whole product: the daemon on stored frames, the command line tool, and visitors at the door.
+ * The tests are one story and run in this order. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/e2e/appliance.h"
+#include "tests/support/scratch.h"
+
+static const char *text_of(const json_t *object, const char *name)
+{
+    const char *text = json_string_value(json_object_get(object, name));
+
+    return text ? text : "(none)";
+}
+
+static json_int_t number_of(const json_t *object, const char *name)
+{
+    return json_integer_value(json_object_get(object, name));
+}
+
+static size_t count_people(const struct appliance *appliance)
+{
+    json_t *document = appliance_run_json(appliance, "list", NULL, 0);
+    const size_t count = json_array_size(json_object_get(document, "people"));
+
+    json_decref(document);
+    return count;
+}
+
+static void expect_error(const struct appliance *appliance, const char *words, int exit,
+                         const char *code)
+{
+    json_t *document = appliance_run_json(appliance, words, NULL, exit);
+
+    assert_string_equal(text_of(json_object_get(document, "error"), "code"), code);
+    json_decref(document);
+}
+
+static void a_fresh_appliance_knows_nobody_and_is_well(void **state)
+{
+    json_t *status = appliance_run_json(*state, "status", NULL, 0);
+
+    assert_string_equal(text_of(status, "mode"), "watch");
+    assert_string_equal(text_of(status, "sensor-state"), "started");
+    assert_string_equal(text_of(status, "door-state"), "locked");
+    assert_string_equal(text_of(status, "version"), ISOTHERM_VERSION);
+    assert_int_equal(number_of(status, "people"), 0);
+    json_decref(status);
+    assert_int_equal(count_people(*state), 0);
+
+    json_t *diagnosis = appliance_run_json(*state, "doctor", NULL, 0);
+    assert_true(json_is_true(json_object_get(diagnosis, "healthy")));
+    json_decref(diagnosis);
+}
+
+static void nobody_is_let_in_while_nobody_is_enrolled(void **state)
+{
+    const char *const recordings[] = {"x01-v1", NULL};
+    const struct appliance_result *result = appliance_visit(*state, recordings);
+
+    assert_int_equal(result->exit, 0);
+    assert_null(strstr(result->out, "unlocked"));
+}
+
+static void people_are_enrolled(void **state)
+{
+    const struct appliance_result *result = appliance_run(*state, "enroll p01", "p01-enrol");
+
+    assert_int_equal(result->exit, 0);
+    assert_non_null(strstr(result->out, "\nstage 1/"));
+    assert_non_null(strstr(result->out, "\np01 is enrolled.\n"));
+
+    json_t *document = appliance_run_json(*state, "enroll p02", "p02-enrol", 0);
+    assert_string_equal(text_of(document, "result"), "enroll-completed");
+    assert_int_equal(number_of(document, "stage"), number_of(document, "stages"));
+    const double quality = json_real_value(json_object_get(document, "quality"));
+    assert_true(quality > 0 && quality <= 1);
+    json_decref(document);
+    assert_int_equal(appliance_run(*state, "enroll p03", "p03-enrol")->exit, 0);
+    assert_int_equal(count_people(*state), 3);
+}
+
+static void a_known_face_is_refused_under_another_name(void **state)
+{
+    json_t *document = appliance_run_json(*state, "enroll double", "p01-enrol", 1);
+
+    assert_string_equal(text_of(document, "result"), "enroll-duplicate");
+    json_decref(document);
+    assert_int_equal(count_people(*state), 3);
+
+    assert_int_equal(appliance_run(*state, "enroll double --allow-duplicate", "p01-enrol")->exit,
+                     0);
+    assert_int_equal(count_people(*state), 4);
+    assert_int_equal(appliance_run(*state, "remove double", NULL)->exit, 0);
+    assert_int_equal(count_people(*state), 3);
+}
+
+static void names_are_checked(void **state)
+{
+    char words[128] = "enroll ";
+
+    memset(words + strlen(words), 'x', 65);
+    expect_error(*state, words, 2, "invalid-name");
+    expect_error(*state, "remove zoe", 3, "no-such-person");
+    expect_error(*state, "verify zoe", 3, "no-such-person");
+}
+
+static void people_are_identified(void **state)
+{
+    json_t *document = appliance_run_json(*state, "identify", "p02-v1", 0);
+
+    assert_string_equal(text_of(document, "result"), "identify-match");
+    assert_string_equal(text_of(document, "person"), "p02");
+    assert_true(json_real_value(json_object_get(document, "score")) >=
+                json_real_value(json_object_get(document, "threshold")));
+    json_decref(document);
+
+    document = appliance_run_json(*state, "identify", "x02-v1", 1);
+    assert_string_equal(text_of(document, "result"), "identify-no-match");
+    json_decref(document);
+}
+
+static void people_are_verified(void **state)
+{
+    assert_int_equal(appliance_run(*state, "verify p01", "p01-v1")->exit, 0);
+    assert_int_equal(appliance_run(*state, "verify p02", "p01-v2")->exit, 1);
+}
+
+static void nobody_before_the_camera_times_out(void **state)
+{
+    assert_int_equal(appliance_run(*state, "identify --timeout 0.3", NULL)->exit, 5);
+    assert_int_equal(appliance_run(*state, "enroll zoe --timeout 0.3", "none-nobody1")->exit, 5);
+    assert_int_equal(count_people(*state), 3);
+}
+
+static void a_camera_in_use_is_refused_and_freed_by_an_interrupt(void **state)
+{
+    const struct appliance *appliance = *state;
+    const char *const argv[] = {appliance_isotherm, "--bus", appliance->bus.address, "identify",
+                                NULL};
+    struct run first;
+
+    run_start(&first, argv);
+    run_until(&first, "Look straight at the camera.");
+    expect_error(appliance, "identify", 4, "already-in-use");
+    kill(first.pid, SIGINT);
+    run_finish(&first);
+    assert_int_equal(first.exit, 130);
+    run_free(&first);
+    json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+    assert_string_equal(text_of(status, "mode"), "watch");
+    json_decref(status);
+}
+
+static void a_client_that_dies_frees_the_camera(void **state)
+{
+    const struct appliance *appliance = *state;
+    const char *const argv[] = {appliance_isotherm, "--bus", appliance->bus.address,
+                                "enroll",           "zoe",   NULL};
+    struct run first;
+
+    run_start(&first, argv);
+    run_until(&first, "look straight at the camera.");
+    kill(first.pid, SIGKILL);
+    run_finish(&first);
+    run_free(&first);
+    assert_int_equal(appliance_run(appliance, "verify p01", "p01-v1")->exit, 0);
+    assert_int_equal(count_people(appliance), 3);
+}
+
+static void the_door_opens_to_the_enrolled_and_to_nobody_else(void **state)
+{
+    static const char *const recordings[] = {"p01-v1",     "p02-v1",       "p03-v1",
+                                             "x01-v1",     "x02-v2",       "none-photo1",
+                                             "none-back1", "none-nobody1", NULL};
+    const struct appliance *appliance = *state;
+    const struct appliance_result *result = appliance_visit(appliance, recordings);
+    size_t size;
+
+    if (result->exit != 0) {
+        fail_msg("exit %d: %s%s", result->exit, result->out, result->err);
+    }
+    char *csv = scratch_read(scratch_path(appliance->directory, "visits.csv"), &size);
+    char *text = strndup(csv, size);
+    for (size_t i = 0; i < 3; i++) {
+        char line[64];
+        (void)snprintf(line, sizeof line, "\n%s,%.3s,probe,,allow,%.3s,", recordings[i],
+                       recordings[i], recordings[i]);
+        assert_non_null(strstr(text, line));
+    }
+    assert_non_null(strstr(text, "\nnone-nobody1,none,impostor,nobody,none,,,,,,locked\n"));
+    free(text);
+    free(csv);
+}
+
+static void what_happened_is_in_the_log(void **state)
+{
+    json_t *document = appliance_run_json(*state, "log --count 1000", NULL, 0), *record;
+    const json_t *records = json_object_get(document, "records");
+    bool allowed = false, denied = false;
+    size_t i;
+
+    json_array_foreach(records, i, record)
+    {
+        const char *verdict = text_of(record, "verdict");
+        assert_int_equal(number_of(record, "sequence"), i + 1);
+        allowed |= strcmp(verdict, "allow") == 0 && strcmp(text_of(record, "person"), "p02") == 0;
+        denied |= strcmp(verdict, "deny") == 0;
+    }
+    assert_true(allowed);
+    assert_true(denied);
+    json_decref(document);
+}
+
+static void who_is_removed_or_expired_is_refused(void **state)
+{
+    static const char *const recordings[] = {"p03-v1", "p04-v1", NULL};
+
+    assert_int_equal(appliance_run(*state, "remove p03", NULL)->exit, 0);
+    assert_int_equal(
+        appliance_run(*state, "enroll p04 --valid-until 2026-01-01", "p04-enrol")->exit, 0);
+    const struct appliance_result *result = appliance_visit(*state, recordings);
+    assert_int_equal(result->exit, 1);
+    assert_non_null(strstr(result->out, "0 of 2 enrolled people admitted"));
+    assert_null(strstr(result->out, "unlocked"));
+}
+
+static void a_killed_daemon_forgets_nobody(void **state)
+{
+    struct appliance *appliance = *state;
+
+    appliance_end_daemon(appliance, SIGKILL);
+    run_free(&appliance->daemon);
+    expect_error(appliance, "list", 4, "no-daemon");
+    appliance_start_daemon(appliance);
+    assert_int_equal(count_people(appliance), 3); /* p01, p02, p04 */
+    assert_int_equal(appliance_run(appliance, "verify p01", "p01-v1")->exit, 0);
+}
+
+static void an_end_by_signal_is_a_clean_one(void **state)
+{
+    struct appliance *appliance = *state;
+
+    appliance_end_daemon(appliance, SIGTERM);
+    assert_int_equal(appliance->daemon.exit, 0);
+    run_free(&appliance->daemon);
+    appliance_start_daemon(appliance);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_fresh_appliance_knows_nobody_and_is_well),
+        cmocka_unit_test(nobody_is_let_in_while_nobody_is_enrolled),
+        cmocka_unit_test(people_are_enrolled),
+        cmocka_unit_test(a_known_face_is_refused_under_another_name),
+        cmocka_unit_test(names_are_checked),
+        cmocka_unit_test(people_are_identified),
+        cmocka_unit_test(people_are_verified),
+        cmocka_unit_test(nobody_before_the_camera_times_out),
+        cmocka_unit_test(a_camera_in_use_is_refused_and_freed_by_an_interrupt),
+        cmocka_unit_test(a_client_that_dies_frees_the_camera),
+        cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_nobody_else),
+        cmocka_unit_test(what_happened_is_in_the_log),
+        cmocka_unit_test(who_is_removed_or_expired_is_refused),
+        cmocka_unit_test(a_killed_daemon_forgets_nobody),
+        cmocka_unit_test(an_end_by_signal_is_a_clean_one),
+    };
+
+    return appliance_find() ? cmocka_run_group_tests(tests, appliance_setup, appliance_teardown)
+                            : TEST_SKIPPED;
+}

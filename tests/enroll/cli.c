@@ -1,0 +1,97 @@
+#include "tests/enroll/cli.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
+
+static struct private_bus bus;
+static struct run last;
+
+static void start(const char *words)
+{
+    static char copy[512];
+    const char *argv[24] = {isotherm, "--bus", bus.address};
+    size_t argc = 3;
+
+    (void)snprintf(copy, sizeof copy, "%s", words);
+    for (char *word = strtok(copy, " "); word; word = strtok(NULL, " ")) {
+        assert_true(argc < sizeof argv / sizeof *argv - 1);
+        argv[argc++] = word;
+    }
+    run_free(&last);
+    run_start(&last, argv);
+}
+
+struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
+                                    const char *text)
+{
+    struct fake_door door;
+    struct cli_result result = {.calls = ""};
+
+    if (script) {
+        fake_door_start(&door, bus.address, script);
+    }
+    start(words);
+    if (text) {
+        run_until(&last, text);
+        kill(last.pid, SIGINT);
+    }
+    run_finish(&last);
+    if (script) {
+        result.calls = fake_door_stop(&door);
+    }
+    result.exit = last.exit;
+    result.out = last.out;
+    result.err = last.err;
+    return result;
+}
+
+struct cli_result cli_run(const struct fake_script *script, const char *words)
+{
+    return cli_run_interrupt(script, words, NULL);
+}
+
+json_t *cli_json(const struct cli_result *result)
+{
+    json_error_t error;
+    json_t *document = json_loads(result->out, 0, &error);
+
+    if (!document) {
+        fail_msg("%s in: %s%s", error.text, result->out, result->err);
+    }
+    return document;
+}
+
+void cli_expect_error(const struct cli_result *result, int exit, const char *code)
+{
+    json_t *document = cli_json(result);
+    json_t *error = json_object_get(document, "error");
+
+    assert_string_equal(json_string_value(json_object_get(error, "code")), code);
+    assert_int_equal(json_integer_value(json_object_get(error, "exit_code")), exit);
+    assert_true(strlen(json_string_value(json_object_get(error, "message"))) > 0);
+    assert_int_equal(result->exit, exit);
+    json_decref(document);
+}
+
+bool cli_find_bus(void)
+{
+    return private_bus_start(&bus);
+}
+
+int cli_teardown(void **state)
+{
+    (void)state;
+    run_free(&last);
+    private_bus_stop(&bus);
+    return 0;
+}

@@ -1,0 +1,37 @@
+/* Runs the program `isotherm` against a scripted door on a private bus. */
+#ifndef TEST_CLI_H
+#define TEST_CLI_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+#include "tests/enroll/fake_door.h"
+#include "tests/enroll/private_bus.h"
+#include "tests/enroll/run.h"
+
+/* Starts the bus that all tests of a program share; false if the program is to be skipped. */
+bool cli_find_bus(void);
+
+/* cmocka tear-down of the group: stops it. */
+int cli_teardown(void **state);
+
+struct cli_result {
+    int exit;
+    const char *out, *err, *calls; /* what the door got; valid until the next run */
+};
+
+/* isotherm --bus ADDRESS WORDS, the words being separated by single blanks. `script` NULL: nobody
+ * is at the other end. */
+struct cli_result cli_run(const struct fake_script *script, const char *words);
+
+/* The same; but as soon as `text` stands in stdout, the program gets a SIGINT. */
+struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
+                                    const char *text);
+
+/* Parses stdout, which has to be exactly one JSON document; the caller releases it. */
+json_t *cli_json(const struct cli_result *result);
+
+/* Fails the test unless stdout is an error document with this code and the exit code of the run. */
+void cli_expect_error(const struct cli_result *result, int exit, const char *code);
+
+#endif

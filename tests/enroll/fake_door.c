@@ -1,0 +1,390 @@
+#include "tests/enroll/fake_door.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <systemd/sd-bus.h>
+#include <unistd.h>
+
+#include "core/contract.h"
+
+struct service {
+    const struct fake_script *script;
+    const char *address;
+    int trace_fd;
+    char claimed_by[64], action[16]; /* "" for nobody and none */
+    bool leave;
+};
+
+static void trace(const struct service *service, const char *text)
+{
+    (void)!write(service->trace_fd, text, strlen(text));
+}
+
+/* Notes the call and answers it with the scripted error, if it is the one to fail. */
+static bool fails(const struct service *service, sd_bus_message *call, sd_bus_error *error)
+{
+    const char *method = sd_bus_message_get_member(call);
+    const struct fake_script *script = service->script;
+
+    trace(service, ";");
+    trace(service, method);
+    if (!script->fail_method || strcmp(method, script->fail_method) != 0) {
+        return false;
+    }
+    sd_bus_error_set(error, script->fail_error, "the fake says so");
+    return true;
+}
+
+static int on_claim(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    if (service->claimed_by[0]) {
+        return sd_bus_error_set(error, ISO_CONTRACT_ERROR_ALREADY_IN_USE, "claimed");
+    }
+    (void)snprintf(service->claimed_by, sizeof service->claimed_by, "%s",
+                   sd_bus_message_get_sender(call));
+    return sd_bus_reply_method_return(call, NULL);
+}
+
+static bool is_claimant(const struct service *service, sd_bus_message *call, sd_bus_error *error)
+{
+    if (strcmp(service->claimed_by, sd_bus_message_get_sender(call)) == 0) {
+        return true;
+    }
+    sd_bus_error_set(error, ISO_CONTRACT_ERROR_CLAIM_DEVICE, "not claimed by the caller");
+    return false;
+}
+
+static int on_release(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+
+    if (fails(service, call, error) || !is_claimant(service, call, error)) {
+        return -EIO;
+    }
+    service->claimed_by[0] = '\0';
+    return sd_bus_reply_method_return(call, NULL);
+}
+
+/* To the claimant only, as the daemon does. */
+static int send_status(sd_bus *bus, const struct service *service, const struct fake_status *status)
+{
+    const char *person = status->person ? status->person : "";
+    sd_bus_message *signal = NULL;
+    char member[32];
+
+    (void)snprintf(member, sizeof member, "%sStatus", service->action);
+    int r = sd_bus_message_new_signal(bus, &signal, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
+                                      member);
+    if (r >= 0 && strcmp(service->action, "Enroll") == 0) {
+        r = sd_bus_message_append(signal, "sbuud", status->result, (int)status->done, status->stage,
+                                  status->stages, status->value);
+    } else if (r >= 0) {
+        r = sd_bus_message_append(signal, "sbsdd", status->result, (int)status->done, person,
+                                  status->value, status->threshold);
+    }
+    r = r < 0 ? r : sd_bus_send_to(bus, signal, service->claimed_by, NULL);
+    sd_bus_message_unref(signal);
+    return r;
+}
+
+static int open_bus(const char *address, sd_bus **bus)
+{
+    int r = sd_bus_new(bus);
+
+    r = r < 0 ? r : sd_bus_set_address(*bus, address);
+    r = r < 0 ? r : sd_bus_set_bus_client(*bus, 1);
+    return r < 0 ? r : sd_bus_start(*bus);
+}
+
+static void send_strange_status(const struct service *service)
+{
+    const struct fake_status status = {.result = service->script->stranger, .done = true};
+    const char *name;
+    sd_bus *bus = NULL;
+
+    if (open_bus(service->address, &bus) >= 0 && sd_bus_get_unique_name(bus, &name) >= 0) {
+        send_status(bus, service, &status);
+    }
+    sd_bus_flush_close_unref(bus);
+}
+
+static int start_action(struct service *service, sd_bus_message *call, const char *action)
+{
+    const struct fake_script *script = service->script;
+    int r = sd_bus_reply_method_return(call, NULL);
+
+    (void)snprintf(service->action, sizeof service->action, "%s", action);
+    if (script->stranger) {
+        send_strange_status(service);
+    }
+    for (size_t i = 0; r >= 0 && i < script->n_statuses; i++) {
+        r = send_status(sd_bus_message_get_bus(call), service, &script->statuses[i]);
+    }
+    service->leave = script->vanish;
+    return r;
+}
+
+static int trace_options(const struct service *service, sd_bus_message *call)
+{
+    const char *name, *type;
+    char text[128], container;
+    int r = sd_bus_message_enter_container(call, 'a', "{sv}");
+
+    while (r >= 0 && (r = sd_bus_message_enter_container(call, 'e', "sv")) > 0) {
+        int64_t number = 0;
+        int boolean = 0;
+        r = sd_bus_message_read_basic(call, 's', &name);
+        r = r < 0 ? r : sd_bus_message_peek_type(call, &container, &type);
+        if (r >= 0 && *type == 'b') {
+            r = sd_bus_message_read(call, "v", "b", &boolean);
+            number = boolean;
+        } else if (r >= 0) {
+            r = sd_bus_message_read(call, "v", "x", &number);
+        }
+        r = r < 0 ? r : sd_bus_message_exit_container(call);
+        (void)snprintf(text, sizeof text, " %s=%" PRId64, r < 0 ? "?" : name, number);
+        trace(service, text);
+    }
+    return r;
+}
+
+static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+    const char *person;
+
+    if (fails(service, call, error) || !is_claimant(service, call, error)) {
+        return -EIO;
+    }
+    int r = sd_bus_message_read_basic(call, 's', &person);
+    if (r < 0) {
+        return r;
+    }
+    trace(service, " ");
+    trace(service, person);
+    r = trace_options(service, call);
+    return r < 0 ? r : start_action(service, call, "Enroll");
+}
+
+static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+    const char *person;
+
+    if (fails(service, call, error) || !is_claimant(service, call, error)) {
+        return -EIO;
+    }
+    const int r = sd_bus_message_read_basic(call, 's', &person);
+    if (r < 0) {
+        return r;
+    }
+    trace(service, " ");
+    trace(service, person);
+    return start_action(service, call, "Verify");
+}
+
+static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+
+    if (fails(service, call, error) || !is_claimant(service, call, error)) {
+        return -EIO;
+    }
+    return start_action(service, call, "Identify");
+}
+
+static int on_stop(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+    const size_t length = strlen(service->action);
+
+    if (fails(service, call, error) || !is_claimant(service, call, error)) {
+        return -EIO;
+    }
+    if (length == 0 || strncmp(sd_bus_message_get_member(call), service->action, length) != 0) {
+        return sd_bus_error_set(error, ISO_CONTRACT_ERROR_NO_ACTION, "nothing to stop");
+    }
+    service->action[0] = '\0';
+    return sd_bus_reply_method_return(call, NULL);
+}
+
+static int on_list(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+    sd_bus_message *reply = NULL;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    int r = sd_bus_message_new_method_return(call, &reply);
+    r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "(sxxxu)");
+    for (size_t i = 0; r >= 0 && i < service->script->n_people; i++) {
+        const struct fake_person *person = &service->script->people[i];
+        r = sd_bus_message_append(reply, "(sxxxu)", person->name, person->enrolled,
+                                  person->valid_from, person->valid_until, person->templates);
+    }
+    r = r < 0 ? r : sd_bus_message_close_container(reply);
+    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
+    sd_bus_message_unref(reply);
+    return r;
+}
+
+static int on_delete(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct service *service = context;
+    const char *name;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    const int r = sd_bus_message_read_basic(call, 's', &name);
+    if (r < 0) {
+        return r;
+    }
+    for (size_t i = 0; i < service->script->n_people; i++) {
+        if (strcmp(name, service->script->people[i].name) == 0) {
+            return sd_bus_reply_method_return(call, NULL);
+        }
+    }
+    return sd_bus_error_setf(error, ISO_CONTRACT_ERROR_NO_SUCH_PERSON, "%s: no such person", name);
+}
+
+static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct service *service = context;
+    const struct fake_script *script = service->script;
+    uint32_t templates = 0;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    for (size_t i = 0; i < script->n_people; i++) {
+        templates += script->people[i].templates;
+    }
+    return sd_bus_reply_method_return(
+        call, "a{sv}", 10, "version", "s", script->version ? script->version : ISOTHERM_VERSION,
+        "sensor-state", "s", script->sensor_state ? script->sensor_state : "started", "door-state",
+        "s", script->door_state ? script->door_state : "locked", "model", "s",
+        script->model ? script->model : "00c0ffee", "people", "u", (uint32_t)script->n_people,
+        "templates", "u", templates + 3, "templates-usable", "u", templates, "threshold", "d", 1.25,
+        "frames", "t", (uint64_t)1 << 40, "log-sequence", "t", (uint64_t)script->n_records);
+}
+
+static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct service *service = context;
+    sd_bus_message *reply = NULL;
+    uint64_t from;
+    uint32_t max;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    int r = sd_bus_message_read(call, "tu", &from, &max);
+    r = r < 0 ? r : sd_bus_message_new_method_return(call, &reply);
+    r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
+    for (uint64_t i = from; r >= 0 && i <= service->script->n_records && i - from < max; i++) {
+        char line[128];
+        (void)snprintf(line, sizeof line,
+                       "{\"sequence\": %" PRIu64 ", \"time\": \"2026-11-21T08:30:15Z\", \"event\": "
+                       "\"visit\", \"verdict\": \"deny\", \"frames\": 3}",
+                       i);
+        r = sd_bus_message_append_basic(reply, 's', line);
+    }
+    r = r < 0 ? r : sd_bus_message_close_container(reply);
+    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
+    sd_bus_message_unref(reply);
+    return r;
+}
+
+static const sd_bus_vtable vtable[] = {
+    SD_BUS_VTABLE_START(0),
+    SD_BUS_METHOD("Claim", "", "", on_claim, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("Release", "", "", on_release, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("EnrollStart", "sa{sv}", "", on_enroll_start, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("EnrollStop", "", "", on_stop, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("VerifyStart", "s", "", on_verify_start, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("VerifyStop", "", "", on_stop, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("IdentifyStart", "", "", on_identify_start, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("IdentifyStop", "", "", on_stop, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("ListPeople", "", "a(sxxxu)", on_list, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("DeletePerson", "s", "", on_delete, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("GetStatus", "", "a{sv}", on_status, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("ReadLog", "tu", "as", on_read_log, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_VTABLE_END,
+};
+
+static int serve(struct service *service, int ready_fd)
+{
+    sd_bus *bus = NULL;
+    int r = open_bus(service->address, &bus);
+
+    r = r < 0 ? r
+              : sd_bus_add_object_vtable(bus, NULL, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
+                                         vtable, service);
+    r = r < 0 ? r : sd_bus_request_name(bus, ISO_CONTRACT_NAME, 0);
+    r = r < 0 ? r : (int)write(ready_fd, "r", 1);
+    while (r >= 0 && !service->leave) {
+        r = sd_bus_process(bus, NULL);
+        r = r == 0 ? sd_bus_wait(bus, UINT64_MAX) : r;
+    }
+    sd_bus_flush_close_unref(bus);
+    return r;
+}
+
+void fake_door_start(struct fake_door *door, const char *address, const struct fake_script *script)
+{
+    int ready[2], calls[2];
+    char byte;
+
+    assert_int_equal(pipe(ready), 0);
+    assert_int_equal(pipe(calls), 0);
+    door->pid = fork();
+    assert_true(door->pid >= 0);
+    if (door->pid == 0) {
+        struct service service = {.script = script, .address = address, .trace_fd = calls[1]};
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        close(ready[0]);
+        close(calls[0]);
+        _exit(serve(&service, ready[1]) < 0);
+    }
+    close(ready[1]);
+    close(calls[1]);
+    door->trace_fd = calls[0];
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    close(ready[0]);
+}
+
+const char *fake_door_stop(struct fake_door *door)
+{
+    static char calls[4096];
+    size_t length = 0;
+    ssize_t n;
+
+    kill(door->pid, SIGTERM);
+    waitpid(door->pid, NULL, 0);
+    while ((n = read(door->trace_fd, calls + length, sizeof calls - 1 - length)) > 0) {
+        length += (size_t)n;
+    }
+    close(door->trace_fd);
+    calls[length] = '\0';
+    return length ? calls + 1 : calls;
+}

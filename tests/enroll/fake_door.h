@@ -1,0 +1,53 @@
+/* A stand-in for the daemon: it has the name, object and interface of core/contract.h, keeps to the
+ * signatures written there, and does what a script says. It runs in a process of its own. Stricter
+ * than the daemon: an action without a claim, a second claim and a stop without a start fail. */
+#ifndef TEST_FAKE_DOOR_H
+#define TEST_FAKE_DOOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+/* One status signal, sent after EnrollStart, VerifyStart or IdentifyStart in the form of that
+ * action. */
+struct fake_status {
+    const char *result;
+    bool done;
+    unsigned stage, stages; /* enrolment */
+    double value;           /* the quality, or the score */
+    const char *person;     /* verify, identify; NULL: "" */
+    double threshold;
+};
+
+struct fake_person {
+    const char *name;
+    int64_t enrolled, valid_from, valid_until;
+    uint32_t templates;
+};
+
+struct fake_script {
+    const char *fail_method, *fail_error; /* the method that fails, with which D-Bus error */
+    const struct fake_status *statuses;
+    size_t n_statuses;
+    bool vanish;          /* leave the bus after the last status */
+    const char *stranger; /* another connection sends this result, as done, before the statuses */
+    const struct fake_person *people;
+    size_t n_people;
+    const char *sensor_state, *door_state, *model, *version; /* NULL: all is well */
+    unsigned n_records;                                      /* in the log, numbered from 1 */
+};
+
+struct fake_door {
+    pid_t pid;
+    int trace_fd;
+};
+
+/* Returns when the service is on the bus. */
+void fake_door_start(struct fake_door *door, const char *address, const struct fake_script *script);
+
+/* Ends it and returns the calls it got, "Claim;EnrollStart anna;..."; options of an enrolment are
+ * written as name=value after the person. Valid until the next call. */
+const char *fake_door_stop(struct fake_door *door);
+
+#endif

@@ -1,0 +1,98 @@
+#include "tests/enroll/private_bus.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { NOT_FOUND = 127 };
+
+static const char configuration[] =
+    "<!DOCTYPE busconfig PUBLIC \"-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN\"\n"
+    " \"http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd\">\n"
+    "<busconfig><type>session</type><listen>unix:path=%s/bus</listen><auth>EXTERNAL</auth>\n"
+    "<policy context=\"default\"><allow send_destination=\"*\" eavesdrop=\"true\"/>\n"
+    "<allow eavesdrop=\"true\"/><allow own=\"*\"/></policy></busconfig>\n";
+
+static void write_configuration(const char *directory, const char *path)
+{
+    FILE *file = fopen(path, "w");
+
+    assert_non_null(file);
+    assert_true(fprintf(file, configuration, directory) > 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+bool private_bus_start(struct private_bus *bus)
+{
+    char path[96], option[128];
+    int address[2];
+    size_t length = 0;
+    ssize_t n;
+
+    strcpy(bus->directory, "/tmp/isotherm-bus-XXXXXX");
+    assert_non_null(mkdtemp(bus->directory));
+    (void)snprintf(path, sizeof path, "%s/bus.conf", bus->directory);
+    (void)snprintf(option, sizeof option, "--config-file=%s", path);
+    write_configuration(bus->directory, path);
+    assert_int_equal(pipe(address), 0);
+    bus->pid = fork();
+    assert_true(bus->pid >= 0);
+    if (bus->pid == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        dup2(address[1], STDOUT_FILENO);
+        close(address[0]);
+        close(address[1]);
+        execlp("dbus-daemon", "dbus-daemon", option, "--nofork", "--nopidfile", "--print-address=1",
+               (char *)NULL);
+        _exit(NOT_FOUND);
+    }
+    close(address[1]);
+    do { /* the address is a line; its coming says that the bus listens */
+        n = read(address[0], bus->address + length, sizeof bus->address - 1 - length);
+        length += n > 0 ? (size_t)n : 0;
+        bus->address[length] = '\0';
+    } while (n > 0 && !strchr(bus->address, '\n'));
+    close(address[0]);
+    bus->address[strcspn(bus->address, "\n")] = '\0';
+    if (bus->address[0] == '\0') {
+        int status = 0;
+        waitpid(bus->pid, &status, 0);
+        bus->pid = 0;
+        private_bus_stop(bus);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == NOT_FOUND);
+        print_message("skipped: there is no dbus-daemon on this machine\n");
+        return false;
+    }
+    return true;
+}
+
+static void remove_file(const struct private_bus *bus, const char *name)
+{
+    char path[96];
+
+    (void)snprintf(path, sizeof path, "%s/%s", bus->directory, name);
+    unlink(path);
+}
+
+void private_bus_stop(struct private_bus *bus)
+{
+    if (bus->pid > 0) {
+        kill(bus->pid, SIGTERM);
+        waitpid(bus->pid, NULL, 0);
+        bus->pid = 0;
+    }
+    remove_file(bus, "bus");
+    remove_file(bus, "bus.conf");
+    rmdir(bus->directory);
+}

@@ -1,0 +1,29 @@
+/* Runs a program and catches what it prints. A program that does not end within a minute is killed
+ * and fails the test. */
+#ifndef TEST_RUN_H
+#define TEST_RUN_H
+
+#include <sys/types.h>
+
+enum { RUN_OUTPUT_SIZE = 256 * 1024 };
+
+struct run {
+    pid_t pid;          /* 0 after run_finish() */
+    int out_fd, err_fd; /* -1 at their end */
+    int exit;           /* after run_finish(): the exit code, or 1000 + the signal */
+    char *out, *err;    /* what came so far, terminated */
+    size_t out_size, err_size;
+};
+
+/* argv ends with NULL; argv[0] is a path. Output beyond RUN_OUTPUT_SIZE fails the test. */
+void run_start(struct run *run, const char *const argv[]);
+
+/* Waits until `text` stands in what the program prints; that it ends before fails the test. */
+void run_until(struct run *run, const char *text);
+
+/* Waits for the end. */
+void run_finish(struct run *run);
+
+void run_free(struct run *run);
+
+#endif

@@ -1,0 +1,339 @@
+/* list, remove, status, log, doctor, and how every command fails, against a scripted door. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/enroll/cli.h"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+static const struct fake_person people[] = {
+    {"anna", 1795248000, 0, 1798675199, 2},
+    {"Bo Ek", 1795248060, 1795300000, 0, 1},
+};
+static const struct fake_script two_people = {.people = people, .n_people = COUNT(people)};
+
+/* Every command, as it is typed, without options. */
+static const char *const commands[] = {"enroll anna", "identify", "verify anna", "list",
+                                       "remove anna", "status",   "log"};
+
+static void list_shows_everybody(void **state)
+{
+    const struct cli_result result = cli_run(&two_people, "list");
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    assert_non_null(strstr(result.out, "\nanna                     2026-11-21 08:00  -          "
+                                       "       2026-12-30 23:59  2\n"));
+    assert_non_null(strstr(result.out, "\nBo Ek                    2026-11-21 08:01  2026-11-21 "
+                                       "22:26  -                 1\n"));
+}
+
+static void list_of_nobody(void **state)
+{
+    const struct fake_script script = {0};
+
+    (void)state;
+    assert_string_equal(cli_run(&script, "list").out, "nobody is enrolled\n");
+    const struct cli_result result = cli_run(&script, "list --json");
+    json_t *document = cli_json(&result);
+    assert_int_equal(json_array_size(json_object_get(document, "people")), 0);
+    assert_true(json_is_array(json_object_get(document, "people")));
+    json_decref(document);
+}
+
+static void list_as_json(void **state)
+{
+    const struct cli_result result = cli_run(&two_people, "--json list");
+    json_t *document = cli_json(&result), *person;
+
+    (void)state;
+    person = json_array_get(json_object_get(document, "people"), 1);
+    assert_string_equal(json_string_value(json_object_get(person, "person")), "Bo Ek");
+    assert_int_equal(json_integer_value(json_object_get(person, "enrolled")), 1795248060);
+    assert_int_equal(json_integer_value(json_object_get(person, "valid_from")), 1795300000);
+    assert_int_equal(json_integer_value(json_object_get(person, "valid_until")), 0);
+    assert_int_equal(json_integer_value(json_object_get(person, "templates")), 1);
+    json_decref(document);
+}
+
+static void remove_says_whom(void **state)
+{
+    (void)state;
+    assert_string_equal(cli_run(&two_people, "remove anna").out, "anna is removed.\n");
+    const struct cli_result result = cli_run(&two_people, "remove anna --json");
+    json_t *document = cli_json(&result);
+    assert_string_equal(json_string_value(json_object_get(document, "removed")), "anna");
+    json_decref(document);
+}
+
+static void remove_of_a_stranger(void **state)
+{
+    struct cli_result result = cli_run(&two_people, "remove carl --json");
+
+    (void)state;
+    cli_expect_error(&result, 3, "no-such-person");
+    result = cli_run(&two_people, "remove carl");
+    assert_string_equal(result.err, "isotherm: carl: no such person\n");
+    assert_string_equal(result.out, "");
+}
+
+static void status_keeps_names_and_types(void **state)
+{
+    struct cli_result result = cli_run(&two_people, "status --json");
+    json_t *document = cli_json(&result);
+
+    (void)state;
+    assert_string_equal(json_string_value(json_object_get(document, "door-state")), "locked");
+    assert_int_equal(json_integer_value(json_object_get(document, "people")), 2);
+    assert_int_equal(json_integer_value(json_object_get(document, "frames")), 1099511627776);
+    assert_true(json_real_value(json_object_get(document, "threshold")) == 1.25);
+    json_decref(document);
+    result = cli_run(&two_people, "status");
+    assert_non_null(strstr(result.out, "door-state         locked\n"));
+    assert_non_null(strstr(result.out, "threshold          1.25\n"));
+}
+
+/* The numbers of the records that a document holds, first and last. */
+static void expect_records(const char *words, size_t n, json_int_t first, json_int_t last)
+{
+    const struct fake_script script = {.n_records = 600};
+    const struct cli_result result = cli_run(&script, words);
+    json_t *document = cli_json(&result);
+    const json_t *records = json_object_get(document, "records");
+
+    assert_int_equal(json_array_size(records), n);
+    assert_int_equal(json_integer_value(json_object_get(json_array_get(records, 0), "sequence")),
+                     first);
+    assert_int_equal(
+        json_integer_value(json_object_get(json_array_get(records, n - 1), "sequence")), last);
+    json_decref(document);
+}
+
+static void log_shows_the_last_or_those_from_a_number_on(void **state)
+{
+    (void)state;
+    expect_records("log --json", 20, 581, 600);
+    expect_records("log --json -n 3", 3, 598, 600);
+    expect_records("log --json --count 600", 600, 1, 600);
+    expect_records("log --json --from 7 --count 2", 2, 7, 8);
+    expect_records("log --json --from 100 --count 400", 400, 100, 499);
+    expect_records("log --json --from 599", 2, 599, 600);
+    expect_records("log --json --from 1", 20, 1, 20);
+}
+
+static void log_is_one_line_a_record(void **state)
+{
+    const struct fake_script script = {.n_records = 1};
+
+    (void)state;
+    assert_string_equal(cli_run(&script, "log").out,
+                        "1 2026-11-21T08:30:15Z visit verdict=deny frames=3\n");
+}
+
+static void log_of_nothing(void **state)
+{
+    const struct fake_script script = {0};
+    const struct cli_result result = cli_run(&script, "log --json");
+    json_t *document = cli_json(&result);
+
+    (void)state;
+    assert_int_equal(json_array_size(json_object_get(document, "records")), 0);
+    json_decref(document);
+}
+
+static void following_the_log_ends_with_an_interrupt(void **state)
+{
+    const struct fake_script script = {.n_records = 4};
+    const struct cli_result result = cli_run_interrupt(&script, "log --follow --json -n 2",
+                                                       "\"sequence\":4");
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    assert_null(strstr(result.out, "\"sequence\":2"));
+    assert_non_null(strstr(result.out, "{\"sequence\":3,"));
+}
+
+static void doctor_finds_nothing_wrong(void **state)
+{
+    struct cli_result result = cli_run(&two_people, "doctor --json");
+    json_t *document = cli_json(&result), *check;
+    size_t i;
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    assert_true(json_is_true(json_object_get(document, "healthy")));
+    assert_int_equal(json_array_size(json_object_get(document, "checks")), 8);
+    json_array_foreach(json_object_get(document, "checks"), i, check)
+    {
+        assert_string_equal(json_string_value(json_object_get(check, "state")), "ok");
+    }
+    json_decref(document);
+    assert_non_null(strstr(result.calls, "GetStatus;Release")); /* and no claim */
+}
+
+static void doctor_names_each_fault_and_its_remedy(void **state)
+{
+    static const struct {
+        struct fake_script script;
+        int exit;
+        const char *text;
+    } cases[] = {
+        {{.sensor_state = "lost"}, 4, "fault    sensor      lost\n"},
+        {{.door_state = "forced"}, 4, "fault    door        forced\n"},
+        {{.door_state = "held-open"}, 0, "warning  door        held-open\n"},
+        {{.model = ""}, 4, "fault    model       not loaded\n"},
+        {{.version = "0.0.1"}, 0, "warning  version     0.0.1\n"},
+        {{0}, 0, "warning  gallery     0 people, 0 usable templates\n"},
+        {{.fail_method = "Release", .fail_error = "org.freedesktop.DBus.Error.AccessDenied"},
+         1,
+         "denied   permission  "},
+        {{.fail_method = "GetStatus", .fail_error = "org.isotherm.Error.Internal"},
+         4,
+         "fault    status      the fake says so\n"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        const struct cli_result result = cli_run(&cases[i].script, "doctor");
+        const char *found = strstr(result.out, cases[i].text);
+        if (!found) {
+            fail_msg("'%s' is not in:\n%s", cases[i].text, result.out);
+        }
+        assert_int_equal(result.exit, cases[i].exit);
+        assert_non_null(strstr(found, "-> "));
+    }
+}
+
+static void doctor_without_a_daemon(void **state)
+{
+    const struct cli_result result = cli_run(NULL, "doctor");
+
+    (void)state;
+    assert_int_equal(result.exit, 4);
+    assert_non_null(strstr(result.out, "fault    daemon      isothermd is not on the bus\n"));
+}
+
+static void every_command_fails_clearly_without_a_daemon(void **state)
+{
+    char words[64];
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(commands); i++) {
+        (void)snprintf(words, sizeof words, "%s --json", commands[i]);
+        struct cli_result result = cli_run(NULL, words);
+        cli_expect_error(&result, 4, "no-daemon");
+        result = cli_run(NULL, commands[i]);
+        assert_int_equal(result.exit, 4);
+        assert_non_null(strstr(result.err, "isotherm: isothermd is not running on this bus"));
+    }
+}
+
+static void every_command_fails_clearly_without_a_bus(void **state)
+{
+    char words[96];
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(commands); i++) {
+        (void)snprintf(words, sizeof words, "%s --json --bus unix:path=/nowhere/bus", commands[i]);
+        const struct cli_result result = cli_run(NULL, words);
+        cli_expect_error(&result, 4, "no-bus");
+    }
+    const struct cli_result result = cli_run(NULL, "doctor --bus unix:path=/nowhere/bus");
+    assert_int_equal(result.exit, 4);
+    assert_non_null(strstr(result.out, "fault    bus "));
+}
+
+static void every_error_of_the_bus_has_its_exit_code(void **state)
+{
+    static const struct {
+        const char *error;
+        int exit;
+        const char *code;
+    } errors[] = {
+        {"org.isotherm.Error.AlreadyInUse", 4, "already-in-use"},
+        {"org.isotherm.Error.ClaimDevice", 4, "claim-device"},
+        {"org.isotherm.Error.NoSuchPerson", 3, "no-such-person"},
+        {"org.isotherm.Error.NoActionInProgress", 4, "no-action-in-progress"},
+        {"org.isotherm.Error.ActionInProgress", 4, "action-in-progress"},
+        {"org.isotherm.Error.InvalidName", 2, "invalid-name"},
+        {"org.isotherm.Error.InvalidArgument", 2, "invalid-argument"},
+        {"org.isotherm.Error.GalleryFull", 4, "gallery-full"},
+        {"org.isotherm.Error.DeviceFault", 4, "device-fault"},
+        {"org.isotherm.Error.Internal", 4, "internal"},
+        {"org.freedesktop.DBus.Error.AccessDenied", 1, "access-denied"},
+        {"org.freedesktop.DBus.Error.NoReply", 5, "no-reply"},
+        {"org.freedesktop.DBus.Error.UnknownMethod", 4, "internal"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(errors); i++) {
+        const struct fake_script script = {.fail_method = "VerifyStart",
+                                           .fail_error = errors[i].error};
+        const struct cli_result result = cli_run(&script, "verify anna --json");
+        cli_expect_error(&result, errors[i].exit, errors[i].code);
+    }
+}
+
+static void usage_errors_are_told_in_the_form_asked_for(void **state)
+{
+    struct cli_result result = cli_run(NULL, "list --bogus --json");
+
+    (void)state;
+    cli_expect_error(&result, 2, "usage");
+    result = cli_run(NULL, "list --bogus");
+    assert_int_equal(result.exit, 2);
+    assert_string_equal(result.out, "");
+    assert_non_null(strstr(result.err, "--bogus"));
+}
+
+static void help_and_version_need_no_daemon(void **state)
+{
+    struct cli_result result = cli_run(NULL, "--help");
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    for (size_t i = 0; i < COUNT(commands); i++) {
+        char name[16] = "  ";
+        strncat(name, commands[i], strcspn(commands[i], " "));
+        assert_non_null(strstr(result.out, name));
+    }
+    result = cli_run(NULL, "--version");
+    assert_string_equal(result.out, "isotherm " ISOTHERM_VERSION "\n");
+    result = cli_run(NULL, "enroll --help");
+    assert_int_equal(result.exit, 0);
+    assert_non_null(strstr(result.out, "--allow-duplicate"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(list_shows_everybody),
+        cmocka_unit_test(list_of_nobody),
+        cmocka_unit_test(list_as_json),
+        cmocka_unit_test(remove_says_whom),
+        cmocka_unit_test(remove_of_a_stranger),
+        cmocka_unit_test(status_keeps_names_and_types),
+        cmocka_unit_test(log_shows_the_last_or_those_from_a_number_on),
+        cmocka_unit_test(log_is_one_line_a_record),
+        cmocka_unit_test(log_of_nothing),
+        cmocka_unit_test(following_the_log_ends_with_an_interrupt),
+        cmocka_unit_test(doctor_finds_nothing_wrong),
+        cmocka_unit_test(doctor_names_each_fault_and_its_remedy),
+        cmocka_unit_test(doctor_without_a_daemon),
+        cmocka_unit_test(every_command_fails_clearly_without_a_daemon),
+        cmocka_unit_test(every_command_fails_clearly_without_a_bus),
+        cmocka_unit_test(every_error_of_the_bus_has_its_exit_code),
+        cmocka_unit_test(usage_errors_are_told_in_the_form_asked_for),
+        cmocka_unit_test(help_and_version_need_no_daemon),
+    };
+
+    setenv("TZ", "UTC", 1); /* the programs print local time */
+    return cli_find_bus() ? cmocka_run_group_tests(tests, NULL, cli_teardown) : TEST_SKIPPED;
+}

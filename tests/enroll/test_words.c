@@ -1,0 +1,207 @@
+/* Hints, points in time, and the command line, as functions. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "core/capture.h"
+#include "enroll/arguments.h"
+#include "enroll/hint.h"
+#include "enroll/when.h"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+static void every_capture_word_has_a_hint_of_its_own(void **state)
+{
+    (void)state;
+    for (int i = 0; i < ISO_CAPTURES; i++) {
+        const char *text = cli_hint_text(iso_capture_name((enum iso_capture)i));
+        assert_non_null(text);
+        for (int j = 0; j < i; j++) {
+            assert_string_not_equal(text, cli_hint_text(iso_capture_name((enum iso_capture)j)));
+        }
+    }
+    assert_string_equal(cli_hint_text("turn-left"), "turn a little to your left");
+    assert_string_equal(cli_hint_text("turn-right"), "turn a little to your right");
+    assert_null(cli_hint_text("too-blue"));
+    assert_null(cli_hint_text(""));
+}
+
+static void a_retry_is_recognised_by_its_prefix(void **state)
+{
+    const char *word = "untouched";
+
+    (void)state;
+    assert_false(cli_hint_is_retry("enroll-retry-too-far", "verify", &word));
+    assert_false(cli_hint_is_retry("enroll-stage-passed", "enroll", &word));
+    assert_string_equal(word, "untouched");
+    assert_true(cli_hint_is_retry("enroll-retry-too-far", "enroll", &word));
+    assert_string_equal(word, "too-far");
+}
+
+static void dates_are_read(void **state)
+{
+    static const struct {
+        const char *text;
+        bool end_of_day;
+        int64_t unix_s;
+    } cases[] = {
+        {"2026-11-21Z", false, 1795219200},
+        {"2026-11-21Z", true, 1795305599},
+        {"2026-11-21T08:30Z", true, 1795249800},
+        {"2026-11-21 08:30:15Z", false, 1795249815},
+        {"@1795248000", true, 1795248000},
+        {"2026-11-21T08:30", false, 1795246200}, /* an hour east of Greenwich */
+        {"2028-02-29Z", false, 1835395200},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        int64_t unix_s = 0;
+        assert_true(cli_when_parse(cases[i].text, cases[i].end_of_day, &unix_s));
+        assert_int_equal(unix_s, cases[i].unix_s);
+    }
+}
+
+static void what_is_no_date_is_refused(void **state)
+{
+    static const char *const texts[] = {"",
+                                        "tomorrow",
+                                        "2026-13-01",
+                                        "2026-02-30",
+                                        "2027-02-29",
+                                        "2026-11-21T",
+                                        "2026-11-21T8",
+                                        "2026-11-21x",
+                                        "1960-01-01",
+                                        "@",
+                                        "@-1",
+                                        "@12x",
+                                        "@0",
+                                        "@ 1",
+                                        "2026-11-21T25:00"};
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(texts); i++) {
+        int64_t unix_s = 42;
+        if (cli_when_parse(texts[i], false, &unix_s)) {
+            fail_msg("'%s' was read as %lld", texts[i], (long long)unix_s);
+        }
+        assert_int_equal(unix_s, 42);
+    }
+}
+
+static void dates_are_written(void **state)
+{
+    char text[CLI_WHEN_SIZE];
+
+    (void)state;
+    cli_when_format(1795249815, text);
+    assert_string_equal(text, "2026-11-21 09:30");
+    cli_when_format(0, text);
+    assert_string_equal(text, "-");
+}
+
+/* Parses a line of words; the program's name is put before them. */
+static enum cli_exit parse(const char *line, struct cli_arguments *out, struct cli_fault *fault)
+{
+    static char copy[256];
+    char *argv[16] = {(char[]){"isotherm"}};
+    int argc = 1;
+
+    (void)snprintf(copy, sizeof copy, "%s", line);
+    for (char *word = strtok(copy, " "); word; word = strtok(NULL, " ")) {
+        argv[argc++] = word;
+    }
+    *fault = (struct cli_fault){0};
+    return cli_arguments_parse(argc, argv, out, fault);
+}
+
+static void options_stand_anywhere(void **state)
+{
+    static const char *const lines[] = {"--json --timeout 2.5 --bus x verify anna",
+                                        "verify --json anna --timeout=2.5 --bus=x",
+                                        "verify anna --bus x --json --timeout 2.5"};
+    struct cli_arguments arguments;
+    struct cli_fault fault;
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(lines); i++) {
+        assert_int_equal(parse(lines[i], &arguments, &fault), CLI_EXIT_OK);
+        assert_int_equal(arguments.verb, CLI_VERIFY);
+        assert_string_equal(arguments.person, "anna");
+        assert_string_equal(arguments.bus.address, "x");
+        assert_true(arguments.json);
+        assert_true(arguments.timeout_s == 2.5);
+    }
+    assert_int_equal(parse("log -n 7 --follow --from 9", &arguments, &fault), CLI_EXIT_OK);
+    assert_int_equal(arguments.count, 7);
+    assert_int_equal(arguments.from, 9);
+    assert_true(arguments.follow);
+    assert_int_equal(parse("verify -- --json", &arguments, &fault), CLI_EXIT_OK);
+    assert_string_equal(arguments.person, "--json");
+    assert_false(arguments.json);
+}
+
+static void what_is_wrong_on_the_command_line_is_named(void **state)
+{
+    static const struct {
+        const char *line, *text;
+    } cases[] = {
+        {"", "no command"},
+        {"dance", "unknown command 'dance'"},
+        {"enroll", "a NAME is missing after 'enroll'"},
+        {"list anna", "superfluous word 'anna'"},
+        {"verify anna bob", "superfluous word 'bob'"},
+        {"list --loud", "'--loud'"},
+        {"list -q", "'-q'"},
+        {"list --json=1", "'--json=1'"},
+        {"verify anna --timeout", "a value is missing after '--timeout'"},
+        {"list --timeout 3", "list takes no --timeout"},
+        {"identify --allow-duplicate", "identify takes no --allow-duplicate"},
+        {"identify --timeout 0", "--timeout: bad value '0'"},
+        {"identify --timeout -1", "--timeout: bad value '-1'"},
+        {"identify --timeout nan", "--timeout: bad value 'nan'"},
+        {"identify --timeout 3s", "--timeout: bad value '3s'"},
+        {"log --count 0", "--count: bad value '0'"},
+        {"log -n x", "--count: bad value 'x'"},
+        {"log --from -3", "--from: bad value '-3'"},
+        {"enroll a --valid-from 2026-02-30", "--valid-from: bad value '2026-02-30'"},
+        {"enroll a --valid-from 2026-12-02 --valid-until 2026-12-01", "--valid-until is not after"},
+        {"list --session --bus x", "--bus or --session"},
+    };
+    struct cli_arguments arguments;
+    struct cli_fault fault;
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        assert_int_equal(parse(cases[i].line, &arguments, &fault), CLI_EXIT_USAGE);
+        assert_string_equal(fault.code, "usage");
+        if (!strstr(fault.text, cases[i].text)) {
+            fail_msg("'%s': '%s' is not in '%s'", cases[i].line, cases[i].text, fault.text);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_capture_word_has_a_hint_of_its_own),
+        cmocka_unit_test(a_retry_is_recognised_by_its_prefix),
+        cmocka_unit_test(dates_are_read),
+        cmocka_unit_test(what_is_no_date_is_refused),
+        cmocka_unit_test(dates_are_written),
+        cmocka_unit_test(options_stand_anywhere),
+        cmocka_unit_test(what_is_wrong_on_the_command_line_is_named),
+    };
+
+    setenv("TZ", "CET-1", 1);
+    tzset();
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
