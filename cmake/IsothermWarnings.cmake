@@ -3,7 +3,9 @@ option(ISOTHERM_WERROR "Treat warnings as errors" ON)
 
 function(isotherm_target name)
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
-  target_compile_definitions(${name} PRIVATE _GNU_SOURCE)
+  target_compile_definitions(${name} PRIVATE _GNU_SOURCE
+    ISOTHERM_VERSION="${PROJECT_VERSION}"
+    ISOTHERM_DATA_DIR="${CMAKE_INSTALL_FULL_DATADIR}/isotherm")
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Wstrict-prototypes
     -Wmissing-prototypes -Wvla -fno-math-errno)
   if(ISOTHERM_WERROR)

@@ -168,9 +168,8 @@ static void test_cohort_normalises(void **state)
     struct sim_gallery *gallery = enrol(0);
     struct iso_cohort *cohort = new_cohort();
     struct sim_matches *m = match(gallery, cohort, 1);
-    assert_true(m->score[3] > 3.0);        /* zoe's own: far above the cohort */
-    assert_true(fabs(m->score[4]) < 10.0); /* adam: like anybody of the cohort */
-    assert_true(m->score[3] > m->score[4]);
+    assert_true(m->score[3] > 0.8); /* zoe's own: next to a perfect match */
+    assert_true(m->score[4] < 0.5); /* adam: like anybody of the cohort */
     sim_matches_free(m);
 
     memset(samples[4].tmpl.weight, 0, sizeof samples[4].tmpl.weight);

@@ -1,0 +1,47 @@
+# The short commands; CMake does the work (CMakePresets.json).
+#
+#   make demo     an enrolled face opens the door: builds, then plays stored frames to a running daemon
+#   make check    builds and runs every test
+#   make bench    milliseconds per stage from frame to verdict
+#   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each
+#   make install  PREFIX=/usr/local, DESTDIR= for packagers
+#   make clean    removes what the others made
+
+PREFIX ?= /usr/local
+FUZZ_SECONDS ?= 20
+JOBS := $(shell nproc)
+
+.PHONY: demo check bench fuzz install clean
+
+demo:
+	cmake/install_packages.sh build demo
+	cmake --preset release
+	cmake --build --preset release
+	sim/demo.sh build/release out/demo
+
+check:
+	cmake/install_packages.sh build test
+	cmake --preset dev
+	cmake --build --preset dev
+	ctest --preset dev -j $(JOBS)
+
+bench:
+	cmake/install_packages.sh build test
+	cmake --preset release -DBUILD_TESTING=ON
+	cmake --build --preset release
+	cmake --build --preset release --target bench
+
+fuzz:
+	cmake/install_packages.sh build test gate
+	cmake --preset fuzz
+	cmake --build --preset fuzz
+	tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS)
+
+install:
+	cmake/install_packages.sh build
+	cmake --preset release -DCMAKE_INSTALL_PREFIX=$(abspath $(PREFIX))
+	cmake --build --preset release
+	cmake --install build/release
+
+clean:
+	rm -rf build out

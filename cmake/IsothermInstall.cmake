@@ -1,0 +1,20 @@
+# What developers get: the library, its headers and isotherm.pc. Each folder installs its own programs and manuals.
+set(headers ${CMAKE_INSTALL_INCLUDEDIR}/isotherm)
+
+install(TARGETS isotherm-core LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+
+# Headers include one another as "core/...", so they keep their tree below include/isotherm. What only the library's own
+# sources include stays at home.
+install(DIRECTORY core DESTINATION ${headers} FILES_MATCHING PATTERN "*.h"
+  REGEX "/core/isotherm[.]h$" EXCLUDE
+  PATTERN "extract_workspace.h" EXCLUDE
+  PATTERN "template_points.h" EXCLUDE
+  PATTERN "data" EXCLUDE)
+install(FILES core/isotherm.h DESTINATION ${headers})
+
+install(DIRECTORY core/data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/isotherm
+  FILES_MATCHING PATTERN "*.model" PATTERN "*.templates")
+install(FILES LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+configure_file(cmake/isotherm.pc.in isotherm.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/isotherm.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

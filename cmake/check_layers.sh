@@ -1,0 +1,73 @@
+#!/bin/sh
+# Checks by their text that all includes keep to cmake/layers.txt, and that core stays pure: no file, device, clock, thread or
+# process headers there.
+# usage: check_layers.sh [ROOT]            prints each fault, exits 1 if there is one
+set -eu
+cd "${1:-$(dirname "$0")/..}"
+
+find core drivers firmware enroll sim tests -name '*.[ch]' | sort | xargs awk '
+function deepest_rule(path,   folder) {
+    folder = path
+    while (sub(/\/[^\/]*$/, "", folder)) {
+        if (folder in may) {
+            return folder
+        }
+    }
+    return ""
+}
+
+function holds(entry, path) {
+    return path == entry || index(path, entry "/") == 1
+}
+
+function allowed(rule, path,   entries, n, i) {
+    if (holds(rule, path)) {
+        return 1
+    }
+    n = split(may[rule], entries, " ")
+    for (i = 1; i <= n; i++) {
+        if (holds(entries[i], path)) {
+            return 1
+        }
+    }
+    return 0
+}
+
+function fault(text) {
+    printf "%s:%d: %s\n", FILENAME, FNR, text
+    faults++
+}
+
+BEGIN {
+    while ((getline line < "cmake/layers.txt") > 0) {
+        if (line !~ /^#/ && line ~ /:/) {
+            rule = line
+            sub(/:.*/, "", rule)
+            sub(/[^:]*:/, "", line)
+            may[rule] = line
+        }
+    }
+    impure = "^(dirent|fcntl|poll|pthread|signal|syslog|termios|threads|time|unistd|sys/.*)[.]h$"
+}
+
+/^[ \t]*#[ \t]*include/ {
+    header = $0
+    sub(/^[ \t]*#[ \t]*include[ \t]*/, "", header)
+    quoted = header ~ /^"/
+    header = substr(header, 2)
+    sub(/[">].*$/, "", header)
+    if (quoted && header !~ /\//) {
+        fault("\"" header "\" is not written from the project root")
+    } else if (quoted) {
+        rule = deepest_rule(FILENAME)
+        if (!allowed(rule, header)) {
+            fault(rule " may not include \"" header "\"")
+        }
+    } else if (FILENAME ~ /^core\// && header ~ impure) {
+        fault("core may not include <" header ">")
+    }
+}
+
+END {
+    exit faults > 0
+}'

@@ -1,0 +1,44 @@
+/* The cohort file. Its checksum and those of its templates are put right. */
+#include <stdlib.h>
+
+#include "core/match/cohort.h"
+#include "core/math/bytes.h"
+#include "core/math/crc32.h"
+#include "tests/fuzz/fuzz.h"
+
+enum { HEADER_BYTES = 16, COUNT_BYTES = 4 };
+
+static void mend(uint8_t *bytes, size_t size)
+{
+    size_t at = HEADER_BYTES + COUNT_BYTES;
+    while (size >= at + 4) {
+        size_t length = iso_get_u32(bytes + at);
+        at += 4;
+        if (length < 4 || length > size - at) {
+            break;
+        }
+        (void)iso_put_u32(bytes + at + length - 4, iso_crc32(0, bytes + at, length - 4));
+        at += length;
+    }
+    if (size >= HEADER_BYTES) {
+        (void)iso_put_u32(bytes + 8, (uint32_t)size);
+        (void)iso_put_u32(bytes + 12, iso_crc32(0, bytes + HEADER_BYTES, size - HEADER_BYTES));
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    uint8_t *bytes = fuzz_copy(data, size);
+    struct iso_cohort *cohort = NULL;
+    const char *fault = NULL;
+    mend(bytes, size);
+    if (iso_cohort_parse(bytes, size, &cohort, &fault) == 0) {
+        int n = iso_cohort_size(cohort);
+        fuzz_check(n >= ISO_COHORT_MIN && n <= ISO_COHORT_MAX, "a cohort of sane size");
+    } else {
+        fuzz_check(cohort == NULL && fault != NULL, "a fault and no cohort");
+    }
+    iso_cohort_free(cohort);
+    free(bytes);
+    return 0;
+}

@@ -1,0 +1,30 @@
+/* The head model file. Its length and checksum are put right. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/landmark/head_model.h"
+#include "core/math/bytes.h"
+#include "core/math/crc32.h"
+#include "tests/fuzz/fuzz.h"
+
+enum { CHECKED_FROM = 16 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    uint8_t *bytes = fuzz_copy(data, size);
+    struct iso_head_model *model = NULL;
+    const char *fault = NULL;
+    if (size >= CHECKED_FROM) {
+        (void)iso_put_u32(bytes + 8, (uint32_t)size);
+        (void)iso_put_u32(bytes + 12, iso_crc32(0, bytes + CHECKED_FROM, size - CHECKED_FROM));
+    }
+    if (iso_head_model_parse(bytes, size, &model, &fault) == 0) {
+        struct iso_vec3 nose = iso_head_mean_landmark(model, ISO_LM_NOSE_TIP);
+        fuzz_check(isfinite(nose.x) && isfinite(nose.y) && isfinite(nose.z), "finite landmarks");
+    } else {
+        fuzz_check(model == NULL && fault != NULL, "a fault and no model");
+    }
+    iso_head_model_free(model);
+    free(bytes);
+    return 0;
+}

@@ -1,0 +1,6 @@
+#!/bin/sh
+# Gate: every C file is laid out as .clang-format says.
+# usage: format.sh [ROOT]
+set -eu
+cd "${1:-$(dirname "$0")/../..}"
+find core drivers firmware enroll sim tests -name '*.[ch]' -print0 | xargs -0 clang-format --dry-run -Werror

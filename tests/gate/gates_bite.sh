@@ -1,0 +1,74 @@
+#!/bin/sh
+# Gate of the gates: each of the text gates refuses what it is there to refuse.
+# usage: gates_bite.sh [ROOT]
+set -eu
+root=$(cd "${1:-$(dirname "$0")/../..}" && pwd)
+copy=$(mktemp -d)
+trap 'rm -rf "$copy"' EXIT
+
+# A small tree that passes.
+fresh_tree() {
+    rm -rf "${copy:?}"/*
+    for folder in core drivers firmware enroll sim tests cmake board; do
+        mkdir -p "$copy/$folder"
+        echo 'What lives here.' >"$copy/$folder/README.md"
+    done
+    mkdir -p "$copy/core/math" "$copy/core/heat" "$copy/tests/gate"
+    cp "$root/cmake/layers.txt" "$copy/cmake/"
+    cp "$root/tests/gate/long_files.txt" "$copy/tests/gate/"
+    cp "$root/.clang-format" "$copy/"
+    printf '#include "core/math/a.h"\n' >"$copy/core/heat/a.c"
+    printf 'int a(void);\n' >"$copy/core/math/a.h"
+}
+
+passes() {
+    "$@" >/dev/null 2>&1 || {
+        echo "refuses a sound tree: $*" >&2
+        exit 1
+    }
+}
+
+refuses() {
+    ! "$@" >/dev/null 2>&1 || {
+        echo "accepts: $what" >&2
+        exit 1
+    }
+}
+
+fresh_tree
+passes "$root/cmake/check_layers.sh" "$copy"
+passes "$root/tests/gate/docs.sh" "$copy"
+
+what='a lower layer that includes a higher one'
+printf '#include "drivers/a.h"\n' >"$copy/core/math/b.c"
+refuses "$root/cmake/check_layers.sh" "$copy"
+
+fresh_tree
+what='an include against the flow of the data'
+printf '#  include "core/heat/a.h"\n' >"$copy/core/math/b.c"
+refuses "$root/cmake/check_layers.sh" "$copy"
+
+fresh_tree
+what='an include that is not written from the root'
+printf '#include "a.h"\n' >"$copy/core/math/b.c"
+refuses "$root/cmake/check_layers.sh" "$copy"
+
+fresh_tree
+what='a clock in core'
+printf '#include <time.h>\n' >"$copy/core/math/b.c"
+refuses "$root/cmake/check_layers.sh" "$copy"
+
+fresh_tree
+what='a folder without README'
+rm "$copy/board/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+
+fresh_tree
+what='a link to nowhere'
+echo 'See [there](nowhere.md).' >"$copy/core/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+
+fresh_tree
+what='a file of 601 lines'
+yes '/* */' | head -601 >"$copy/core/math/b.c"
+refuses "$root/tests/gate/docs.sh" "$copy"

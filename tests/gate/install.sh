@@ -1,0 +1,41 @@
+#!/bin/sh
+# Gate: what is installed is whole and can be used: programs run, manuals and data are there, every installed header compiles
+# by itself, a program builds with what pkg-config says and runs.
+# usage: install.sh BUILD CC
+set -eu
+build=$1
+cc=$2
+here=$(cd "$(dirname "$0")" && pwd)
+
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+DESTDIR=$root cmake --install "$build" >"$root/log" || {
+    cat "$root/log" >&2
+    exit 1
+}
+prefix=$root$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")
+
+for file in bin/isothermd bin/isotherm bin/isotherm-sim share/isotherm/head.model \
+    share/isotherm/cohort.templates share/man/man1/isotherm.1 share/man/man1/isotherm-sim.1 \
+    share/man/man5/isotherm.conf.5 share/man/man8/isothermd.8 include/isotherm/isotherm.h; do
+    [ -s "$prefix/$file" ] || {
+        echo "not installed: $file" >&2
+        exit 1
+    }
+done
+
+for program in isothermd isotherm isotherm-sim; do
+    "$prefix/bin/$program" --version
+done
+
+pc=$(find "$prefix" -name isotherm.pc)
+export PKG_CONFIG_SYSROOT_DIR="$root" PKG_CONFIG_LIBDIR="${pc%/*}"
+cflags=$(pkg-config --cflags isotherm)
+libs=$(pkg-config --libs isotherm)
+
+cd "$root"
+for header in $(find "$prefix/include/isotherm" -name '*.h'); do
+    $cc -std=c17 $cflags -Wall -Wextra -Werror -fsyntax-only -x c "$header"
+done
+$cc -std=c17 $cflags -Wall -Wextra -Werror "$here/user.c" -o user $libs -Wl,-rpath,"$prefix/lib"
+./user

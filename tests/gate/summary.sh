@@ -1,0 +1,30 @@
+#!/bin/sh
+# Says how many test cases of the last ctest run of a build passed, failed and were skipped: each case of a cmocka program
+# counts, and each other test is one.
+# usage: summary.sh BUILD
+set -eu
+logs=$1/Testing/Temporary
+skipped=$logs/LastTestsDisabled.log # ctest's list of tests that said "skip" as a whole
+[ -f "$skipped" ] || skipped=/dev/null
+
+awk -v skipped_list="$skipped" '
+BEGIN {
+    while ((getline line < skipped_list) > 0) {
+        sub(/^[0-9]*:/, "", line)
+        skipped_whole[line] = 1
+    }
+}
+/^[0-9]+\/[0-9]+ Testing: / {
+    name = $3
+    cases = failed_here = 0
+}
+/^\[==========\] [0-9]+ test\(s\) run\./ { cases = 1 }
+cases && /^\[  PASSED  \] [0-9]+ test\(s\)/ { passed += $4 }
+cases && /^\[  SKIPPED \] [0-9]+ test\(s\)/ { skipped += $4 }
+cases && /^\[  FAILED  \] [0-9]+ test\(s\)/ { failed += $4; failed_here = $4 }
+/^Test Passed\.$/ && name in skipped_whole { skipped++; next }
+/^Test Passed\.$/ && !cases { passed++ }
+/^Test (Failed|Timeout)/ && !failed_here { failed++ }
+END {
+    printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped
+}' "$logs/LastTest.log"

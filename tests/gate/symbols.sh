@@ -1,0 +1,36 @@
+#!/bin/sh
+# Gate: what the built library and programs import and export.
+#   - no GPL part of SuiteSparse: UMFPACK, and CHOLMOD's Supernodal, MatrixOps and Modify modules
+#   - the library exports names of the project only
+#   - the library neither opens files, logs, reads clock or environment, makes threads nor ends the process
+# usage: symbols.sh LIBRARY [PROGRAM...]
+set -eu
+library=$1
+faults=0
+
+fault() {
+    echo "$1:" >&2
+    echo "$2" | sed 's/^/  /' >&2
+    faults=$((faults + 1))
+}
+
+imports() {
+    nm --dynamic --undefined-only "$1" | awk '{ sub(/@.*/, "", $NF); print $NF }'
+}
+
+gpl='super|drop|horzcat|norm_|scale$|sdmult|ssmult|submatrix|vertcat|symmetry|updown|rowadd|rowdel'
+for binary in "$@"; do
+    found=$(imports "$binary" | grep -E "^(umfpack|cholmod_(l_)?($gpl))" || true)
+    [ -z "$found" ] || fault "$binary uses GPL parts of SuiteSparse" "$found"
+done
+
+found=$(nm --dynamic --defined-only "$library" | awk '{ print $NF }' | grep -v '^iso_' || true)
+[ -z "$found" ] || fault "$library exports foreign names" "$found"
+
+impure='^(f?open(at|64)?|fopen64|read|write|f?printf|v?f?printf|__v?f?printf_chk|puts|fputs|syslog|perror'
+impure="$impure|(secure_)?getenv|clock_gettime|clock|time|gettimeofday|nanosleep|u?sleep"
+impure="$impure|pthread_create|thrd_create|fork|v?fork|exec.*|system|exit|_exit|abort|__assert_fail|signal|sigaction|rand|s?random)\$"
+found=$(imports "$library" | grep -E "$impure" || true)
+[ -z "$found" ] || fault "$library is not pure" "$found"
+
+[ "$faults" -eq 0 ]
