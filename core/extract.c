@@ -34,15 +34,28 @@ static int64_t now_ns(const struct iso_extractor *x)
     return x->options.now_ns ? x->options.now_ns(x->options.now_context) : 0;
 }
 
+/* How much a frame is shrunk for the search: to the coarse pitch, and further if the camera sees so
+ * wide that the coarse frame would still be too large. */
+static int coarse_factor(const struct iso_frame *frame)
+{
+    double pixel_mm = iso_camera_pixel_mm(&frame->camera, ISO_EXTRACT_COARSE_AT_MM);
+    double pitch = fmin(floor(ISO_EXTRACT_COARSE_PITCH_MM / pixel_mm), ISO_SHRINK_MAX);
+    double side_px = fmin(frame->width_px, frame->height_px);
+    int factor = (int)fmax(fmin(pitch, side_px), 1.0);
+    while ((frame->width_px / factor) * (frame->height_px / factor) > ISO_EXTRACT_COARSE_PX_MAX) {
+        factor++;
+    }
+    return factor;
+}
+
 /* Finds the face roughly in the frame shrunk to the coarse pitch. */
 static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
                      struct iso_pose_fit *fit, struct iso_extraction *out)
 {
     bool pinhole = frame->camera.projection == ISO_PINHOLE;
-    double pixel_mm = iso_camera_pixel_mm(&frame->camera, ISO_EXTRACT_COARSE_AT_MM);
-    double factor = fmin(fmax(floor(ISO_EXTRACT_COARSE_PITCH_MM / pixel_mm), 1.0), ISO_SHRINK_MAX);
     struct iso_window all = {0, 0, frame->width_px, frame->height_px};
-    int error = iso_frame_shrink(frame, all, (int)factor, ISO_EXTRACT_COARSE_PX_MAX, &x->coarse);
+    int error = iso_frame_shrink(frame, all, coarse_factor(frame), ISO_EXTRACT_COARSE_PX_MAX,
+                                 &x->coarse);
     if (error) {
         return error;
     }
@@ -239,6 +252,11 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, struct is
             break;
         case ISO_STAGES:
             break;
+        }
+        if (error == -ENODATA || error == -ENOENT) {
+            /* Nothing left by the cleaning, no triangle, or none at a landmark. */
+            out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
+            error = 0;
         }
         int64_t after = now_ns(x);
         out->stage_ns[stage] = after - before;

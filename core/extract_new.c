@@ -48,6 +48,7 @@ static bool options_sane(const struct iso_extract_options *o)
                 in_range(o->n_radii, 1, ISO_TEMPLATE_RADII_MAX) &&
                 in_range(o->distance_min_mm, 50.0, 10000.0) &&
                 in_range(o->distance_max_mm, o->distance_min_mm, 10000.0) &&
+                (o->heat == ISO_HEAT_DIRECT || o->heat == ISO_HEAT_SPECTRAL) &&
                 in_range(o->yaw_max_rad, 0.0, M_PI_2) && in_range(o->pitch_max_rad, 0.0, M_PI_2) &&
                 memchr(o->sensor, '\0', sizeof o->sensor) != NULL;
     for (int r = 0; sane && r < o->n_radii; r++) {

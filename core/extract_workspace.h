@@ -18,7 +18,8 @@ enum {
     ISO_EXTRACT_WIDTH_MAX = 1920,
     ISO_EXTRACT_HEIGHT_MAX = 1200,
     ISO_EXTRACT_COARSE_PX_MAX = 640 * 480,
-    ISO_EXTRACT_CLEAN_PX_MAX = 512 * 512,
+    /* The widest patch and its margin at half the clean pitch, below which pixels are joined. */
+    ISO_EXTRACT_CLEAN_PX_MAX = 682 * 682,
     ISO_EXTRACT_SEARCH_VERTICES = 220,
     ISO_EXTRACT_EIGENPAIRS = 100,
 };

@@ -55,8 +55,8 @@ static void on_door_changed(void *context, enum iso_door_event cause)
     record.reason = iso_door_event_name(cause);
     record.note = state;
     (void)iso__appliance_record(appliance, &record);
-    iso__appliance_say(appliance, is_alarm(door) ? LOG_WARNING : LOG_INFO, "door %s (%s)%s%s", state,
-                       record.reason, appliance->door.broken ? ": " : "",
+    iso__appliance_say(appliance, is_alarm(door) ? LOG_WARNING : LOG_INFO, "door %s (%s)%s%s",
+                       state, record.reason, appliance->door.broken ? ": " : "",
                        appliance->door.broken ? appliance->door.fault : "");
     appliance->parts.events.door_changed(appliance->parts.events.context, state, record.reason);
 }
@@ -161,8 +161,8 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
-    const struct iso_decision_options options =
-        iso__appliance_decision_options(appliance->parts.config);
+    const struct iso_decision_options options = iso__appliance_decision_options(
+        appliance->parts.config);
     appliance->start_ns = now_ns;
     iso_decision_init(&appliance->decision, &options);
     init_door(appliance);

@@ -10,9 +10,9 @@
  *
  * The door does not depend on the mode: exit button, alarms and times work in each.
  *
- * Used by one thread. A step takes at most one frame in; it neither sleeps nor waits for the sensor,
- * and takes as long as the extraction of a template. Events are reported from within calls of this
- * header; a handler must not call back into it, but for the status. */
+ * Used by one thread. A step takes at most one frame in; it neither sleeps nor waits for the
+ * sensor, and takes as long as the extraction of a template. Events are reported from within calls
+ * of this header; a handler must not call back into it, but for the status. */
 #ifndef ISO_FIRMWARE_APPLIANCE_H
 #define ISO_FIRMWARE_APPLIANCE_H
 
@@ -111,7 +111,8 @@ int iso_appliance_door_fd(const struct iso_appliance *appliance);
  * the watchdog is fed only when it has risen. */
 uint64_t iso_appliance_progress(const struct iso_appliance *appliance);
 
-/* ---- what a client can ask for ---------------------------------------------------------------- */
+/* ---- what a client can ask for ----------------------------------------------------------------
+ */
 
 /* -EBUSY it is claimed. */
 int iso_appliance_claim(struct iso_appliance *appliance) __attribute__((warn_unused_result));
@@ -123,8 +124,8 @@ struct iso_enroll_request {
     bool allow_duplicate;
 };
 
-/* Common to the three: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no sensor; each with a
- * fault. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify: -ENOENT no such person. */
+/* Common to the three: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no sensor; each with
+ * a fault. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify: -ENOENT no such person. */
 int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_verify(struct iso_appliance *appliance, const char *person,

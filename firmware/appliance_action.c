@@ -30,8 +30,8 @@ static void rest(struct iso_appliance *appliance)
     iso_decision_reset(&appliance->decision);
     iso_enrolment_wipe(&appliance->enrolment);
     appliance->mode = ISO_APPLIANCE_CLAIMED;
-    appliance->deadline_ns =
-        now_ns(appliance) + appliance->parts.config->bus.claim_ms * ISO_NS_PER_MS;
+    appliance->deadline_ns = now_ns(appliance) +
+                             appliance->parts.config->bus.claim_ms * ISO_NS_PER_MS;
 }
 
 int iso_appliance_claim(struct iso_appliance *appliance)
@@ -111,8 +111,7 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
     if (error) {
         return error;
     }
-    const struct iso_person *known =
-        iso_gallery_find(appliance->parts.gallery, request->person);
+    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, request->person);
     appliance->person = (struct iso_person){
         .id = known ? known->id : 0,
         .valid_from_s = request->valid_from_s,
@@ -240,8 +239,8 @@ static int keep(struct iso_appliance *appliance)
 
 static const char *duplicate_name(const struct iso_appliance *appliance)
 {
-    const struct iso_person *person =
-        iso_gallery_find_id(appliance->parts.gallery, appliance->enrolment.duplicate_of);
+    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery,
+                                                          appliance->enrolment.duplicate_of);
     return person ? person->name : NULL;
 }
 
@@ -307,13 +306,11 @@ void iso__appliance_finish_recognition(struct iso_appliance *appliance,
 {
     const bool match = verdict->reason == ISO_REASON_MATCH;
     const char *result = match ? ISO_CONTRACT_RESULT_MATCH : ISO_CONTRACT_RESULT_NO_MATCH;
-    const struct iso_person *found =
-        iso_gallery_find_id(appliance->parts.gallery, verdict->person);
+    const struct iso_person *found = iso_gallery_find_id(appliance->parts.gallery, verdict->person);
     const char *person = appliance->mode == ISO_APPLIANCE_VERIFY ? appliance->person.name
                          : found                                 ? found->name
                                                                  : "";
-    struct iso_audit_record record =
-        iso_audit_record_of(iso_appliance_mode_name(appliance->mode));
+    struct iso_audit_record record = iso_audit_record_of(iso_appliance_mode_name(appliance->mode));
     record.person = *person ? person : NULL;
     record.reason = result;
     record.score = verdict->score;

@@ -31,8 +31,9 @@ struct iso_appliance {
 };
 
 /* A line for the system's log. */
-__attribute__((format(printf, 3, 4))) void
-iso__appliance_say(struct iso_appliance *appliance, int priority, const char *format, ...);
+__attribute__((format(printf, 3, 4))) void iso__appliance_say(struct iso_appliance *appliance,
+                                                              int priority, const char *format,
+                                                              ...);
 
 /* The same as a warning, but only the first of a row of frames that fail. */
 void iso__appliance_complain(struct iso_appliance *appliance, const char *text);

@@ -9,8 +9,9 @@
  * before it; readers ignore members they do not know.
  *
  * A record is written by one write(); with `sync` it is on the disk when append returns. A record
- * that does not fit on the disk leaves nothing behind. A line that was cut short by a crash is taken
- * away at the next open, which is itself put on record (if there is room). One process at a time has the log. */
+ * that does not fit on the disk leaves nothing behind. A line that was cut short by a crash is
+ * taken away at the next open, which is itself put on record (if there is room). One process at a
+ * time has the log. */
 #ifndef ISO_FIRMWARE_AUDIT_H
 #define ISO_FIRMWARE_AUDIT_H
 

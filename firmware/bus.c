@@ -45,11 +45,11 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
     }
     int r = connect_address(address, &bus->bus);
     r = r < 0 ? r : sd_bus_get_unique_name(bus->bus, &unique); /* waits for the handshake */
-    r = r < 0 ? r
-              : sd_bus_match_signal_async(bus->bus, &bus->disconnected,
-                                          "org.freedesktop.DBus.Local", NULL,
-                                          "org.freedesktop.DBus.Local", "Disconnected",
-                                          on_disconnected, NULL, bus);
+    r = r < 0
+            ? r
+            : sd_bus_match_signal_async(bus->bus, &bus->disconnected, "org.freedesktop.DBus.Local",
+                                        NULL, "org.freedesktop.DBus.Local", "Disconnected",
+                                        on_disconnected, NULL, bus);
     if (r < 0) {
         iso_bus_close(bus);
         return iso_fault_set(fault, r, "bus '%s': %s", address, strerror(-r));

@@ -21,13 +21,14 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
 /* Sends what is still to be sent, and leaves. NULL is fine. */
 void iso_bus_close(struct iso_bus *bus);
 
-/* Handlers that put the appliance's events on this bus, but for `message`, which is the caller's. */
+/* Handlers that put the appliance's events on this bus, but for `message`, which is the caller's.
+ */
 struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
                                            void (*message)(void *context, int priority,
                                                            const char *text));
 
-/* Offers the appliance, which is made of these parts, under the name of the contract, from within an
- * event loop. Both must outlive the bus. -EEXIST: the name is taken. */
+/* Offers the appliance, which is made of these parts, under the name of the contract, from within
+ * an event loop. Both must outlive the bus. -EEXIST: the name is taken. */
 int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
                   const struct iso_appliance_parts *parts, sd_event *event, struct iso_fault *fault)
     __attribute__((warn_unused_result));

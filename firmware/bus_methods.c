@@ -18,9 +18,12 @@ static int refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         int error;
         const char *name;
     } names[] = {
-        {-EACCES, ISO_CONTRACT_ERROR_CLAIM_DEVICE},  {-EBUSY, ISO_CONTRACT_ERROR_ACTION},
-        {-ENODEV, ISO_CONTRACT_ERROR_DEVICE_FAULT},  {-ENOENT, ISO_CONTRACT_ERROR_NO_SUCH_PERSON},
-        {-EDQUOT, ISO_CONTRACT_ERROR_GALLERY_FULL},  {-ENODATA, ISO_CONTRACT_ERROR_NO_ACTION},
+        {-EACCES, ISO_CONTRACT_ERROR_CLAIM_DEVICE},
+        {-EBUSY, ISO_CONTRACT_ERROR_ACTION},
+        {-ENODEV, ISO_CONTRACT_ERROR_DEVICE_FAULT},
+        {-ENOENT, ISO_CONTRACT_ERROR_NO_SUCH_PERSON},
+        {-EDQUOT, ISO_CONTRACT_ERROR_GALLERY_FULL},
+        {-ENODATA, ISO_CONTRACT_ERROR_NO_ACTION},
         {-EINVAL, ISO_CONTRACT_ERROR_INVALID_ARGUMENT},
     };
     const char *text = fault->text[0] ? fault->text : strerror(-error);
@@ -300,8 +303,9 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
 
 /* Names of arguments, each with a NUL behind it; the list ends with an empty one. */
 #define NOTHING ""
-#define METHOD(name, in, in_names, out, out_names, handler)                                        \
-    SD_BUS_METHOD_WITH_NAMES(name, in, in_names, out, out_names, handler, SD_BUS_VTABLE_UNPRIVILEGED)
+#define METHOD(name, in, in_names, out, out_names, handler)               \
+    SD_BUS_METHOD_WITH_NAMES(name, in, in_names, out, out_names, handler, \
+                             SD_BUS_VTABLE_UNPRIVILEGED)
 #define SIGNAL(name, signature, names) SD_BUS_SIGNAL_WITH_NAMES(name, signature, names, 0)
 
 const sd_bus_vtable iso__bus_vtable[] = {
@@ -321,8 +325,7 @@ const sd_bus_vtable iso__bus_vtable[] = {
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuud", "result\0done\0stage\0stages\0quality\0"),
     SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
     SIGNAL(ISO_CONTRACT_IDENTIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
-    SIGNAL(ISO_CONTRACT_VISIT, "ssddux",
-           "verdict\0person\0score\0threshold\0frames\0latency_us\0"),
+    SIGNAL(ISO_CONTRACT_VISIT, "ssddux", "verdict\0person\0score\0threshold\0frames\0latency_us\0"),
     SIGNAL(ISO_CONTRACT_DOOR_CHANGED, "ss", "state\0cause\0"),
     SD_BUS_VTABLE_END,
 };

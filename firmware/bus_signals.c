@@ -33,8 +33,7 @@ static void on_enroll_status(void *context, const char *result, bool done, unsig
     char word[64];
     (void)snprintf(word, sizeof word, "enroll-%s", result);
     int r = new_signal(bus, ISO_CONTRACT_ENROLL_STATUS, &signal);
-    r = r < 0 ? r
-              : sd_bus_message_append(signal, "sbuud", word, (int)done, stage, stages, quality);
+    r = r < 0 ? r : sd_bus_message_append(signal, "sbuud", word, (int)done, stage, stages, quality);
     send_signal(signal, bus->claimant, r);
 }
 

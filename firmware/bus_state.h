@@ -9,8 +9,8 @@
 struct iso_bus {
     sd_bus *bus;
     sd_bus_slot *object, *disconnected;
-    sd_bus_track *track;  /* of the claimant */
-    char claimant[256];   /* unique name; "": nobody */
+    sd_bus_track *track; /* of the claimant */
+    char claimant[256];  /* unique name; "": nobody */
     bool gone;
     struct iso_appliance *appliance;
     const struct iso_appliance_parts *parts;

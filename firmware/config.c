@@ -18,10 +18,10 @@ _Static_assert(sizeof(enum iso_icp_transform) == sizeof(int), "choices are store
 /* What is gathered while libinih goes through the text. */
 struct parse {
     struct iso_config config;
-    const char *rest;      /* what libinih has not asked for yet */
-    int line;              /* of the line it asked for last, from 1 */
+    const char *rest;               /* what libinih has not asked for yet */
+    int line;                       /* of the line it asked for last, from 1 */
     bool seen[ISO_CONFIG_KEYS_MAX]; /* keys[i] was given */
-    int fault_line;        /* of the first line at fault, 0: none */
+    int fault_line;                 /* of the first line at fault, 0: none */
     struct iso_fault reason;
 };
 
@@ -322,9 +322,11 @@ size_t iso_config_door_options(const struct iso_config *config,
 void iso_config_print_sample(FILE *out)
 {
     const char *section = "";
-    fputs("# Configuration of isothermd, see isotherm.conf(5). Every key is shown with the value that\n"
-          "# holds when it is left out; `isothermd --check-config` says what is wrong with a file.\n",
-          out);
+    fputs(
+        "# Configuration of isothermd, see isotherm.conf(5). Every key is shown with the value "
+        "that\n"
+        "# holds when it is left out; `isothermd --check-config` says what is wrong with a file.\n",
+        out);
     for (size_t i = 0; i < iso_config_n_keys; i++) {
         const struct iso_config_key *key = &iso_config_keys[i];
         char expected[96];

@@ -90,12 +90,12 @@ enum iso_config_type {
 struct iso_config_key {
     const char *section, *name;
     enum iso_config_type type;
-    bool option;        /* handed on to the section's back end, if it is not empty */
-    size_t offset;      /* in struct iso_config */
-    double min, max;    /* numbers and counts */
-    const char *choices; /* "word|word" */
+    bool option;          /* handed on to the section's back end, if it is not empty */
+    size_t offset;        /* in struct iso_config */
+    double min, max;      /* numbers and counts */
+    const char *choices;  /* "word|word" */
     const char *standard; /* value without configuration, in the file's own words */
-    const char *help;   /* one line */
+    const char *help;     /* one line */
 };
 
 extern const struct iso_config_key iso_config_keys[];

@@ -5,10 +5,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/prctl.h>
 #include <syslog.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
+#include <unistd.h>
 
 #include "firmware/bus.h"
 #include "firmware/parts.h"
@@ -50,12 +52,46 @@ static void on_message(void *context, int priority, const char *text)
 /* ---- set-up -----------------------------------------------------------------------------------
  */
 
-static int on_signal(sd_event_source *source, const struct signalfd_siginfo *info, void *context)
+static int quit_fd = -1; /* for the handler: there is one daemon in a process */
+
+/* A handler, not a signalfd: that needs the signal blocked in all threads, and the linear algebra
+ * library has made some before main() came. */
+static void on_quit_signal(int number)
+{
+    const int saved = errno;
+    const uint64_t one = 1;
+    (void)number;
+    (void)!write(quit_fd, &one, sizeof one);
+    errno = saved;
+}
+
+static int on_quit(sd_event_source *source, int fd, uint32_t events, void *context)
 {
     (void)source;
-    (void)info;
+    (void)fd;
+    (void)events;
     ((struct daemon *)context)->quit = true;
     return 0;
+}
+
+static int catch_signals(struct daemon *daemon)
+{
+    const struct sigaction quit = {.sa_handler = on_quit_signal, .sa_flags = SA_RESTART};
+    quit_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (quit_fd < 0 || sigaction(SIGTERM, &quit, NULL) || sigaction(SIGINT, &quit, NULL)) {
+        return -errno;
+    }
+    return sd_event_add_io(daemon->event, NULL, quit_fd, EPOLLIN, on_quit, daemon);
+}
+
+static void release_signals(void)
+{
+    (void)signal(SIGTERM, SIG_DFL);
+    (void)signal(SIGINT, SIG_DFL);
+    if (quit_fd >= 0) {
+        (void)close(quit_fd);
+        quit_fd = -1;
+    }
 }
 
 static int fail(int error, const char *what, struct iso_fault *fault)
@@ -66,17 +102,11 @@ static int fail(int error, const char *what, struct iso_fault *fault)
 /* SIGXFSZ ignored: a file at its limit is then a full disk (EFBIG) and not the end. */
 static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
 {
-    sigset_t caught;
-    (void)sigemptyset(&caught);
-    (void)sigaddset(&caught, SIGTERM);
-    (void)sigaddset(&caught, SIGINT);
     (void)signal(SIGPIPE, SIG_IGN);
     (void)signal(SIGXFSZ, SIG_IGN);
     (void)prctl(PR_SET_DUMPABLE, 0); /* biometric data in no core file */
-    int r = sigprocmask(SIG_BLOCK, &caught, NULL) ? -errno : 0;
-    r = r < 0 ? r : sd_event_new(&daemon->event);
-    r = r < 0 ? r : sd_event_add_signal(daemon->event, NULL, SIGTERM, on_signal, daemon);
-    r = r < 0 ? r : sd_event_add_signal(daemon->event, NULL, SIGINT, on_signal, daemon);
+    int r = sd_event_new(&daemon->event);
+    r = r < 0 ? r : catch_signals(daemon);
     return r < 0 ? fail(r, "event loop", fault) : 0;
 }
 
@@ -135,7 +165,8 @@ static void tell_service_manager(struct daemon *daemon, int64_t now_ns)
 {
     const uint64_t progress = iso_appliance_progress(daemon->appliance);
     const int64_t period_ns = (int64_t)(daemon->watchdog_us / 4) * 1000;
-    if (daemon->watchdog_us && progress != daemon->progress && now_ns - daemon->fed_ns >= period_ns) {
+    if (daemon->watchdog_us && progress != daemon->progress &&
+        now_ns - daemon->fed_ns >= period_ns) {
         (void)sd_notify(0, "WATCHDOG=1");
         daemon->progress = progress;
         daemon->fed_ns = now_ns;
@@ -187,6 +218,7 @@ static void tear_down(struct daemon *daemon)
     iso_appliance_free(daemon->appliance);
     iso_parts_close(daemon->parts);
     sd_event_unref(daemon->event);
+    release_signals();
 }
 
 int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)

@@ -187,7 +187,7 @@ struct iso_door_outputs iso_door_outputs_of(const struct iso_door *door)
     out.active[ISO_DOOR_RELAY] = relay_is_powered(door);
     out.active[ISO_DOOR_LED_GRANTED] = state == ISO_DOOR_UNLOCKED || state == ISO_DOOR_OPENED;
     out.active[ISO_DOOR_LED_REFUSED] = door->refused_due_ns != ISO_NEVER_NS;
-    out.active[ISO_DOOR_BUZZER] =
-        state == ISO_DOOR_HELD_OPEN || state == ISO_DOOR_FORCED || door->tamper;
+    out.active[ISO_DOOR_BUZZER] = state == ISO_DOOR_HELD_OPEN || state == ISO_DOOR_FORCED ||
+                                  door->tamper;
     return out;
 }

@@ -1,8 +1,8 @@
 /* The door as a state machine: pure, time comes as an argument.
  *
  * A lock is fail-secure (a strike: power unlocks it) or fail-safe (a magnet: power locks it). In
- * STOPPED and FAULT the relay is without power, as it is when the appliance has none: fail-secure is
- * then locked, fail-safe is unlocked. So whoever can bring a fail-safe door to a fault (by the
+ * STOPPED and FAULT the relay is without power, as it is when the appliance has none: fail-secure
+ * is then locked, fail-safe is unlocked. So whoever can bring a fail-safe door to a fault (by the
  * sensor's cable, say) opens it; that is what fail-safe means.
  *
  * REST below is FAULT while a fault lasts, else LOCKED. Legal transitions; every other event leaves

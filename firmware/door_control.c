@@ -63,8 +63,8 @@ static bool switch_outputs(struct iso_door_control *control, struct iso_fault *f
         if (control->known && control->outputs.active[i] == wanted.active[i]) {
             continue;
         }
-        const int error =
-            iso_door_io_set_output(control->io, (enum iso_door_output)i, wanted.active[i], fault);
+        const int error = iso_door_io_set_output(control->io, (enum iso_door_output)i,
+                                                 wanted.active[i], fault);
         control->lost |= error == -ENODEV;
         fine = fine && !error; /* the others are switched all the same */
     }

@@ -22,8 +22,7 @@ static int best_score(const struct iso_pipeline *pipeline, const struct iso_sear
 {
     struct iso_search_hit hit;
     int n = 0;
-    const int error =
-        pipeline->ops->search(pipeline->self, entries, n_entries, probe, &hit, 1, &n);
+    const int error = pipeline->ops->search(pipeline->self, entries, n_entries, probe, &hit, 1, &n);
     if (error && error != -ENODATA) {
         return error;
     }
@@ -88,9 +87,9 @@ static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pip
         return error;
     }
     enrolment->duplicate_of = duplicate;
-    enrolment->state = duplicate != 0                           ? ISO_ENROLMENT_DUPLICATE
+    enrolment->state = duplicate != 0                         ? ISO_ENROLMENT_DUPLICATE
                        : own < enrolment->options.agree_score ? ISO_ENROLMENT_FAILED
-                                                                : ISO_ENROLMENT_COMPLETED;
+                                                              : ISO_ENROLMENT_COMPLETED;
     return 0;
 }
 

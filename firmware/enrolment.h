@@ -32,8 +32,9 @@ enum iso_enrolment_state {
 };
 
 struct iso_enrolment_options {
-    int stages;             /* 1..ISO_ENROLMENT_STAGES_MAX */
-    double agree_score;     /* of a frame with every one before it, and with the person's own templates */
+    int stages; /* 1..ISO_ENROLMENT_STAGES_MAX */
+    double
+        agree_score; /* of a frame with every one before it, and with the person's own templates */
     double duplicate_score; /* from which on somebody else is the same person */
     int64_t timeout_ns;
     bool allow_duplicate;

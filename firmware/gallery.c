@@ -49,8 +49,8 @@ static int reserve(void **items, size_t item_size, size_t n, size_t *capacity)
 static int reserve_person(struct iso_gallery *gallery)
 {
     void *people = gallery->people;
-    const int error =
-        reserve(&people, sizeof *gallery->people, gallery->n_people, &gallery->people_capacity);
+    const int error = reserve(&people, sizeof *gallery->people, gallery->n_people,
+                              &gallery->people_capacity);
     gallery->people = people;
     return error;
 }
@@ -58,8 +58,8 @@ static int reserve_person(struct iso_gallery *gallery)
 static int reserve_entry(struct iso_gallery *gallery)
 {
     void *entries = gallery->entries;
-    const int error =
-        reserve(&entries, sizeof *gallery->entries, gallery->n_entries, &gallery->entries_capacity);
+    const int error = reserve(&entries, sizeof *gallery->entries, gallery->n_entries,
+                              &gallery->entries_capacity);
     gallery->entries = entries;
     return error;
 }
@@ -125,7 +125,7 @@ static int load_usable(struct iso_gallery *gallery, struct iso_person *person,
     }
     *copy = *tmpl;
     insert_entry(gallery, person->id, copy);
-    person->usable++;
+    person->usable++; /* NOLINT(clang-analyzer-unix.Malloc): the gallery's entry keeps the copy */
     return 0;
 }
 
@@ -195,8 +195,7 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     if (!person && gallery->n_people >= gallery->capacity) {
-        return iso_fault_set(fault, -EDQUOT, "the gallery is full: %zu people",
-                             gallery->n_people);
+        return iso_fault_set(fault, -EDQUOT, "the gallery is full: %zu people", gallery->n_people);
     }
     if (person && person->templates >= ISO_GALLERY_TEMPLATES_MAX) {
         return iso_fault_set(fault, -EDQUOT, "%s has %u templates, there is no room for more", name,

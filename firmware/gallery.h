@@ -1,5 +1,5 @@
-/* The gallery: who is enrolled, with which templates; in an SQLite database, and all of it in memory
- * for the search.
+/* The gallery: who is enrolled, with which templates; in an SQLite database, and all of it in
+ * memory for the search.
  *
  * Every change is one transaction that is on the disk when the call returns: after a kill at any
  * moment the gallery is what it was before the change or after it. A new database is made beside
@@ -31,7 +31,7 @@ struct iso_person {
     int64_t id; /* never used for anybody else */
     char name[ISO_PERSON_NAME_SIZE];
     int64_t enrolled_s, valid_from_s, valid_until_s; /* since 1970; limits: 0 is none */
-    uint32_t templates, usable; /* usable: those of the running algorithm */
+    uint32_t templates, usable;                      /* usable: those of the running algorithm */
 };
 
 struct iso_gallery;
@@ -49,9 +49,9 @@ int iso_gallery_open(const char *path, int capacity, uint32_t algorithm, struct 
 void iso_gallery_close(struct iso_gallery *gallery);
 
 /* Adds a template to the person of this name, who is made if need be; an existing person keeps the
- * date of enrolment and takes the new limits. person's id and counts are ignored. The template is copied. -EINVAL the name or the
- * template is bad, -EDQUOT the gallery, or this person, is full, -ENOSPC, -EIO, -EROFS, -ENOMEM;
- * then nothing has changed. */
+ * date of enrolment and takes the new limits. person's id and counts are ignored. The template is
+ * copied. -EINVAL the name or the template is bad, -EDQUOT the gallery, or this person, is full,
+ * -ENOSPC, -EIO, -EROFS, -ENOMEM; then nothing has changed. */
 int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person,
                     const struct iso_template *tmpl, struct iso_fault *fault)
     __attribute__((warn_unused_result));

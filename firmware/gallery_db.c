@@ -30,7 +30,6 @@ static const char settings[] = "PRAGMA locking_mode = EXCLUSIVE;"
                                "PRAGMA trusted_schema = OFF;"
                                "PRAGMA cell_size_check = ON;";
 
-
 /* AUTOINCREMENT: the audit log speaks of people who are gone; their numbers are not used again. */
 static const char schema[] = "BEGIN;"
                              "CREATE TABLE person ("
@@ -174,8 +173,7 @@ static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     struct stat status;
     if (stat(db->path, &status) != 0) {
-        return errno == ENOENT ? make(db, fault)
-                               : iso_fault_set(fault, -errno, "%s: %m", db->path);
+        return errno == ENOENT ? make(db, fault) : iso_fault_set(fault, -errno, "%s: %m", db->path);
     }
     if (!S_ISREG(status.st_mode)) {
         return iso_fault_set(fault, -EMEDIUMTYPE, "%s: not a file", db->path);
@@ -216,9 +214,10 @@ static int check_kind(const struct iso_gallery_db *db, struct iso_fault *fault)
     }
     error = ask(db, "PRAGMA user_version", answer, sizeof answer, fault);
     if (!error && atoll(answer) != ISO_GALLERY_SCHEMA) {
-        error = iso_fault_set(fault, -EPROTONOSUPPORT,
-                              "%s: of version %s, this program knows version %d; install a newer one",
-                              db->path, answer, ISO_GALLERY_SCHEMA);
+        error = iso_fault_set(
+            fault, -EPROTONOSUPPORT,
+            "%s: of version %s, this program knows version %d; install a newer one", db->path,
+            answer, ISO_GALLERY_SCHEMA);
     }
     return error;
 }
@@ -416,9 +415,9 @@ static int write_template(struct iso_gallery_db *db, int64_t person_id, uint32_t
                           const void *bytes, size_t size, struct iso_fault *fault)
 {
     sqlite3_stmt *statement = NULL;
-    const int error =
-        prepare(db, "INSERT INTO template (person_id, algorithm, bytes) VALUES (?1, ?2, ?3)",
-                &statement, fault);
+    const int error = prepare(
+        db, "INSERT INTO template (person_id, algorithm, bytes) VALUES (?1, ?2, ?3)", &statement,
+        fault);
     if (error) {
         return error;
     }

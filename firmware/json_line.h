@@ -20,7 +20,8 @@ void iso_json_line_integer(struct iso_json_line *line, const char *key, int64_t 
 /* Six significant digits; null if it is not finite, for JSON has no such numbers. */
 void iso_json_line_number(struct iso_json_line *line, const char *key, double value);
 
-/* Quotes, backslashes and control characters are escaped; a byte that is no UTF-8 becomes U+FFFD. */
+/* Quotes, backslashes and control characters are escaped; a byte that is no UTF-8 becomes U+FFFD.
+ */
 void iso_json_line_string(struct iso_json_line *line, const char *key, const char *value);
 
 /* Ends the object and the line. Returns its length with the newline, or 0 if it did not fit. */

@@ -14,9 +14,9 @@ struct iso_parts {
     struct iso_door_io *door_io;
 };
 
-/* Opens them in an order in which the door's lines are touched last. Every error of iso_pipeline_open,
- * iso_gallery_open, iso_audit_open and iso_door_io_open, with nothing left open. What `times` points
- * to must outlive the parts. */
+/* Opens them in an order in which the door's lines are touched last. Every error of
+ * iso_pipeline_open, iso_gallery_open, iso_audit_open and iso_door_io_open, with nothing left open.
+ * What `times` points to must outlive the parts. */
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -65,7 +65,9 @@ static const struct iso_pipeline_ops ops = {
 static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
 {
     return iso_fault_set(fault, error, "%s: %s", path,
-                         error == -ENOMEM ? "out of memory" : what ? what : "damaged");
+                         error == -ENOMEM ? "out of memory"
+                         : what           ? what
+                                          : "damaged");
 }
 
 static int load_head(struct pipeline *pipeline, const char *path, struct iso_fault *fault)

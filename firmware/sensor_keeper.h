@@ -35,17 +35,17 @@ struct iso_sensor_keeper {
     int64_t heard_ns;          /* RUNNING: the last sign of life */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;
-    char model[32];            /* of the sensor; "" while unknown */
-    int error;                 /* the last one, negative errno; 0 if there was none */
-    char fault[256];           /* what it was, in words */
+    char model[32];  /* of the sensor; "" while unknown */
+    int error;       /* the last one, negative errno; 0 if there was none */
+    char fault[256]; /* what it was, in words */
 };
 
 enum iso_sensor_news {
-    ISO_SENSOR_QUIET,  /* nothing happened */
-    ISO_SENSOR_FRAME,  /* *frame is there */
-    ISO_SENSOR_FLAW,   /* a frame was lost or damaged, or another try has failed; see ->fault */
-    ISO_SENSOR_BACK,   /* it runs, from now on */
-    ISO_SENSOR_GONE,   /* it does not, from now on; see ->fault */
+    ISO_SENSOR_QUIET, /* nothing happened */
+    ISO_SENSOR_FRAME, /* *frame is there */
+    ISO_SENSOR_FLAW,  /* a frame was lost or damaged, or another try has failed; see ->fault */
+    ISO_SENSOR_BACK,  /* it runs, from now on */
+    ISO_SENSOR_GONE,  /* it does not, from now on; see ->fault */
 };
 
 /* AWAY, to be tried at once. */

@@ -21,14 +21,14 @@ enum { RING = 16, RING_MIN = 9 };
 
 struct iso_candidate_finder {
     size_t capacity_px;
-    int16_t *part;    /* of each pixel, -1 for none */
+    int32_t *part;    /* of each pixel, -1 for none */
     int32_t *queue;   /* flood fill */
     float *height_mm; /* above the ring, 0 for none */
 };
 
 /* A connected piece of surface. */
 struct part {
-    int16_t label;
+    int32_t label;
     double mean_mm;
 };
 
@@ -63,12 +63,13 @@ static bool joined(const struct iso_frame *frame, int a, int b,
                    const struct iso_candidate_options *options)
 {
     double za = (double)frame->depth_mm[a], zb = (double)frame->depth_mm[b];
-    return zb >= options->near_mm && zb <= options->far_mm && fabs(za - zb) <= part_jump_mm;
+    return zb > 0.0 && zb >= options->near_mm && zb <= options->far_mm &&
+           fabs(za - zb) <= part_jump_mm;
 }
 
 /* Labels the part that holds `seed`; returns its area, mm^2, and its mean depth. */
 static double flood(struct iso_candidate_finder *f, const struct iso_frame *frame, int seed,
-                    int16_t label, const struct iso_candidate_options *options, double *mean_mm)
+                    int32_t label, const struct iso_candidate_options *options, double *mean_mm)
 {
     int w = frame->width_px, h = frame->height_px, head = 0, tail = 0;
     double area = 0.0, sum_z = 0.0;
@@ -99,11 +100,11 @@ static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *fr
                       struct part parts[ISO_CANDIDATE_PARTS_MAX])
 {
     int n_px = frame->width_px * frame->height_px, n = 0;
-    int16_t label = 0;
+    int32_t label = 0;
     for (int i = 0; i < n_px; i++) {
         f->part[i] = -1;
     }
-    for (int i = 0; i < n_px && label < INT16_MAX; i++) {
+    for (int i = 0; i < n_px; i++) {
         if (f->part[i] >= 0 || !joined(frame, i, i, options)) {
             continue;
         }
@@ -184,7 +185,7 @@ static double height_above_ring(const struct iso_frame *frame, int column, int r
 
 /* Highest pixel of a part, or -1 when none is left; it and its surroundings are struck out. */
 static int take_highest(struct iso_candidate_finder *f, const struct iso_frame *frame,
-                        int16_t label)
+                        int32_t label)
 {
     int n_px = frame->width_px * frame->height_px, best = -1;
     for (int i = 0; i < n_px; i++) {

@@ -35,8 +35,8 @@ static bool options_sane(const struct iso_shape_fit_options *o)
 {
     return o->rigid_iterations >= 1 && o->rigid_iterations <= 64 && o->iterations >= 1 &&
            o->iterations <= 64 && o->cutoff_last_mm > 0.0 &&
-           o->cutoff_first_mm >= o->cutoff_last_mm && o->soft_weight >= 0.0 &&
-           o->soft_weight <= 1.0 && o->identity_stiffness_mm2 > 0.0 &&
+           o->cutoff_first_mm >= o->cutoff_last_mm && isfinite(o->cutoff_first_mm) &&
+           o->soft_weight >= 0.0 && o->soft_weight <= 1.0 && o->identity_stiffness_mm2 > 0.0 &&
            o->expression_stiffness_mm2 > 0.0;
 }
 

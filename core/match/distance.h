@@ -16,7 +16,7 @@ struct iso_match_options iso_match_options_default(void);
 /* Trimmed distance, mm: the probe's points are registered to the gallery's (each isotherm to the
  * same isotherm) by trimmed ICP, then the weighted mean distance of the closest `trim` share of
  * points. -EINVAL if algorithm or shape differ or options are out of range, -ENODATA if fewer than
- * 30 % of the points are present in both. */
+ * 30 % of the points are present in both, -EDOM if an affine system is singular. */
 int iso_match_distance(const struct iso_template *probe, const struct iso_template *gallery,
                        const struct iso_match_options *options, double *distance_mm)
     __attribute__((warn_unused_result));

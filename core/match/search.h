@@ -19,9 +19,10 @@ struct iso_search_hit {
 };
 
 /* The best hits by falling score, one a person (its best template): at most `capacity` of them are
- * written and *n_hits says how many. An empty gallery gives none. Entries that have too few points
- * in common with the probe cannot be hits. -EINVAL if algorithms differ or options are out of
- * range, -ENODATA if the probe itself has too few points for the cohort. */
+ * written (room for scratch until the search has succeeded) and *n_hits says how many. An empty
+ * gallery gives none. Entries that have too few points in common with the probe cannot be hits.
+ * -EINVAL if algorithms differ or options are out of range, -ENODATA if the probe itself has too
+ * few points for the cohort. */
 int iso_search(const struct iso_search_entry *entries, int n_entries,
                const struct iso_template *probe, const struct iso_cohort *cohort,
                const struct iso_match_options *options, struct iso_search_hit *hits, int capacity,

@@ -47,7 +47,8 @@ void iso_template_wipe(struct iso_template *tmpl);
 
 /* One template from several of the same person (1..64, all of one algorithm and shape): each is
  * registered to the first by trimmed ICP, then points are averaged by weight. -EINVAL for
- * none or templates that differ in shape or algorithm. */
+ * none or templates that differ in shape or algorithm, -ENODATA if one has too few points in common
+ * with the first to be registered. */
 int iso_template_fuse(const struct iso_template *const *templates, int n, struct iso_template *out)
     __attribute__((warn_unused_result));
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEVELS_MAX = 11, RELAXATIONS = 40, KERNEL_MAX = 64, SIDE_MAX = 1024 };
+enum { LEVELS_MAX = 11, RELAXATIONS = 40, KERNEL_MAX = 120, SIDE_MAX = 1024 };
 
 /* One level of the pyramid: averages of the known pixels under each cell. */
 struct level {

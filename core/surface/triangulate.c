@@ -276,7 +276,8 @@ int iso_triangulate_locate(const struct iso_triangulator *triangulator, double c
                            struct iso_surface_point *point)
 {
     const struct iso_triangulator *t = triangulator;
-    if (!(column >= 0.0 && row >= 0.0 && column <= t->width_px - 1 && row <= t->height_px - 1)) {
+    if (t->width_px < 2 || t->height_px < 2 ||
+        !(column >= 0.0 && row >= 0.0 && column <= t->width_px - 1 && row <= t->height_px - 1)) {
         return -ENOENT;
     }
     int u = (int)fmin(column, t->width_px - 2.0), v = (int)fmin(row, t->height_px - 2.0);

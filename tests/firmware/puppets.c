@@ -52,6 +52,12 @@ struct stream {
 
 static struct puppet_sensor *being_opened; /* options cannot carry it */
 
+static int refuse(const struct puppet_sensor *sensor, int error, const char *text,
+                  struct iso_fault *fault)
+{
+    return iso_fault_set(fault, error, "%s", sensor->text ? sensor->text : text);
+}
+
 static int stream_open(const struct iso_option *options, size_t n_options,
                        const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
@@ -60,7 +66,7 @@ static int stream_open(const struct iso_option *options, size_t n_options,
     (void)n_options;
     (void)clock;
     if (being_opened->open_error) {
-        return iso_fault_set(fault, being_opened->open_error, "puppet: will not open");
+        return refuse(being_opened, being_opened->open_error, "puppet: will not open", fault);
     }
     stream = calloc(1, sizeof *stream);
     assert_non_null(stream);
@@ -96,7 +102,7 @@ static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame *
     struct puppet_sensor *sensor = stream->sensor;
     (void)deadline_ns;
     if (sensor->wait_error) {
-        return iso_fault_set(fault, sensor->wait_error, "puppet: will not wait");
+        return refuse(sensor, sensor->wait_error, "puppet: will not wait", fault);
     }
     if (sensor->next == sensor->n_frames ||
         sensor->frames[sensor->next].t_ns > iso_clock_now_ns(&sensor->clock)) {

@@ -30,8 +30,9 @@ struct puppet_sensor {
     } frames[PUPPET_FRAMES_MAX];
     int n_frames, next;
     int open_error, start_error, wait_error; /* what the next call of each fails with; stays */
-    bool streams; /* it has no next_due_ns: silence is a fault */
-    int opened, closed; /* how often it was */
+    const char *text;                        /* what it says then; NULL: something */
+    bool streams;                            /* it has no next_due_ns: silence is a fault */
+    int opened, closed;                      /* how often it was */
 };
 
 /* Opens this sensor whenever it is asked to; `sensor` must outlive it. */

@@ -38,8 +38,8 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
     const struct rig *rig = context;
     assert_true(threshold == rig->config.decision.threshold);
     assert_true(isnan(score) || score <= 10);
-    tell(context, "%s %s%s%s%s; ", iso_appliance_mode_name(mode), result, *person ? " " : "", person,
-         done ? " done" : "");
+    tell(context, "%s %s%s%s%s; ", iso_appliance_mode_name(mode), result, *person ? " " : "",
+         person, done ? " done" : "");
 }
 
 static void on_visit(void *context, const struct iso_visit *visit)
@@ -86,8 +86,8 @@ static void open_parts(struct rig *rig)
     assert_int_equal(iso_gallery_open(scratch_path(rig->directory, "g.db"), 3, PUPPET_ALGORITHM,
                                       &rig->gallery, NULL),
                      0);
-    assert_int_equal(iso_audit_open(scratch_path(rig->directory, "a.log"), false,
-                                    &rig->parts.times, &rig->audit, NULL),
+    assert_int_equal(iso_audit_open(scratch_path(rig->directory, "a.log"), false, &rig->parts.times,
+                                    &rig->audit, NULL),
                      0);
     rig->parts.door_io = rig->door_io;
     rig->parts.gallery = rig->gallery;

@@ -45,7 +45,8 @@ const char *rig_news(struct rig *rig);
 
 bool rig_relay(const struct rig *rig);
 
-/* The audit log's last record that has this event; "" if there is none. Valid until the next call. */
+/* The audit log's last record that has this event; "" if there is none. Valid until the next call.
+ */
 const char *rig_record(struct rig *rig, const char *event);
 
 /* From now on the audit log's file cannot grow. */

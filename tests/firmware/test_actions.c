@@ -38,7 +38,7 @@ static void a_claim_keeps_the_door_shut(void **state)
     iso_appliance_release(rig->appliance); /* once more does no harm */
     rig_show(rig, 50, 2);
     rig_run(rig, 1000);
-    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
 static void a_claim_ends_a_visit_without_a_verdict(void **state)
@@ -112,11 +112,10 @@ static void enrols_with_hints(void **state)
     rig_run(rig, 50);
     rig_show(rig, 51, 4);
     rig_run(rig, 200);
-    assert_string_equal(rig_news(rig),
-                        "enroll retry-too-far 0/3; enroll stage-passed 1/3; "
-                        "enroll retry-turn-left 1/3; enroll retry-moving 1/3; "
-                        "enroll stage-passed 2/3; enroll stage-passed 3/3; "
-                        "enroll completed 3/3 done");
+    assert_string_equal(rig_news(rig), "enroll retry-too-far 0/3; enroll stage-passed 1/3; "
+                                       "enroll retry-turn-left 1/3; enroll retry-moving 1/3; "
+                                       "enroll stage-passed 2/3; enroll stage-passed 3/3; "
+                                       "enroll completed 3/3 done");
     const struct iso_person *anna = iso_gallery_find(rig->gallery, "anna");
     assert_int_equal(anna->usable, 1);
     assert_in_range(anna->enrolled_s, 1795250000, 1795250001);
@@ -128,7 +127,7 @@ static void enrols_with_hints(void **state)
     iso_appliance_release(rig->appliance);
     rig_show(rig, 50, 2);
     rig_run(rig, 100);
-    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
 static void repeats_a_hint_once_a_second(void **state)

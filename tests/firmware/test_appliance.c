@@ -18,7 +18,7 @@ static void lets_in_who_is_known(void **state)
     rig_start(rig);
     rig_show(rig, 52, 3);
     rig_run(rig, 200);
-    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
     assert_true(rig_relay(rig));
     assert_string_equal(rig->puppet.sensor, "puppet9");
     assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "allow anna");
@@ -90,7 +90,7 @@ static void two_people_one_after_the_other(void **state)
     rig_show(rig, 81, 2);
     rig_run(rig, 3000);
     assert_string_equal(rig_news(rig),
-                        "visit allow anna match 2; door unlocked grant; visit allow bob match 2");
+                        "door unlocked grant; visit allow anna match 2; visit allow bob match 2");
 }
 
 /* However late the frames are worked on, it is the time of their exposure that counts. */
@@ -105,7 +105,7 @@ static void a_slow_machine_sees_one_visit(void **state)
         rig->now_ns += 3 * ISO_NS_PER_S;
         assert_int_equal(iso_appliance_step(rig->appliance, &wake_ns, NULL), 0);
     }
-    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
 static void the_time_of_validity_counts(void **state)
@@ -115,10 +115,10 @@ static void the_time_of_validity_counts(void **state)
         bool clock_set;
         const char *news;
     } cases[] = {
-        {0, 0, true, "visit allow anna match 2; door unlocked grant"},
-        {0, 0, false, "visit allow anna match 2; door unlocked grant"},
-        {1795249000, 1795260000, true, "visit allow anna match 2; door unlocked grant"},
-        {1795249000, 0, true, "visit allow anna match 2; door unlocked grant"},
+        {0, 0, true, "door unlocked grant; visit allow anna match 2"},
+        {0, 0, false, "door unlocked grant; visit allow anna match 2"},
+        {1795249000, 1795260000, true, "door unlocked grant; visit allow anna match 2"},
+        {1795249000, 0, true, "door unlocked grant; visit allow anna match 2"},
         {1795260000, 0, true, "visit deny anna not-valid 2"},
         {0, 1795249000, true, "visit deny anna not-valid 2"},
         {0, 1795260000, false, "visit deny anna not-valid 2"}, /* a clock that was never set */
@@ -127,9 +127,8 @@ static void the_time_of_validity_counts(void **state)
         void *own = NULL;
         assert_int_equal(rig_setup(&own), 0);
         struct rig *rig = own;
-        struct iso_person anna = {.name = "anna",
-                                  .valid_from_s = cases[i].from_s,
-                                  .valid_until_s = cases[i].until_s};
+        struct iso_person anna = {
+            .name = "anna", .valid_from_s = cases[i].from_s, .valid_until_s = cases[i].until_s};
         const struct iso_template tmpl = puppet_template(50, PUPPET_ALGORITHM);
         rig->wall_ns = cases[i].clock_set ? rig->wall_ns : 5 * ISO_NS_PER_S;
         assert_int_equal(iso_gallery_add(rig->gallery, &anna, &tmpl, NULL), 0);
@@ -155,7 +154,7 @@ static void what_cannot_be_logged_does_not_open(void **state)
     assert_false(rig_relay(rig));
     rig_show(rig, 50, 2);
     rig_run(rig, 200);
-    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
 static void who_is_inside_gets_out_with_a_full_disk(void **state)
@@ -186,7 +185,7 @@ static void goes_on_after_a_frame_that_fails(void **state)
     rig_run(rig, 33);
     rig->puppet.search_error = 0;
     rig_run(rig, 100);
-    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
 static void a_face_with_too_few_points_is_none(void **state)
@@ -221,7 +220,7 @@ static void a_lost_sensor_is_a_fault_of_the_door(void **state)
     assert_string_equal(rig_news(rig), "door locked recovered");
     rig_show(rig, 50, 2);
     rig_run(rig, 100);
-    assert_string_equal(rig_news(rig), "visit allow anna match 2; door unlocked grant");
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
 static void starts_without_a_sensor(void **state)
@@ -281,8 +280,8 @@ static void puts_the_door_on_record(void **state)
     assert_int_equal(iso_door_null_set_input(rig->door_io, ISO_DOOR_CONTACT, true), 0);
     rig_run(rig, 60);
     assert_string_equal(rig_news(rig), "door forced opened");
-    assert_non_null(
-        strstr(rig_record(rig, "door"), "\"event\":\"door\",\"reason\":\"opened\",\"note\":\"forced\"}"));
+    assert_non_null(strstr(rig_record(rig, "door"),
+                           "\"event\":\"door\",\"reason\":\"opened\",\"note\":\"forced\"}"));
 }
 
 static void stops_without_power(void **state)

@@ -155,8 +155,8 @@ static void reads_from_anywhere(void **state)
 {
     struct iso_audit *audit = NULL;
     struct seen seen = {.stop_at = 300};
-    assert_int_equal(
-        iso_audit_open(scratch_path(*state, "a.log"), false, &the_times, &audit, NULL), 0);
+    assert_int_equal(iso_audit_open(scratch_path(*state, "a.log"), false, &the_times, &audit, NULL),
+                     0);
     for (int i = 0; i < 700; i++) {
         assert_int_equal(append(audit, "x", NULL), 0);
     }
@@ -195,7 +195,8 @@ static void takes_a_torn_line_away(void **state)
         assert_int_equal(iso_audit_last(audit), 2);
         iso_audit_close(audit);
         char *text = whole_log(*state);
-        (void)snprintf(note, sizeof note, "\"note\":\"%zu bytes of an unfinished record taken away\"}",
+        (void)snprintf(note, sizeof note,
+                       "\"note\":\"%zu bytes of an unfinished record taken away\"}",
                        length - first);
         assert_memory_equal(text, whole, first);
         assert_non_null(strstr(text + first, "{\"sequence\":2,"));

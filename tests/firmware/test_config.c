@@ -1,5 +1,5 @@
-/* The configuration: defaults, every refusal by its line, and that sample and manual say the same as
- * the table. */
+/* The configuration: defaults, every refusal by its line, and that sample and manual say the same
+ * as the table. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -123,7 +123,8 @@ static void refuses_bad_values(void **state)
     refuses("[log]\nsync = true\n", "door.conf:2: bad value 'true' for 'sync' (no|yes)");
     refuses("[decision]\nthreshold = nan\n",
             "door.conf:2: bad value 'nan' for 'threshold' (a number, -100 to 100)");
-    refuses("[match]\ntrim = 1.01\n", "door.conf:2: bad value '1.01' for 'trim' (a number, 0.5 to 1)");
+    refuses("[match]\ntrim = 1.01\n",
+            "door.conf:2: bad value '1.01' for 'trim' (a number, 0.5 to 1)");
 }
 
 static void refuses_what_does_not_fit_together(void **state)

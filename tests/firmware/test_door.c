@@ -93,7 +93,8 @@ static void follows_the_table(void **state)
         for (int s = 0; s < ISO_DOOR_STATES; s++) {
             for (int e = 0; e < ISO_DOOR_ON_TIME; e++) {
                 const bool fault = s == ISO_DOOR_FAULT;
-                struct iso_door door = door_in(options, fault ? ISO_DOOR_LOCKED : s, false);
+                const int before = fault ? ISO_DOOR_LOCKED : s;
+                struct iso_door door = door_in(options, (enum iso_door_state)before, false);
                 if (fault) {
                     iso_door_handle(&door, ISO_DOOR_ON_FAULT, 100 * S);
                 }
@@ -203,9 +204,9 @@ static void switches_by_state(void **state)
         enum iso_door_state state;
         const char *secure, *safe;
     } wanted[] = {
-        {ISO_DOOR_STOPPED, "", ""},        {ISO_DOOR_LOCKED, "", "R"},
-        {ISO_DOOR_UNLOCKED, "RG", "G"},    {ISO_DOOR_OPENED, "G", "RG"},
-        {ISO_DOOR_HELD_OPEN, "B", "RB"},   {ISO_DOOR_FORCED, "B", "RB"},
+        {ISO_DOOR_STOPPED, "", ""},      {ISO_DOOR_LOCKED, "", "R"},
+        {ISO_DOOR_UNLOCKED, "RG", "G"},  {ISO_DOOR_OPENED, "G", "RG"},
+        {ISO_DOOR_HELD_OPEN, "B", "RB"}, {ISO_DOOR_FORCED, "B", "RB"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {

@@ -262,16 +262,11 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
 #define WEAK(f) cmocka_unit_test_setup_teardown(f, setup_weak, teardown)
     const struct CMUnitTest tests[] = {
-        TEST(lets_in_and_locks_again),
-        TEST(switches_only_what_differs),
-        TEST(reads_inputs_when_it_is_time),
-        TEST(gives_the_benefit_of_the_doubt),
-        TEST(starts_with_the_door_open),
-        TEST(rests_without_power),
-        WEAK(broken_lines_are_a_fault),
-        WEAK(starts_at_fault_with_broken_lines),
-        WEAK(two_faults_must_both_end),
-        WEAK(says_when_the_lines_are_gone),
+        TEST(lets_in_and_locks_again),      TEST(switches_only_what_differs),
+        TEST(reads_inputs_when_it_is_time), TEST(gives_the_benefit_of_the_doubt),
+        TEST(starts_with_the_door_open),    TEST(rests_without_power),
+        WEAK(broken_lines_are_a_fault),     WEAK(starts_at_fault_with_broken_lines),
+        WEAK(two_faults_must_both_end),     WEAK(says_when_the_lines_are_gone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,7 +34,11 @@ static void refuses_what_is_no_utf8(void **state)
         "\xf0\x80\x80\xaf", /* overlong, four */
         "\xed\xa0\x80",     /* surrogate */
         "\xf4\x90\x80\x80", /* beyond the last character */
-        "\xf5\x80\x80\x80", "\xff", "\xe2\x82", "\xc3(", "\xf0\x9f\x98",
+        "\xf5\x80\x80\x80",
+        "\xff",
+        "\xe2\x82",
+        "\xc3(",
+        "\xf0\x9f\x98",
     };
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -113,9 +117,9 @@ static void says_when_a_line_is_too_long(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(decodes_utf8),  cmocka_unit_test(refuses_what_is_no_utf8),
-        cmocka_unit_test(takes_names),   cmocka_unit_test(refuses_names),
-        cmocka_unit_test(writes_json),   cmocka_unit_test(says_when_a_line_is_too_long),
+        cmocka_unit_test(decodes_utf8), cmocka_unit_test(refuses_what_is_no_utf8),
+        cmocka_unit_test(takes_names),  cmocka_unit_test(refuses_names),
+        cmocka_unit_test(writes_json),  cmocka_unit_test(says_when_a_line_is_too_long),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,7 +35,7 @@ libs=$(pkg-config --libs isotherm)
 
 cd "$root"
 for header in $(find "$prefix/include/isotherm" -name '*.h'); do
-    $cc -std=c17 $cflags -Wall -Wextra -Werror -fsyntax-only -x c "$header"
+    printf '#include "%s"\n' "$header" | $cc -std=c17 $cflags -Wall -Wextra -Werror -fsyntax-only -x c -
 done
 $cc -std=c17 $cflags -Wall -Wextra -Werror "$here/user.c" -o user $libs -Wl,-rpath,"$prefix/lib"
 ./user

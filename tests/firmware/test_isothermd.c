@@ -1,0 +1,225 @@
+/* The program: options, exit codes, one clear line for everything that keeps it from starting, and
+ * what it tells its service manager. */
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "tests/enroll/private_bus.h"
+#include "tests/enroll/run.h"
+#include "tests/support/scratch.h"
+
+#define PROGRAM ISOTHERM_BINARY_DIR "/firmware/isothermd"
+#define DATA    ISOTHERM_SOURCE_DIR "/core/data"
+
+enum { SILENCE_MS = 10000 };
+
+/* ---- running it --------------------------------------------------------------------------------
+ */
+
+/* Runs it with one or two options, until it ends; the run is valid until the next. */
+static const struct run *run_program(const char *option, const char *value)
+{
+    static struct run run;
+    const char *const argv[] = {PROGRAM, option, value, NULL};
+    run_free(&run);
+    run_start(&run, argv);
+    run_finish(&run);
+    return &run;
+}
+
+/* A configuration that would work, but for the bus; `more` comes behind it. */
+static const char *write_configuration(const char *directory, const char *bus, const char *more)
+{
+    static char text[2048];
+    const char *path = scratch_path(directory, "c.conf");
+    (void)snprintf(text, sizeof text,
+                   "[sensor]\npath = %s/slot\n"
+                   "[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\n[bus]\naddress = %s\n"
+                   "[model]\nhead = " DATA "/head.model\ncohort = " DATA "/cohort.templates\n%s",
+                   directory, directory, directory, bus, more);
+    scratch_write_text(path, text);
+    return path;
+}
+
+static void expect_end(const struct run *run, int exit, const char *line)
+{
+    const char *newline = strchr(run->err, '\n');
+    if (run->exit != exit || !strstr(run->err, line)) {
+        fail_msg("exit %d, and said: %s", run->exit, run->err);
+    }
+    if (exit != 0) {
+        assert_non_null(newline);
+        assert_int_equal(newline[1], '\0'); /* one line */
+    }
+}
+
+/* ---- options -----------------------------------------------------------------------------------
+ */
+
+static void explains_itself(void **state)
+{
+    (void)state;
+    const struct run *run = run_program("--help", NULL);
+    assert_int_equal(run->exit, 0);
+    assert_memory_equal(run->out, "Usage: isothermd", 16);
+    run = run_program("--version", NULL);
+    assert_int_equal(run->exit, 0);
+    assert_string_equal(run->out, "isothermd " ISOTHERM_VERSION "\n");
+    run = run_program("--help-config", NULL);
+    assert_int_equal(run->exit, 0);
+    assert_non_null(strstr(run->out, "\n[decision]\n"));
+}
+
+static void refuses_a_wrong_command_line(void **state)
+{
+    (void)state;
+    assert_int_equal(run_program("--colour", NULL)->exit, 2);
+    assert_int_equal(run_program("--config", NULL)->exit, 2);
+    const struct run *run = run_program("start", NULL);
+    expect_end(run, 2, "isothermd: superfluous word 'start'");
+}
+
+static void checks_a_configuration(void **state)
+{
+    const char *const good = write_configuration(*state, "system", "");
+    const char *const argv[] = {PROGRAM, "--check-config", "--config", good, NULL};
+    struct run run;
+    run_start(&run, argv);
+    run_finish(&run);
+    assert_int_equal(run.exit, 0);
+    assert_non_null(strstr(run.out, "/c.conf: sound\n"));
+    assert_false(scratch_exists(scratch_path(*state, "g.db")));
+    run_free(&run);
+}
+
+/* ---- what keeps it from starting ---------------------------------------------------------------
+ */
+
+static void says_why_it_does_not_start(void **state)
+{
+    const char *path = write_configuration(*state, "unix:path=/nonexistent",
+                                           "[door]\ncolour = 1\n");
+    expect_end(run_program("--config", "/nonexistent/c.conf"), 3,
+               "/nonexistent/c.conf: No such file or directory");
+    expect_end(run_program("--config", path), 2, "/c.conf:13: unknown key 'colour' in [door]");
+
+    path = write_configuration(*state, "unix:path=/nonexistent", "[door]\nbackend = gate\n");
+    expect_end(run_program("--config", path), 3, "no door 'gate'; there are: null");
+
+    path = write_configuration(*state, "unix:path=/nonexistent", "");
+    expect_end(run_program("--config", path), 3,
+               "bus 'unix:path=/nonexistent': No such file or directory");
+
+    scratch_write_text(scratch_path(*state, "g.db"), "");
+    expect_end(run_program("--config", path), 4, "/g.db: damaged (the file is empty)");
+    (void)unlink(scratch_path(*state, "g.db"));
+    scratch_write_text(scratch_path(*state, "a.log"), "nonsense\n");
+    expect_end(run_program("--config", path), 4, "/a.log:1: damaged");
+}
+
+static void says_what_is_wrong_with_its_data(void **state)
+{
+    char text[1024];
+    const char *path = scratch_path(*state, "d.conf");
+    (void)snprintf(text, sizeof text,
+                   "[model]\nhead = " DATA "/cohort.templates\n[gallery]\npath = %s/g.db\n",
+                   (const char *)*state);
+    scratch_write_text(path, text);
+    expect_end(run_program("--config", path), 4, "/cohort.templates: ");
+    scratch_write_text(path, "[model]\nhead = /nonexistent/head.model\n");
+    expect_end(run_program("--config", path), 3, "/nonexistent/head.model: No such file");
+}
+
+/* ---- a whole life ------------------------------------------------------------------------------
+ */
+
+static int listen_for_notifications(const char *path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    assert_true(fd >= 0);
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s", path);
+    assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+/* The next notification that begins so, others being passed over. */
+static void expect_notification(struct run *run, int fd, const char *begin)
+{
+    char text[256];
+    do {
+        struct pollfd ready = {.fd = fd, .events = POLLIN};
+        if (poll(&ready, 1, SILENCE_MS) != 1) {
+            (void)kill(run->pid, SIGKILL);
+            run_finish(run);
+            fail_msg("'%s' never came; but: %s", begin, run->err);
+        }
+        const ssize_t length = recv(fd, text, sizeof text - 1, 0);
+        assert_true(length > 0);
+        text[length] = '\0';
+    } while (strncmp(text, begin, strlen(begin)) != 0);
+}
+
+static void lives_and_dies(void **state)
+{
+    struct private_bus bus;
+    struct run run;
+    if (!private_bus_start(&bus)) {
+        print_message("no dbus-daemon\n");
+        skip();
+    }
+    const int fd = listen_for_notifications(scratch_path(*state, "notify"));
+    const char *path = write_configuration(*state, bus.address, "");
+    const char *const argv[] = {PROGRAM, "--config", path, NULL};
+    assert_int_equal(setenv("NOTIFY_SOCKET", scratch_path(*state, "notify"), 1), 0);
+    assert_int_equal(setenv("WATCHDOG_USEC", "200000", 1), 0);
+    run_start(&run, argv);
+    expect_notification(&run, fd, "READY=1");
+    expect_notification(&run, fd, "WATCHDOG=1"); /* an idle sensor is a living one */
+    expect_notification(&run, fd, "WATCHDOG=1");
+    assert_int_equal(kill(run.pid, SIGTERM), 0);
+    expect_notification(&run, fd, "STOPPING=1");
+    run_finish(&run);
+    assert_int_equal(run.exit, 0);
+    run_free(&run);
+    (void)unsetenv("WATCHDOG_USEC");
+
+    /* The bus goes away: a fault, for the service manager to mend. */
+    run_start(&run, argv);
+    expect_notification(&run, fd, "READY=1");
+    private_bus_stop(&bus);
+    run_finish(&run);
+    assert_int_equal(run.exit, 4);
+    assert_non_null(strstr(run.err, "the bus is gone"));
+    run_free(&run);
+    (void)unsetenv("NOTIFY_SOCKET");
+    (void)close(fd);
+
+    size_t size = 0;
+    char *log = scratch_read(scratch_path(*state, "a.log"), &size);
+    log[size] = '\0';
+    assert_non_null(strstr(log, "\"event\":\"stop\""));
+    free(log);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(explains_itself),
+        cmocka_unit_test(refuses_a_wrong_command_line),
+        cmocka_unit_test_setup_teardown(checks_a_configuration, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(says_why_it_does_not_start, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(says_what_is_wrong_with_its_data, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(lives_and_dies, scratch_setup, scratch_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

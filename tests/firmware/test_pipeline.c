@@ -1,0 +1,155 @@
+/* The real pipeline: what it is made of, refused when it is not right, and one stored face. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "drivers/recording/recording.h"
+#include "firmware/pipeline.h"
+#include "firmware/times.h"
+#include "tests/support/scratch.h"
+
+#define HEAD   ISOTHERM_SOURCE_DIR "/core/data/head.model"
+#define COHORT ISOTHERM_SOURCE_DIR "/core/data/cohort.templates"
+
+static struct iso_pipeline_options options(void)
+{
+    return (struct iso_pipeline_options){
+        .head_path = HEAD,
+        .cohort_path = COHORT,
+        .extract = iso_extract_options_default(),
+        .match = iso_match_options_default(),
+        .clock = iso_times_system().monotonic,
+    };
+}
+
+static void expect_refusal(const struct iso_pipeline_options *wanted, int error, const char *text)
+{
+    struct iso_pipeline pipeline = {0};
+    struct iso_fault fault = {""};
+    assert_int_equal(iso_pipeline_open(wanted, &pipeline, &fault), error);
+    if (!strstr(fault.text, text)) {
+        fail_msg("'%s' does not say '%s'", fault.text, text);
+    }
+    assert_null(pipeline.ops);
+    iso_pipeline_close(&pipeline);
+}
+
+static void names_files_that_are_not_there(void **state)
+{
+    struct iso_pipeline_options wanted = options();
+    (void)state;
+    wanted.head_path = "/nonexistent/head.model";
+    expect_refusal(&wanted, -ENOENT, "/nonexistent/head.model: No such file or directory");
+    wanted = options();
+    wanted.cohort_path = "/nonexistent/cohort";
+    expect_refusal(&wanted, -ENOENT, "/nonexistent/cohort: No such file or directory");
+    wanted.cohort_path = "/";
+    expect_refusal(&wanted, -EINVAL, "/: not a file");
+}
+
+/* Writes the beginning of a file elsewhere. */
+static const char *cut(const char *directory, const char *path, size_t bytes_less)
+{
+    size_t size = 0;
+    const char *copy = scratch_path(directory, "cut");
+    void *bytes = scratch_read(path, &size);
+    assert_true(size > bytes_less);
+    scratch_write(copy, bytes, size - bytes_less);
+    free(bytes);
+    return copy;
+}
+
+static void refuses_damaged_files(void **state)
+{
+    struct iso_pipeline_options wanted = options();
+    wanted.head_path = cut(*state, HEAD, 1);
+    expect_refusal(&wanted, -EBADMSG, "/cut: ");
+    wanted = options();
+    wanted.cohort_path = cut(*state, COHORT, 100);
+    expect_refusal(&wanted, -EBADMSG, "/cut: ");
+    wanted.cohort_path = HEAD;
+    expect_refusal(&wanted, -EBADMSG, "/head.model: ");
+    char *longer = calloc(1, ISO_HEAD_BYTES_MAX + 1);
+    assert_non_null(longer);
+    scratch_write(scratch_path(*state, "longer"), longer, ISO_HEAD_BYTES_MAX + 1);
+    free(longer);
+    wanted = options();
+    wanted.head_path = scratch_path(*state, "longer");
+    expect_refusal(&wanted, -EFBIG, "/longer: longer than");
+}
+
+static void refuses_a_cohort_of_other_options(void **state)
+{
+    struct iso_pipeline_options wanted = options();
+    (void)state;
+    wanted.extract.t_mm2 += 1;
+    expect_refusal(&wanted, -EINVAL, "made with another head model or other options");
+}
+
+static void refuses_options_out_of_range(void **state)
+{
+    struct iso_pipeline_options wanted = options();
+    (void)state;
+    wanted.extract.n_radii = 0;
+    expect_refusal(&wanted, -EINVAL, "extractor: options out of range");
+}
+
+static void recognises_a_stored_face(void **state)
+{
+    struct iso_pipeline_options wanted = options();
+    struct iso_pipeline pipeline = {0};
+    struct iso_fault fault = {""};
+    struct iso_recording *recording = NULL;
+    struct iso_frame *frame = NULL;
+    struct iso_extraction extraction;
+    (void)state;
+    if (iso_pipeline_open(&wanted, &pipeline, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_int_equal(
+        iso_recording_open(ISOTHERM_SOURCE_DIR "/sim/stored/p01-enrol", &recording, NULL), 0);
+    assert_int_equal(iso_recording_frame_new(recording, &frame), 0);
+    assert_int_equal(iso_recording_read(recording, 0, frame, NULL), 0);
+    assert_int_equal(
+        pipeline.ops->extract(pipeline.self, frame, "longer-than-15-bytes", &extraction), 0);
+    assert_int_equal(extraction.outcome, ISO_CAPTURE_OK);
+    assert_string_equal(extraction.tmpl.sensor, "longer-than-15-");
+    assert_int_equal(extraction.tmpl.algorithm, pipeline.ops->algorithm(pipeline.self));
+    assert_true(pipeline.ops->model(pipeline.self) != 0);
+
+    const struct iso_search_entry entries[] = {{.person = 31, .tmpl = &extraction.tmpl}};
+    struct iso_search_hit hit;
+    int n = 0;
+    assert_int_equal(pipeline.ops->search(pipeline.self, entries, 1, &extraction.tmpl, &hit, 1, &n),
+                     0);
+    assert_int_equal(n, 1);
+    assert_int_equal(hit.person, 31);
+    assert_true(hit.distance_mm < 0.01);
+
+    memset(frame->depth_mm, 0,
+           (size_t)frame->width_px * (size_t)frame->height_px * sizeof *frame->depth_mm);
+    assert_int_equal(pipeline.ops->extract(pipeline.self, frame, "", &extraction), 0);
+    assert_int_equal(extraction.outcome, ISO_CAPTURE_NO_FACE);
+    frame->depth_mm[0] = -1;
+    assert_int_equal(pipeline.ops->extract(pipeline.self, frame, "", &extraction), -EINVAL);
+
+    iso_frame_free(frame);
+    iso_recording_close(recording);
+    iso_pipeline_close(&pipeline);
+    iso_pipeline_close(&pipeline);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_files_that_are_not_there),
+        cmocka_unit_test_setup_teardown(refuses_damaged_files, scratch_setup, scratch_teardown),
+        cmocka_unit_test(refuses_a_cohort_of_other_options),
+        cmocka_unit_test(refuses_options_out_of_range),
+        cmocka_unit_test(recognises_a_stored_face),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
