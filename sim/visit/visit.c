@@ -100,7 +100,7 @@ static int play_row(const struct play *play, const struct sim_corpus_row *row,
     return 0;
 }
 
-static bool was_played(const struct sim_visit *visits, size_t n_visits, const char *recording)
+bool sim_visit_was_played(const struct sim_visit *visits, size_t n_visits, const char *recording)
 {
     for (size_t i = 0; i < n_visits; i++) {
         if (strcmp(visits[i].row->recording, recording) == 0) {
@@ -122,7 +122,7 @@ int sim_visit_play(const struct sim_visit_options *options, const struct sim_cor
     error = error ? error : wait_for_quiet(&play);
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &corpus->rows[i];
-        if (!options->roles[row->role] || was_played(visits, count, row->recording)) {
+        if (!options->roles[row->role] || sim_visit_was_played(visits, count, row->recording)) {
             continue;
         }
         error = play_row(&play, row, &visits[count]);

@@ -41,6 +41,9 @@ struct sim_visit_summary {
 /* Pure. A door that was unlocked counts as admitting whoever was there, whatever the verdict. */
 struct sim_visit_summary sim_visit_judge(const struct sim_visit *visits, size_t n_visits);
 
+/* Whether one of the visits was of this recording. */
+bool sim_visit_was_played(const struct sim_visit *visits, size_t n_visits, const char *recording);
+
 /* Called after each visit. */
 typedef void sim_visit_listener(const struct sim_visit *visit, void *context);
 

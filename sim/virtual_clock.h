@@ -1,0 +1,24 @@
+/* Time that passes only when it is told to: hours of an appliance in seconds, and the same run
+ * twice is the same to the bit. */
+#ifndef SIM_VIRTUAL_CLOCK_H
+#define SIM_VIRTUAL_CLOCK_H
+
+#include <stdint.h>
+
+#include "firmware/times.h"
+
+struct sim_virtual_clock {
+    int64_t now_ns;         /* monotonic, from 0 */
+    int64_t wall_origin_ns; /* the date at 0, since 1970 UTC */
+};
+
+/* The start is 2026-01-01 00:00 UTC. */
+struct sim_virtual_clock sim_virtual_clock_start(void);
+
+/* Both times by this clock, which must outlive them. */
+struct iso_times sim_virtual_clock_times(struct sim_virtual_clock *clock);
+
+/* Moves on to t_ns; never back. */
+void sim_virtual_clock_advance(struct sim_virtual_clock *clock, int64_t t_ns);
+
+#endif

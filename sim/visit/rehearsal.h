@@ -1,0 +1,24 @@
+/* The appliance itself, in this process, on a virtual clock: people are enrolled and come to the
+ * door without a daemon, a bus or a moment's wait, and the same corpus gives the same verdicts at
+ * the same times on every run. What replay-based CI runs. */
+#ifndef SIM_VISIT_REHEARSAL_H
+#define SIM_VISIT_REHEARSAL_H
+
+#include "sim/visit/visit.h"
+
+struct sim_rehearsal_options {
+    const char *corpus;         /* directory */
+    const char *state;          /* an empty directory for gallery, log and the sensor's slot */
+    const char *model, *cohort; /* files */
+    double threshold;           /* decision.threshold; NaN: the configuration's own */
+};
+
+/* Enrols the subjects of role gallery, in the manifest's order, then plays the other rows, each
+ * recording once. *visits has room for all rows of the corpus; *n_visits of them are filled in,
+ * with latency by the virtual clock. Errors of iso_parts_open, the appliance and the slot; -ENOMSG
+ * if somebody cannot be enrolled. */
+int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_corpus *corpus,
+                 sim_visit_listener *listener, void *context, struct sim_visit *visits,
+                 size_t *n_visits, struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

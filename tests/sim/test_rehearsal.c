@@ -1,0 +1,174 @@
+/* The whole appliance on a virtual clock, over a few stored recordings. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "sim/virtual_clock.h"
+#include "sim/visit/rehearsal.h"
+#include "tests/support/scratch.h"
+
+#define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
+
+enum { ROWS = 6, VISITS = 4 };
+
+static const char *const recordings[ROWS] = {"p01-enrol", "p02-enrol", "p01-v1",
+                                             "p02-v1",    "x01-v1",    "none-photo1"};
+
+static const char manifest[] = "recording,first,count,subject,session,role,pose,expression,note\n"
+                               "p01-enrol,0,5,p01,e,gallery,,,\n"
+                               "p02-enrol,0,5,p02,e,gallery,,,\n"
+                               "p01-v1,0,3,p01,v1,probe,,mild,\n"
+                               "p02-v1,0,3,p02,v1,probe,,mild,\n"
+                               "x01-v1,0,3,x01,v1,impostor,,,\n"
+                               "none-photo1,0,3,none,n,impostor,,,photo\n";
+
+static int setup(void **state)
+{
+    int error = scratch_setup(state);
+    if (error) {
+        return error;
+    }
+    for (size_t i = 0; i < ROWS; i++) {
+        char stored[4096];
+        (void)snprintf(stored, sizeof stored, "%s/%s", STORED, recordings[i]);
+        if (symlink(stored, scratch_path(*state, recordings[i])) != 0) {
+            return -errno;
+        }
+    }
+    scratch_write_text(scratch_path(*state, "manifest.csv"), manifest);
+    return 0;
+}
+
+static void count_visit(const struct sim_visit *visit, void *context)
+{
+    (void)visit;
+    ++*(size_t *)context;
+}
+
+/* Runs with a state directory of that name; returns the error. */
+static int rehearse(const char *directory, const char *state, double threshold,
+                    struct sim_corpus **corpus, struct sim_visit visits[ROWS])
+{
+    const struct sim_rehearsal_options options = {
+        .corpus = directory,
+        .state = scratch_path(directory, state),
+        .model = ISOTHERM_SOURCE_DIR "/core/data/head.model",
+        .cohort = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
+        .threshold = threshold,
+    };
+    struct iso_fault fault = {""};
+    size_t n_visits = 0, told = 0;
+    scratch_mkdir(options.state);
+    assert_int_equal(sim_corpus_read(directory, corpus, &fault), 0);
+    int error = sim_rehearse(&options, *corpus, count_visit, &told, visits, &n_visits, &fault);
+    if (!error) {
+        assert_int_equal(n_visits, VISITS);
+        assert_int_equal(told, VISITS);
+    } else {
+        assert_true(fault.text[0] != '\0');
+    }
+    return error;
+}
+
+static void the_right_people_are_let_in(void **state)
+{
+    struct sim_corpus *corpus = NULL;
+    struct sim_visit visits[ROWS];
+    assert_int_equal(rehearse(*state, "run", NAN, &corpus, visits), 0);
+    assert_true(visits[0].verdict.allow && visits[0].unlocked);
+    assert_string_equal(visits[0].verdict.person, "p01");
+    assert_true(visits[1].verdict.allow && visits[1].unlocked);
+    assert_string_equal(visits[1].verdict.person, "p02");
+    assert_true(visits[2].verdict.given && !visits[2].verdict.allow && !visits[2].unlocked);
+    assert_true(!visits[3].verdict.given && !visits[3].unlocked); /* a photograph is nobody */
+    assert_true(sim_visit_judge(visits, VISITS).good);
+    sim_corpus_free(corpus);
+}
+
+/* Time is virtual, so nothing depends on how fast the machine is. */
+static void two_runs_are_the_same_to_the_bit(void **state)
+{
+    struct sim_corpus *corpus[2] = {NULL, NULL};
+    struct sim_visit visits[2][ROWS];
+    assert_int_equal(rehearse(*state, "one", NAN, &corpus[0], visits[0]), 0);
+    assert_int_equal(rehearse(*state, "two", NAN, &corpus[1], visits[1]), 0);
+    for (int i = 0; i < VISITS; i++) {
+        const struct sim_door_verdict *a = &visits[0][i].verdict, *b = &visits[1][i].verdict;
+        assert_int_equal(a->given, b->given);
+        assert_int_equal(visits[0][i].unlocked, visits[1][i].unlocked);
+        if (a->given) {
+            assert_memory_equal(&a->score, &b->score, sizeof a->score);
+            assert_int_equal(a->latency_us, b->latency_us);
+        }
+    }
+    size_t size[2];
+    char *log[2] = {scratch_read(scratch_path(*state, "one/audit.log"), &size[0]),
+                    scratch_read(scratch_path(*state, "two/audit.log"), &size[1])};
+    assert_int_equal(size[0], size[1]);
+    assert_memory_equal(log[0], log[1], size[0]);
+    free(log[0]);
+    free(log[1]);
+    sim_corpus_free(corpus[0]);
+    sim_corpus_free(corpus[1]);
+}
+
+static void the_threshold_decides(void **state)
+{
+    struct sim_corpus *corpus = NULL;
+    struct sim_visit visits[ROWS];
+    assert_int_equal(rehearse(*state, "strict", 1.01, &corpus, visits), 0);
+    const struct sim_visit_summary summary = sim_visit_judge(visits, VISITS);
+    assert_int_equal(summary.people_admitted, 0);
+    assert_int_equal(summary.impostors_let_in, 0);
+    assert_false(summary.good);
+    sim_corpus_free(corpus);
+}
+
+static void who_cannot_be_enrolled_is_a_fault(void **state)
+{
+    /* The same face under two names. */
+    scratch_write_text(scratch_path(*state, "manifest.csv"),
+                       "recording,first,count,subject,session,role,pose,expression,note\n"
+                       "p01-enrol,0,5,ada,e,gallery,,,\n"
+                       "p01-v1,0,3,ada,v1,probe,,mild,\n"
+                       "p02-enrol,0,5,bob,e,gallery,,,\n");
+    assert_int_equal(unlink(scratch_path(*state, "p02-enrol")), 0);
+    assert_int_equal(symlink(STORED "/p01-enrol", scratch_path(*state, "p02-enrol")), 0);
+    struct sim_corpus *corpus = NULL;
+    struct sim_visit visits[ROWS];
+    assert_int_equal(rehearse(*state, "twice", NAN, &corpus, visits), -ENOMSG);
+    sim_corpus_free(corpus);
+}
+
+static void the_clock_moves_only_when_told(void **state)
+{
+    (void)state;
+    struct sim_virtual_clock clock = sim_virtual_clock_start();
+    const struct iso_times times = sim_virtual_clock_times(&clock);
+    assert_int_equal(iso_times_now_ns(&times), 0);
+    assert_true(iso_wall_is_set(iso_times_wall_ns(&times) / ISO_NS_PER_S));
+    sim_virtual_clock_advance(&clock, 5 * ISO_NS_PER_S);
+    sim_virtual_clock_advance(&clock, 2 * ISO_NS_PER_S); /* never back */
+    assert_int_equal(iso_times_now_ns(&times), 5 * ISO_NS_PER_S);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(the_right_people_are_let_in, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(two_runs_are_the_same_to_the_bit, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(the_threshold_decides, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(who_cannot_be_enrolled_is_a_fault, setup, scratch_teardown),
+        cmocka_unit_test(the_clock_moves_only_when_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
