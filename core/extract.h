@@ -4,7 +4,7 @@
  *   frame, holes filled on the residual) -> mesh -> heat of 12 landmarks -> isotherms -> template
  *
  * One extractor is one workspace: created once, used for frame after frame by one thread, no
- * allocation of its own after it is created. */
+ * allocation of its own after it is created (but by ISO_HEAT_SPECTRAL, which is for comparison). */
 #ifndef ISO_CORE_EXTRACT_H
 #define ISO_CORE_EXTRACT_H
 

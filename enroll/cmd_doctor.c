@@ -7,6 +7,9 @@
 #include "enroll/report.h"
 #include "enroll/state.h"
 
+static const char permission_remedy[] =
+    "become a member of the group isotherm: adduser USER isotherm; then log in anew";
+
 /* Whether the bus lets this user command the daemon. Release() without a claim changes nothing: the
  * daemon refuses it, and that it was asked at all is the answer. */
 static void check_permission(struct cli_door *door, struct cli_diagnosis *diagnosis)
@@ -16,8 +19,7 @@ static void check_permission(struct cli_door *door, struct cli_diagnosis *diagno
 
     if (exit == CLI_EXIT_NO) {
         cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_DENIED,
-                          "this user may not command the daemon",
-                          "become a member of the group isotherm: adduser USER isotherm");
+                          "this user may not command the daemon", permission_remedy);
     } else {
         cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_GOOD, "this user may", NULL);
     }
@@ -37,13 +39,13 @@ static bool check_daemon(struct cli_door *door, struct cli_diagnosis *diagnosis,
     }
     cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_GOOD, "running", NULL);
     const enum cli_exit exit = cli_state_fetch(door, state, &fault);
-    if (exit) {
-        cli_diagnosis_add(diagnosis, "status",
-                          exit == CLI_EXIT_NO ? CLI_CHECK_DENIED : CLI_CHECK_BAD, fault.text,
+    if (exit == CLI_EXIT_NO) {
+        cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_DENIED, fault.text, permission_remedy);
+    } else if (exit) {
+        cli_diagnosis_add(diagnosis, "status", CLI_CHECK_BAD, fault.text,
                           "journalctl --unit=isothermd; systemctl restart isothermd");
-        return false;
     }
-    return true;
+    return exit == CLI_EXIT_OK;
 }
 
 static void examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis)

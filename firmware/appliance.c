@@ -36,8 +36,7 @@ int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audi
     return error;
 }
 
-/* ---- the door ---------------------------------------------------------------------------------
- */
+/* ---- the door ---- */
 
 static bool is_alarm(const struct iso_door *door)
 {
@@ -74,8 +73,7 @@ static void init_door(struct iso_appliance *appliance)
                           appliance->parts.door_io, on_door_changed, appliance);
 }
 
-/* ---- the sensor -------------------------------------------------------------------------------
- */
+/* ---- the sensor ---- */
 
 static void init_sensor(struct iso_appliance *appliance, int64_t now_ns)
 {
@@ -110,8 +108,7 @@ static void on_sensor_back(struct iso_appliance *appliance, int64_t now_ns)
     iso_door_control_set_fault(&appliance->door, false, now_ns);
 }
 
-/* ---- start, step, stop ------------------------------------------------------------------------
- */
+/* ---- start, step, stop ---- */
 
 int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_appliance **out)
 {
@@ -228,8 +225,7 @@ void iso_appliance_stop(struct iso_appliance *appliance)
     (void)iso__appliance_record(appliance, &record);
 }
 
-/* ---- what is known of it ----------------------------------------------------------------------
- */
+/* ---- what is known of it ---- */
 
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance)
 {

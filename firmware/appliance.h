@@ -111,8 +111,7 @@ int iso_appliance_door_fd(const struct iso_appliance *appliance);
  * the watchdog is fed only when it has risen. */
 uint64_t iso_appliance_progress(const struct iso_appliance *appliance);
 
-/* ---- what a client can ask for ----------------------------------------------------------------
- */
+/* ---- what a client can ask for ---- */
 
 /* -EBUSY it is claimed. */
 int iso_appliance_claim(struct iso_appliance *appliance) __attribute__((warn_unused_result));

@@ -21,8 +21,7 @@ static bool is_action(enum iso_appliance_mode mode)
     return mode >= ISO_APPLIANCE_ENROLL;
 }
 
-/* ---- claim ------------------------------------------------------------------------------------
- */
+/* ---- claim ---- */
 
 /* CLAIMED, with the whole time of a claim again. */
 static void rest(struct iso_appliance *appliance)
@@ -52,8 +51,7 @@ void iso_appliance_release(struct iso_appliance *appliance)
     }
 }
 
-/* ---- beginning --------------------------------------------------------------------------------
- */
+/* ---- beginning ---- */
 
 static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
 {
@@ -160,8 +158,7 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
     return 0;
 }
 
-/* ---- reporting --------------------------------------------------------------------------------
- */
+/* ---- reporting ---- */
 
 static void tell_enrolment(const struct iso_appliance *appliance, const char *result, bool done,
                            double quality)
@@ -205,8 +202,7 @@ void iso__appliance_hint(struct iso_appliance *appliance, enum iso_capture captu
     }
 }
 
-/* ---- enrolling --------------------------------------------------------------------------------
- */
+/* ---- enrolling ---- */
 
 static int record_enrolment(struct iso_appliance *appliance, const char *reason, const char *note)
 {
@@ -298,8 +294,7 @@ enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance)
     return passed ? ISO_CAPTURE_OK : ISO_CAPTURE_MOVING;
 }
 
-/* ---- verifying and identifying ----------------------------------------------------------------
- */
+/* ---- verifying and identifying ---- */
 
 void iso__appliance_finish_recognition(struct iso_appliance *appliance,
                                        const struct iso_verdict *verdict)
@@ -321,8 +316,7 @@ void iso__appliance_finish_recognition(struct iso_appliance *appliance,
     end(appliance);
 }
 
-/* ---- ends from outside ------------------------------------------------------------------------
- */
+/* ---- ends from outside ---- */
 
 void iso__appliance_action_disconnect(struct iso_appliance *appliance)
 {
@@ -353,8 +347,7 @@ void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now
     }
 }
 
-/* ---- deleting ---------------------------------------------------------------------------------
- */
+/* ---- deleting ---- */
 
 int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault)

@@ -41,8 +41,7 @@ void iso__appliance_complain(struct iso_appliance *appliance, const char *text);
 /* Writes a record; a failure is told to the system's log, and returned. */
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record);
 
-/* ---- frames (appliance_frame.c) ---------------------------------------------------------------
- */
+/* ---- frames (appliance_frame.c) ---- */
 
 /* A frame has come, or until t_ns none. */
 void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
@@ -52,8 +51,7 @@ void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns);
 /* When one of deadlines, decisions and visits is due. */
 int64_t iso__appliance_due_ns(const struct iso_appliance *appliance);
 
-/* ---- visits (appliance_visit.c) ---------------------------------------------------------------
- */
+/* ---- visits (appliance_visit.c) ---- */
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);
 
@@ -63,8 +61,7 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
 /* Whether a person may come in at this time; one who is not in the gallery may not. */
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person);
 
-/* ---- actions of a client (appliance_action.c) -------------------------------------------------
- */
+/* ---- actions of a client (appliance_action.c) ---- */
 
 /* ENROLL: takes the template just extracted. OK, or the hint that should be given. */
 enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance);

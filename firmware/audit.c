@@ -41,8 +41,7 @@ struct iso_audit_record iso_audit_record_of(const char *event)
     };
 }
 
-/* ---- where the lines are ----------------------------------------------------------------------
- */
+/* ---- where the lines are ---- */
 
 /* Makes room for the mark of the record that comes next, if it is to have one. */
 static int reserve_mark(struct iso_audit *audit)
@@ -69,8 +68,7 @@ static void count_line(struct iso_audit *audit, size_t bytes)
     audit->size += (off_t)bytes;
 }
 
-/* ---- opening ----------------------------------------------------------------------------------
- */
+/* ---- opening ---- */
 
 static int damaged(const struct iso_audit *audit, struct iso_fault *fault)
 {
@@ -198,8 +196,7 @@ void iso_audit_close(struct iso_audit *audit)
     }
 }
 
-/* ---- writing ----------------------------------------------------------------------------------
- */
+/* ---- writing ---- */
 
 static void format_time(int64_t wall_ns, char text[40])
 {
@@ -290,8 +287,7 @@ int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *rec
     return 0;
 }
 
-/* ---- reading ----------------------------------------------------------------------------------
- */
+/* ---- reading ---- */
 
 uint64_t iso_audit_last(const struct iso_audit *audit)
 {

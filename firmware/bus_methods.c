@@ -8,8 +8,7 @@
 
 enum { LOG_RECORDS_MAX = 1000 };
 
-/* ---- errors -----------------------------------------------------------------------------------
- */
+/* ---- errors ---- */
 
 /* The error of the contract for an errno of the appliance. */
 static int refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
@@ -40,8 +39,7 @@ static int invalid_name(sd_bus_error *out, const char *flaw)
     return sd_bus_error_set(out, ISO_CONTRACT_ERROR_INVALID_NAME, flaw);
 }
 
-/* ---- claim ------------------------------------------------------------------------------------
- */
+/* ---- claim ---- */
 
 void iso__bus_forget_claimant(struct iso_bus *bus)
 {
@@ -104,8 +102,7 @@ static int on_release(sd_bus_message *call, void *context, sd_bus_error *out)
     return sd_bus_reply_method_return(call, NULL);
 }
 
-/* ---- actions ----------------------------------------------------------------------------------
- */
+/* ---- actions ---- */
 
 /* Reads one {sv} that has been entered. */
 static int read_option(sd_bus_message *call, struct iso_enroll_request *request, sd_bus_error *out)
@@ -218,8 +215,7 @@ static int on_identify_stop(sd_bus_message *call, void *context, sd_bus_error *o
     return stop_action(context, call, ISO_APPLIANCE_IDENTIFY, out);
 }
 
-/* ---- gallery, status, log ---------------------------------------------------------------------
- */
+/* ---- gallery, status, log ---- */
 
 static int append_people(sd_bus_message *reply, const struct iso_gallery *gallery)
 {
@@ -298,8 +294,7 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
     return send_reply(reply, r);
 }
 
-/* ---- the table --------------------------------------------------------------------------------
- */
+/* ---- the table ---- */
 
 /* Names of arguments, each with a NUL behind it; the list ends with an empty one. */
 #define NOTHING ""

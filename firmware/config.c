@@ -25,8 +25,7 @@ struct parse {
     struct iso_fault reason;
 };
 
-/* ---- values -----------------------------------------------------------------------------------
- */
+/* ---- values ---- */
 
 /* The number of a word among "word|word", or -1. */
 static int find_choice(const char *choices, const char *word)
@@ -128,8 +127,7 @@ static void describe(const struct iso_config_key *key, char *text, size_t size)
     }
 }
 
-/* ---- parsing ----------------------------------------------------------------------------------
- */
+/* ---- parsing ---- */
 
 static const struct iso_config_key *find_key(const char *section, const char *name)
 {
@@ -287,8 +285,7 @@ int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *
     return error;
 }
 
-/* ---- options of the back ends -----------------------------------------------------------------
- */
+/* ---- options of the back ends ---- */
 
 static size_t collect_options(const struct iso_config *config, const char *section,
                               struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
@@ -316,8 +313,7 @@ size_t iso_config_door_options(const struct iso_config *config,
     return collect_options(config, "door", out);
 }
 
-/* ---- the sample -------------------------------------------------------------------------------
- */
+/* ---- the sample ---- */
 
 void iso_config_print_sample(FILE *out)
 {

@@ -49,8 +49,7 @@ static void on_message(void *context, int priority, const char *text)
     iso_daemon_say(priority, text);
 }
 
-/* ---- set-up -----------------------------------------------------------------------------------
- */
+/* ---- set-up ---- */
 
 static int quit_fd = -1; /* for the handler: there is one daemon in a process */
 
@@ -137,8 +136,7 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
     return error;
 }
 
-/* ---- event loop -------------------------------------------------------------------------------
- */
+/* ---- event loop ---- */
 
 static int on_readable(sd_event_source *source, int fd, uint32_t events, void *context)
 {

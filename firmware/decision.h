@@ -1,11 +1,12 @@
 /* From the frames of one visit to a verdict: pure, time comes as an argument.
  *
  *   IDLE   a usable face                           -> VISIT (or at once SPENT, with agree = 1)
- *   VISIT  `agree` frames of the same person       -> SPENT, verdict allow, or deny if not valid
- * now max_frames usable frames without that   -> SPENT, verdict deny no usable face for gap_ns ->
- * IDLE,  verdict deny SPENT  no usable face for gap_ns               -> IDLE refractory_ns after
- * the verdict         -> IDLE (who stays, or stands behind, is next) every  reset -> IDLE, without
- * a verdict
+ *   VISIT  `agree` frames of the same person       -> SPENT, verdict allow (deny: not valid now)
+ *          max_frames usable frames without that   -> SPENT, verdict deny
+ *          no usable face for gap_ns               -> IDLE,  verdict deny
+ *   SPENT  no usable face for gap_ns               -> IDLE
+ *          refractory_ns after the verdict         -> IDLE (who stays, or stands behind, is next)
+ *   every  reset                                   -> IDLE, without a verdict
  *
  * A usable face is a frame that gave a template. It counts for the best person of the gallery if
  * that one's score reaches the threshold and leads the second person's by the margin. */

@@ -33,8 +33,7 @@ static void tell(struct iso_door_control *control, enum iso_door_event event, in
     }
 }
 
-/* ---- lines ------------------------------------------------------------------------------------
- */
+/* ---- lines ---- */
 
 /* Notes whether the lines work, and lets the machine know when that changes. */
 static void note_lines(struct iso_door_control *control, const struct iso_fault *fault, bool broken,
@@ -98,8 +97,7 @@ static void tell_inputs(struct iso_door_control *control, const struct iso_door_
     control->inputs = *inputs;
 }
 
-/* ---- calls ------------------------------------------------------------------------------------
- */
+/* ---- calls ---- */
 
 static void apply(struct iso_door_control *control, int64_t now_ns)
 {

@@ -18,8 +18,7 @@ struct iso_gallery {
     size_t n_entries, entries_capacity;
 };
 
-/* ---- memory -----------------------------------------------------------------------------------
- */
+/* ---- memory ---- */
 
 static void free_template(const struct iso_template *tmpl)
 {
@@ -101,8 +100,7 @@ static struct iso_person *find_own(const struct iso_gallery *gallery, int64_t id
     return NULL;
 }
 
-/* ---- opening ----------------------------------------------------------------------------------
- */
+/* ---- opening ---- */
 
 static int load_person(void *context, const struct iso_person *person, struct iso_fault *fault)
 {
@@ -188,8 +186,7 @@ void iso_gallery_close(struct iso_gallery *gallery)
     }
 }
 
-/* ---- changing ---------------------------------------------------------------------------------
- */
+/* ---- changing ---- */
 
 int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
 {
@@ -290,8 +287,7 @@ int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso
     return 0;
 }
 
-/* ---- looking ----------------------------------------------------------------------------------
- */
+/* ---- looking ---- */
 
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n)
 {

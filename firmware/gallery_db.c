@@ -52,8 +52,7 @@ static const char schema[] = "BEGIN;"
 _Static_assert(ISO_GALLERY_APPLICATION_ID == 0x49534f54 && ISO_GALLERY_SCHEMA == 1,
                "the schema's text has to say the same");
 
-/* ---- failures ---------------------------------------------------------------------------------
- */
+/* ---- failures ---- */
 
 int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
                            struct iso_fault *fault)
@@ -108,8 +107,7 @@ static int execute(const struct iso_gallery_db *db, const char *sql, struct iso_
     return sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL) == SQLITE_OK ? 0 : fail(db, fault);
 }
 
-/* ---- making, opening, checking ----------------------------------------------------------------
- */
+/* ---- making, opening, checking ---- */
 
 static int connect(struct iso_gallery_db *db, const char *path, struct iso_fault *fault)
 {
@@ -288,8 +286,7 @@ void iso_gallery_db_close(struct iso_gallery_db *db)
     }
 }
 
-/* ---- reading ----------------------------------------------------------------------------------
- */
+/* ---- reading ---- */
 
 static int visit_person(struct iso_gallery_db *db, sqlite3_stmt *row,
                         const struct iso_gallery_visitor *visitor, struct iso_fault *fault)
@@ -353,8 +350,7 @@ int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visi
                             visit_template, visitor, fault);
 }
 
-/* ---- writing ----------------------------------------------------------------------------------
- */
+/* ---- writing ---- */
 
 /* Runs a prepared statement to its end and finalizes it. */
 static int finish(struct iso_gallery_db *db, sqlite3_stmt *statement, struct iso_fault *fault)

@@ -329,9 +329,3 @@ struct iso_vec3 iso_head_point_on(const struct iso_head_model *model,
     p = iso_madd(p, (double)point.weight[1], vertices_mm[v[1]]);
     return iso_madd(p, (double)point.weight[2], vertices_mm[v[2]]);
 }
-
-struct iso_vec3 iso_head_mean_landmark(const struct iso_head_model *model,
-                                       enum iso_landmark landmark)
-{
-    return iso_head_point_on(model, model->mean_mm, model->landmarks[iso_landmark_ibug[landmark]]);
-}

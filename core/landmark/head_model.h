@@ -75,8 +75,4 @@ void iso_head_model_free(struct iso_head_model *model);
 struct iso_vec3 iso_head_point_on(const struct iso_head_model *model,
                                   const struct iso_vec3 *vertices_mm, struct iso_head_point point);
 
-/* One of the twelve landmarks on the mean face. */
-struct iso_vec3 iso_head_mean_landmark(const struct iso_head_model *model,
-                                       enum iso_landmark landmark);
-
 #endif

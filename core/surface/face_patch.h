@@ -35,9 +35,9 @@ int iso_face_patch_new(const struct iso_head_model *model,
     __attribute__((warn_unused_result));
 void iso_face_patch_free(struct iso_face_patch *patch);
 
-/* Resamples a measured surface (camera-frame mesh, at most vertex_capacity vertices are moved in
- * place to the patch's frame) given where the face is. Returns the share of the domain that was
- * measured, 0..1. */
+/* Resamples a measured surface (a camera-frame mesh, whose vertices are moved in place to the
+ * patch's frame) given where the face is. Returns the share of the domain that was measured,
+ * 0..1. */
 double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
                             const struct iso_rigid *camera_from_face);
 

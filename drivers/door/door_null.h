@@ -3,8 +3,8 @@
  *
  * Options:
  *   inputs   optional: a file that holds one line `NAME = 0|1` for each input (contact,
- * exit_button, tamper), read whenever the inputs are asked for. Stricter than a wire: a missing
- * file, an unknown, repeated or missing name is an error, not a level.
+ *            exit_button, tamper), read whenever the inputs are asked for. Stricter than a wire:
+ *            a missing file, an unknown, repeated or missing name is an error, not a level.
  *
  * Without the option every input is inactive until iso_door_null_set_input says otherwise. */
 #ifndef ISO_DRIVERS_DOOR_DOOR_NULL_H

@@ -10,8 +10,7 @@
 
 #include "firmware/times.h"
 
-/* ---- templates ---------------------------------------------------------------------------------
- */
+/* ---- templates ---- */
 
 struct iso_template puppet_template(int face, uint32_t algorithm)
 {
@@ -40,8 +39,7 @@ int puppet_face_of(const struct iso_template *tmpl)
     return (int)tmpl->radius_mm[0];
 }
 
-/* ---- sensor ------------------------------------------------------------------------------------
- */
+/* ---- sensor ---- */
 
 /* A frame's first pixel is the face, its second the outcome: 100 and more, to be valid depths. */
 struct stream {
@@ -186,8 +184,7 @@ void puppet_sensor_add(struct puppet_sensor *sensor, int64_t t_ns, int face,
     sensor->n_frames++;
 }
 
-/* ---- pipeline ----------------------------------------------------------------------------------
- */
+/* ---- pipeline ---- */
 
 static int extract(void *self, const struct iso_frame *frame, const char *sensor,
                    struct iso_extraction *out)

@@ -13,8 +13,7 @@
 #include "tests/support/manual_clock.h"
 #include "tests/support/scratch.h"
 
-/* ---- what it reports ---------------------------------------------------------------------------
- */
+/* ---- what it reports ---- */
 
 __attribute__((format(printf, 2, 3))) static void tell(struct rig *rig, const char *format, ...)
 {
@@ -66,8 +65,7 @@ static void on_message(void *context, int priority, const char *text)
     assert_null(strchr(text, '\n'));
 }
 
-/* ---- set-up ------------------------------------------------------------------------------------
- */
+/* ---- set-up ---- */
 
 static void open_parts(struct rig *rig)
 {
@@ -128,8 +126,7 @@ int rig_teardown(void **state)
     return scratch_teardown(&directory);
 }
 
-/* ---- moving ------------------------------------------------------------------------------------
- */
+/* ---- moving ---- */
 
 void rig_start(struct rig *rig)
 {
@@ -184,8 +181,7 @@ void rig_run(struct rig *rig, int64_t ms)
     rig->now_ns = end_ns;
 }
 
-/* ---- looking -----------------------------------------------------------------------------------
- */
+/* ---- looking ---- */
 
 const char *rig_news(struct rig *rig)
 {

@@ -22,8 +22,7 @@ static void enroll(struct rig *rig, const char *person)
     }
 }
 
-/* ---- claim -------------------------------------------------------------------------------------
- */
+/* ---- claim ---- */
 
 static void a_claim_keeps_the_door_shut(void **state)
 {
@@ -94,8 +93,7 @@ static void one_action_at_a_time(void **state)
     enroll(rig, "anna");
 }
 
-/* ---- enrolling ---------------------------------------------------------------------------------
- */
+/* ---- enrolling ---- */
 
 static void enrols_with_hints(void **state)
 {
@@ -267,8 +265,7 @@ static void a_lost_sensor_ends_every_action(void **state)
     }
 }
 
-/* ---- verifying and identifying -----------------------------------------------------------------
- */
+/* ---- verifying and identifying ---- */
 
 static void verifies(void **state)
 {
@@ -335,8 +332,7 @@ static void looks_for_a_time_only(void **state)
     assert_string_equal(rig_news(rig), "verify timed-out done");
 }
 
-/* ---- deleting ----------------------------------------------------------------------------------
- */
+/* ---- deleting ---- */
 
 static void deletes_on_record(void **state)
 {

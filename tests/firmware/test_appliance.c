@@ -8,8 +8,7 @@
 #include "drivers/door/door_null.h"
 #include "tests/firmware/rig.h"
 
-/* ---- visits ------------------------------------------------------------------------------------
- */
+/* ---- visits ---- */
 
 static void lets_in_who_is_known(void **state)
 {
@@ -169,8 +168,7 @@ static void who_is_inside_gets_out_with_a_full_disk(void **state)
     assert_true(rig_relay(rig));
 }
 
-/* ---- frames that cannot be worked on -----------------------------------------------------------
- */
+/* ---- frames that cannot be worked on ---- */
 
 static void goes_on_after_a_frame_that_fails(void **state)
 {
@@ -199,8 +197,7 @@ static void a_face_with_too_few_points_is_none(void **state)
     assert_string_equal(rig_news(rig), "");
 }
 
-/* ---- the sensor --------------------------------------------------------------------------------
- */
+/* ---- the sensor ---- */
 
 static void a_lost_sensor_is_a_fault_of_the_door(void **state)
 {
@@ -270,8 +267,7 @@ static void the_watchdog_sees_an_idle_sensor_and_not_a_dead_one(void **state)
     assert_int_equal(iso_appliance_progress(rig->appliance), dead + 1);
 }
 
-/* ---- the door ----------------------------------------------------------------------------------
- */
+/* ---- the door ---- */
 
 static void puts_the_door_on_record(void **state)
 {

@@ -25,8 +25,7 @@ struct fixture {
     char told[2][1024]; /* signals: "EnrollStatus enroll-completed; ..." */
 };
 
-/* ---- set-up ------------------------------------------------------------------------------------
- */
+/* ---- set-up ---- */
 
 static int group_setup(void **state)
 {
@@ -132,8 +131,7 @@ static struct fixture *need(void **state)
     return *state;
 }
 
-/* ---- calls -------------------------------------------------------------------------------------
- */
+/* ---- calls ---- */
 
 /* One round of the service and both clients. */
 static void go_round(struct fixture *fixture)
@@ -240,8 +238,7 @@ static const char *news(struct fixture *fixture, int client)
     return text;
 }
 
-/* ---- claim -------------------------------------------------------------------------------------
- */
+/* ---- claim ---- */
 
 static void one_client_has_the_claim(void **state)
 {
@@ -299,8 +296,7 @@ static void actions_want_a_claim(void **state)
     assert_string_equal(call(f, 0, ISO_CONTRACT_IDENTIFY_STOP, NULL), "");
 }
 
-/* ---- enrolling ---------------------------------------------------------------------------------
- */
+/* ---- enrolling ---- */
 
 static void enrols(void **state)
 {
@@ -346,8 +342,7 @@ static void refuses_enrolments(void **state)
     f->rig->sensor.wait_error = f->rig->sensor.open_error = 0;
 }
 
-/* ---- verifying and identifying -----------------------------------------------------------------
- */
+/* ---- verifying and identifying ---- */
 
 static void verifies_and_identifies(void **state)
 {
@@ -367,8 +362,7 @@ static void verifies_and_identifies(void **state)
     assert_string_equal(news(f, 1), "");
 }
 
-/* ---- the door ----------------------------------------------------------------------------------
- */
+/* ---- the door ---- */
 
 static void tells_everybody_of_visits(void **state)
 {
@@ -384,8 +378,7 @@ static void tells_everybody_of_visits(void **state)
     assert_string_equal(news(f, 0), "DoorChanged locked; Visit deny");
 }
 
-/* ---- gallery, status, log ----------------------------------------------------------------------
- */
+/* ---- gallery, status, log ---- */
 
 static void lists_and_deletes(void **state)
 {
@@ -519,8 +512,7 @@ static void reads_the_log(void **state)
     assert_int_equal(n, 2);
 }
 
-/* ---- the connection ----------------------------------------------------------------------------
- */
+/* ---- the connection ---- */
 
 static void one_service_has_the_name(void **state)
 {

@@ -161,8 +161,7 @@ static void hands_on_the_options_that_are_given(void **state)
     assert_int_equal(iso_config_door_options(&config, options), 0);
 }
 
-/* ---- sample and manual ------------------------------------------------------------------------
- */
+/* ---- sample and manual ---- */
 
 static char *sample(void)
 {

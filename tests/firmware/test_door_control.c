@@ -244,7 +244,10 @@ static void two_faults_must_both_end(void **state)
     step_at(1100);
     assert_int_equal(control.door.state, ISO_DOOR_LOCKED);
     iso_door_control_set_fault(&control, true, now_ns);
+    failing = -EIO;
     step_at(1150);
+    failing = 0;
+    step_at(1200);
     assert_int_equal(control.door.state, ISO_DOOR_FAULT);
 }
 

@@ -79,8 +79,7 @@ static void execute(const char *directory, const char *sql)
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
 }
 
-/* ---- files that are no gallery -----------------------------------------------------------------
- */
+/* ---- files that are no gallery ---- */
 
 static void an_empty_file_is_a_lost_gallery(void **state)
 {
@@ -127,8 +126,7 @@ static void wants_its_directory(void **state)
     assert_non_null(strstr(fault.text, "/nonexistent/g.db.new: No such file or directory"));
 }
 
-/* ---- damage ------------------------------------------------------------------------------------
- */
+/* ---- damage ---- */
 
 static void cut_short_anywhere_it_is_refused(void **state)
 {
@@ -212,8 +210,7 @@ static void keeps_templates_of_a_newer_version(void **state)
     iso_gallery_close(gallery);
 }
 
-/* ---- other processes, rights, space ------------------------------------------------------------
- */
+/* ---- other processes, rights, space ---- */
 
 static void one_process_has_it(void **state)
 {
@@ -297,8 +294,7 @@ static void a_full_disk_changes_nothing(void **state)
     iso_gallery_close(gallery);
 }
 
-/* ---- kills -------------------------------------------------------------------------------------
- */
+/* ---- kills ---- */
 
 /* Adds and deletes for ever, saying each time what it has done. */
 static void write_for_ever(const char *directory, int report_fd)

@@ -20,8 +20,7 @@
 
 enum { SILENCE_MS = 10000 };
 
-/* ---- running it --------------------------------------------------------------------------------
- */
+/* ---- running it ---- */
 
 /* Runs it with one or two options, until it ends; the run is valid until the next. */
 static const struct run *run_program(const char *option, const char *value)
@@ -60,8 +59,7 @@ static void expect_end(const struct run *run, int exit, const char *line)
     }
 }
 
-/* ---- options -----------------------------------------------------------------------------------
- */
+/* ---- options ---- */
 
 static void explains_itself(void **state)
 {
@@ -99,8 +97,7 @@ static void checks_a_configuration(void **state)
     run_free(&run);
 }
 
-/* ---- what keeps it from starting ---------------------------------------------------------------
- */
+/* ---- what keeps it from starting ---- */
 
 static void says_why_it_does_not_start(void **state)
 {
@@ -137,8 +134,7 @@ static void says_what_is_wrong_with_its_data(void **state)
     expect_end(run_program("--config", path), 3, "/nonexistent/head.model: No such file");
 }
 
-/* ---- a whole life ------------------------------------------------------------------------------
- */
+/* ---- a whole life ---- */
 
 static int listen_for_notifications(const char *path)
 {

@@ -19,7 +19,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         (void)iso_put_u32(bytes + 12, iso_crc32(0, bytes + CHECKED_FROM, size - CHECKED_FROM));
     }
     if (iso_head_model_parse(bytes, size, &model, &fault) == 0) {
-        struct iso_vec3 nose = iso_head_mean_landmark(model, ISO_LM_NOSE_TIP);
+        struct iso_vec3 nose = iso_head_point_on(
+            model, model->mean_mm, model->landmarks[iso_landmark_ibug[ISO_LM_NOSE_TIP]]);
         fuzz_check(isfinite(nose.x) && isfinite(nose.y) && isfinite(nose.z), "finite landmarks");
     } else {
         fuzz_check(model == NULL && fault != NULL, "a fault and no model");

@@ -1,0 +1,42 @@
+/* Heads of the committed model, rendered into depth frames: where they are and how they are shaped
+ * is known exactly. Failures fail the running cmocka test. */
+#ifndef TESTS_CORE_RENDERED_HEAD_H
+#define TESTS_CORE_RENDERED_HEAD_H
+
+#include "core/frame/frame.h"
+#include "core/landmark/head_model.h"
+#include "core/surface/mesh.h"
+
+/* core/data/head.model. */
+struct iso_head_model *rendered_head_model(void);
+
+/* 640 x 480, its principal point off the middle, focal lengths that differ a little. */
+struct iso_camera rendered_head_camera(void);
+
+/* An empty frame of that camera. */
+struct iso_frame *rendered_head_frame(void);
+
+/* camera_from_face of a head whose nose tip is at a place: yaw > 0 turned to the subject's left,
+ * pitch > 0 up, as in iso_extraction. */
+struct iso_rigid rendered_head_pose(double yaw_deg, double pitch_deg, struct iso_vec3 nose_mm);
+
+/* Draws a head before what the frame holds; `shape_mm` NULL: the mean. `size` scales it about the
+ * nose tip. */
+void rendered_head_draw(struct iso_frame *frame, const struct iso_head_model *model,
+                        const struct iso_vec3 *shape_mm, double size, const struct iso_rigid *pose);
+
+/* The same head as a mesh in the camera frame, to be freed with iso_mesh_free. */
+struct iso_mesh *rendered_head_mesh(const struct iso_head_model *model,
+                                    const struct iso_vec3 *shape_mm, const struct iso_rigid *pose);
+
+/* A flat wall at a depth behind what the frame holds. */
+void rendered_head_wall(struct iso_frame *frame, float depth_mm);
+
+/* Degrees between two rotations. */
+double rendered_head_angle_deg(const struct iso_mat3 *a, const struct iso_mat3 *b);
+
+/* Fails unless a pose is within so many millimetres and degrees of the truth. */
+void rendered_head_assert_pose(const struct iso_rigid *found, const struct iso_rigid *truth,
+                               double within_mm, double within_deg);
+
+#endif

@@ -1,0 +1,103 @@
+/* An extractor allocates when it is created and never again, and survives every allocation that
+ * fails. Core is compiled in, so that the linker's --wrap reaches it and not CHOLMOD or LAPACK. */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "core/extract.h"
+#include "tests/core/rendered_head.h"
+
+enum { NEVER = -1, ALLOCATIONS_MAX = 200 };
+
+static int allocations;              /* so far */
+static int allocations_left = NEVER; /* until one fails */
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t n, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t n, size_t size);
+
+static bool denied(void)
+{
+    allocations++;
+    return allocations_left != NEVER && allocations_left-- == 0;
+}
+
+void *__wrap_malloc(size_t size)
+{
+    return denied() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t n, size_t size)
+{
+    return denied() ? NULL : __real_calloc(n, size);
+}
+
+static void frames_are_run_without_allocating(void **state)
+{
+    (void)state;
+    struct iso_head_model *model = rendered_head_model();
+    struct iso_frame *frame = rendered_head_frame();
+    struct iso_extract_options options = iso_extract_options_default();
+    struct iso_extractor *extractor = NULL;
+    struct iso_extraction *out = calloc(1, sizeof *out);
+    assert_non_null(out);
+    assert_int_equal(iso_extractor_new(model, &options, &extractor), 0);
+    const struct iso_vec3 places[] = {{0, 0, 600}, {30, 10, 500}, {-40, 0, 800}, {0, 0, 2000}};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        struct iso_rigid pose = rendered_head_pose(5.0 * (double)i, 3.0, places[i]);
+        for (int k = 0; k < frame->width_px * frame->height_px; k++) {
+            frame->depth_mm[k] = 0.0f;
+        }
+        rendered_head_draw(frame, model, NULL, 1.0, &pose);
+        int before = allocations;
+        assert_int_equal(iso_extractor_run(extractor, frame, out), 0);
+        assert_int_equal(allocations, before);
+        assert_int_equal(out->outcome == ISO_CAPTURE_OK, i < 3);
+    }
+    iso_extractor_free(extractor);
+    iso_frame_free(frame);
+    iso_head_model_free(model);
+    free(out);
+}
+
+static void a_new_extractor_survives_any_failed_allocation(void **state)
+{
+    (void)state;
+    struct iso_head_model *model = rendered_head_model();
+    struct iso_extract_options options = iso_extract_options_default();
+    int n = 0;
+    for (int error = -ENOMEM; error; n++) {
+        char untouched;
+        struct iso_extractor *extractor = (struct iso_extractor *)(void *)&untouched;
+        allocations_left = n;
+        error = iso_extractor_new(model, &options, &extractor);
+        bool reached = allocations_left == NEVER;
+        allocations_left = NEVER;
+        if (error) {
+            assert_true(reached);
+            assert_int_equal(error, -ENOMEM);
+            assert_ptr_equal(extractor, &untouched);
+            assert_true(n < ALLOCATIONS_MAX);
+        } else {
+            iso_extractor_free(extractor);
+        }
+    }
+    assert_true(n > 40);
+    iso_head_model_free(model);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_are_run_without_allocating),
+        cmocka_unit_test(a_new_extractor_survives_any_failed_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
