@@ -199,12 +199,33 @@ int iso_extractor_new(const struct iso_head_model *model, const struct iso_extra
     return 0;
 }
 
+/* What is left of a face in the plain buffers; the other workspaces overwrite their own. */
+static void wipe(struct iso_extractor *x)
+{
+    if (x->coarse.depth_mm) {
+        explicit_bzero(x->coarse.depth_mm, ISO_EXTRACT_COARSE_PX_MAX * sizeof *x->coarse.depth_mm);
+    }
+    struct iso_mesh *const meshes[] = {x->surface, x->mesh};
+    for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
+        if (meshes[i]) {
+            explicit_bzero(meshes[i]->vertices_mm,
+                           (size_t)meshes[i]->vertex_capacity * sizeof *meshes[i]->vertices_mm);
+        }
+    }
+    if (x->heat) {
+        explicit_bzero(x->heat, ISO_LANDMARKS * (size_t)x->mesh->vertex_capacity * sizeof *x->heat);
+    }
+    explicit_bzero(&x->head, sizeof x->head);
+    explicit_bzero(x->landmark_mm, sizeof x->landmark_mm);
+}
+
 void iso_extractor_free(struct iso_extractor *extractor)
 {
     if (!extractor) {
         return;
     }
     struct iso_extractor *x = extractor;
+    wipe(x);
     free(x->coarse.depth_mm);
     iso_candidate_finder_free(x->finder);
     iso_pose_vertices_free(x->search_vertices);

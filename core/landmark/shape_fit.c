@@ -76,6 +76,9 @@ int iso_shape_fitter_new(const struct iso_head_model *model,
 void iso_shape_fitter_free(struct iso_shape_fitter *fitter)
 {
     if (fitter) {
+        if (fitter->shape) { /* biometric data */
+            explicit_bzero(fitter->shape, fitter->model->n_vertices * sizeof *fitter->shape);
+        }
         free(fitter->face);
         free(fitter->shape);
         free(fitter->normal);

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/frame/shrink.h"
 
@@ -44,6 +45,12 @@ int iso_cleaner_new(size_t capacity_px, struct iso_cleaner **out)
 void iso_cleaner_free(struct iso_cleaner *cleaner)
 {
     if (cleaner) {
+        float *const planes[] = {cleaner->frame.depth_mm, cleaner->kept}; /* biometric data */
+        for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) {
+            if (planes[i]) {
+                explicit_bzero(planes[i], cleaner->capacity_px * sizeof *planes[i]);
+            }
+        }
         free(cleaner->frame.depth_mm);
         free(cleaner->kept);
         free(cleaner->queue);

@@ -174,6 +174,12 @@ int iso_face_patch_new(const struct iso_head_model *model,
 void iso_face_patch_free(struct iso_face_patch *patch)
 {
     if (patch) {
+        if (patch->residual) { /* biometric data; the mean's planes are not */
+            explicit_bzero(patch->residual, pixels(patch) * sizeof *patch->residual);
+        }
+        if (patch->frame.depth_mm) {
+            explicit_bzero(patch->frame.depth_mm, pixels(patch) * sizeof *patch->frame.depth_mm);
+        }
         iso_fill_free(patch->fill);
         free(patch->frame.depth_mm);
         free(patch->mean_depth);
