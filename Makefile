@@ -3,12 +3,13 @@
 #   make demo     an enrolled face opens the door: builds, then plays stored frames to a running daemon
 #   make check    builds and runs every test
 #   make bench    milliseconds per stage from frame to verdict
-#   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each
+#   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make clean    removes what the others made
 
 PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 20
+FUZZ_SEED ?= 1
 JOBS := $(shell nproc)
 
 .PHONY: demo check bench fuzz install clean
@@ -28,14 +29,13 @@ check:
 bench:
 	cmake/install_packages.sh build test
 	cmake --preset release -DBUILD_TESTING=ON
-	cmake --build --preset release
 	cmake --build --preset release --target bench
 
 fuzz:
 	cmake/install_packages.sh build test gate
 	cmake --preset fuzz
 	cmake --build --preset fuzz
-	tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS)
+	tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS) $(FUZZ_SEED)
 
 install:
 	cmake/install_packages.sh build

@@ -7,17 +7,21 @@
 
 #include "drivers/text.h"
 
-enum { LIST_BYTES_MAX = 64 << 20, SECONDS_DIGITS_MAX = 9 };
+enum { LIST_BYTES_MAX = 64 << 20, SECONDS_DIGITS_MAX = 10 };
 
 /* Decimal seconds to nanoseconds, exactly: a double would lose digits of times since 1970. Digits
  * beyond the ninth decimal are dropped. */
 static int parse_seconds(const char *text, int64_t *t_ns)
 {
     size_t digits = strspn(text, "0123456789");
-    if (digits < 1 || digits > SECONDS_DIGITS_MAX + 1) {
+    if (digits < 1 || digits > SECONDS_DIGITS_MAX) {
         return -EINVAL;
     }
-    int64_t value_ns = strtoll(text, NULL, 10) * 1000000000;
+    const long long seconds = strtoll(text, NULL, 10);
+    if (seconds >= INT64_MAX / 1000000000) {
+        return -EINVAL;
+    }
+    int64_t value_ns = seconds * 1000000000;
     const char *decimals = text + digits;
     if (*decimals == '.') {
         int64_t unit_ns = 100000000;

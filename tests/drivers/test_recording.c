@@ -107,6 +107,7 @@ static void refuses_bad_lists(void **state)
         {"nan depth/0.png\n", "depth.txt:1: not `timestamp_s filename`"},
         {"-1 depth/0.png\n", "depth.txt:1: not `timestamp_s filename`"},
         {"1e3 depth/0.png\n", "depth.txt:1: not `timestamp_s filename`"},
+        {"9223372036 depth/0.png\n", "depth.txt:1: not `timestamp_s filename`"},
         {"99999999999 depth/0.png\n", "depth.txt:1: not `timestamp_s filename`"},
         {".5 depth/0.png\n", "depth.txt:1: not `timestamp_s filename`"},
         {"1.5\n", "depth.txt:1: not `timestamp_s filename`"},
