@@ -15,7 +15,7 @@ enum iso_capture {
     ISO_CAPTURE_LOOK_DOWN,
     ISO_CAPTURE_TOO_FEW_POINTS, /* holes: hair, hands, sunlight */
     ISO_CAPTURE_NOT_A_FACE,     /* something is there, it does not fit a head */
-    ISO_CAPTURE_FLAT,           /* a face with no depth: a picture */
+    ISO_CAPTURE_FLAT,           /* a picture; extract.h has no gate that says so yet */
     ISO_CAPTURE_MOVING,
     ISO_CAPTURES
 };
