@@ -97,6 +97,20 @@ static void describe_pose(const struct iso_pose_fit *fit, struct iso_extraction 
     out->residual_mm = sqrt(fit->cost_mm2);
 }
 
+/* The way a face that is cut by the image border should go, as the subject sees it, whose left is
+ * the image's right. */
+static enum iso_capture way_to_the_middle(const struct iso_frame *frame, struct iso_vec3 nose_mm)
+{
+    double u = 0.0, v = 0.0;
+    (void)iso_camera_project(&frame->camera, nose_mm, &u, &v);
+    double right = (u - frame->crop_x_px) / frame->width_px - 0.5;
+    double down = (v - frame->crop_y_px) / frame->height_px - 0.5;
+    if (fabs(right) > fabs(down)) {
+        return right > 0.0 ? ISO_CAPTURE_MOVE_RIGHT : ISO_CAPTURE_MOVE_LEFT;
+    }
+    return down > 0.0 ? ISO_CAPTURE_MOVE_UP : ISO_CAPTURE_MOVE_DOWN;
+}
+
 /* Whether a face stands where it can be used, and if not, what would help. */
 static enum iso_capture judge_pose(const struct iso_extractor *x, const struct iso_frame *frame,
                                    const struct iso_pose_fit *fit, const struct iso_extraction *out)
@@ -109,7 +123,7 @@ static enum iso_capture judge_pose(const struct iso_extractor *x, const struct i
         return ISO_CAPTURE_TOO_CLOSE;
     }
     if (fit->in_image < in_image_min) {
-        return ISO_CAPTURE_OFF_CENTRE;
+        return way_to_the_middle(frame, fit->camera_from_face.translation_mm);
     }
     if (fabs(out->yaw_rad) > x->options.yaw_max_rad) {
         return out->yaw_rad > 0.0 ? ISO_CAPTURE_TURN_RIGHT : ISO_CAPTURE_TURN_LEFT;
@@ -120,21 +134,40 @@ static enum iso_capture judge_pose(const struct iso_extractor *x, const struct i
     return ISO_CAPTURE_OK;
 }
 
+/* What the fit says, in the camera frame. */
+static void describe_fit(const struct iso_shape_fit *head, struct iso_extraction *out)
+{
+    const struct iso_rigid *pose = &head->pose.camera_from_face;
+    out->fitted = true;
+    out->fit_coverage = head->pose.coverage;
+    out->identity_norm = head->identity_norm;
+    out->expression_norm = head->expression_norm;
+    for (int i = 0; i < ISO_LANDMARKS_IBUG; i++) {
+        out->ibug_mm[i] = iso_rigid_apply(pose, head->ibug_mm[i]);
+    }
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        out->landmark_mm[l] = out->ibug_mm[iso_landmark_ibug[l]];
+        out->sigma_mm[l] = head->sigma_mm[l];
+    }
+}
+
 /* Fits the head model to the cleaned frame. */
 static int fit_head(struct iso_extractor *x, const struct iso_frame *cleaned,
                     struct iso_pose_fit *fit, struct iso_extraction *out)
 {
     struct iso_rigid start = fit->camera_from_face;
     int error = iso_shape_fit(x->fitter, cleaned, &start, &x->head);
-    if (error == -ENODATA || (!error && x->head.pose.coverage < fit_coverage_min)) {
-        out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
-        return 0;
+    if (error) {
+        return error;
     }
     *fit = x->head.pose;
-    if (!error && fit->cost_mm2 > fit_cost_max_mm2) {
+    describe_fit(&x->head, out);
+    if (fit->coverage < fit_coverage_min) {
+        out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
+    } else if (fit->cost_mm2 > fit_cost_max_mm2) {
         out->outcome = ISO_CAPTURE_NOT_A_FACE;
     }
-    return error;
+    return 0;
 }
 
 /* Resamples the surface in the face frame and fills its holes. */
@@ -165,12 +198,12 @@ static int make_mesh(struct iso_extractor *x, struct iso_extraction *out)
     iso_triangulate_adjacency(x->patch_triangulator, x->adjacent);
     for (int l = 0; l < ISO_LANDMARKS && !error; l++) {
         double column, row;
-        iso_face_patch_pixel(x->patch, x->head.landmark_mm[l].x, x->head.landmark_mm[l].y, &column,
+        iso_face_patch_pixel(x->patch, x->head.neutral_mm[l].x, x->head.neutral_mm[l].y, &column,
                              &row);
         error = iso_triangulate_locate(x->patch_triangulator, column, row, &x->sources[l]);
         if (!error) {
-            x->landmark_mm[l] = iso_mesh_point_at(x->mesh, x->sources[l]);
-            out->landmark_mm[l] = iso_rigid_apply(&out->camera_from_face, x->landmark_mm[l]);
+            x->source_mm[l] = iso_mesh_point_at(x->mesh, x->sources[l]);
+            out->source_mm[l] = iso_rigid_apply(&out->camera_from_face, x->source_mm[l]);
         }
     }
     return error;
@@ -214,18 +247,19 @@ static int trace_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
         .patch = x->patch,
         .heat = x->heat,
     };
-    memcpy(face.landmark_mm, x->landmark_mm, sizeof face.landmark_mm);
+    memcpy(face.landmark_mm, x->source_mm, sizeof face.landmark_mm);
     return iso_face_isotherms(x->tracer, &face, tmpl);
 }
 
 /* The steps, each charged with its time; a step that finds the frame unusable sets the outcome. */
-static int run(struct iso_extractor *x, const struct iso_frame *frame, struct iso_extraction *out)
+static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
+               struct iso_extraction *out)
 {
     struct iso_pose_fit fit;
     const struct iso_frame *cleaned = NULL;
     int error = 0;
     int64_t before = now_ns(x);
-    for (int stage = 0; stage < ISO_STAGES; stage++) {
+    for (int stage = 0; stage <= (int)last; stage++) {
         switch ((enum iso_stage)stage) {
         case ISO_STAGE_REGION:
             error = find_face(x, frame, &fit, out);
@@ -261,9 +295,12 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, struct is
         int64_t after = now_ns(x);
         out->stage_ns[stage] = after - before;
         before = after;
-        if (!error && out->outcome == ISO_CAPTURE_OK &&
-            (stage == ISO_STAGE_REGION || stage == ISO_STAGE_FIT)) {
+        bool posed = (stage == ISO_STAGE_REGION && out->outcome == ISO_CAPTURE_OK) ||
+                     (stage == ISO_STAGE_FIT && out->fitted);
+        if (!error && posed) {
             describe_pose(&fit, out);
+        }
+        if (!error && posed && out->outcome == ISO_CAPTURE_OK) {
             out->outcome = judge_pose(x, frame, &fit, out);
         }
         if (error || out->outcome != ISO_CAPTURE_OK) {
@@ -273,8 +310,8 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, struct is
     return error;
 }
 
-int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *frame,
-                      struct iso_extraction *out)
+static int check_and_run(struct iso_extractor *extractor, const struct iso_frame *frame,
+                         enum iso_stage last, struct iso_extraction *out)
 {
     int error = iso_frame_check(frame, NULL);
     if (error) {
@@ -284,12 +321,29 @@ int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *f
         return -EINVAL;
     }
     struct iso_extraction extraction = {.outcome = ISO_CAPTURE_NO_FACE};
-    error = run(extractor, frame, &extraction);
+    error = run(extractor, frame, last, &extraction);
     if (!error) {
         *out = extraction;
     }
     iso_template_wipe(&extraction.tmpl);
     return error;
+}
+
+int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *frame,
+                      struct iso_extraction *out)
+{
+    return check_and_run(extractor, frame, ISO_STAGE_ISOTHERM, out);
+}
+
+int iso_extractor_locate(struct iso_extractor *extractor, const struct iso_frame *frame,
+                         struct iso_extraction *out)
+{
+    return check_and_run(extractor, frame, ISO_STAGE_PATCH, out);
+}
+
+struct iso_shape_residuals iso_extractor_fit(const struct iso_extractor *extractor)
+{
+    return iso_shape_fitter_residuals(extractor->fitter);
 }
 
 const struct iso_mesh *iso_extractor_mesh(const struct iso_extractor *extractor)

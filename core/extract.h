@@ -57,12 +57,27 @@ struct iso_extract_options iso_extract_options_default(void);
 
 struct iso_extraction {
     enum iso_capture outcome; /* only ISO_CAPTURE_OK has a template */
+
+    /* Rough from the region on, good once `fitted`. */
     struct iso_rigid camera_from_face;
-    struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* camera frame; from outcome OK on */
     double yaw_rad, pitch_rad, roll_rad; /* yaw > 0: turned to the subject's left; pitch > 0: up */
     double distance_mm;                  /* nose tip from the sensor along the axis */
     double residual_mm;                  /* robust fit of the head model */
-    double coverage;                     /* measured share of the face patch, 0..1 */
+
+    /* Only if the head model was fitted, whatever the gates say of it: camera frame, on the fitted
+     * head, as the face is, its expression on. */
+    bool fitted;
+    struct iso_vec3 landmark_mm[ISO_LANDMARKS];
+    struct iso_vec3 ibug_mm[ISO_LANDMARKS_IBUG];
+    double sigma_mm[ISO_LANDMARKS]; /* standard deviation of where the landmark is */
+    double fit_coverage;            /* share of the visible fitted face that was measured, 0..1 */
+    double identity_norm;           /* how unlike the mean head it is, in standard deviations */
+    double expression_norm;         /* how strong the expression is, likewise */
+
+    double coverage; /* measured share of the face patch, 0..1 */
+    /* Only with ISO_CAPTURE_OK and only from iso_extractor_run: where the heat was released, camera
+     * frame: points of the measured surface, where the landmarks would be at rest. */
+    struct iso_vec3 source_mm[ISO_LANDMARKS];
     struct iso_template tmpl;
     int64_t stage_ns[ISO_STAGES];
 };
@@ -82,6 +97,14 @@ uint32_t iso_extractor_algorithm(const struct iso_extractor *extractor);
  * refuses or whose planes exceed 1920 x 1200; -EDOM, -ENOMEM from the heat solver. */
 int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *frame,
                       struct iso_extraction *out) __attribute__((warn_unused_result));
+
+/* The same as far as the landmarks and the gates: ISO_STAGE_REGION to ISO_STAGE_PATCH, without a
+ * template. */
+int iso_extractor_locate(struct iso_extractor *extractor, const struct iso_frame *frame,
+                         struct iso_extraction *out) __attribute__((warn_unused_result));
+
+/* The head that was fitted in the last run with `fitted`: its triangles are the head model's. */
+struct iso_shape_residuals iso_extractor_fit(const struct iso_extractor *extractor);
 
 /* What the last run with outcome OK worked on, for pictures; valid until the next run. */
 const struct iso_mesh *iso_extractor_mesh(const struct iso_extractor *extractor);

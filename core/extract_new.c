@@ -216,7 +216,7 @@ static void wipe(struct iso_extractor *x)
         explicit_bzero(x->heat, ISO_LANDMARKS * (size_t)x->mesh->vertex_capacity * sizeof *x->heat);
     }
     explicit_bzero(&x->head, sizeof x->head);
-    explicit_bzero(x->landmark_mm, sizeof x->landmark_mm);
+    explicit_bzero(x->source_mm, sizeof x->source_mm);
 }
 
 void iso_extractor_free(struct iso_extractor *extractor)

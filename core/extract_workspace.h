@@ -54,7 +54,7 @@ struct iso_extractor {
     struct iso_mesh *mesh;
     int32_t (*adjacent)[3];
     struct iso_surface_point sources[ISO_LANDMARKS];
-    struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* the sources in the face frame */
+    struct iso_vec3 source_mm[ISO_LANDMARKS]; /* the sources in the face frame */
 
     /* heat and isotherms */
     struct iso_symmetric *stiffness, *mass;

@@ -15,6 +15,10 @@ enum {
     MEASURED_MIN = 100,
 };
 
+/* Residuals of neighbouring vertices are alike (the model's own error is smooth), so that there are
+ * fewer independent ones than vertices: measured, so that sigma_mm is about the true error. */
+static const double correlated_vertices = 12.0;
+
 struct iso_shape_fitter {
     const struct iso_head_model *model;
     struct iso_shape_fit_options options;
@@ -22,7 +26,11 @@ struct iso_shape_fitter {
     uint32_t *face;         /* [n_face] vertices that are compared */
     struct iso_vec3 *shape; /* [n_vertices] the head as fitted so far, face frame */
     struct iso_vec3 *normal;
-    double *h; /* [UNKNOWNS_MAX][UNKNOWNS_MAX] normal equations, lower triangle */
+    struct iso_vec3 *fitted; /* [n_vertices] the last fit, its expression on */
+    float *residual_mm;      /* [n_vertices] of the last fit */
+    uint8_t *meeting;        /* [n_vertices] */
+    double
+        *h; /* [UNKNOWNS_MAX][UNKNOWNS_MAX] normal equations, lower triangle; then their factor */
 };
 
 /* The state of a fit. */
@@ -55,8 +63,12 @@ int iso_shape_fitter_new(const struct iso_head_model *model,
     f->face = calloc(model->n_vertices, sizeof *f->face);
     f->shape = calloc(model->n_vertices, sizeof *f->shape);
     f->normal = calloc(model->n_vertices, sizeof *f->normal);
+    f->fitted = calloc(model->n_vertices, sizeof *f->fitted);
+    f->residual_mm = calloc(model->n_vertices, sizeof *f->residual_mm);
+    f->meeting = calloc(model->n_vertices, sizeof *f->meeting);
     f->h = calloc((size_t)UNKNOWNS_MAX * UNKNOWNS_MAX, sizeof *f->h);
-    if (!f->face || !f->shape || !f->normal || !f->h) {
+    if (!f->face || !f->shape || !f->normal || !f->fitted || !f->residual_mm || !f->meeting ||
+        !f->h) {
         iso_shape_fitter_free(f);
         return -ENOMEM;
     }
@@ -76,12 +88,19 @@ int iso_shape_fitter_new(const struct iso_head_model *model,
 void iso_shape_fitter_free(struct iso_shape_fitter *fitter)
 {
     if (fitter) {
+        size_t n = fitter->model->n_vertices;
         if (fitter->shape) { /* biometric data */
-            explicit_bzero(fitter->shape, fitter->model->n_vertices * sizeof *fitter->shape);
+            explicit_bzero(fitter->shape, n * sizeof *fitter->shape);
+        }
+        if (fitter->fitted) {
+            explicit_bzero(fitter->fitted, n * sizeof *fitter->fitted);
         }
         free(fitter->face);
         free(fitter->shape);
         free(fitter->normal);
+        free(fitter->fitted);
+        free(fitter->residual_mm);
+        free(fitter->meeting);
         free(fitter->h);
         free(fitter);
     }
@@ -198,34 +217,109 @@ static int step(struct iso_shape_fitter *f, const struct iso_frame *frame, doubl
     return 0;
 }
 
-/* Judges the fit, then takes the expression off: landmarks that stay where they are on the skull
- * whatever the mouth does are what two visits have in common. */
-static void report(struct iso_shape_fitter *f, const struct iso_frame *frame,
-                   const struct state *state, struct iso_shape_fit *out)
+/* Judges the fit vertex by vertex. */
+static void measure(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                    const struct iso_rigid *pose, struct iso_pose_fit *out)
 {
     struct iso_pose_tally tally = {0};
+    memset(f->residual_mm, 0, f->model->n_vertices * sizeof *f->residual_mm);
+    memset(f->meeting, ISO_MEETING_TURNED_AWAY, f->model->n_vertices * sizeof *f->meeting);
     for (int i = 0; i < f->n_face; i++) {
         uint32_t vertex = f->face[i];
         double r = 0.0;
-        enum iso_meeting meeting = iso_meet(
-            frame, iso_rigid_apply(&state->pose, f->shape[vertex]),
-            iso_mat3_apply(&state->pose.rotation, f->normal[vertex]), &r);
+        enum iso_meeting meeting = iso_meet(frame, iso_rigid_apply(pose, f->shape[vertex]),
+                                            iso_mat3_apply(&pose->rotation, f->normal[vertex]), &r);
+        f->meeting[vertex] = (uint8_t)meeting;
+        f->residual_mm[vertex] = (float)r;
         iso_pose_tally_add(&tally, meeting, r);
     }
+    out->camera_from_face = *pose;
+    iso_pose_tally_finish(&tally, out);
+}
+
+/* Root mean square of coefficients, which are copied. */
+static double copy_coefficients(const double *from, uint32_t n, float *to)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        to[k] = (float)from[k];
+        sum += from[k] * from[k];
+    }
+    return n > 0 ? sqrt(sum / n) : 0.0;
+}
+
+/* Row of how one coordinate of a point of the head in the camera frame moves with the unknowns. */
+static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
+                           struct iso_head_point point, int axis, int n, double j[UNKNOWNS_MAX])
+{
+    const uint32_t *corner = f->model->triangles[point.triangle];
+    struct iso_vec3 along = {axis == 0, axis == 1, axis == 2};
+    struct iso_vec3 arm = iso_mat3_apply(&pose->rotation,
+                                         iso_head_point_on(f->model, f->fitted, point));
+    struct iso_vec3 turn = iso_cross(arm, along);
+    const double rigid[POSE] = {turn.x, turn.y, turn.z, along.x, along.y, along.z};
+    memcpy(j, rigid, sizeof rigid);
+    for (int k = POSE; k < n; k++) {
+        const float *mode = mode_of(f->model, (uint32_t)(k - POSE));
+        struct iso_vec3 moved = {0, 0, 0};
+        for (int c = 0; c < 3; c++) {
+            const float *m = &mode[3 * (size_t)corner[c]];
+            double w = (double)point.weight[c];
+            moved.x += w * (double)m[0];
+            moved.y += w * (double)m[1];
+            moved.z += w * (double)m[2];
+        }
+        j[k] = iso_dot(along, iso_mat3_apply(&pose->rotation, moved));
+    }
+}
+
+/* Covariance of a point at the minimum: J H^-1 J' s^2, with H = L L' left by the last step, and s
+ * the residual. (Gauss-Newton's; e.g. Triggs et al. 2000, sec. 9.) */
+static double point_sigma_mm(const struct iso_shape_fitter *f, const struct iso_shape_fit *fit,
+                             struct iso_head_point point, int n)
+{
+    double trace = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        double j[UNKNOWNS_MAX];
+        point_jacobian(f, &fit->pose.camera_from_face, point, axis, n, j);
+        for (int a = 0; a < n; a++) { /* L y = j; j' H^-1 j = y' y */
+            double sum = j[a];
+            for (int b = 0; b < a; b++) {
+                sum -= f->h[a * n + b] * j[b];
+            }
+            j[a] = sum / f->h[a * n + a];
+            trace += j[a] * j[a];
+        }
+    }
+    return sqrt(trace * fit->pose.cost_mm2 * correlated_vertices);
+}
+
+static void report(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                   const struct state *state, struct iso_shape_fit *out)
+{
+    const struct iso_head_model *model = f->model;
+    int n = POSE + (int)(model->n_identity + model->n_expression);
     memset(out, 0, sizeof *out);
-    out->pose.camera_from_face = state->pose;
-    iso_pose_tally_finish(&tally, &out->pose);
-    for (uint32_t k = 0; k < f->model->n_identity; k++) {
-        out->identity[k] = (float)state->coefficient[k];
+    measure(f, frame, &state->pose, &out->pose);
+    out->identity_norm = copy_coefficients(state->coefficient, model->n_identity, out->identity);
+    out->expression_norm = copy_coefficients(state->coefficient + model->n_identity,
+                                             model->n_expression, out->expression);
+    memcpy(f->fitted, f->shape, model->n_vertices * sizeof *f->fitted);
+    for (int i = 0; i < ISO_LANDMARKS_IBUG; i++) {
+        out->ibug_mm[i] = iso_head_point_on(model, f->fitted, model->landmarks[i]);
     }
-    for (uint32_t k = 0; k < f->model->n_expression; k++) {
-        out->expression[k] = (float)state->coefficient[f->model->n_identity + k];
-    }
-    make_shape(f, state->coefficient, f->model->n_identity);
+    make_shape(f, state->coefficient, model->n_identity);
     for (int l = 0; l < ISO_LANDMARKS; l++) {
-        out->landmark_mm[l] = iso_head_point_on(f->model, f->shape,
-                                                f->model->landmarks[iso_landmark_ibug[l]]);
+        struct iso_head_point point = model->landmarks[iso_landmark_ibug[l]];
+        out->neutral_mm[l] = iso_head_point_on(model, f->shape, point);
+        out->sigma_mm[l] = point_sigma_mm(f, out, point, n);
     }
+}
+
+struct iso_shape_residuals iso_shape_fitter_residuals(const struct iso_shape_fitter *fitter)
+{
+    return (struct iso_shape_residuals){fitter->model->n_vertices, fitter->fitted,
+                                        fitter->residual_mm, fitter->meeting};
 }
 
 int iso_shape_fit(struct iso_shape_fitter *f, const struct iso_frame *frame,

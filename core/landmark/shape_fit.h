@@ -8,6 +8,7 @@
 #ifndef ISO_CORE_LANDMARK_SHAPE_FIT_H
 #define ISO_CORE_LANDMARK_SHAPE_FIT_H
 
+#include "core/landmark/meeting.h"
 #include "core/landmark/pose_fit.h"
 
 struct iso_shape_fit_options {
@@ -20,10 +21,25 @@ struct iso_shape_fit_options {
 
 struct iso_shape_fit {
     struct iso_pose_fit pose;
-    float identity[ISO_HEAD_IDENTITY_MAX];
+    float identity[ISO_HEAD_IDENTITY_MAX]; /* in standard deviations of the training set */
     float expression[ISO_HEAD_EXPRESSION_MAX];
-    /* Of the fitted head with its expression taken off, face frame. */
-    struct iso_vec3 landmark_mm[ISO_LANDMARKS];
+    double identity_norm;                        /* root mean square of the coefficients */
+    double expression_norm;                      /* the strength of the expression; 0: none */
+    struct iso_vec3 ibug_mm[ISO_LANDMARKS_IBUG]; /* of the fitted head, face frame */
+    /* The twelve of the head with its expression taken off, face frame: where they would be if the
+     * face were at rest. */
+    struct iso_vec3 neutral_mm[ISO_LANDMARKS];
+    /* Standard deviation of where each of the twelve is (root of the trace of its covariance),
+     * from the curvature of the fit at its minimum and its residual. */
+    double sigma_mm[ISO_LANDMARKS];
+};
+
+/* What every vertex of the fitted head met; belongs to the fitter, valid until its next fit. */
+struct iso_shape_residuals {
+    uint32_t n;                       /* the model's vertices */
+    const struct iso_vec3 *vertex_mm; /* [n] the fitted head, face frame */
+    const float *residual_mm; /* [n] along the normal, > 0: the head is before the surface */
+    const uint8_t *meeting;   /* [n] enum iso_meeting; outside the face: turned away */
 };
 
 struct iso_shape_fitter;
@@ -39,5 +55,7 @@ void iso_shape_fitter_free(struct iso_shape_fitter *fitter);
 int iso_shape_fit(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
                   const struct iso_rigid *start, struct iso_shape_fit *out)
     __attribute__((warn_unused_result));
+
+struct iso_shape_residuals iso_shape_fitter_residuals(const struct iso_shape_fitter *fitter);
 
 #endif

@@ -16,7 +16,7 @@ struct sim_face sim_face_of(const struct iso_extractor *extractor,
     struct sim_face face = {.mesh = iso_extractor_mesh(extractor), .tmpl = &extraction->tmpl};
     struct iso_rigid face_from_camera = iso_rigid_inverse(&extraction->camera_from_face);
     for (int l = 0; l < ISO_LANDMARKS; l++) {
-        face.landmark_mm[l] = iso_rigid_apply(&face_from_camera, extraction->landmark_mm[l]);
+        face.landmark_mm[l] = iso_rigid_apply(&face_from_camera, extraction->source_mm[l]);
         face.heat[l] = iso_extractor_heat(extractor, (enum iso_landmark)l);
     }
     return face;

@@ -105,9 +105,11 @@ static void hints_say_where_to_stand(void **state)
     assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(10, 0, 1700)), ISO_CAPTURE_TOO_FAR);
     assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 0, 265)), ISO_CAPTURE_TOO_CLOSE);
     assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 0, 3000)), ISO_CAPTURE_NO_FACE);
-    /* Half out of the image at the right, and at the top. */
-    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(344, 0, 600)), ISO_CAPTURE_OFF_CENTRE);
-    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, -263, 600)), ISO_CAPTURE_OFF_CENTRE);
+    /* Half out of the image at the right, at the top, at the left and at the bottom. */
+    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(344, 0, 600)), ISO_CAPTURE_MOVE_RIGHT);
+    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, -263, 600)), ISO_CAPTURE_MOVE_DOWN);
+    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(-344, 0, 600)), ISO_CAPTURE_MOVE_LEFT);
+    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 263, 600)), ISO_CAPTURE_MOVE_UP);
 }
 
 /* Who is turned to his or her left should turn to the right, and so on. A half turn is the limit of
@@ -428,8 +430,8 @@ static void what_is_no_usable_face_says_why(void **state)
         {"none-back1", 1u << ISO_CAPTURE_NOT_A_FACE},
         {"none-back2", 1u << ISO_CAPTURE_NOT_A_FACE},
         {"none-back3", 1u << ISO_CAPTURE_NOT_A_FACE},
-        {"none-cut4", 1u << ISO_CAPTURE_OFF_CENTRE},
-        {"none-cut5", 1u << ISO_CAPTURE_OFF_CENTRE},
+        {"none-cut4", 1u << ISO_CAPTURE_MOVE_LEFT | 1u << ISO_CAPTURE_MOVE_RIGHT},
+        {"none-cut5", 1u << ISO_CAPTURE_MOVE_LEFT | 1u << ISO_CAPTURE_MOVE_RIGHT},
         {"none-photo1",
          1u << ISO_CAPTURE_NO_FACE | 1u << ISO_CAPTURE_NOT_A_FACE | 1u << ISO_CAPTURE_FLAT},
         {"none-photo2",

@@ -123,7 +123,7 @@ static void the_mean_head_comes_back_as_itself(void **state)
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         struct iso_vec3 at = iso_head_point_on(f->model, f->model->mean_mm,
                                                f->model->landmarks[iso_landmark_ibug[l]]);
-        assert_true(iso_norm(iso_sub(fit.landmark_mm[l], at)) < 0.5);
+        assert_true(iso_norm(iso_sub(fit.neutral_mm[l], at)) < 0.5);
     }
 }
 
@@ -156,7 +156,7 @@ static void landmarks_are_those_of_the_neutral_head(void **state)
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         struct iso_vec3 truth = iso_head_point_on(f->model, f->neutral,
                                                   f->model->landmarks[iso_landmark_ibug[l]]);
-        struct iso_vec3 found = iso_rigid_apply(&fit.pose.camera_from_face, fit.landmark_mm[l]);
+        struct iso_vec3 found = iso_rigid_apply(&fit.pose.camera_from_face, fit.neutral_mm[l]);
         struct iso_vec3 off = iso_sub(found, iso_rigid_apply(&f->truth, truth));
         squares += iso_dot(off, off);
         assert_true(iso_norm(off) < 2.0);
