@@ -22,12 +22,13 @@ struct iso_extract_options iso_extract_options_default(void)
         .smoothing_mm = 3.0,
         .outlier_mm = 20.0,
         .fit = {.rigid_iterations = 4,
-                .iterations = 8,
+                .iterations = 10,
+                .jaws = 3,
                 .cutoff_first_mm = 12.0,
-                .cutoff_last_mm = 4.0,
-                .soft_weight = 0.3,
-                .identity_stiffness_mm2 = 20.0,
-                .expression_stiffness_mm2 = 5.0},
+                .cutoff_last_mm = 6.0,
+                .soft_weight = 1.0,
+                .identity_stiffness_mm2 = 10.0,
+                .expression_stiffness_mm2 = 3.0},
         .distance_min_mm = 300.0,
         .distance_max_mm = 1500.0,
         .yaw_max_rad = 40.0 * M_PI / 180.0,
@@ -62,13 +63,15 @@ static bool options_sane(const struct iso_extract_options *o)
 static uint32_t algorithm_of(const struct iso_head_model *model,
                              const struct iso_extract_options *o)
 {
-    uint8_t bytes[24 * 4 + ISO_TEMPLATE_RADII_MAX * 4], *p = bytes;
+    uint8_t bytes[26 * 4 + ISO_TEMPLATE_RADII_MAX * 4], *p = bytes;
     p = iso_put_u32(p, ALGORITHM_REVISION);
     p = iso_put_u32(p, model->crc32);
     p = iso_put_u32(p, (uint32_t)o->n_radii);
     p = iso_put_u32(p, (uint32_t)o->n_points);
     p = iso_put_u32(p, (uint32_t)o->fit.rigid_iterations);
     p = iso_put_u32(p, (uint32_t)o->fit.iterations);
+    p = iso_put_u32(p, (uint32_t)o->fit.jaws);
+    p = iso_put_u32(p, (uint32_t)o->fit.vertices);
     p = iso_put_u32(p, (uint32_t)o->heat);
     const double values[] = {o->t_mm2,
                              o->crop_radius_mm,
@@ -103,6 +106,8 @@ static int new_find(struct iso_extractor *x)
     struct iso_shape_fit_options rough = x->options.fit;
     rough.rigid_iterations = 1;
     rough.iterations = 4;
+    rough.jaws = 1;
+    rough.vertices = ISO_EXTRACT_SEARCH_FIT_VERTICES;
     if (!error) {
         error = iso_shape_fitter_new(x->model, &rough, &x->search_fitter);
     }

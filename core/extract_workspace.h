@@ -21,6 +21,7 @@ enum {
     /* The widest patch and its margin at half the clean pitch, below which pixels are joined. */
     ISO_EXTRACT_CLEAN_PX_MAX = 682 * 682,
     ISO_EXTRACT_SEARCH_VERTICES = 220,
+    ISO_EXTRACT_SEARCH_FIT_VERTICES = 320,
     ISO_EXTRACT_EIGENPAIRS = 100,
 };
 

@@ -15,6 +15,7 @@ static const double ring_radius_mm = 40.0;
 static const double ring_reach_mm = 70.0; /* ring points further off in depth are not the face */
 static const double height_min_mm = 7.0;
 static const double height_max_mm = 60.0;
+static const double low_mm = 2.0;    /* four points of a ring say less than all of it */
 static const double apart_mm = 22.0; /* two candidates are at least so far apart */
 
 enum { RING = 16, RING_MIN = 9 };
@@ -147,18 +148,49 @@ static struct iso_vec3 smoothed_point(const struct iso_frame *frame, int column,
                                    row + frame->crop_y_px, n > 0 ? sum / n : z);
 }
 
+/* cos(2 pi k / RING) */
+static const double ring_cosine[RING] = {
+    1.0,  0.92387953,  0.70710678,  0.38268343,  0.0, -0.38268343, -0.70710678, -0.92387953,
+    -1.0, -0.92387953, -0.70710678, -0.38268343, 0.0, 0.38268343,  0.70710678,  0.92387953};
+
+/* Whether two opposite pairs of the ring, all of them on the surface, say that the place is not
+ * high: a quick look that spares most pixels the whole ring. */
+static bool surely_low(const struct iso_frame *frame, int column, int row, double z_mm,
+                       double radius_px)
+{
+    int reach = (int)lrint(radius_px);
+    if (column < reach || row < reach || column + reach >= frame->width_px ||
+        row + reach >= frame->height_px) {
+        return false;
+    }
+    const double ring[4] = {(double)iso_frame_depth_at(frame, column - reach, row),
+                            (double)iso_frame_depth_at(frame, column + reach, row),
+                            (double)iso_frame_depth_at(frame, column, row - reach),
+                            (double)iso_frame_depth_at(frame, column, row + reach)};
+    double sum = 0.0;
+    for (int k = 0; k < 4; k++) {
+        if (!(ring[k] > 0.0) || fabs(ring[k] - z_mm) > ring_reach_mm) {
+            return false;
+        }
+        sum += ring[k];
+    }
+    return sum / 4.0 - z_mm < low_mm;
+}
+
 /* Height of a pixel towards the camera above the least-squares plane z = a + b dx + c dy through
  * the ring about it, measured along the plane's normal; 0 if too little of the ring is there. */
 static double height_above_ring(const struct iso_frame *frame, int column, int row)
 {
     struct iso_vec3 centre = smoothed_point(frame, column, row);
     double radius_px = ring_radius_mm / iso_camera_pixel_mm(&frame->camera, centre.z);
+    if (surely_low(frame, column, row, centre.z, radius_px)) {
+        return 0.0;
+    }
     double normal[9] = {0}, right[3] = {0};
     int n = 0;
     for (int k = 0; k < RING; k++) {
-        double angle = 2.0 * M_PI * k / RING;
-        int u = (int)lrint(column + radius_px * cos(angle));
-        int v = (int)lrint(row + radius_px * sin(angle));
+        int u = (int)lrint(column + radius_px * ring_cosine[k % RING]);
+        int v = (int)lrint(row + radius_px * ring_cosine[(k + 3 * RING / 4) % RING]);
         if (u < 0 || v < 0 || u >= frame->width_px || v >= frame->height_px) {
             continue;
         }

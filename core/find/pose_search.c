@@ -4,7 +4,12 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { FINALISTS = 8, FITTED = 3 };
+/* How many poses go from one round to the next: the best of each candidate, so that near copies of
+ * one wrong pose do not crowd out the rest; then the best of all. */
+enum { OF_A_CANDIDATE = 2, FINALISTS = 12, REFINED = 6, FITTED = 3 };
+
+/* Of the vertices, in the first round. */
+enum { ROUGH_VERTICES = 110 };
 
 /* Faces turned further than this are not looked for. */
 static const double turned_max_rad = 1.05;
@@ -21,21 +26,21 @@ static const double much_worse_mm2 = 4.0;
 static const double yaws_rad[3] = {0.0, -0.55, 0.55};
 static const double pitches_rad[3] = {0.0, -0.35, 0.35};
 
-/* Poses by rising cost. */
+/* The best poses so far, by rising cost. */
 struct ranking {
-    int n;
+    int n, room; /* room <= FINALISTS */
     struct iso_pose_fit fit[FINALISTS];
 };
 
 static void rank_insert(struct ranking *ranking, const struct iso_pose_fit *fit)
 {
-    int at = ranking->n < FINALISTS ? ranking->n++ : FINALISTS;
+    int at = ranking->n < ranking->room ? ranking->n++ : ranking->room;
     for (; at > 0 && ranking->fit[at - 1].cost_mm2 > fit->cost_mm2; at--) {
-        if (at < FINALISTS) {
+        if (at < ranking->room) {
             ranking->fit[at] = ranking->fit[at - 1];
         }
     }
-    if (at < FINALISTS) {
+    if (at < ranking->room) {
         ranking->fit[at] = *fit;
     }
 }
@@ -79,21 +84,26 @@ static void try_candidate(const struct iso_pose_search *search, struct iso_vec3 
                           struct ranking *ranking)
 {
     const struct iso_pose_options rough = {
-        .iterations = 5,
+        .iterations = 3,
+        .vertices = ROUGH_VERTICES,
         .cutoff_first_mm = 35.0,
-        .cutoff_last_mm = 15.0,
+        .cutoff_last_mm = 20.0,
         .nose_sigma_mm = 8.0,
         .nose_mm = nose_mm,
     };
+    struct ranking best = {.room = OF_A_CANDIDATE};
     for (int y = 0; y < 3; y++) {
         for (int p = 0; p < 3; p++) {
             struct iso_rigid start = posed_at(nose_mm, yaws_rad[y], pitches_rad[p]);
             struct iso_pose_fit fit;
             if (iso_pose_fit(search->vertices, search->frame, &rough, &start, &fit) == 0 &&
                 weigh_up(search, &fit)) {
-                rank_insert(ranking, &fit);
+                rank_insert(&best, &fit);
             }
         }
+    }
+    for (int i = 0; i < best.n; i++) {
+        rank_insert(ranking, &best.fit[i]);
     }
 }
 
@@ -107,27 +117,27 @@ static bool much_alike(const struct iso_rigid *a, const struct iso_rigid *b)
     return apart_mm < 6.0 && trace > 1.0 + 2.0 * cos(0.15);
 }
 
-/* Refines the finalists rigidly and keeps the best few that differ. */
-static void refine_finalists(const struct iso_pose_search *search, const struct ranking *finalists,
-                             struct ranking *refined)
+/* Goes on from every pose of a ranking and keeps the best that differ. */
+static struct ranking refine(const struct iso_pose_search *search, const struct ranking *from,
+                             const struct iso_pose_options *options, int room)
 {
-    const struct iso_pose_options fine = {
-        .iterations = 10, .cutoff_first_mm = 15.0, .cutoff_last_mm = 8.0};
-    for (int i = 0; i < finalists->n; i++) {
+    struct ranking refined = {.room = room};
+    for (int i = 0; i < from->n; i++) {
         struct iso_pose_fit fit;
-        const struct iso_rigid *start = &finalists->fit[i].camera_from_face;
-        if (iso_pose_fit(search->vertices, search->frame, &fine, start, &fit) ||
+        const struct iso_rigid *start = &from->fit[i].camera_from_face;
+        if (iso_pose_fit(search->vertices, search->frame, options, start, &fit) ||
             !weigh_up(search, &fit)) {
             continue;
         }
         bool known = false;
-        for (int k = 0; k < refined->n && !known; k++) {
-            known = much_alike(&fit.camera_from_face, &refined->fit[k].camera_from_face);
+        for (int k = 0; k < refined.n && !known; k++) {
+            known = much_alike(&fit.camera_from_face, &refined.fit[k].camera_from_face);
         }
         if (!known) {
-            rank_insert(refined, &fit);
+            rank_insert(&refined, &fit);
         }
     }
+    return refined;
 }
 
 /* Fits the whole head model from the best few poses and takes the one that it fits best: a rigid
@@ -135,10 +145,14 @@ static void refine_finalists(const struct iso_pose_search *search, const struct 
 static bool best_of(const struct iso_pose_search *search, const struct ranking *finalists,
                     struct iso_pose_fit *best)
 {
-    struct ranking refined = {0};
-    refine_finalists(search, finalists, &refined);
+    const struct iso_pose_options middle = {
+        .iterations = 5, .cutoff_first_mm = 20.0, .cutoff_last_mm = 12.0};
+    const struct iso_pose_options fine = {
+        .iterations = 6, .cutoff_first_mm = 12.0, .cutoff_last_mm = 8.0};
+    struct ranking settled = refine(search, finalists, &middle, REFINED);
+    struct ranking refined = refine(search, &settled, &fine, FITTED);
     bool found = false;
-    for (int i = 0; i < refined.n && i < FITTED; i++) {
+    for (int i = 0; i < refined.n; i++) {
         struct iso_shape_fit fit;
         if (iso_shape_fit(search->fitter, search->frame, &refined.fit[i].camera_from_face, &fit) ||
             !weigh_up(search, &fit.pose)) {
@@ -176,7 +190,7 @@ int iso_pose_search(const struct iso_pose_search *search, const struct iso_candi
     struct iso_pose_fit fits[ISO_CANDIDATE_PARTS_MAX];
     int n = 0;
     for (int i = 0; i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX;) {
-        struct ranking finalists = {0};
+        struct ranking finalists = {.room = FINALISTS};
         int part = candidates[i].part;
         for (; i < n_candidates && candidates[i].part == part; i++) {
             try_candidate(search, candidates[i].point_mm, &finalists);

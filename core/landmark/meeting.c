@@ -45,7 +45,9 @@ enum iso_meeting iso_meet(const struct iso_frame *frame, struct iso_vec3 point,
     if (!(z > 0.0)) {
         return ISO_MEETING_UNMEASURED;
     }
-    struct iso_vec3 measured = iso_camera_back_project(&frame->camera, u, v, z);
-    *distance_mm = iso_dot(normal, iso_sub(point, measured));
+    /* What is measured lies on the point's own line of sight. */
+    *distance_mm = frame->camera.projection == ISO_PINHOLE
+                       ? iso_dot(normal, point) * (1.0 - z / point.z)
+                       : normal.z * (point.z - z);
     return ISO_MEETING_MEASURED;
 }

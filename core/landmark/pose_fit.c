@@ -9,12 +9,12 @@
 enum { DOF = 6, VERTICES_MIN = 30 };
 
 /* Normal equations of one Gauss-Newton step; returns how many vertices met a measurement. */
-static int accumulate(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
-                      const struct iso_rigid *pose, double cutoff_mm, double h[DOF * DOF],
-                      double g[DOF])
+static int accumulate(const struct iso_pose_vertices *vertices, int n,
+                      const struct iso_frame *frame, const struct iso_rigid *pose, double cutoff_mm,
+                      double h[DOF * DOF], double g[DOF])
 {
     int met = 0;
-    for (int i = 0; i < vertices->n; i++) {
+    for (int i = 0; i < n; i++) {
         struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, vertices->point_mm[i]);
         struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, vertices->normal[i]);
         double r;
@@ -24,6 +24,9 @@ static int accumulate(const struct iso_pose_vertices *vertices, const struct iso
         }
         met++;
         double w = vertices->weight[i] * iso_tukey(r, cutoff_mm);
+        if (!(w > 0.0)) {
+            continue;
+        }
         struct iso_vec3 turn = iso_cross(arm, normal);
         const double j[DOF] = {turn.x, turn.y, turn.z, normal.x, normal.y, normal.z};
         for (int a = 0; a < DOF; a++) {
@@ -51,11 +54,11 @@ static void add_prior(const struct iso_pose_options *options, const struct iso_r
     }
 }
 
-static void measure(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
+static void measure(const struct iso_pose_vertices *vertices, int n, const struct iso_frame *frame,
                     struct iso_pose_fit *fit)
 {
     struct iso_pose_tally tally = {0};
-    for (int i = 0; i < vertices->n; i++) {
+    for (int i = 0; i < n; i++) {
         struct iso_vec3 point = iso_rigid_apply(&fit->camera_from_face, vertices->point_mm[i]);
         struct iso_vec3 normal = iso_mat3_apply(&fit->camera_from_face.rotation,
                                                 vertices->normal[i]);
@@ -71,6 +74,8 @@ int iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_fram
                  struct iso_pose_fit *out)
 {
     struct iso_pose_fit fit = {.camera_from_face = *start};
+    int n = options->vertices > 0 && options->vertices < vertices->n ? options->vertices
+                                                                     : vertices->n;
     double fall = options->iterations > 1 ? pow(options->cutoff_last_mm / options->cutoff_first_mm,
                                                 1.0 / (options->iterations - 1))
                                           : 1.0;
@@ -78,7 +83,7 @@ int iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_fram
     for (int step = 0; step < options->iterations; step++, cutoff *= fall) {
         double h[DOF * DOF] = {0}, g[DOF] = {0};
         struct iso_rigid *pose = &fit.camera_from_face;
-        if (accumulate(vertices, frame, pose, cutoff, h, g) < VERTICES_MIN) {
+        if (accumulate(vertices, n, frame, pose, cutoff, h, g) < VERTICES_MIN) {
             return -ENODATA;
         }
         if (options->nose_sigma_mm > 0.0) {
@@ -92,7 +97,7 @@ int iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_fram
         pose->rotation = iso_mat3_mul(&turn, &pose->rotation);
         pose->translation_mm = iso_add(pose->translation_mm, iso_vec3(g[3], g[4], g[5]));
     }
-    measure(vertices, frame, &fit);
+    measure(vertices, n, frame, &fit);
     *out = fit;
     return 0;
 }

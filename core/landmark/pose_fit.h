@@ -10,7 +10,8 @@
 #include "core/frame/frame.h"
 #include "core/landmark/head_model.h"
 
-/* The vertices of the mean face that are compared: a well spread choice, or all of them. */
+/* The vertices of the mean face that are compared: a well spread choice, or all of them; every
+ * first few are well spread too. */
 struct iso_pose_vertices {
     int n;
     struct iso_vec3 *point_mm; /* [n], face frame */
@@ -26,6 +27,7 @@ void iso_pose_vertices_free(struct iso_pose_vertices *vertices);
 
 struct iso_pose_options {
     int iterations;                         /* 1..64 */
+    int vertices;                           /* compared at most; 0: all */
     double cutoff_first_mm, cutoff_last_mm; /* Tukey's cut-off, geometric between */
     double nose_sigma_mm;                   /* prior on the nose tip; 0: none */
     struct iso_vec3 nose_mm;                /* camera frame, where the prior wants it */

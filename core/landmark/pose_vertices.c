@@ -1,25 +1,10 @@
 #include "core/landmark/pose_fit.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "core/landmark/normals.h"
-
-/* Farthest-point sampling (Gonzalez 1985): distance[i] is to the nearest point chosen so far, and
- * negative for vertices that may not be chosen. Returns the next one. */
-static uint32_t choose_farthest(const struct iso_head_model *model, double *distance)
-{
-    uint32_t best = 0;
-    for (uint32_t i = 1; i < model->n_vertices; i++) {
-        best = distance[i] > distance[best] ? i : best;
-    }
-    for (uint32_t i = 0; i < model->n_vertices; i++) {
-        double d = iso_norm(iso_sub(model->mean_mm[i], model->mean_mm[best]));
-        distance[i] = fmin(distance[i], d);
-    }
-    return best;
-}
+#include "core/landmark/spread.h"
 
 static struct iso_pose_vertices *vertices_alloc(size_t n)
 {
@@ -49,24 +34,22 @@ int iso_pose_vertices_new(const struct iso_head_model *model, int count, double 
     int n = count == 0 || count > available ? available : count;
     struct iso_pose_vertices *v = vertices_alloc((size_t)n);
     struct iso_vec3 *normal = calloc(model->n_vertices, sizeof *normal);
-    double *distance = calloc(model->n_vertices, sizeof *distance);
-    if (!v || !normal || !distance) {
-        free(distance);
+    uint32_t *order = calloc(model->n_vertices, sizeof *order);
+    int error = v && normal && order ? iso_head_spread(model, n, order, &n) : -ENOMEM;
+    if (error) {
+        free(order);
         free(normal);
         iso_pose_vertices_free(v);
-        return -ENOMEM;
+        return error;
     }
     iso_head_normals(model, model->mean_mm, normal);
-    for (uint32_t i = 0; i < model->n_vertices; i++) {
-        distance[i] = model->region[i] & ISO_HEAD_FACE ? INFINITY : -1.0;
-    }
     for (v->n = 0; v->n < n; v->n++) {
-        uint32_t i = choose_farthest(model, distance);
+        uint32_t i = order[v->n];
         v->point_mm[v->n] = model->mean_mm[i];
         v->normal[v->n] = normal[i];
         v->weight[v->n] = model->region[i] & ISO_HEAD_RIGID ? 1.0 : soft_weight;
     }
-    free(distance);
+    free(order);
     free(normal);
     *out = v;
     return 0;

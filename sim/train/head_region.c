@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/landmark/head_model.h"
+#include "sim/train/head_exposure.h"
 
 /* In the face frame: from the forehead below the hair line to just under the chin. */
 static const double face_top_mm = 70.0, face_depth_mm = 85.0, under_chin_mm = 5.0;
@@ -23,9 +24,10 @@ bool sim_head_in_face(const struct sim_head_surface *surface, uint32_t vertex)
            p.y <= face_top_mm && p.y >= chin - under_chin_mm && p.z >= -face_depth_mm;
 }
 
-void sim_head_importance(const struct sim_head_surface *surface, double *importance)
+void sim_head_importance(const struct sim_head_surface *surface, const double *exposure,
+                         double *importance)
 {
-    const double reach_mm = 12.0, at_feature = 8.0, outside = 0.3;
+    const double reach_mm = 12.0, at_feature = 8.0, outside = 0.3, hidden = 0.02;
     for (uint32_t i = 0; i < surface->n_vertices; i++) {
         double nearest_mm = INFINITY;
         for (int k = BROWS_IBUG; k < ISO_LANDMARKS_IBUG; k++) {
@@ -34,6 +36,7 @@ void sim_head_importance(const struct sim_head_surface *surface, double *importa
         }
         double s = nearest_mm / reach_mm;
         importance[i] = (sim_head_in_face(surface, i) ? 1.0 : outside) + at_feature * exp(-s * s);
+        importance[i] *= !sim_head_is_exposed(exposure[i]) ? hidden : 1.0;
     }
 }
 
@@ -68,13 +71,13 @@ static bool on_lids(const struct sim_head_surface *surface, uint32_t vertex)
     return false;
 }
 
-void sim_head_regions(const struct sim_head_surface *surface, const double *expression_rms_mm,
-                      uint8_t *region)
+void sim_head_regions(const struct sim_head_surface *surface, const double *exposure,
+                      const double *expression_rms_mm, uint8_t *region)
 {
     double upper_lip = surface->mean_mm[surface->landmarks[SUBNASALE_IBUG]].y;
     for (uint32_t i = 0; i < surface->n_vertices; i++) {
         region[i] = 0;
-        if (!sim_head_in_face(surface, i)) {
+        if (!sim_head_in_face(surface, i) || !sim_head_is_exposed(exposure[i])) {
             continue;
         }
         region[i] = ISO_HEAD_FACE;

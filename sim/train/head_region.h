@@ -11,17 +11,18 @@
 bool sim_head_in_face(const struct sim_head_surface *surface, uint32_t vertex);
 
 /* How much an error of the surface counts at each vertex when it is decimated: much about eyes,
- * nose and mouth, little outside of the face. */
-void sim_head_importance(const struct sim_head_surface *surface, double *importance);
+ * nose and mouth, little outside of the face and where it is not exposed (head_exposure.h). */
+void sim_head_importance(const struct sim_head_surface *surface, const double *exposure,
+                         double *importance);
 
 /* The area that each vertex stands for (a third of its triangles'), mm^2, where `region` has the
  * bit `wanted`, else 0. */
 void sim_head_vertex_areas(const struct sim_head_surface *surface, const uint8_t *region,
                            uint8_t wanted, double *area_mm2);
 
-/* Bits of enum iso_head_region for each vertex, given how far expressions move it along the
- * surface's normal, rms over the training set. */
-void sim_head_regions(const struct sim_head_surface *surface, const double *expression_rms_mm,
-                      uint8_t *region);
+/* Bits of enum iso_head_region for each vertex, given its exposure (head_exposure.h) and how far
+ * expressions move it along the surface's normal, rms over the training set. */
+void sim_head_regions(const struct sim_head_surface *surface, const double *exposure,
+                      const double *expression_rms_mm, uint8_t *region);
 
 #endif

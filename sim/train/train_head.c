@@ -7,6 +7,7 @@
 #include "sim/face/expression.h"
 #include "sim/face/person.h"
 #include "sim/train/decimate.h"
+#include "sim/train/head_exposure.h"
 #include "sim/train/head_region.h"
 #include "sim/train/head_surface.h"
 #include "sim/train/principal.h"
@@ -22,7 +23,7 @@ struct training {
     struct sim_head_surface *fine, *coarse;
     float *identity_mm, *expression_mm; /* fields [n_identity or n_expression][n_vertices][3] */
     double *moment;                     /* [ict->n_expression]^2, of the expression weights */
-    double *expression_rms_mm, *face_area_mm2, *rigid_area_mm2;
+    double *exposure, *expression_rms_mm, *face_area_mm2, *rigid_area_mm2;
     uint8_t *region;
     double identity_variance[SIM_FIELDS_MAX], expression_variance[SIM_FIELDS_MAX];
     struct iso_head_model *model;
@@ -34,7 +35,8 @@ struct sim_train_head_options sim_train_head_options_default(void)
         .seed = 1, .n_vertices = 1180, .n_identity = 40, .n_expression = 12};
 }
 
-static int decimate(struct training *t)
+/* `exposure` is that of the fine surface, which the coarse one still is. */
+static int decimate(struct training *t, const double *exposure)
 {
     struct sim_head_surface *s = t->coarse;
     uint8_t *keep = calloc(s->n_vertices, sizeof *keep);
@@ -44,13 +46,21 @@ static int decimate(struct training *t)
         for (int i = 0; i < ISO_LANDMARKS_IBUG; i++) {
             keep[s->landmarks[i]] = 1;
         }
-        sim_head_importance(s, importance);
+        sim_head_importance(s, exposure, importance);
         struct sim_decimate_options options = {t->options->n_vertices, keep, importance};
         error = sim_decimate(s->mean_mm, s->n_vertices, &options, s->triangles, &s->n_triangles);
     }
     free(importance);
     free(keep);
     return error ? error : sim_head_surface_compact(s);
+}
+
+static void report_decimation(struct training *t, const struct sim_distances *distances)
+{
+    t->report.n_fine_vertices = t->fine->n_vertices;
+    t->report.decimation_mean_mm = distances->mean_mm;
+    t->report.decimation_p95_mm = distances->p95_mm;
+    t->report.decimation_max_mm = distances->max_mm;
 }
 
 static int make_surfaces(struct training *t, struct iso_fault *fault)
@@ -60,19 +70,17 @@ static int make_surfaces(struct training *t, struct iso_fault *fault)
     if (error) {
         return error;
     }
-    error = decimate(t);
+    double *exposure = calloc(t->fine->n_vertices, sizeof *exposure);
+    error = exposure ? sim_head_exposure(t->fine, exposure) : -ENOMEM;
+    error = error ? error : decimate(t, exposure);
+    struct sim_distances distances;
+    error = error ? error : sim_surface_distances(t->fine, exposure, t->coarse, &distances);
+    free(exposure);
     if (error) {
         return iso_fault_set(fault, error, "head model: cannot be decimated");
     }
-    struct sim_distances distances;
-    error = sim_surface_distances(t->fine, t->coarse, &distances);
-    if (!error) {
-        t->report.n_fine_vertices = t->fine->n_vertices;
-        t->report.decimation_mean_mm = distances.mean_mm;
-        t->report.decimation_p95_mm = distances.p95_mm;
-        t->report.decimation_max_mm = distances.max_mm;
-    }
-    return error;
+    report_decimation(t, &distances);
+    return 0;
 }
 
 static int allocate(struct training *t)
@@ -81,11 +89,12 @@ static int allocate(struct training *t)
     t->identity_mm = calloc(t->ict->n_identity * n * 3, sizeof *t->identity_mm);
     t->expression_mm = calloc(n_shapes * n * 3, sizeof *t->expression_mm);
     t->moment = calloc(n_shapes * n_shapes, sizeof *t->moment);
+    t->exposure = calloc(n, sizeof *t->exposure);
     t->expression_rms_mm = calloc(n, sizeof *t->expression_rms_mm);
     t->face_area_mm2 = calloc(n, sizeof *t->face_area_mm2);
     t->rigid_area_mm2 = calloc(n, sizeof *t->rigid_area_mm2);
     t->region = calloc(n, sizeof *t->region);
-    return t->identity_mm && t->expression_mm && t->moment && t->expression_rms_mm &&
+    return t->identity_mm && t->expression_mm && t->moment && t->exposure && t->expression_rms_mm &&
                    t->face_area_mm2 && t->rigid_area_mm2 && t->region
                ? 0
                : -ENOMEM;
@@ -153,16 +162,21 @@ static void measure_expressions(struct training *t)
     }
 }
 
-static void mark_regions(struct training *t)
+static int mark_regions(struct training *t)
 {
+    int error = sim_head_exposure(t->coarse, t->exposure);
+    if (error) {
+        return error;
+    }
     measure_expressions(t);
-    sim_head_regions(t->coarse, t->expression_rms_mm, t->region);
+    sim_head_regions(t->coarse, t->exposure, t->expression_rms_mm, t->region);
     sim_head_vertex_areas(t->coarse, t->region, ISO_HEAD_FACE, t->face_area_mm2);
     sim_head_vertex_areas(t->coarse, t->region, ISO_HEAD_RIGID, t->rigid_area_mm2);
     for (uint32_t v = 0; v < t->coarse->n_vertices; v++) {
         t->report.n_face += (t->region[v] & ISO_HEAD_FACE) != 0;
         t->report.n_rigid += (t->region[v] & ISO_HEAD_RIGID) != 0;
     }
+    return 0;
 }
 
 static double sum_of(const double *values, uint32_t n)
@@ -265,8 +279,8 @@ static int run(struct training *t, struct iso_fault *fault)
     carry_fields(t, t->ict->identity_mm, t->ict->n_identity, t->identity_mm);
     carry_fields(t, t->ict->expression_mm, t->ict->n_expression, t->expression_mm);
     draw_expressions(t);
-    mark_regions(t);
-    error = find_modes(t);
+    error = mark_regions(t);
+    error = error ? error : find_modes(t);
     error = error ? error : measure_modes(t);
     if (error) {
         return iso_fault_set(fault, error, "head model: modes cannot be computed");
@@ -301,6 +315,7 @@ int sim_train_head(const struct sim_ict *ict, const struct sim_train_head_option
     free(t->identity_mm);
     free(t->expression_mm);
     free(t->moment);
+    free(t->exposure);
     free(t->expression_rms_mm);
     free(t->face_area_mm2);
     free(t->rigid_area_mm2);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "sim/face/person.h"
+#include "sim/train/head_exposure.h"
 #include "sim/train/head_region.h"
 
 static double clamp01(double t)
@@ -60,7 +61,7 @@ static int compare_double(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-int sim_surface_distances(const struct sim_head_surface *fine,
+int sim_surface_distances(const struct sim_head_surface *fine, const double *exposure,
                           const struct sim_head_surface *coarse, struct sim_distances *out)
 {
     double *distance_mm = calloc(fine->n_vertices, sizeof *distance_mm), sum = 0.0;
@@ -69,7 +70,7 @@ int sim_surface_distances(const struct sim_head_surface *fine,
     }
     uint32_t n = 0;
     for (uint32_t i = 0; i < fine->n_vertices; i++) {
-        if (sim_head_in_face(fine, i)) {
+        if (sim_head_in_face(fine, i) && sim_head_is_exposed(exposure[i])) {
             distance_mm[n] = surface_distance(coarse, fine->mean_mm[i]);
             sum += distance_mm[n++];
         }

@@ -8,8 +8,9 @@ struct sim_distances {
     double mean_mm, p95_mm, max_mm;
 };
 
-/* Distances of the fine surface's vertices in the face to the coarse surface. -ENOMEM. */
-int sim_surface_distances(const struct sim_head_surface *fine,
+/* Distances of the fine surface's vertices in the face, where they are exposed (head_exposure.h),
+ * to the coarse surface. -ENOMEM. */
+int sim_surface_distances(const struct sim_head_surface *fine, const double *exposure,
                           const struct sim_head_surface *coarse, struct sim_distances *out)
     __attribute__((warn_unused_result));
 

@@ -18,6 +18,7 @@ enum { COARSE_PX_MAX = 640 * 480, SHRINK = 3 };
 static const struct iso_candidate_options range = {.near_mm = 200.0, .far_mm = 2000.0};
 static const struct iso_shape_fit_options rough_fit = {
     .rigid_iterations = 1,
+    .jaws = 1,
     .iterations = 4,
     .cutoff_first_mm = 12.0,
     .cutoff_last_mm = 4.0,
