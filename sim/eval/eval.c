@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/data_file.h"
+#include "sim/eval/extract_options.h"
 
 static int load(struct sim_eval *eval, struct iso_fault *fault)
 {
@@ -82,10 +83,9 @@ static int measure_landmarks(struct sim_eval *eval, struct iso_fault *fault)
 int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
                  struct iso_fault *fault)
 {
-    if (options->threads < 1 ||
-        (options->extract.heat == ISO_HEAT_SPECTRAL && options->threads > 1)) {
-        return iso_fault_set(fault, -EINVAL, "%d threads: must be %s", options->threads,
-                             options->threads < 1 ? "at least 1" : "1 with spectral heat");
+    int error = sim_threads_check(options->threads, options->extract.heat, fault);
+    if (error) {
+        return error;
     }
     struct sim_eval *eval = calloc(1, sizeof *eval);
     if (!eval) {
@@ -93,7 +93,7 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
     }
     eval->options = *options;
     int64_t begin_ns = sim_wall_ns(NULL);
-    int error = load(eval, fault);
+    error = load(eval, fault);
     if (!error) {
         error = acquire(eval, fault);
     }

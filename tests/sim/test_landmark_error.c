@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "sim/eval/landmark_error.h"
+#include "tests/support/near.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 
@@ -33,10 +34,10 @@ static void expect_spread(const struct sim_spread *s, size_t n, double mean, dou
                           double p95, double max)
 {
     assert_int_equal(s->n, n);
-    assert_float_equal(s->mean, mean, 1e-12);
-    assert_float_equal(s->median, median, 1e-12);
-    assert_float_equal(s->p95, p95, 1e-12);
-    assert_float_equal(s->max, max, 1e-12);
+    assert_near(s->mean, mean, 1e-12);
+    assert_near(s->median, median, 1e-12);
+    assert_near(s->p95, p95, 1e-12);
+    assert_near(s->max, max, 1e-12);
 }
 
 static void test_spread(void **state)
@@ -72,7 +73,7 @@ static void test_figures(void **state)
     expect_spread(&nose->error_mm, 4, 13.0 / 4.0, 3.0, 5.0, 5.0);
     expect_spread(&nose->centred_error_mm, 4, (2.0 + sqrt(17) + sqrt(26)) / 4.0, 2.0, sqrt(26),
                   sqrt(26));
-    assert_float_equal(nose->offset_mm.x, 1.0, 0.0);
+    assert_near(nose->offset_mm.x, 1.0, 0.0);
     /* Ann's mean is that of (2, 0, 0) and (0, 4, 0); Bob has one session. */
     expect_spread(&nose->repeat_mm, 3, (2.0 + sqrt(8) + sqrt(5)) / 3.0, sqrt(5), sqrt(8), sqrt(8));
     /* Ann's two frames of one row make no pair. */
@@ -96,11 +97,11 @@ static void test_offset_is_the_median(void **state)
     };
     struct iso_vec3 offset_mm[ISO_LANDMARKS];
     assert_int_equal(sim_landmark_offsets(d, 4, offset_mm), 0);
-    assert_float_equal(offset_mm[ISO_LM_ALA_R].x, 2.0, 0.0);
-    assert_float_equal(offset_mm[ISO_LM_ALA_R].y, -2.0, 0.0);
-    assert_float_equal(offset_mm[ISO_LM_ALA_R].z, 7.0, 0.0);
-    assert_float_equal(offset_mm[ISO_LM_ALA_L].x, 4.0, 0.0);
-    assert_float_equal(offset_mm[ISO_LM_NASION].x, 0.0, 0.0);
+    assert_near(offset_mm[ISO_LM_ALA_R].x, 2.0, 0.0);
+    assert_near(offset_mm[ISO_LM_ALA_R].y, -2.0, 0.0);
+    assert_near(offset_mm[ISO_LM_ALA_R].z, 7.0, 0.0);
+    assert_near(offset_mm[ISO_LM_ALA_L].x, 4.0, 0.0);
+    assert_near(offset_mm[ISO_LM_NASION].x, 0.0, 0.0);
 }
 
 /* Errors are seen from the face: x to the subject's left. */
@@ -117,9 +118,9 @@ static void test_deviation_is_in_the_face_frame(void **state)
     assert_int_equal(d.row, 2);
     assert_true(d.known[ISO_LM_SUBNASALE]);
     assert_false(d.known[ISO_LM_NASION]);
-    assert_float_equal(d.error_mm[ISO_LM_SUBNASALE].x, 1.0, 0.0);
-    assert_float_equal(d.error_mm[ISO_LM_SUBNASALE].y, -2.0, 0.0);
-    assert_float_equal(d.error_mm[ISO_LM_SUBNASALE].z, -3.0, 0.0);
+    assert_near(d.error_mm[ISO_LM_SUBNASALE].x, 1.0, 0.0);
+    assert_near(d.error_mm[ISO_LM_SUBNASALE].y, -2.0, 0.0);
+    assert_near(d.error_mm[ISO_LM_SUBNASALE].z, -3.0, 0.0);
 }
 
 static void test_truth(void **state)
@@ -141,7 +142,7 @@ static void test_truth(void **state)
             assert_int_equal(truth[i].known[l], i == 2 && l == ISO_LM_NOSE_TIP);
         }
     }
-    assert_float_equal(truth[2].point_mm[ISO_LM_NOSE_TIP].y, 2.0, 0.0);
+    assert_near(truth[2].point_mm[ISO_LM_NOSE_TIP].y, 2.0, 0.0);
     free(truth);
 
     truth = NULL;
