@@ -7,11 +7,12 @@
 #include "sim/commands.h"
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
-#include "sim/landmarks/study.h"
+#include "sim/landmarks/study_pictures.h"
 
 struct arguments {
     struct sim_study_options study;
     const char *out;
+    size_t pictures;
 };
 
 #define FIELD(name) offsetof(struct arguments, name)
@@ -19,6 +20,8 @@ struct arguments {
 static const struct sim_option own_options[] = {
     {"corpus", "DIR", "recordings and manifest.csv", sim_option_text, FIELD(study.corpus)},
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text, FIELD(out)},
+    {"pictures", "N", "draw the N worst frames and the first of every kind of result (0: none)",
+     sim_option_count, FIELD(pictures)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads,
      FIELD(study.threads)},
     {"model", "FILE", "head model", sim_option_text, FIELD(study.model)},
@@ -38,6 +41,9 @@ static int run(const struct arguments *arguments, struct iso_fault *fault)
     error = sim_study_csv(study, arguments->out, fault);
     if (!error) {
         error = sim_study_json(study, arguments->out, fault);
+    }
+    if (!error && arguments->pictures > 0) {
+        error = sim_study_pictures(study, arguments->out, arguments->pictures, fault);
     }
     sim_study_free(study);
     return error;

@@ -21,31 +21,44 @@ static int landmark_of(const char *name)
     return l;
 }
 
+int sim_truth_of_recording(const struct iso_recording *recording, struct sim_truth **out,
+                           struct iso_fault *fault)
+{
+    struct iso_recording_landmark *rows = NULL;
+    size_t n_rows = 0;
+    struct sim_truth *frames = calloc(iso_recording_frames(recording), sizeof *frames);
+    if (!frames) {
+        return iso_fault_set(fault, -ENOMEM, "landmarks: out of memory");
+    }
+    int error = iso_recording_landmarks(recording, &rows, &n_rows, fault);
+    if (error && error != -ENOENT) {
+        free(frames);
+        return error;
+    }
+    for (size_t i = 0; i < n_rows; i++) {
+        int l = landmark_of(rows[i].name);
+        if (l < ISO_LANDMARKS) {
+            frames[rows[i].frame].known[l] = true;
+            frames[rows[i].frame].point_mm[l] = rows[i].point_mm;
+        }
+    }
+    free(rows);
+    *out = frames;
+    return 0;
+}
+
 static int read_recording(const char *directory, const char *name, struct known *known,
                           struct iso_fault *fault)
 {
     struct iso_recording *recording = NULL;
-    struct iso_recording_landmark *rows = NULL;
-    size_t n_rows = 0;
     free(known->frames);
     *known = (struct known){.recording = name};
     int error = sim_recording_open(directory, name, &recording, fault);
-    if (error) {
-        return error;
+    if (!error) {
+        error = sim_truth_of_recording(recording, &known->frames, fault);
     }
-    known->frames = calloc(iso_recording_frames(recording), sizeof *known->frames);
-    error = known->frames ? iso_recording_landmarks(recording, &rows, &n_rows, fault)
-                          : iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
-    for (size_t i = 0; !error && i < n_rows; i++) {
-        int l = landmark_of(rows[i].name);
-        if (l < ISO_LANDMARKS) {
-            known->frames[rows[i].frame].known[l] = true;
-            known->frames[rows[i].frame].point_mm[l] = rows[i].point_mm;
-        }
-    }
-    free(rows);
     iso_recording_close(recording);
-    return error == -ENOENT ? 0 : error;
+    return error;
 }
 
 int sim_truth_read(const char *directory, const struct sim_corpus *corpus, struct sim_truth **out,
