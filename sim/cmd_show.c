@@ -80,9 +80,9 @@ static int draw_depth(const struct arguments *arguments, const struct iso_frame 
     return error ? error : sim_picture_depth(frame, path, fault);
 }
 
-/* Whatever became of the frame. */
+/* Whatever became of the frame; truth and title are still to be filled in. */
 static int draw_fit(const struct arguments *arguments, const struct iso_recording *recording,
-                    struct sim_fit_subject *subject, struct iso_fault *fault)
+                    const struct sim_fit_subject *extracted, struct iso_fault *fault)
 {
     char path[4096], title[4096];
     struct sim_truth *truth = NULL;
@@ -95,9 +95,10 @@ static int draw_fit(const struct arguments *arguments, const struct iso_recordin
     }
     (void)snprintf(title, sizeof title, "%.3900s frame %zu", arguments->recording,
                    arguments->frame);
-    subject->truth = &truth[arguments->frame];
-    subject->title = title;
-    error = sim_fit_picture(subject, path, fault);
+    struct sim_fit_subject subject = *extracted;
+    subject.truth = &truth[arguments->frame];
+    subject.title = title;
+    error = sim_fit_picture(&subject, path, fault);
     free(truth);
     return error;
 }
