@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/landmarks/presentation.h"
 #include "sim/landmarks/true_angle.h"
 
 struct measuring {
@@ -58,16 +59,21 @@ void sim_measure_frame_errors(const struct iso_vec3 offset_mm[ISO_LANDMARKS],
     frame->centred_mean_mm = centred_sum / (double)frame->n_known;
 }
 
-static int find_offsets(struct sim_measurement *m)
+int sim_measure_offsets(const struct sim_corpus *corpus, const struct sim_measured_frame *frames,
+                        size_t n_frames, struct iso_vec3 offset_mm[ISO_LANDMARKS])
 {
-    struct sim_deviation *deviations = calloc(m->n_frames, sizeof *deviations);
+    struct sim_deviation *deviations = calloc(n_frames + 1, sizeof *deviations);
     size_t n = 0;
-    for (size_t i = 0; deviations && i < m->n_frames; i++) {
-        if (m->frames[i].n_known > 0) {
-            deviations[n++] = m->frames[i].deviation;
+    if (!deviations) {
+        return -ENOMEM;
+    }
+    for (size_t i = 0; i < n_frames; i++) {
+        if (frames[i].n_known > 0 &&
+            sim_row_kind_of(&corpus->rows[frames[i].row]) == SIM_ROW_BONA_FIDE) {
+            deviations[n++] = frames[i].deviation;
         }
     }
-    int error = deviations ? sim_landmark_offsets(deviations, n, m->offset_mm) : -ENOMEM;
+    int error = sim_landmark_offsets(deviations, n, offset_mm);
     free(deviations);
     return error;
 }
@@ -103,7 +109,7 @@ int sim_measure(const char *directory, const struct sim_corpus *corpus,
     if (error) {
         goto out;
     }
-    error = find_offsets(m);
+    error = sim_measure_offsets(corpus, m->frames, m->n_frames, m->offset_mm);
     if (error) {
         (void)iso_fault_set(fault, error, "%s: out of memory", directory);
         goto out;

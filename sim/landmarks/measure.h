@@ -26,9 +26,14 @@ struct sim_measured_frame {
 struct sim_measurement {
     size_t n_frames; /* sim_corpus_frames, in the order of rows, then frames */
     struct sim_measured_frame *frames;
-    struct iso_vec3 offset_mm[ISO_LANDMARKS]; /* of all fitted frames; sim_landmark_offsets */
+    struct iso_vec3 offset_mm[ISO_LANDMARKS]; /* sim_measure_offsets */
     struct sim_capture_origin origin;
 };
+
+/* sim_landmark_offsets of all fitted frames of people, whatever the gates said. -ENOMEM. */
+int sim_measure_offsets(const struct sim_corpus *corpus, const struct sim_measured_frame *frames,
+                        size_t n_frames, struct iso_vec3 offset_mm[ISO_LANDMARKS])
+    __attribute__((warn_unused_result));
 
 /* What a frame's deviation and the offsets say about its errors; for `n_known` > 0. */
 void sim_measure_frame_errors(const struct iso_vec3 offset_mm[ISO_LANDMARKS],

@@ -64,8 +64,9 @@ int sim_choose_frames(const struct sim_corpus *corpus, const struct sim_measurem
         return -ENOMEM;
     }
     for (size_t i = 0; i < n_frames; i++) {
-        if (measurement->frames[i].n_known > 0) {
-            ranked[n_ranked++] = (struct ranked){measurement->frames[i].centred_mean_mm, i};
+        const struct sim_measured_frame *f = &measurement->frames[i];
+        if (f->n_known > 0 && sim_row_kind_of(&corpus->rows[f->row]) == SIM_ROW_BONA_FIDE) {
+            ranked[n_ranked++] = (struct ranked){f->centred_mean_mm, i};
         }
     }
     qsort(ranked, n_ranked, sizeof *ranked, by_falling_error);

@@ -9,9 +9,9 @@ struct sim_chosen_frame {
     size_t rank;   /* 1: the worst, 2: the next; 0: the first of its outcome and kind */
 };
 
-/* The n_worst fitted frames with the largest mean error (less the constant offset), worst first;
- * then, in the manifest's order, the first frame of each outcome of people and of each note of
- * what is none; unreadable frames are left out. *chosen is to be freed with free(). -ENOMEM. */
+/* The n_worst fitted frames of people with the largest mean error (less the constant offset), worst
+ * first; then, in the manifest's order, the first frame of each outcome of people and of each note
+ * of what is none; unreadable frames are left out. *chosen is to be freed with free(). -ENOMEM. */
 int sim_choose_frames(const struct sim_corpus *corpus, const struct sim_measurement *measurement,
                       size_t n_worst, struct sim_chosen_frame **chosen, size_t *n_chosen)
     __attribute__((warn_unused_result));

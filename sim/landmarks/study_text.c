@@ -231,9 +231,11 @@ static void print_times(const struct sim_study *study, FILE *out)
     fputs("Processor time of a thread, ms:   frames   median      p95\n", out);
     for (int s = 0; s <= ISO_STAGES; s++) {
         struct sim_latency t = s < ISO_STAGES ? a->stage[s] : a->whole;
-        fprintf(out, "  %-28s %9zu %8.2f %8.2f\n",
-                s < ISO_STAGES ? iso_stage_name((enum iso_stage)s) : "whole frame", t.n,
-                t.median_ms, t.p95_ms);
+        if (t.n > 0) {
+            fprintf(out, "  %-28s %9zu %8.2f %8.2f\n",
+                    s < ISO_STAGES ? iso_stage_name((enum iso_stage)s) : "whole frame", t.n,
+                    t.median_ms, t.p95_ms);
+        }
     }
     fprintf(out, "Took %.1f s on %d threads.\n", (double)study->wall_ns * 1e-9,
             study->options.threads);

@@ -112,6 +112,26 @@ static void test_frame_errors(void **state)
     assert_true(sim_frame_fails(&frames[1], SIM_FAILURE_CENTRED_MAX));
 }
 
+/* The offset is that of people's frames alone, refused ones too. */
+static void test_offsets(void **state)
+{
+    (void)state;
+    make_frames();
+    frames[13].n_known = 1; /* of a mask */
+    frames[13].deviation = frames[1].deviation;
+    frames[13].deviation.row = 8;
+    struct iso_vec3 offset_mm[ISO_LANDMARKS];
+    for (int repeat = 0; repeat < 2; repeat++) {
+        assert_int_equal(sim_measure_offsets(&corpus, frames, FRAMES, offset_mm), 0);
+        /* Of x = 4, 0, 11, 0, 1; of y = 0, 0, 0, -20, 0; of z = 0, 11, 0, 0, 0. */
+        assert_near(offset_mm[ISO_LM_NOSE_TIP].x, 1.0, 0.0);
+        assert_near(offset_mm[ISO_LM_NOSE_TIP].y, 0.0, 0.0);
+        assert_near(offset_mm[ISO_LM_NOSE_TIP].z, 0.0, 0.0);
+        frames[13].deviation.error_mm[ISO_LM_NOSE_TIP] = iso_vec3(500, 500, 500);
+        frames[14] = frames[12] = frames[13];
+    }
+}
+
 static void test_failures(void **state)
 {
     (void)state;
@@ -306,6 +326,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_frame_errors),
+        cmocka_unit_test(test_offsets),
         cmocka_unit_test(test_failures),
         cmocka_unit_test(test_landmarks_before_and_after_the_gates),
         cmocka_unit_test(test_conditions),

@@ -224,7 +224,7 @@ static void test_chosen_frames(void **state)
         {.row = 1, .reason = ISO_CAPTURE_LOOK_UP, .n_known = 12, .centred_mean_mm = 4.0},
         {.row = 2, .reason = ISO_CAPTURE_NO_FACE, .centred_mean_mm = 99.0},
         {.row = 2, .reason = ISO_CAPTURE_NO_FACE},
-        {.row = 3, .reason = ISO_CAPTURE_NO_FACE},
+        {.row = 3, .reason = ISO_CAPTURE_NO_FACE, .n_known = 12, .centred_mean_mm = 99.0},
         {.row = 3, .reason = ISO_CAPTURE_FLAT},
     };
     const struct sim_measurement measurement = {
