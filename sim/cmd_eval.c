@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "sim/commands.h"
 #include "sim/data_file.h"
@@ -16,28 +15,6 @@ struct arguments {
     const char *out, *method;
 };
 
-enum { THREADS_MAX = 64 };
-
-/* One a processor, but one for a heat solver that is not reentrant. */
-static int default_threads(enum iso_heat_method heat)
-{
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    if (heat == ISO_HEAT_SPECTRAL || processors < 1) {
-        return 1;
-    }
-    return processors < THREADS_MAX ? (int)processors : THREADS_MAX;
-}
-
-static int parse_threads(const char *text, void *field)
-{
-    int threads;
-    if (sim_option_int(text, &threads) || threads < 1 || threads > THREADS_MAX) {
-        return -EINVAL;
-    }
-    *(int *)field = threads;
-    return 0;
-}
-
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option own_options[] = {
@@ -48,7 +25,8 @@ static const struct sim_option own_options[] = {
      FIELD(eval.fuse)},
     {"gallery-limit", "N", "enrol the first N people (0: all)", sim_option_count,
      FIELD(eval.gallery_limit)},
-    {"threads", "N", "1..64 (a thread for each processor)", parse_threads, FIELD(eval.threads)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads,
+     FIELD(eval.threads)},
     {"model", "FILE", "head model", sim_option_text, FIELD(eval.model)},
     {"cohort", "FILE", "templates that normalise the score", sim_option_text, FIELD(eval.cohort)},
 };
@@ -117,7 +95,7 @@ int sim_cmd_eval(int argc, char **argv)
         return complain(&fault, SIM_EXIT_USAGE);
     }
     if (arguments.eval.threads == 0) {
-        arguments.eval.threads = default_threads(arguments.eval.extract.heat);
+        arguments.eval.threads = sim_threads_default(arguments.eval.extract.heat);
     }
     int error = run(&arguments, &fault);
     if (!error) {

@@ -1,6 +1,7 @@
 /* isotherm-sim show: pictures of a frame of a recording. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -8,6 +9,7 @@
 #include "sim/commands.h"
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
+#include "sim/landmarks/fit_picture.h"
 #include "sim/picture/depth.h"
 #include "sim/picture/face.h"
 
@@ -23,7 +25,7 @@ struct arguments {
 static const struct sim_option own_options[] = {
     {"recording", "DIR", "where the frame is", sim_option_text, FIELD(recording)},
     {"frame", "N", "which one, from 0", sim_option_count, FIELD(frame)},
-    {"what", "depth|mesh|heat|isotherms|all", "what to draw", sim_option_text, FIELD(what)},
+    {"what", "depth|fit|mesh|heat|isotherms|all", "what to draw", sim_option_text, FIELD(what)},
     {"out", "FILE", "PNG file; with `all` a directory", sim_option_text, FIELD(out)},
     {"model", "FILE", "head model", sim_option_text, FIELD(model)},
     {"yaw", "DEGREES", "how far the viewer stands to the face's left", sim_option_degrees,
@@ -51,7 +53,7 @@ static bool wants(const struct arguments *arguments, const char *name)
 
 static bool knows(const char *what)
 {
-    bool known = strcmp(what, "all") == 0 || strcmp(what, "depth") == 0;
+    bool known = strcmp(what, "all") == 0 || strcmp(what, "depth") == 0 || strcmp(what, "fit") == 0;
     for (size_t i = 0; i < n_face_pictures; i++) {
         known = known || strcmp(what, face_pictures[i].name) == 0;
     }
@@ -78,9 +80,55 @@ static int draw_depth(const struct arguments *arguments, const struct iso_frame 
     return error ? error : sim_picture_depth(frame, path, fault);
 }
 
+/* Whatever became of the frame; truth and title are still to be filled in. */
+static int draw_fit(const struct arguments *arguments, const struct iso_recording *recording,
+                    const struct sim_fit_subject *extracted, struct iso_fault *fault)
+{
+    char path[4096], title[4096];
+    struct sim_truth *truth = NULL;
+    int error = path_of(arguments, "fit", path, sizeof path, fault);
+    if (!error) {
+        error = sim_truth_of_recording(recording, &truth, fault);
+    }
+    if (error) {
+        return error;
+    }
+    (void)snprintf(title, sizeof title, "%.3900s frame %zu", arguments->recording,
+                   arguments->frame);
+    struct sim_fit_subject subject = *extracted;
+    subject.truth = &truth[arguments->frame];
+    subject.title = title;
+    error = sim_fit_picture(&subject, path, fault);
+    free(truth);
+    return error;
+}
+
 /* -ENODATA if there is no usable face. */
-static int draw_face(const struct arguments *arguments, const struct iso_frame *frame,
+static int draw_face(const struct arguments *arguments, const struct sim_fit_subject *subject,
                      struct iso_fault *fault)
+{
+    int error = 0;
+    if (subject->extraction->outcome != ISO_CAPTURE_OK) {
+        return iso_fault_set(fault, -ENODATA, "frame %zu: no usable face (%s)", arguments->frame,
+                             iso_capture_name(subject->extraction->outcome));
+    }
+    struct sim_face face = sim_face_of(subject->extractor, subject->extraction);
+    for (size_t i = 0; !error && i < n_face_pictures; i++) {
+        char path[4096];
+        if (wants(arguments, face_pictures[i].name)) {
+            error = path_of(arguments, face_pictures[i].name, path, sizeof path, fault);
+            if (!error) {
+                error = face_pictures[i].draw(&face, arguments->angle, path, fault);
+            }
+        }
+    }
+    return error;
+}
+
+/* Everything that takes an extractor. */
+static int extract_and_draw(const struct arguments *arguments,
+                            const struct iso_recording *recording, const struct iso_frame *frame,
+                            struct iso_fault *fault)
 {
     struct iso_head_model *model = NULL;
     struct iso_extractor *extractor = NULL;
@@ -98,20 +146,13 @@ static int draw_face(const struct arguments *arguments, const struct iso_frame *
                             error == -EINVAL ? "an option is out of range" : strerror(-error));
         goto out;
     }
-    if (extraction.outcome != ISO_CAPTURE_OK) {
-        error = iso_fault_set(fault, -ENODATA, "frame %zu: no usable face (%s)", arguments->frame,
-                              iso_capture_name(extraction.outcome));
-        goto out;
+    struct sim_fit_subject subject = {
+        .model = model, .extractor = extractor, .extraction = &extraction, .frame = frame};
+    if (wants(arguments, "fit")) {
+        error = draw_fit(arguments, recording, &subject, fault);
     }
-    struct sim_face face = sim_face_of(extractor, &extraction);
-    for (size_t i = 0; !error && i < n_face_pictures; i++) {
-        char path[4096];
-        if (wants(arguments, face_pictures[i].name)) {
-            error = path_of(arguments, face_pictures[i].name, path, sizeof path, fault);
-            if (!error) {
-                error = face_pictures[i].draw(&face, arguments->angle, path, fault);
-            }
-        }
+    if (!error && strcmp(arguments->what, "fit") != 0) {
+        error = draw_face(arguments, &subject, fault);
     }
 out:
     iso_extractor_free(extractor);
@@ -141,7 +182,7 @@ static int run(const struct arguments *arguments, struct iso_fault *fault)
         error = draw_depth(arguments, frame, fault);
     }
     if (!error && strcmp(arguments->what, "depth") != 0) {
-        error = draw_face(arguments, frame, fault);
+        error = extract_and_draw(arguments, recording, frame, fault);
     }
 out:
     iso_frame_free(frame);
@@ -172,7 +213,8 @@ int sim_cmd_show(int argc, char **argv)
     switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim show --recording DIR --frame N --out FILE [OPTION...]\n\n"
-             "Draws a frame's depth, or the mesh, the heat and the isotherms of the face in it.\n");
+             "Draws a frame's depth, how the head model fits it, or the mesh, the heat and the\n"
+             "isotherms of the face in it.\n");
         sim_options_help(sets, n_sets, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:

@@ -15,6 +15,7 @@ enum sim_exit {
 int sim_cmd_generate(int argc, char **argv);
 int sim_cmd_train(int argc, char **argv);
 int sim_cmd_eval(int argc, char **argv);
+int sim_cmd_landmarks(int argc, char **argv);
 int sim_cmd_show(int argc, char **argv);
 int sim_cmd_replay(int argc, char **argv);
 int sim_cmd_visit(int argc, char **argv);

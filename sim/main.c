@@ -11,6 +11,8 @@ static const struct command {
     {"generate", "render a corpus of synthetic faces through a sensor model", sim_cmd_generate},
     {"train", "make the head model and the cohort that ship with the product", sim_cmd_train},
     {"eval", "measure recognition on a corpus", sim_cmd_eval},
+    {"landmarks", "measure landmarks, gates and presentation attacks on a corpus",
+     sim_cmd_landmarks},
     {"show", "draw a frame and what is made of it", sim_cmd_show},
     {"replay", "play a corpus to the appliance itself, on a virtual clock", sim_cmd_replay},
     {"visit", "play the people of a corpus at the door of a running daemon", sim_cmd_visit},

@@ -7,30 +7,13 @@
 #ifndef SIM_EVAL_ACQUIRE_H
 #define SIM_EVAL_ACQUIRE_H
 
-#include <stdbool.h>
-#include <stdint.h>
-
-#include "core/extract.h"
-#include "sim/recording/corpus.h"
-
-struct sim_capture {
-    size_t row, frame; /* of the corpus; of the recording */
-    bool readable;     /* false: a missing or damaged file, `extraction` says no face */
-    struct iso_extraction extraction; /* stage times are processor time of the worker's thread */
-    int64_t wall_ns, cpu_ns;          /* of the extractor's whole run */
-};
-
-/* Why a sample was not acquired: a value of enum iso_capture, or SIM_REASON_UNREADABLE. */
-enum { SIM_REASON_UNREADABLE = ISO_CAPTURES, SIM_REASONS };
-
-/* A word of core/capture.h, or "unreadable". */
-const char *sim_reason_name(int reason);
+#include "sim/eval/capture.h"
 
 struct sim_sample {
     size_t row;
     size_t first_capture, n_captures;
     bool acquired;
-    int reason; /* ISO_CAPTURE_OK if acquired */
+    int reason; /* as sim_capture_reason; ISO_CAPTURE_OK if acquired */
     struct iso_template tmpl;
 };
 
@@ -38,22 +21,15 @@ struct sim_acquisition {
     size_t n_captures, n_samples;
     struct sim_capture *captures; /* in order of rows, then frames */
     struct sim_sample *samples;
-    uint32_t algorithm;                   /* of the templates */
-    char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* of the first recording */
+    struct sim_capture_origin origin;
 };
 
-struct sim_acquire_options {
-    const struct iso_head_model *model;
-    struct iso_extract_options extract; /* its clock and sensor are set here */
-    size_t fuse;                        /* frames in a sample; 0: all frames of the row */
-    int threads;
-};
-
-/* `directory` is the corpus's. Unreadable frames are complained about on stderr. Errors of
- * iso_extractor_new and _run; a recording that cannot be opened at all is -EBADMSG. */
+/* `fuse`: frames in a sample; 0: all frames of the row. Errors of sim_capture_all and
+ * iso_template_fuse. */
 int sim_acquire(const char *directory, const struct sim_corpus *corpus,
-                const struct sim_acquire_options *options, struct sim_acquisition **out,
-                struct iso_fault *fault) __attribute__((warn_unused_result));
+                const struct sim_capture_options *options, size_t fuse,
+                struct sim_acquisition **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 void sim_acquisition_free(struct sim_acquisition *acquisition);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/data_file.h"
+#include "sim/eval/extract_options.h"
 
 static int load(struct sim_eval *eval, struct iso_fault *fault)
 {
@@ -20,19 +21,18 @@ static int load(struct sim_eval *eval, struct iso_fault *fault)
 
 static int acquire(struct sim_eval *eval, struct iso_fault *fault)
 {
-    const struct sim_acquire_options options = {
+    const struct sim_capture_options options = {
         .model = eval->model,
         .extract = eval->options.extract,
-        .fuse = eval->options.fuse,
         .threads = eval->options.threads,
     };
-    int error = sim_acquire(eval->options.corpus, eval->corpus, &options, &eval->acquisition,
-                            fault);
+    int error = sim_acquire(eval->options.corpus, eval->corpus, &options, eval->options.fuse,
+                            &eval->acquisition, fault);
     if (!error && eval->cohort &&
-        iso_cohort_algorithm(eval->cohort) != eval->acquisition->algorithm) {
+        iso_cohort_algorithm(eval->cohort) != eval->acquisition->origin.algorithm) {
         return iso_fault_set(fault, -EBADMSG, "%s: made by algorithm %08x, templates are of %08x",
                              eval->options.cohort, (unsigned)iso_cohort_algorithm(eval->cohort),
-                             (unsigned)eval->acquisition->algorithm);
+                             (unsigned)eval->acquisition->origin.algorithm);
     }
     return error;
 }
@@ -54,13 +54,38 @@ static int compare(struct sim_eval *eval, struct iso_fault *fault)
                  : 0;
 }
 
+static int measure_landmarks(struct sim_eval *eval, struct iso_fault *fault)
+{
+    const struct sim_acquisition *a = eval->acquisition;
+    struct sim_truth *truth = NULL;
+    int error = sim_truth_read(eval->options.corpus, eval->corpus, &truth, fault);
+    if (error) {
+        return error;
+    }
+    struct sim_deviation *deviations = calloc(a->n_captures, sizeof *deviations);
+    struct iso_vec3 offset_mm[ISO_LANDMARKS];
+    size_t n = 0;
+    for (size_t i = 0; deviations && i < a->n_captures; i++) {
+        const struct sim_capture *c = &a->captures[i];
+        if (c->extraction.outcome == ISO_CAPTURE_OK) {
+            deviations[n++] = sim_deviation_of(&c->extraction, &truth[i], c->row);
+        }
+    }
+    error = deviations ? sim_landmark_offsets(deviations, n, offset_mm) : -ENOMEM;
+    if (!error) {
+        error = sim_landmark_errors(eval->corpus, deviations, n, offset_mm, eval->landmarks);
+    }
+    free(deviations);
+    free(truth);
+    return error ? iso_fault_set(fault, error, "landmarks: %s", strerror(-error)) : 0;
+}
+
 int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
                  struct iso_fault *fault)
 {
-    if (options->threads < 1 ||
-        (options->extract.heat == ISO_HEAT_SPECTRAL && options->threads > 1)) {
-        return iso_fault_set(fault, -EINVAL, "%d threads: must be %s", options->threads,
-                             options->threads < 1 ? "at least 1" : "1 with spectral heat");
+    int error = sim_threads_check(options->threads, options->extract.heat, fault);
+    if (error) {
+        return error;
     }
     struct sim_eval *eval = calloc(1, sizeof *eval);
     if (!eval) {
@@ -68,7 +93,7 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
     }
     eval->options = *options;
     int64_t begin_ns = sim_wall_ns(NULL);
-    int error = load(eval, fault);
+    error = load(eval, fault);
     if (!error) {
         error = acquire(eval, fault);
     }
@@ -76,8 +101,7 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
         error = compare(eval, fault);
     }
     if (!error) {
-        error = sim_landmark_errors(options->corpus, eval->corpus, eval->acquisition,
-                                    eval->landmarks, fault);
+        error = measure_landmarks(eval, fault);
     }
     if (error) {
         sim_eval_free(eval);

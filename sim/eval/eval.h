@@ -27,8 +27,8 @@ struct sim_eval {
     struct sim_gallery *gallery;
     struct sim_matches *matches;
     struct sim_analysis *analysis;
-    struct sim_landmark_error landmarks[ISO_LANDMARKS];
-    int64_t wall_ns; /* the whole evaluation took */
+    struct sim_landmark_error landmarks[ISO_LANDMARKS + 1]; /* of usable frames */
+    int64_t wall_ns;                                        /* the whole evaluation took */
 };
 
 /* The strings in the options must outlive the result. -EINVAL for options out of range, -EBADMSG

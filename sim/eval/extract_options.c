@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "drivers/text.h"
 
@@ -103,4 +104,33 @@ struct sim_option_set sim_match_option_set(struct iso_match_options *options)
 {
     return (struct sim_option_set){match_options, sizeof match_options / sizeof *match_options,
                                    options};
+}
+
+int sim_option_threads(const char *text, void *field)
+{
+    int threads;
+    if (sim_option_int(text, &threads) || threads < 1 || threads > SIM_THREADS_MAX) {
+        return -EINVAL;
+    }
+    *(int *)field = threads;
+    return 0;
+}
+
+int sim_threads_default(enum iso_heat_method heat)
+{
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    if (heat == ISO_HEAT_SPECTRAL || processors < 1) {
+        return 1;
+    }
+    return processors < SIM_THREADS_MAX ? (int)processors : SIM_THREADS_MAX;
+}
+
+int sim_threads_check(int threads, enum iso_heat_method heat, struct iso_fault *fault)
+{
+    if (threads < 1 || threads > SIM_THREADS_MAX) {
+        return iso_fault_set(fault, -EINVAL, "%d threads: must be 1..%d", threads, SIM_THREADS_MAX);
+    }
+    return heat == ISO_HEAT_SPECTRAL && threads > 1
+               ? iso_fault_set(fault, -EINVAL, "%d threads: must be 1 with spectral heat", threads)
+               : 0;
 }

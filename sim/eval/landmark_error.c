@@ -1,168 +1,220 @@
 #include "sim/eval/landmark_error.h"
 
 #include <errno.h>
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/recording/recording.h"
-
-/* The true landmarks of one recording; one is kept, since rows mostly follow each other. */
-struct truth {
-    const char *recording;
-    struct iso_recording_landmark *rows;
-    size_t n_rows;
+/* A deviation and whose it is; sorted by person, then session, then as they came. */
+struct entry {
+    const char *subject, *session;
+    const struct sim_deviation *deviation;
 };
 
-/* Errors of one landmark over the captures. */
-struct errors {
-    size_t n;
-    struct iso_vec3 *error_mm; /* [n], face frame */
-    size_t *row;               /* [n], of the manifest */
+/* Lengths of one kind: those of the landmark in hand stand behind those of the landmarks before. */
+struct lengths {
+    double *mm;
+    size_t n, capacity, first;
+    bool failed; /* out of memory */
 };
 
-static int load_truth(const char *directory, const char *recording, struct truth *truth,
-                      struct iso_fault *fault)
+enum kind { ERROR, CENTRED, REPEAT, SLIP, KINDS };
+
+struct work {
+    const struct entry *entries;
+    size_t n_entries;
+    struct lengths lengths[KINDS];
+};
+
+struct sim_deviation sim_deviation_of(const struct iso_extraction *extraction,
+                                      const struct sim_truth *truth, size_t row)
 {
-    free(truth->rows);
-    *truth = (struct truth){.recording = recording};
-    char path[4096];
-    int length = snprintf(path, sizeof path, "%s/%s", directory, recording);
-    if (length < 0 || (size_t)length >= sizeof path) {
-        return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", recording);
+    struct iso_mat3 face_from_camera = iso_mat3_transpose(&extraction->camera_from_face.rotation);
+    struct sim_deviation deviation = {.row = row};
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        if (truth->known[l]) {
+            struct iso_vec3 e = iso_sub(extraction->landmark_mm[l], truth->point_mm[l]);
+            deviation.known[l] = true;
+            deviation.error_mm[l] = iso_mat3_apply(&face_from_camera, e);
+        }
     }
-    struct iso_recording *opened = NULL;
-    int error = iso_recording_open(path, &opened, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_recording_landmarks(opened, &truth->rows, &truth->n_rows, fault);
-    iso_recording_close(opened);
-    return error == -ENOENT ? 0 : error;
+    return deviation;
 }
 
-static void add_errors(const struct sim_capture *capture, const struct truth *truth,
-                       struct errors errors[ISO_LANDMARKS])
+static double coordinate(struct iso_vec3 v, int axis)
 {
-    const struct iso_extraction *x = &capture->extraction;
-    struct iso_mat3 face_from_camera = iso_mat3_transpose(&x->camera_from_face.rotation);
-    for (size_t i = 0; i < truth->n_rows; i++) {
-        for (int l = 0; truth->rows[i].frame == capture->frame && l < ISO_LANDMARKS; l++) {
-            if (strcmp(truth->rows[i].name, iso_landmark_name((enum iso_landmark)l)) == 0) {
-                struct iso_vec3 e = iso_sub(x->landmark_mm[l], truth->rows[i].point_mm);
-                errors[l].row[errors[l].n] = capture->row;
-                errors[l].error_mm[errors[l].n++] = iso_mat3_apply(&face_from_camera, e);
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+int sim_landmark_offsets(const struct sim_deviation *deviations, size_t n,
+                         struct iso_vec3 offset_mm[ISO_LANDMARKS])
+{
+    double *values = calloc(n + 1, sizeof *values);
+    if (!values) {
+        return -ENOMEM;
+    }
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        double median[3];
+        for (int axis = 0; axis < 3; axis++) {
+            size_t known = 0;
+            for (size_t i = 0; i < n; i++) {
+                if (deviations[i].known[l]) {
+                    values[known++] = coordinate(deviations[i].error_mm[l], axis);
+                }
             }
+            median[axis] = sim_spread_of(values, known).median;
         }
+        offset_mm[l] = iso_vec3(median[0], median[1], median[2]);
+    }
+    free(values);
+    return 0;
+}
+
+static void add_length(struct lengths *lengths, struct iso_vec3 v)
+{
+    if (lengths->n == lengths->capacity && !lengths->failed) {
+        size_t capacity = 2 * lengths->capacity + 1024;
+        double *larger = realloc(lengths->mm, capacity * sizeof *larger);
+        lengths->failed = !larger;
+        if (larger) {
+            lengths->mm = larger;
+            lengths->capacity = capacity;
+        }
+    }
+    if (lengths->n < lengths->capacity) {
+        lengths->mm[lengths->n++] = iso_norm(v);
     }
 }
 
-static int collect(const char *directory, const struct sim_corpus *corpus,
-                   const struct sim_acquisition *acquisition, struct errors errors[ISO_LANDMARKS],
-                   struct iso_fault *fault)
+/* How many of the entries from the first on are of its person. */
+static size_t person_size(const struct entry *e, size_t n)
 {
-    struct truth truth = {.recording = NULL};
-    int error = 0;
-    for (size_t i = 0; !error && i < acquisition->n_captures; i++) {
-        const struct sim_capture *capture = &acquisition->captures[i];
-        const char *recording = corpus->rows[capture->row].recording;
-        if (!truth.recording || strcmp(truth.recording, recording) != 0) {
-            error = load_truth(directory, recording, &truth, fault);
-        }
-        if (!error && capture->extraction.outcome == ISO_CAPTURE_OK) {
-            add_errors(capture, &truth, errors);
-        }
+    size_t size = 1;
+    while (size < n && strcmp(e[size].subject, e[0].subject) == 0) {
+        size++;
     }
-    free(truth.rows);
-    return error;
+    return size;
 }
 
-static int by_value(const void *a, const void *b)
+/* The mean over sessions of the mean over a session's frames; returns how many sessions there are
+ * that know the landmark. */
+static size_t person_mean(const struct entry *e, size_t n, int landmark, struct iso_vec3 *mean)
 {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Mean, median and 95th percentile of n >= 1 lengths, which get sorted. */
-static void summarise(double *lengths, size_t n, double *mean, double *median, double *p95)
-{
-    qsort(lengths, n, sizeof *lengths, by_value);
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += lengths[i];
-    }
-    *mean = sum / (double)n;
-    *median = lengths[n / 2];
-    *p95 = lengths[(n * 95 + 99) / 100 - 1];
-}
-
-static void measure_error(const struct errors *e, double *lengths, struct sim_landmark_error *out)
-{
-    double unused;
     struct iso_vec3 sum = {0, 0, 0};
-    for (size_t i = 0; i < e->n; i++) {
-        lengths[i] = iso_norm(e->error_mm[i]);
-        sum = iso_add(sum, e->error_mm[i]);
-    }
-    summarise(lengths, e->n, &out->mean_mm, &unused, &out->p95_mm);
-    out->offset_mm = iso_scale(1.0 / (double)e->n, sum);
-    for (size_t i = 0; i < e->n; i++) {
-        lengths[i] = iso_norm(iso_sub(e->error_mm[i], out->offset_mm));
-    }
-    summarise(lengths, e->n, &out->centred_mean_mm, &unused, &out->centred_p95_mm);
-}
-
-/* `lengths` has room for `capacity` pairs; those beyond are left out. */
-static void measure_slip(const struct sim_corpus *corpus, const struct errors *e, double *lengths,
-                         size_t capacity, struct sim_landmark_error *out)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < e->n; i++) {
-        for (size_t j = i + 1; j < e->n && n < capacity; j++) {
-            if (e->row[i] != e->row[j] &&
-                strcmp(corpus->rows[e->row[i]].subject, corpus->rows[e->row[j]].subject) == 0) {
-                lengths[n++] = iso_norm(iso_sub(e->error_mm[i], e->error_mm[j]));
+    size_t sessions = 0;
+    for (size_t i = 0; i < n;) {
+        struct iso_vec3 session_sum = {0, 0, 0};
+        size_t known = 0, first = i;
+        for (; i < n && strcmp(e[i].session, e[first].session) == 0; i++) {
+            if (e[i].deviation->known[landmark]) {
+                session_sum = iso_add(session_sum, e[i].deviation->error_mm[landmark]);
+                known++;
             }
         }
+        if (known > 0) {
+            sum = iso_madd(sum, 1.0 / (double)known, session_sum);
+            sessions++;
+        }
     }
-    out->n_pairs = n;
-    if (n > 0) {
-        double unused;
-        summarise(lengths, n, &unused, &out->slip_median_mm, &out->slip_p95_mm);
-    }
+    *mean = sessions > 0 ? iso_scale(1.0 / (double)sessions, sum) : sum;
+    return sessions;
 }
 
-int sim_landmark_errors(const char *directory, const struct sim_corpus *corpus,
-                        const struct sim_acquisition *acquisition,
-                        struct sim_landmark_error out[ISO_LANDMARKS], struct iso_fault *fault)
+static void measure_person(struct work *work, const struct entry *e, size_t n, int landmark)
 {
     enum { PAIRS_PER_FRAME = 64 };
-    size_t capacity = acquisition->n_captures * PAIRS_PER_FRAME;
-    struct errors errors[ISO_LANDMARKS] = {{0}};
-    double *lengths = calloc(capacity, sizeof *lengths);
-    int error = lengths ? 0 : -ENOMEM;
-    for (int l = 0; l < ISO_LANDMARKS; l++) {
-        errors[l].error_mm = calloc(acquisition->n_captures, sizeof *errors[l].error_mm);
-        errors[l].row = calloc(acquisition->n_captures, sizeof *errors[l].row);
-        error = errors[l].error_mm && errors[l].row ? error : -ENOMEM;
-    }
-    if (error) {
-        (void)iso_fault_set(fault, error, "%s: out of memory", directory);
-    } else {
-        error = collect(directory, corpus, acquisition, errors, fault);
-    }
-    for (int l = 0; !error && l < ISO_LANDMARKS; l++) {
-        out[l] = (struct sim_landmark_error){.n = errors[l].n};
-        if (errors[l].n > 0) {
-            measure_error(&errors[l], lengths, &out[l]);
-            measure_slip(corpus, &errors[l], lengths, capacity, &out[l]);
+    const size_t step = 1 + (n - 1) / PAIRS_PER_FRAME;
+    struct iso_vec3 mean;
+    size_t sessions = person_mean(e, n, landmark, &mean);
+    for (size_t i = 0; i < n; i++) {
+        const struct sim_deviation *a = e[i].deviation;
+        if (!a->known[landmark]) {
+            continue;
+        }
+        if (sessions > 1) {
+            add_length(&work->lengths[REPEAT], iso_sub(a->error_mm[landmark], mean));
+        }
+        for (size_t j = i + step; j < n; j += step) {
+            const struct sim_deviation *b = e[j].deviation;
+            if (b->known[landmark] && a->row != b->row) {
+                add_length(&work->lengths[SLIP],
+                           iso_sub(a->error_mm[landmark], b->error_mm[landmark]));
+            }
         }
     }
-    for (int l = 0; l < ISO_LANDMARKS; l++) {
-        free(errors[l].error_mm);
-        free(errors[l].row);
+}
+
+static void measure_landmark(struct work *work, int landmark, struct iso_vec3 offset_mm)
+{
+    for (size_t i = 0; i < work->n_entries; i++) {
+        const struct sim_deviation *d = work->entries[i].deviation;
+        if (d->known[landmark]) {
+            add_length(&work->lengths[ERROR], d->error_mm[landmark]);
+            add_length(&work->lengths[CENTRED], iso_sub(d->error_mm[landmark], offset_mm));
+        }
     }
-    free(lengths);
-    return error;
+    for (size_t i = 0; i < work->n_entries;) {
+        size_t n = person_size(&work->entries[i], work->n_entries - i);
+        measure_person(work, &work->entries[i], n, landmark);
+        i += n;
+    }
+}
+
+/* Of the lengths from `first` on. */
+static struct sim_landmark_error summarise(struct work *work, struct iso_vec3 offset_mm)
+{
+    struct sim_spread spread[KINDS];
+    for (int k = 0; k < KINDS; k++) {
+        struct lengths *l = &work->lengths[k];
+        spread[k] = sim_spread_of(l->n > l->first ? l->mm + l->first : NULL, l->n - l->first);
+        l->first = l->n;
+    }
+    return (struct sim_landmark_error){offset_mm, spread[ERROR], spread[CENTRED], spread[REPEAT],
+                                       spread[SLIP]};
+}
+
+static int by_person(const void *a, const void *b)
+{
+    const struct entry *p = a, *q = b;
+    int order = strcmp(p->subject, q->subject);
+    order = order ? order : strcmp(p->session, q->session);
+    return order ? order : (p->deviation > q->deviation) - (p->deviation < q->deviation);
+}
+
+int sim_landmark_errors(const struct sim_corpus *corpus, const struct sim_deviation *deviations,
+                        size_t n, const struct iso_vec3 offset_mm[ISO_LANDMARKS],
+                        struct sim_landmark_error out[ISO_LANDMARKS + 1])
+{
+    struct entry *entries = calloc(n + 1, sizeof *entries);
+    struct work work = {.entries = entries, .n_entries = n};
+    struct sim_landmark_error errors[ISO_LANDMARKS + 1];
+    bool failed = !entries;
+    for (size_t i = 0; entries && i < n; i++) {
+        const struct sim_corpus_row *row = &corpus->rows[deviations[i].row];
+        entries[i] = (struct entry){row->subject, row->session, &deviations[i]};
+    }
+    if (entries) {
+        qsort(entries, n, sizeof *entries, by_person);
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            measure_landmark(&work, l, offset_mm[l]);
+            errors[l] = summarise(&work, offset_mm[l]);
+        }
+    }
+    for (int k = 0; k < KINDS; k++) {
+        work.lengths[k].first = 0;
+        failed = failed || work.lengths[k].failed;
+    }
+    if (!failed) {
+        errors[ISO_LANDMARKS] = summarise(&work, iso_vec3(0, 0, 0));
+        memcpy(out, errors, sizeof errors);
+    }
+    for (int k = 0; k < KINDS; k++) {
+        free(work.lengths[k].mm);
+    }
+    free(entries);
+    return failed ? -ENOMEM : 0;
+}
+
+const char *sim_landmark_error_name(int landmark)
+{
+    return landmark == ISO_LANDMARKS ? "all" : iso_landmark_name((enum iso_landmark)landmark);
 }

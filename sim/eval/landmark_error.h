@@ -2,25 +2,49 @@
 #ifndef SIM_EVAL_LANDMARK_ERROR_H
 #define SIM_EVAL_LANDMARK_ERROR_H
 
-#include "sim/eval/acquire.h"
+#include "core/extract.h"
+#include "sim/eval/spread.h"
+#include "sim/eval/truth.h"
 
-struct sim_landmark_error {
-    size_t n; /* usable frames with a true position; 0: nothing below is set */
-    double mean_mm, p95_mm;
-    struct iso_vec3
-        offset_mm; /* mean error in the face frame: where the truth means another spot */
-    double centred_mean_mm, centred_p95_mm; /* of what is left without the offset */
-    /* Slip: difference of the errors, in the face frame, of two frames of one person from different
-     * rows of the manifest. The part of the error that harms recognition. */
-    size_t n_pairs;
-    double slip_median_mm, slip_p95_mm;
+/* How far the landmarks found in a frame are from the true ones. */
+struct sim_deviation {
+    size_t row; /* of the manifest */
+    bool known[ISO_LANDMARKS];
+    struct iso_vec3 error_mm[ISO_LANDMARKS]; /* found minus true, face frame; 0 if not known */
 };
 
-/* Compares what was found with landmarks of the same name. Recordings without ground truth are
- * passed over. A damaged landmarks.csv is -EBADMSG; -ENOMEM. */
-int sim_landmark_errors(const char *directory, const struct sim_corpus *corpus,
-                        const struct sim_acquisition *acquisition,
-                        struct sim_landmark_error out[ISO_LANDMARKS], struct iso_fault *fault)
+/* Of an extraction whose landmarks are set. */
+struct sim_deviation sim_deviation_of(const struct iso_extraction *extraction,
+                                      const struct sim_truth *truth, size_t row);
+
+/* The constant part of each landmark's error, where two definitions of a landmark mean different
+ * spots: the median of the errors, coordinate by coordinate, so that frames that went astray do not
+ * shift it. 0 for a landmark that is never known. -ENOMEM. */
+int sim_landmark_offsets(const struct sim_deviation *deviations, size_t n,
+                         struct iso_vec3 offset_mm[ISO_LANDMARKS])
     __attribute__((warn_unused_result));
+
+struct sim_landmark_error {
+    struct iso_vec3 offset_mm;          /* that was taken off for `centred` */
+    struct sim_spread error_mm;         /* length of the error, over frames */
+    struct sim_spread centred_error_mm; /* of what is left without the offset */
+    /* Between sessions: a frame's error less the mean error of the person. The latter is the mean
+     * over the person's sessions of the mean over a session's frames; people of one session are
+     * left out. Of S sessions the mean itself takes 1 - sqrt(1 - 1/S) of the deviation away. */
+    struct sim_spread repeat_mm;
+    /* Slip: difference of the errors of two frames of one person from different rows of the
+     * manifest: the part of the error that harms recognition. At most 64 pairs a frame. */
+    struct sim_spread slip_mm;
+};
+
+/* Figures of each landmark, and in out[ISO_LANDMARKS] of all landmarks of all frames together (its
+ * offset is 0). Deviations are in the order of the manifest's rows. -ENOMEM. */
+int sim_landmark_errors(const struct sim_corpus *corpus, const struct sim_deviation *deviations,
+                        size_t n, const struct iso_vec3 offset_mm[ISO_LANDMARKS],
+                        struct sim_landmark_error out[ISO_LANDMARKS + 1])
+    __attribute__((warn_unused_result));
+
+/* The name of a landmark, or "all" for ISO_LANDMARKS. */
+const char *sim_landmark_error_name(int landmark);
 
 #endif

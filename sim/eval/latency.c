@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "sim/eval/spread.h"
+
 static int64_t read_clock(clockid_t id)
 {
     struct timespec now = {0, 0};
@@ -28,12 +30,6 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Index of the smallest of n sorted values that `percent` of them do not exceed. */
-static size_t quantile_index(size_t n, size_t percent)
-{
-    return (n * percent + 99) / 100 - 1;
-}
-
 struct sim_latency sim_latency_of(int64_t *times_ns, size_t n)
 {
     if (n == 0) {
@@ -42,7 +38,7 @@ struct sim_latency sim_latency_of(int64_t *times_ns, size_t n)
     qsort(times_ns, n, sizeof *times_ns, by_time);
     return (struct sim_latency){
         .n = n,
-        .median_ms = (double)times_ns[quantile_index(n, 50)] * 1e-6,
-        .p95_ms = (double)times_ns[quantile_index(n, 95)] * 1e-6,
+        .median_ms = (double)times_ns[sim_quantile_index(n, 50)] * 1e-6,
+        .p95_ms = (double)times_ns[sim_quantile_index(n, 95)] * 1e-6,
     };
 }

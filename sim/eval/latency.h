@@ -15,7 +15,7 @@ struct sim_latency {
     double median_ms, p95_ms; /* 0 for n = 0 */
 };
 
-/* Sorts the times in place. The p-quantile is the smallest time that a share p does not exceed. */
+/* Sorts the times in place. Quantiles are those of sim_quantile_index. */
 struct sim_latency sim_latency_of(int64_t *times_ns, size_t n);
 
 #endif

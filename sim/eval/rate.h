@@ -21,6 +21,11 @@ double sim_rate_value(struct sim_rate rate);
  * so that it is then too narrow. 0..1 without trials. */
 struct sim_interval sim_rate_interval(struct sim_rate rate);
 
+/* The exact 95% interval of a proportion (Clopper and Pearson 1934): never covers less than it
+ * says, whatever the count; for rates that are reported against a limit. The same trials are taken
+ * to be independent. 0..1 without trials. */
+struct sim_interval sim_rate_exact_interval(struct sim_rate rate);
+
 /* The smallest rate that so many trials can support with 95% confidence if no event is seen: the
  * rule of 3, 3 / trials (ISO/IEC 19795-1:2021, annex B). 1 for fewer than 3 trials. */
 double sim_rate_smallest(size_t trials);

@@ -1,14 +1,9 @@
-#include <errno.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "sim/eval/report.h"
+#include "sim/eval/report_file.h"
 
-/* Writes the rows of one file. */
-typedef void write_rows(const struct sim_eval *eval, FILE *out);
-
-static void write_scores(const struct sim_eval *eval, FILE *out)
+static void write_scores(const void *context, FILE *out)
 {
+    const struct sim_eval *eval = context;
     fputs("probe_recording,probe_frame,probe_subject,gallery_subject,distance,score,outcome\n",
           out);
     const struct sim_matches *m = eval->matches;
@@ -31,21 +26,22 @@ static void write_scores(const struct sim_eval *eval, FILE *out)
     }
 }
 
-static void write_landmarks(const struct sim_eval *eval, FILE *out)
+static void write_landmarks(const void *context, FILE *out)
 {
-    fputs("recording,frame,name,x_mm,y_mm,z_mm\n", out);
+    const struct sim_eval *eval = context;
+    sim_report_landmarks_header(out);
     for (size_t i = 0; i < eval->acquisition->n_captures; i++) {
         const struct sim_capture *c = &eval->acquisition->captures[i];
-        for (int l = 0; c->extraction.outcome == ISO_CAPTURE_OK && l < ISO_LANDMARKS; l++) {
-            struct iso_vec3 p = c->extraction.landmark_mm[l];
-            fprintf(out, "%s,%zu,%s,%.3f,%.3f,%.3f\n", eval->corpus->rows[c->row].recording,
-                    c->frame, iso_landmark_name((enum iso_landmark)l), p.x, p.y, p.z);
+        if (c->extraction.outcome == ISO_CAPTURE_OK) {
+            sim_report_landmarks(eval->corpus->rows[c->row].recording, c->frame,
+                                 c->extraction.landmark_mm, out);
         }
     }
 }
 
-static void write_cmc(const struct sim_eval *eval, FILE *out)
+static void write_cmc(const void *context, FILE *out)
 {
+    const struct sim_eval *eval = context;
     const struct sim_identification *id = &eval->analysis->identification;
     fputs("rank,identified,searches,rate,low,high\n", out);
     for (size_t rank = 1; rank <= eval->gallery->n_people && id->n_searches > 0; rank++) {
@@ -56,8 +52,9 @@ static void write_cmc(const struct sim_eval *eval, FILE *out)
     }
 }
 
-static void write_det(const struct sim_eval *eval, FILE *out)
+static void write_det(const void *context, FILE *out)
 {
+    const struct sim_eval *eval = context;
     const struct sim_verification *v = &eval->analysis->verification;
     fputs("threshold,fmr,fnmr\n", out);
     for (size_t i = 0; i < v->n_det; i++) {
@@ -65,31 +62,11 @@ static void write_det(const struct sim_eval *eval, FILE *out)
     }
 }
 
-static int write_file(const struct sim_eval *eval, const char *directory, const char *name,
-                      write_rows *rows, struct iso_fault *fault)
-{
-    char path[4096];
-    int length = snprintf(path, sizeof path, "%s/%s", directory, name);
-    if (length < 0 || (size_t)length >= sizeof path) {
-        return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", name);
-    }
-    FILE *out = fopen(path, "we");
-    if (!out) {
-        return iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
-    }
-    rows(eval, out);
-    int failed = ferror(out);
-    if (fclose(out) != 0 || failed) {
-        return iso_fault_set(fault, -EIO, "%s: cannot be written", path);
-    }
-    return 0;
-}
-
 int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
 {
     static const struct {
         const char *name;
-        write_rows *rows;
+        sim_report_writer *rows;
     } files[] = {
         {"scores.csv", write_scores},
         {"landmarks.csv", write_landmarks},
@@ -98,7 +75,7 @@ int sim_report_csv(const struct sim_eval *eval, const char *directory, struct is
     };
     int error = 0;
     for (size_t i = 0; !error && i < sizeof files / sizeof *files; i++) {
-        error = write_file(eval, directory, files[i].name, files[i].rows, fault);
+        error = sim_report_file(directory, files[i].name, files[i].rows, eval, fault);
     }
     return error;
 }

@@ -92,21 +92,20 @@ static void print_conditions(const struct sim_analysis *a, FILE *out)
 
 static void print_landmarks(const struct sim_eval *eval, FILE *out)
 {
-    bool heading = true;
-    for (int l = 0; l < ISO_LANDMARKS; l++) {
+    if (eval->landmarks[ISO_LANDMARKS].error_mm.n == 0) {
+        return;
+    }
+    fputs("Landmarks, mm:      frames    error    p95   less offset: mean    p95"
+          "   slip: median    p95\n",
+          out);
+    for (int l = 0; l <= ISO_LANDMARKS; l++) {
         const struct sim_landmark_error *e = &eval->landmarks[l];
-        if (e->n == 0) {
-            continue;
+        if (e->error_mm.n > 0) {
+            fprintf(out, "  %-16s %7zu %8.2f %6.2f %19.2f %6.2f %15.2f %6.2f\n",
+                    sim_landmark_error_name(l), e->error_mm.n, e->error_mm.mean, e->error_mm.p95,
+                    e->centred_error_mm.mean, e->centred_error_mm.p95, e->slip_mm.median,
+                    e->slip_mm.p95);
         }
-        if (heading) {
-            fputs("Landmarks, mm:      frames    error    p95   less offset: mean    p95"
-                  "   slip: median    p95\n",
-                  out);
-            heading = false;
-        }
-        fprintf(out, "  %-16s %7zu %8.2f %6.2f %19.2f %6.2f %15.2f %6.2f\n",
-                iso_landmark_name((enum iso_landmark)l), e->n, e->mean_mm, e->p95_mm,
-                e->centred_mean_mm, e->centred_p95_mm, e->slip_median_mm, e->slip_p95_mm);
     }
 }
 

@@ -46,6 +46,14 @@ struct sim_colour sim_colour_heat(double value)
     return interpolate(stops, sizeof stops / sizeof *stops, value);
 }
 
+struct sim_colour sim_colour_difference(double value)
+{
+    /* ColorBrewer's RdBu reversed (Harrower and Brewer 2003). */
+    static const uint32_t stops[] = {0x053061, 0x2166ac, 0x4393c3, 0x92c5de, 0xd1e5f0, 0xf7f7f7,
+                                     0xfddbc7, 0xf4a582, 0xd6604d, 0xb2182b, 0x67001f};
+    return interpolate(stops, sizeof stops / sizeof *stops, value);
+}
+
 struct sim_colour sim_colour_landmark(int landmark)
 {
     static const uint32_t colours[] = {

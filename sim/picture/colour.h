@@ -32,6 +32,9 @@ static inline struct sim_colour sim_colour_mix(struct sim_colour a, struct sim_c
 struct sim_colour sim_colour_depth(double value);
 struct sim_colour sim_colour_heat(double value);
 
+/* Blue over white to red: for values that differ from what is in the middle, 0.5. */
+struct sim_colour sim_colour_difference(double value);
+
 /* A colour for each of the twelve landmarks; the two of a pair are alike. */
 struct sim_colour sim_colour_landmark(int landmark);
 

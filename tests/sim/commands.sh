@@ -1,5 +1,5 @@
 #!/bin/sh
-# Exit codes and complaints of `isotherm-sim eval` and `show`: commands.sh PROGRAM SOURCE_DIRECTORY
+# Exit codes and complaints of `isotherm-sim eval`, `landmarks` and `show`: commands.sh PROGRAM SOURCE_DIRECTORY
 set -u
 simulator=$1 source=$2
 model=$source/core/data/head.model
@@ -38,6 +38,33 @@ expect 3 'nowhere/head.model' eval --corpus "$work" --model "$work/nowhere/head.
 expect 4 'manifest.csv' eval --corpus "$source/sim/stored" --model "$source/sim/stored/manifest.csv" \
     --out "$work/out"
 
+expect 0 '' landmarks --help
+expect 2 '--corpus and --out are needed' landmarks --corpus x
+expect 2 "--pictures: 'some' is no N" landmarks --pictures some
+expect 2 'must be 1 with spectral heat' landmarks --corpus "$source/sim/stored" --model "$model" \
+    --out "$work/out" --threads 2 --heat spectral
+expect 3 'nowhere' landmarks --corpus "$work/nowhere" --model "$model" --out "$work/out"
+expect 4 'manifest.csv' landmarks --corpus "$source/sim/stored" \
+    --model "$source/sim/stored/manifest.csv" --out "$work/out"
+
+mkdir "$work/corpus"
+ln -s "$source/sim/stored/p01-enrol" "$source/sim/stored/none-photo3" "$work/corpus"
+cat >"$work/corpus/manifest.csv" <<'MANIFEST'
+recording,first,count,subject,session,role,pose,expression,note
+p01-enrol,0,2,p01,e,gallery,,neutral,
+none-photo3,0,1,none,p,impostor,,,photo / bent
+MANIFEST
+expect 0 '' landmarks --corpus "$work/corpus" --model "$model" --out "$work/landmarks" --pictures 1
+for result in frames.csv landmarks.csv summary.json 'worst-01-p01-enrol-?.png' \
+    first-ok-person-p01-enrol-0.png 'first-*-photo___bent-none-photo3-0.png'; do
+    # shellcheck disable=SC2086
+    [ -s "$work/landmarks/"$result ] || {
+        echo "landmarks wrote no $result"
+        failures=$((failures + 1))
+    }
+done
+expect 4 'nowhere/out' landmarks --corpus "$work/corpus" --model "$model" --out "$model/nowhere/out"
+
 face=$source/sim/stored/p01-enrol
 expect 2 '--recording and --out are needed' show --frame 0
 expect 2 "--what: 'hat' is unknown" show --recording "$face" --out "$work/x.png" --what hat
@@ -45,10 +72,12 @@ expect 2 "--frame: 'x' is no N" show --recording "$face" --out "$work/x.png" --f
 expect 3 'nowhere' show --recording "$work/nowhere" --out "$work/x.png"
 expect 1 'no usable face' show --recording "$source/sim/stored/none-nobody1" --model "$model" \
     --out "$work/x.png"
+expect 0 '' show --recording "$source/sim/stored/none-nobody1" --model "$model" --what fit \
+    --out "$work/fit.png"
 expect 4 'nowhere/x.png' show --recording "$face" --model "$model" --what depth \
     --out "$work/nowhere/x.png"
 expect 0 '' show --recording "$face" --model "$model" --what all --out "$work/pictures"
-for picture in depth mesh heat isotherms; do
+for picture in depth fit mesh heat isotherms; do
     [ -s "$work/pictures/$picture.png" ] || {
         echo "show --what all wrote no $picture.png"
         failures=$((failures + 1))

@@ -36,7 +36,7 @@ static struct sim_corpus corpus = {ROWS, rows};
 
 static struct sim_capture captures[ROWS];
 static struct sim_sample samples[ROWS];
-static struct sim_acquisition acquisition = {ROWS, ROWS, captures, samples, 0, ""};
+static struct sim_acquisition acquisition = {ROWS, ROWS, captures, samples, {0, ""}};
 
 static const char *names[PEOPLE] = {"a", "b", "c"};
 static size_t n_templates_of[PEOPLE] = {1, 1, 0};

@@ -83,10 +83,12 @@ static void test_figures(void **state)
     assert_int_equal(a->verification.scores.n_non_mated, 4);
     assert_int_equal(sim_rank_rate(a->identification.searches, 2, 1).events, 2);
     assert_int_equal(a->probe_reason[SIM_PROBE_NONE][ISO_CAPTURE_OK], 0);
-    assert_int_equal(eval->landmarks[ISO_LM_NOSE_TIP].n, 8);
-    assert_true(eval->landmarks[ISO_LM_NOSE_TIP].mean_mm < 10.0);
-    assert_true(eval->landmarks[ISO_LM_NOSE_TIP].centred_mean_mm > 0.0);
-    assert_true(eval->landmarks[ISO_LM_NOSE_TIP].n_pairs > 0);
+    const struct sim_landmark_error *nose = &eval->landmarks[ISO_LM_NOSE_TIP];
+    assert_int_equal(nose->error_mm.n, 8);
+    assert_true(nose->error_mm.mean < 10.0);
+    assert_true(nose->centred_error_mm.mean > 0.0);
+    assert_int_equal(nose->slip_mm.n, 2 * 2 + 2 * 1); /* of p01; of p02 */
+    assert_int_equal(eval->landmarks[ISO_LANDMARKS].error_mm.n, 12 * 8);
     sim_eval_free(eval);
 }
 

@@ -42,7 +42,7 @@ static struct sim_corpus_row rows[ROWS] = {
 };
 static struct sim_corpus corpus = {ROWS, rows};
 static struct sim_sample samples[ROWS];
-static struct sim_acquisition acquisition = {0, ROWS, NULL, samples, 7, "astra"};
+static struct sim_acquisition acquisition = {0, ROWS, NULL, samples, {7, "astra"}};
 
 static int setup(void **state)
 {

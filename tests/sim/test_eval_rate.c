@@ -9,6 +9,7 @@
 
 #include "sim/eval/latency.h"
 #include "sim/eval/rate.h"
+#include "tests/support/near.h"
 
 static void test_value(void **state)
 {
@@ -34,6 +35,60 @@ static void test_interval_newcombe(void **state)
         struct sim_interval interval = sim_rate_interval(published[i].rate);
         assert_float_equal(interval.low, published[i].low, 5e-5);
         assert_float_equal(interval.high, published[i].high, 5e-5);
+    }
+}
+
+/* The same table, method 5; then 0 of n, where (1 - p)^n = 0.025, and its mirror. */
+static void test_exact_interval(void **state)
+{
+    (void)state;
+    static const struct {
+        struct sim_rate rate;
+        double low, high;
+    } published[] = {
+        {{81, 263}, 0.2527, 0.3676},
+        {{15, 148}, 0.0578, 0.1617},
+        {{0, 20}, 0.0, 0.1684},
+        {{1, 29}, 0.0009, 0.1776},
+    };
+    for (size_t i = 0; i < sizeof published / sizeof *published; i++) {
+        struct sim_interval interval = sim_rate_exact_interval(published[i].rate);
+        assert_near(interval.low, published[i].low, 5e-5);
+        assert_near(interval.high, published[i].high, 5e-5);
+    }
+    for (size_t n = 1; n <= 100000; n *= 10) {
+        double high = 1.0 - pow(0.025, 1.0 / (double)n);
+        struct sim_interval none = sim_rate_exact_interval((struct sim_rate){0, n});
+        struct sim_interval all = sim_rate_exact_interval((struct sim_rate){n, n});
+        assert_near(none.high, high, 1e-9);
+        assert_near(all.low, pow(0.025, 1.0 / (double)n), 1e-9);
+    }
+    struct sim_interval nothing = sim_rate_exact_interval((struct sim_rate){0, 0});
+    assert_near(nothing.low, 0.0, 0.0);
+    assert_near(nothing.high, 1.0, 0.0);
+}
+
+/* What the interval's ends stand for: at the low end so many events or more are 2.5% likely, at the
+ * high end so many or fewer; by summing the binomial distribution. */
+static void test_exact_interval_is_exact(void **state)
+{
+    (void)state;
+    enum { TRIALS = 40 };
+    for (size_t events = 1; events < TRIALS; events++) {
+        struct sim_interval ends = sim_rate_exact_interval((struct sim_rate){events, TRIALS});
+        double choose = 1.0, at_least = 0.0, at_most = 0.0;
+        for (size_t k = 0; k <= TRIALS; k++) {
+            double rest = (double)(TRIALS - k);
+            if (k >= events) {
+                at_least += choose * pow(ends.low, (double)k) * pow(1.0 - ends.low, rest);
+            }
+            if (k <= events) {
+                at_most += choose * pow(ends.high, (double)k) * pow(1.0 - ends.high, rest);
+            }
+            choose *= rest / (double)(k + 1);
+        }
+        assert_near(at_least, 0.025, 1e-9);
+        assert_near(at_most, 0.025, 1e-9);
     }
 }
 
@@ -79,6 +134,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_value),
         cmocka_unit_test(test_interval_newcombe),
+        cmocka_unit_test(test_exact_interval),
+        cmocka_unit_test(test_exact_interval_is_exact),
         cmocka_unit_test(test_interval_limits),
         cmocka_unit_test(test_rule_of_three),
         cmocka_unit_test(test_latency_quantiles),

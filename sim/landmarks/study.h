@@ -1,0 +1,43 @@
+/* The benchmark of landmarks, gates and presentation attacks on one corpus. */
+#ifndef SIM_LANDMARKS_STUDY_H
+#define SIM_LANDMARKS_STUDY_H
+
+#include <stdio.h>
+
+#include "sim/landmarks/analysis.h"
+
+struct sim_study_options {
+    const char *corpus; /* directory */
+    const char *model;  /* file */
+    int threads;        /* 1 with ISO_HEAT_SPECTRAL, whose solver is not reentrant */
+    struct iso_extract_options extract; /* its clock and sensor are set by the study */
+};
+
+struct sim_study {
+    struct sim_study_options options;
+    struct sim_corpus *corpus;
+    struct iso_head_model *model;
+    struct sim_measurement *measurement;
+    struct sim_landmark_analysis *analysis;
+    int64_t wall_ns; /* the whole study took */
+};
+
+/* The strings in the options must outlive the result. -EINVAL for options out of range, or the
+ * errors of reading the corpus and the model and of sim_measure; each with a fault. */
+int sim_study_run(const struct sim_study_options *options, struct sim_study **out,
+                  struct iso_fault *fault) __attribute__((warn_unused_result));
+void sim_study_free(struct sim_study *study);
+
+/* Tables for people. */
+void sim_study_text(const struct sim_study *study, FILE *out);
+
+/* landmarks.csv: the landmarks of every fitted frame; frames.csv: a line a frame. Errors of
+ * sim_report_file; so below. */
+int sim_study_csv(const struct sim_study *study, const char *directory, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* summary.json */
+int sim_study_json(const struct sim_study *study, const char *directory, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

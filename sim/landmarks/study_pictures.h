@@ -1,0 +1,25 @@
+/* Which frames of a study are worth a picture, and drawing them. */
+#ifndef SIM_LANDMARKS_STUDY_PICTURES_H
+#define SIM_LANDMARKS_STUDY_PICTURES_H
+
+#include "sim/landmarks/study.h"
+
+struct sim_chosen_frame {
+    size_t number; /* of the measurement's frames */
+    size_t rank;   /* 1: the worst, 2: the next; 0: the first of its outcome and kind */
+};
+
+/* The n_worst fitted frames of people with the largest mean error (less the constant offset), worst
+ * first; then, in the manifest's order, the first frame of each outcome of people and of each note
+ * of what is none; unreadable frames are left out. *chosen is to be freed with free(). -ENOMEM. */
+int sim_choose_frames(const struct sim_corpus *corpus, const struct sim_measurement *measurement,
+                      size_t n_worst, struct sim_chosen_frame **chosen, size_t *n_chosen)
+    __attribute__((warn_unused_result));
+
+/* Draws them into DIRECTORY: worst-01-RECORDING-FRAME.png, first-OUTCOME-KIND-RECORDING-FRAME.png;
+ * KIND is `person` or the note. Characters other than letters, digits, '.', '-' and '_' become '_'.
+ * Runs the extractor on them once more. Errors of that, of reading and of drawing. */
+int sim_study_pictures(const struct sim_study *study, const char *directory, size_t n_worst,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif
