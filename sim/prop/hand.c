@@ -105,7 +105,7 @@ static void add_fist(const struct hand *hand)
 /* The palm stands behind the plane z = 0, the fingers lie flat behind it and the thumb before. */
 static void add_grip(const struct hand *hand)
 {
-    static const double thumb_radii[] = {14.0, 12.0, 10.0, 8.5}, bends[] = {0.1, 0.1, 0.1};
+    static const double thumb_radii[] = {14.0, 12.0, 10.0, 8.5}, bends[] = {0.0, 0.0, 0.0};
     const struct iso_vec3 thumb[] = {{18, -30, 4}, {22, -54, -11}, {14, -78, -12}, {8, -102, -10}};
     double behind = 20.0 + hand->held_mm / hand->size;
     add_palm(hand, iso_vec3(0.0, -40.0, behind + 2.0));
