@@ -68,7 +68,7 @@ static void print_help(void)
          "                           landmarks: people\n"
          "  --probes K               later sessions of enrolled people, in all\n"
          "  --strangers M            people who are not enrolled, with one session each\n"
-         "  --sessions N             landmarks: sessions of every person (12)\n"
+         "  --sessions N             landmarks: sessions of every person (24)\n"
          "  --pose-limit DEGREES     landmarks: yaw and pitch cover a disc of this radius,\n"
          "                           flattened to 0.7 in pitch (35)\n"
          "  --per-kind N             attacks: presentations of every kind (300)\n"
