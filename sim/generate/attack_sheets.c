@@ -1,7 +1,7 @@
 /* Instruments that are flat by nature: photographs and screens. */
 #include <stdio.h>
 
-#include "sim/generate/attack_scene.h"
+#include "sim/generate/attack_scenes.h"
 #include "sim/prop/hand.h"
 #include "sim/prop/screen.h"
 #include "sim/prop/sheet.h"
@@ -14,38 +14,15 @@ static const double grip_mm = 14.0, grip_y_mm = -70.0;
 /* How far a roll's edges may have turned: a hollow one would hide itself. */
 static const double roll_limit_rad = 2.2, hollow_limit_rad = 1.3;
 
-struct iso_vec3 sim_attack_place(const struct sim_attack *attack)
-{
-    double x = sim_random_between(attack->random, -40.0, 40.0);
-    double y = sim_random_between(attack->random, -40.0, 40.0);
-    return iso_vec3(x, y,
-                    sim_random_between(attack->random, attack->sensor->distance_min_mm,
-                                       attack->sensor->distance_max_mm));
-}
-
-bool sim_attack_chance(const struct sim_attack *attack, double share)
-{
-    return sim_random_unit(attack->random) < share;
-}
-
-void sim_attack_add_pole(struct sim_attack *attack, struct iso_vec3 top_mm, double radius_mm)
-{
-    struct sim_group *things = attack->still->things;
-    struct sim_joint joints[2] = {{top_mm, radius_mm},
-                                  {iso_add(top_mm, iso_vec3(0.0, 900.0, 20.0)), radius_mm}};
-    things->placed = iso_rigid_identity();
-    sim_group_add_tube(things, joints, 2, SIM_PLASTIC);
-}
-
 /* Held towards the camera, not quite straight. */
-static struct iso_rigid camera_from_flat(const struct sim_attack *attack)
+static struct iso_rigid camera_from_flat(const struct sim_staging *staging)
 {
-    double pitch = DEGREES(sim_random_between(attack->random, -18.0, 18.0));
-    double yaw = DEGREES(sim_random_between(attack->random, -20.0, 20.0));
-    double roll = DEGREES(8.0) * sim_random_normal(attack->random);
+    double pitch = DEGREES(sim_random_between(staging->random, -18.0, 18.0));
+    double yaw = DEGREES(sim_random_between(staging->random, -20.0, 20.0));
+    double roll = DEGREES(8.0) * sim_random_normal(staging->random);
     struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(0.0, 0.0, roll));
     struct iso_mat3 tilt = iso_mat3_rotation(iso_vec3(pitch, yaw, 0.0));
-    return (struct iso_rigid){iso_mat3_mul(&tilt, &turn), sim_attack_place(attack)};
+    return (struct iso_rigid){iso_mat3_mul(&tilt, &turn), sim_staging_place(staging)};
 }
 
 /* What is held: a sheet's surface, and how far behind it there is something. */
@@ -72,7 +49,7 @@ static double sagitta(const struct sim_sheet *surface, double x_mm, double y_mm,
 }
 
 /* A hand at a point of the lower edge, square to the sheet there. */
-static void add_hand(struct sim_attack *attack, const struct iso_rigid *camera_from_flat,
+static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
                      const struct held *held, double x_mm)
 {
     const struct sim_sheet *surface = &held->surface;
@@ -87,44 +64,44 @@ static void add_hand(struct sim_attack *attack, const struct iso_rigid *camera_f
     double thick = held->behind_mm + sagitta(surface, x_mm, y_mm, &flat_from_edge);
     struct iso_rigid wrist = {iso_mat3_identity(), {0.0, -grip_y_mm - grip_mm, 0.0}};
     struct iso_rigid flat_from_wrist = iso_rigid_mul(&flat_from_edge, &wrist);
-    struct sim_group *things = attack->still->things;
+    struct sim_group *things = staging->still->things;
     things->placed = iso_rigid_mul(camera_from_flat, &flat_from_wrist);
-    bool left = sim_attack_chance(attack, 0.5);
-    sim_hand_add(things, SIM_HAND_GRIP, left, thick, attack->random);
+    bool left = sim_staging_chance(staging, 0.5);
+    sim_hand_add(things, SIM_HAND_GRIP, left, thick, staging->random);
 }
 
 /* Somebody whose face is behind the instrument, seen from the camera. */
-static int add_bearer(struct sim_attack *attack, struct iso_vec3 middle_mm)
+static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
 {
-    struct sim_random *random = attack->random;
+    struct sim_random *random = staging->random;
     double gap = sim_random_between(random, 110.0, 200.0);
     struct sim_stance stance = {.nose_mm = iso_scale(1.0 + gap / middle_mm.z, middle_mm)};
     stance.yaw_rad = sim_random_between(random, -0.15, 0.15);
     stance.pitch_rad = sim_random_between(random, -0.1, 0.1);
     stance.nose_mm.x += sim_random_between(random, -12.0, 12.0);
     stance.nose_mm.y += sim_random_between(random, -10.0, 20.0);
-    return sim_still_add_person(attack->still, attack->ict, "bearers", &stance, random);
+    return sim_still_add_person(staging->still, staging->ict, "bearers", &stance, random);
 }
 
 /* A hand from below (now and then one on either side), with its owner behind or out of sight; or a
  * stand. */
-static int hold(struct sim_attack *attack, const struct iso_rigid *camera_from_flat,
+static int hold(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
                 const struct held *held)
 {
-    if (sim_attack_chance(attack, 0.2)) {
+    if (sim_staging_chance(staging, 0.2)) {
         struct iso_vec3 back = {0.0, 0.0, 12.0 + held->behind_mm};
-        sim_attack_add_pole(attack, iso_rigid_apply(camera_from_flat, back), 8.0);
+        sim_staging_add_pole(staging, iso_rigid_apply(camera_from_flat, back), 8.0);
         return 0;
     }
-    bool both = held->reach_mm > 60.0 && sim_attack_chance(attack, 0.3);
+    bool both = held->reach_mm > 60.0 && sim_staging_chance(staging, 0.3);
     double x = both ? held->reach_mm
-                    : sim_random_between(attack->random, -held->reach_mm, held->reach_mm);
-    add_hand(attack, camera_from_flat, held, x);
+                    : sim_random_between(staging->random, -held->reach_mm, held->reach_mm);
+    add_hand(staging, camera_from_flat, held, x);
     if (both) {
-        add_hand(attack, camera_from_flat, held, -x);
+        add_hand(staging, camera_from_flat, held, -x);
     }
-    if (sim_attack_chance(attack, 0.5)) {
-        return add_bearer(attack, camera_from_flat->translation_mm);
+    if (sim_staging_chance(staging, 0.5)) {
+        return add_bearer(staging, camera_from_flat->translation_mm);
     }
     return 0;
 }
@@ -137,42 +114,42 @@ static const struct format {
 } formats[] = {
     {"a5", 148.0, 210.0}, {"b5", 176.0, 250.0}, {"a4", 210.0, 297.0}, {"a3", 297.0, 420.0}};
 
-static const struct format *draw_format(struct sim_attack *attack, struct sim_sheet *sheet)
+static const struct format *draw_format(struct sim_staging *staging, struct sim_sheet *sheet)
 {
     uint32_t n = sizeof formats / sizeof *formats;
-    const struct format *format = &formats[sim_random_below(attack->random, n)];
-    bool lying = sim_attack_chance(attack, 0.15);
+    const struct format *format = &formats[sim_random_below(staging->random, n)];
+    bool lying = sim_staging_chance(staging, 0.15);
     sheet->width_mm = lying ? format->height_mm : format->width_mm;
     sheet->height_mm = lying ? format->width_mm : format->height_mm;
     return format;
 }
 
-static int show_sheet(struct sim_attack *attack, const struct sim_sheet *sheet)
+static int show_sheet(struct sim_staging *staging, const struct sim_sheet *sheet)
 {
-    struct sim_group *things = attack->still->things;
+    struct sim_group *things = staging->still->things;
     struct sim_solid *solid = NULL;
-    struct iso_rigid camera_from_sheet = camera_from_flat(attack);
+    struct iso_rigid camera_from_sheet = camera_from_flat(staging);
     things->placed = camera_from_sheet;
     int made = sim_sheet_new(sheet, SIM_PAPER, &solid);
     sim_group_add(things, made, solid);
     struct held held = {*sheet, 0.0, sheet->outline ? 0.0 : 0.35 * sheet->width_mm};
-    return hold(attack, &camera_from_sheet, &held);
+    return hold(staging, &camera_from_sheet, &held);
 }
 
-int sim_attack_photo_flat(struct sim_attack *attack)
+int sim_attack_photo_flat(struct sim_staging *staging)
 {
-    struct sim_sheet sheet = {.key = sim_random_u64(attack->random)};
-    const struct format *format = draw_format(attack, &sheet);
-    bool board = sim_attack_chance(attack, 0.5);
-    sheet.waves_mm = board ? 0.0 : sim_random_between(attack->random, 0.1, 0.6);
-    sheet.outline = sim_attack_chance(attack, 0.25);
+    struct sim_sheet sheet = {.key = sim_random_u64(staging->random)};
+    const struct format *format = draw_format(staging, &sheet);
+    bool board = sim_staging_chance(staging, 0.5);
+    sheet.waves_mm = board ? 0.0 : sim_random_between(staging->random, 0.1, 0.6);
+    sheet.outline = sim_staging_chance(staging, 0.25);
     if (sheet.outline) { /* a head of about life size */
-        sheet.width_mm = sim_random_between(attack->random, 140.0, 190.0);
-        sheet.height_mm = sheet.width_mm * sim_random_between(attack->random, 1.3, 1.5);
+        sheet.width_mm = sim_random_between(staging->random, 140.0, 190.0);
+        sheet.height_mm = sheet.width_mm * sim_random_between(staging->random, 1.3, 1.5);
     }
-    (void)snprintf(attack->variant, sizeof attack->variant, "%s-%s",
+    (void)snprintf(staging->variant, sizeof staging->variant, "%s-%s",
                    sheet.outline ? "cut" : format->name, board ? "board" : "paper");
-    return show_sheet(attack, &sheet);
+    return show_sheet(staging, &sheet);
 }
 
 /* Half the sheet's extent across the axis. */
@@ -182,35 +159,35 @@ static double half_span(const struct sim_sheet *sheet)
                   sheet->height_mm * fabs(sin(sheet->axis_rad)));
 }
 
-int sim_attack_photo_bent(struct sim_attack *attack)
+int sim_attack_photo_bent(struct sim_staging *staging)
 {
-    struct sim_random *random = attack->random;
+    struct sim_random *random = staging->random;
     struct sim_sheet sheet = {.key = sim_random_u64(random)};
     double luck = sim_random_unit(random);
     sheet.shape = luck < 0.6 ? SIM_SHEET_ROLLED : luck < 0.8 ? SIM_SHEET_S : SIM_SHEET_CREASED;
     sheet.radius_mm = 60.0 * pow(5.0, sim_random_unit(random));
     sheet.crease_rad = DEGREES(sim_random_between(random, 12.0, 40.0));
-    bool slanted = sim_attack_chance(attack, 0.5), hollow = sim_attack_chance(attack, 0.25);
+    bool slanted = sim_staging_chance(staging, 0.5), hollow = sim_staging_chance(staging, 0.25);
     double lean = slanted ? 45.0 : 3.0;
     sheet.axis_rad = DEGREES(sim_random_between(random, -lean, lean));
     sheet.waves_mm = sim_random_between(random, 0.0, 0.6);
-    (void)draw_format(attack, &sheet);
+    (void)draw_format(staging, &sheet);
     double limit = hollow || sheet.shape == SIM_SHEET_S ? hollow_limit_rad : roll_limit_rad;
     while (sheet.shape != SIM_SHEET_CREASED && half_span(&sheet) > limit * sheet.radius_mm) {
         sheet.width_mm *= 0.9;
         sheet.height_mm *= 0.9;
     }
     if (sheet.shape == SIM_SHEET_CREASED) {
-        (void)snprintf(attack->variant, sizeof attack->variant, "creased-%s%.0fdeg",
+        (void)snprintf(staging->variant, sizeof staging->variant, "creased-%s%.0fdeg",
                        hollow ? "hollow-" : "", sheet.crease_rad / DEGREES(1.0));
     } else {
-        (void)snprintf(attack->variant, sizeof attack->variant, "%s-%sr%.0f",
+        (void)snprintf(staging->variant, sizeof staging->variant, "%s-%sr%.0f",
                        sheet.shape == SIM_SHEET_S ? "s" : "rolled", hollow ? "hollow-" : "",
                        sheet.radius_mm);
     }
     sheet.radius_mm *= hollow ? -1.0 : 1.0;
     sheet.crease_rad *= hollow ? -1.0 : 1.0;
-    return show_sheet(attack, &sheet);
+    return show_sheet(staging, &sheet);
 }
 
 /* ---- screens ---------------------------------------------------------------- */
@@ -229,9 +206,9 @@ static const struct device {
       .keyboard = true}},
 };
 
-int sim_attack_screen(struct sim_attack *attack)
+int sim_attack_screen(struct sim_staging *staging)
 {
-    struct sim_random *random = attack->random;
+    struct sim_random *random = staging->random;
     uint32_t n = sizeof devices / sizeof *devices;
     const struct device *device = &devices[sim_random_below(random, n)];
     struct sim_screen screen = device->screen;
@@ -240,17 +217,17 @@ int sim_attack_screen(struct sim_attack *attack)
     screen.height_mm *= size;
     screen.lost = sim_random_between(random, 0.02, 0.98);
     screen.patch_mm = sim_random_between(random, 15.0, 80.0);
-    bool deep = sim_attack_chance(attack, 0.6);
+    bool deep = sim_staging_chance(staging, 0.6);
     screen.behind_mm = deep ? sim_random_between(random, 3.0, 45.0) : 0.0;
     screen.key = sim_random_u64(random);
-    (void)snprintf(attack->variant, sizeof attack->variant, "%s-lost%.0f-behind%.0f", device->name,
-                   100.0 * screen.lost, screen.behind_mm);
-    struct iso_rigid camera_from_screen = camera_from_flat(attack);
-    attack->still->things->placed = camera_from_screen;
-    sim_screen_add(attack->still->things, &screen);
+    (void)snprintf(staging->variant, sizeof staging->variant, "%s-lost%.0f-behind%.0f",
+                   device->name, 100.0 * screen.lost, screen.behind_mm);
+    struct iso_rigid camera_from_screen = camera_from_flat(staging);
+    staging->still->things->placed = camera_from_screen;
+    sim_screen_add(staging->still->things, &screen);
     if (screen.keyboard) { /* it stands on something under the picture */
-        return sim_attack_chance(attack, 0.5)
-                   ? add_bearer(attack, camera_from_screen.translation_mm)
+        return sim_staging_chance(staging, 0.5)
+                   ? add_bearer(staging, camera_from_screen.translation_mm)
                    : 0;
     }
     struct held held = {
@@ -259,5 +236,5 @@ int sim_attack_screen(struct sim_attack *attack)
         .behind_mm = fmax(screen.thickness_mm, screen.behind_mm),
         .reach_mm = 0.3 * screen.width_mm,
     };
-    return hold(attack, &camera_from_screen, &held);
+    return hold(staging, &camera_from_screen, &held);
 }

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/generate/attack_scene.h"
+#include "sim/generate/attack_scenes.h"
 #include "sim/generate/session.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
@@ -22,18 +22,15 @@ struct stage {
     struct iso_fault *fault;
 };
 
-static const struct kind {
-    const char *name;
-    sim_attack_build *build;
-    bool lasting; /* several frames */
-} kinds[] = {
-    {"photo-flat", sim_attack_photo_flat, false}, {"photo-bent", sim_attack_photo_bent, false},
-    {"screen", sim_attack_screen, false},         {"mask-small", sim_attack_mask_small, false},
-    {"mask-large", sim_attack_mask_large, false}, {"print-eyes-cut", sim_attack_eyes_cut, false},
-    {"mask-still", sim_attack_mask_still, true},
+static const struct sim_staged_kind kinds[] = {
+    {"photo-flat", sim_attack_photo_flat, false, false},
+    {"photo-bent", sim_attack_photo_bent, false, false},
+    {"screen", sim_attack_screen, false, false},
+    {"mask-small", sim_attack_mask_small, false, false},
+    {"mask-large", sim_attack_mask_large, false, false},
+    {"print-eyes-cut", sim_attack_eyes_cut, false, false},
+    {"mask-still", sim_attack_mask_still, true, false},
 };
-
-/* ---- people ----------------------------------------------------------------- */
 
 static struct sim_session_plan person_plan(const struct stage *stage, int person, const char *kind,
                                            int number)
@@ -101,49 +98,14 @@ static int record_frozen(const struct stage *stage, int number)
     return record_session(stage, &session);
 }
 
-/* ---- instruments ------------------------------------------------------------ */
-
-static int record_scene(const struct stage *stage, const struct kind *kind, int number,
-                        struct sim_attack *attack)
-{
-    struct sim_corpus_row row = {.subject = "none", .role = SIM_ROLE_IMPOSTOR, .count = 1};
-    if (kind->lasting) {
-        row.count = (size_t)stage->plan->frames;
-    }
-    (void)snprintf(row.recording, sizeof row.recording, "none-%s-%04d", kind->name, number);
-    (void)snprintf(row.session, sizeof row.session, "%s-%04d", kind->name, number);
-    (void)snprintf(row.expression, sizeof row.expression, "%s", attack->variant);
-    (void)snprintf(row.note, sizeof row.note, "%s", kind->name);
-    struct sim_random noise = sim_random_seeded(sim_random_u64(attack->random), 1, 0);
-    return sim_studio_record(stage->studio, &row, sim_still_draw, attack->still, &noise,
-                             stage->fault);
-}
-
-static int record_attack(const struct stage *stage, const struct kind *kind, int number)
+static int record_attack(const struct stage *stage, const struct sim_staged_kind *kind, int number)
 {
     const struct sim_attacks_plan *plan = stage->plan;
-    struct sim_random random = sim_random_seeded(plan->seed, sim_random_hash(kind->name),
-                                                 (uint64_t)number);
-    struct sim_still still = {0};
-    struct sim_attack attack = {
-        .ict = stage->ict,
-        .sensor = stage->sensor,
-        .target = sim_person_draw(plan->population, plan->seed, (uint32_t)(number % plan->n_people),
-                                  plan->identity_variance),
-        .random = &random,
-        .still = &still,
-    };
-    int error = sim_still_init(&still, true, &random);
-    error = error == 0 ? kind->build(&attack) : error;
-    error = error == 0 ? still.things->error : error;
-    if (error != 0) {
-        (void)iso_fault_set(stage->fault, error, "%s %d: cannot be made: %s", kind->name, number,
-                            strerror(-error));
-    } else {
-        error = record_scene(stage, kind, number, &attack);
-    }
-    sim_still_done(&still);
-    return error;
+    struct sim_staging_plan staging = {stage->ict, stage->sensor, SIM_ROLE_IMPOSTOR, plan->seed,
+                                       plan->frames};
+    struct sim_person target = sim_person_draw(
+        plan->population, plan->seed, (uint32_t)(number % plan->n_people), plan->identity_variance);
+    return sim_staging_record(stage->studio, &staging, kind, number, &target, stage->fault);
 }
 
 int sim_attacks_record(struct sim_studio *studio, const struct sim_ict *ict,
