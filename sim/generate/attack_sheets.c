@@ -80,7 +80,7 @@ static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
     stance.pitch_rad = sim_random_between(random, -0.1, 0.1);
     stance.nose_mm.x += sim_random_between(random, -12.0, 12.0);
     stance.nose_mm.y += sim_random_between(random, -10.0, 20.0);
-    return sim_still_add_person(staging->still, staging->ict, "bearers", &stance, random);
+    return sim_still_add_person(staging->still, staging->ict, "bearers", true, &stance, random);
 }
 
 /* A hand from below (now and then one on either side), with its owner behind or out of sight; or a

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "sim/generate/attacks.h"
+#include "sim/generate/not_faces.h"
 #include "sim/generate/session.h"
 #include "sim/generate/stored.h"
 
@@ -38,6 +39,7 @@ struct job {
 static int record_visits(struct job *job, struct iso_fault *fault);
 static int record_repeats(struct job *job, struct iso_fault *fault);
 static int record_attacks(struct job *job, struct iso_fault *fault);
+static int record_not_faces(struct job *job, struct iso_fault *fault);
 static int record_stored(struct job *job, struct iso_fault *fault);
 
 /* What presets of visits have in common. */
@@ -87,6 +89,13 @@ static const struct preset presets[] = {
      .n_people = 100,
      .n_per_kind = 300,
      .frames_per_visit = 15,
+     .noise_scale = 1.0,
+     .png_level = 4,
+     .instruments = true},
+    {.name = "not-faces",
+     .record = record_not_faces,
+     .sensor = &sim_sensor_astra,
+     .n_per_kind = 200,
      .noise_scale = 1.0,
      .png_level = 4,
      .instruments = true},
@@ -196,6 +205,13 @@ static int record_attacks(struct job *job, struct iso_fault *fault)
         .frames = frames_of(job),
     };
     return sim_attacks_record(job->studio, job->ict, job->sensor, &plan, fault);
+}
+
+static int record_not_faces(struct job *job, struct iso_fault *fault)
+{
+    int per_kind = count_or(job->options->n_per_kind, job->preset->n_per_kind);
+    return sim_not_faces_record(job->studio, job->ict, job->sensor, job->options->seed, per_kind,
+                                fault);
 }
 
 static int record_stored(struct job *job, struct iso_fault *fault)

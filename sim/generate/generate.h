@@ -7,7 +7,8 @@
 
 struct sim_generate_options {
     const char *ict_directory, *directory;
-    const char *preset; /* "mild", "strong", "crowd", "texas", "landmarks", "attacks", "stored" */
+    const char *preset;              /* "mild", "strong", "crowd", "texas", "landmarks", "attacks",
+                                      * "not-faces", "stored" */
     const struct sim_sensor *sensor; /* NULL: the preset's own */
     const char *population;
     uint64_t seed;
@@ -15,7 +16,7 @@ struct sim_generate_options {
         n_probes;             /* the preset's own if < 0; probes of enrolled people, in all */
     int frames_per_visit;     /* the preset's own if < 1 */
     int n_sessions;           /* of every person of "landmarks"; the preset's own if < 0 */
-    int n_per_kind;           /* of "attacks"; the preset's own if < 0 */
+    int n_per_kind;           /* of "attacks", "not-faces"; the preset's own if < 0 */
     double pose_limit_rad;    /* of "landmarks" */
     double noise_scale;       /* of the sensor's random errors; the preset's own if < 0 */
     double identity_variance; /* 1; 0.36: people who look alike */

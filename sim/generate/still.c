@@ -26,10 +26,10 @@ void sim_still_done(struct sim_still *still)
 }
 
 int sim_still_add_person(struct sim_still *still, const struct sim_ict *ict, const char *crowd,
-                         const struct sim_stance *stance, struct sim_random *random)
+                         bool hair, const struct sim_stance *stance, struct sim_random *random)
 {
     struct sim_person person = sim_person_draw(crowd, sim_random_u64(random), 0, 1.0);
-    struct sim_sitter_options options = {.hair = true, .torso = true};
+    struct sim_sitter_options options = {.hair = hair, .torso = true};
     still->stance = *stance;
     (void)sim_expression_draw(ict, SIM_NEUTRAL, random, still->stance.expression);
     return sim_sitter_new(ict, &person, &options, random, &still->person);

@@ -18,10 +18,10 @@ int sim_still_init(struct sim_still *still, bool wall, struct sim_random *random
     __attribute__((warn_unused_result));
 void sim_still_done(struct sim_still *still);
 
-/* Puts somebody of another population (`crowd`: its name) into the scene, with a resting face, hair
- * and clothes. The stance but for the expression is the caller's. -ENOMEM. */
+/* Puts somebody of another population (`crowd`: its name) into the scene, with a resting face,
+ * clothes, and hair or a shorn head. The stance but for the expression is the caller's. -ENOMEM. */
 int sim_still_add_person(struct sim_still *still, const struct sim_ict *ict, const char *crowd,
-                         const struct sim_stance *stance, struct sim_random *random)
+                         bool hair, const struct sim_stance *stance, struct sim_random *random)
     __attribute__((warn_unused_result));
 
 /* Draws it; `scene` is a struct sim_still. No ground truth. */
