@@ -6,8 +6,8 @@
 enum {
     TUBE_AROUND = 17,
     CAP_RINGS = 5, /* of half a sphere at either end of a tube */
-    ELLIPSOID_ROWS = 25,
-    ELLIPSOID_COLUMNS = 41,
+    ELLIPSOID_ROWS = 49,
+    ELLIPSOID_COLUMNS = 97,
     JOINTS_MAX = 16,
 };
 

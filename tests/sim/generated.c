@@ -1,5 +1,6 @@
 #include "tests/sim/generated.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -58,4 +59,35 @@ bool generated_same(const char *a, const char *b, const char *file)
     free(bytes_a);
     free(bytes_b);
     return same;
+}
+
+struct iso_vec3 generated_point(const struct iso_frame *frame, int column, int row)
+{
+    double z = (double)iso_frame_depth_at(frame, column, row);
+    return iso_vec3((column - frame->camera.cx_px) * z / frame->camera.fx_px,
+                    (row - frame->camera.cy_px) * z / frame->camera.fy_px, z);
+}
+
+void generated_solve(double a[6][7], int n)
+{
+    for (int i = 0; i < n; i++) {
+        int best = i;
+        for (int r = i + 1; r < n; r++) {
+            best = fabs(a[r][i]) > fabs(a[best][i]) ? r : best;
+        }
+        for (int c = 0; c < 7; c++) {
+            double swap = a[i][c];
+            a[i][c] = a[best][c];
+            a[best][c] = swap;
+        }
+        for (int r = 0; r < n; r++) {
+            double f = r == i ? 0.0 : a[r][i] / a[i][i];
+            for (int c = i; c < 7 && f != 0.0; c++) {
+                a[r][c] -= f * a[i][c];
+            }
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        a[i][6] /= a[i][i];
+    }
 }

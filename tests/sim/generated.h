@@ -19,4 +19,10 @@ struct iso_frame *generated_frame(const char *directory, const char *recording, 
 /* Whether two corpora have the same bytes in one file. */
 bool generated_same(const char *a, const char *b, const char *file);
 
+/* The point that a pixel of a pinhole camera's frame measures; z 0 if it does not. */
+struct iso_vec3 generated_point(const struct iso_frame *frame, int column, int row);
+
+/* Solves n <= 6 linear equations: a[i][0..n-1] x = a[i][6]; x comes out as a[i][6]. */
+void generated_solve(double a[6][7], int n);
+
 #endif

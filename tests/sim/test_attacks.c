@@ -208,37 +208,6 @@ struct surface {
     int n;
 };
 
-static struct iso_vec3 point_at(const struct iso_frame *frame, int column, int row)
-{
-    double z = (double)iso_frame_depth_at(frame, column, row);
-    return iso_vec3((column - frame->camera.cx_px) * z / frame->camera.fx_px,
-                    (row - frame->camera.cy_px) * z / frame->camera.fy_px, z);
-}
-
-static void solve(double a[6][7], int n)
-{
-    for (int i = 0; i < n; i++) {
-        int best = i;
-        for (int r = i + 1; r < n; r++) {
-            best = fabs(a[r][i]) > fabs(a[best][i]) ? r : best;
-        }
-        for (int c = 0; c < 7; c++) {
-            double swap = a[i][c];
-            a[i][c] = a[best][c];
-            a[best][c] = swap;
-        }
-        for (int r = 0; r < n; r++) {
-            double f = r == i ? 0.0 : a[r][i] / a[i][i];
-            for (int c = i; c < 7 && f != 0.0; c++) {
-                a[r][c] -= f * a[i][c];
-            }
-        }
-    }
-    for (int i = 0; i < n; i++) {
-        a[i][6] /= a[i][i];
-    }
-}
-
 static struct surface fit_middle(const struct iso_frame *frame, int half_px, bool curved)
 {
     int n = curved ? 6 : 3, u0 = frame->width_px / 2, v0 = frame->height_px / 2;
@@ -247,8 +216,8 @@ static struct surface fit_middle(const struct iso_frame *frame, int half_px, boo
     assert_true(s.middle_z_mm > 0.0);
     for (int pass = 0; pass < 2; pass++) {
         for (int i = 0; i < (2 * half_px + 1) * (2 * half_px + 1); i++) {
-            struct iso_vec3 p = point_at(frame, u0 - half_px + i % (2 * half_px + 1),
-                                         v0 - half_px + i / (2 * half_px + 1));
+            struct iso_vec3 p = generated_point(frame, u0 - half_px + i % (2 * half_px + 1),
+                                                v0 - half_px + i / (2 * half_px + 1));
             double z = p.z - s.middle_z_mm,
                    terms[6] = {1, p.x, p.y, p.x * p.x, p.x * p.y, p.y * p.y};
             for (int r = 0; pass == 0 && p.z > 0.0 && r < n; r++) {
@@ -266,7 +235,7 @@ static struct surface fit_middle(const struct iso_frame *frame, int half_px, boo
             }
         }
         if (pass == 0) {
-            solve(a, n);
+            generated_solve(a, n);
             for (int r = 0; r < n; r++) {
                 s.k[r] = a[r][6];
             }
@@ -348,7 +317,7 @@ static double breadth_mm(const struct iso_frame *frame)
     for (int row = 0; row < frame->height_px / 2; row++) {
         double least = 1e9, most = -1e9;
         for (int column = 0; column < frame->width_px; column++) {
-            struct iso_vec3 p = point_at(frame, column, row);
+            struct iso_vec3 p = generated_point(frame, column, row);
             if (p.z > 0.0 && p.z < 1150.0) {
                 least = fmin(least, p.x);
                 most = fmax(most, p.x);
