@@ -9,6 +9,7 @@
 
 #include "sim/commands.h"
 #include "sim/generate/generate.h"
+#include "sim/options.h"
 
 enum option_id {
     OPTION_ICT = 1,
@@ -17,6 +18,9 @@ enum option_id {
     OPTION_PEOPLE,
     OPTION_STRANGERS,
     OPTION_PROBES,
+    OPTION_SESSIONS,
+    OPTION_PER_KIND,
+    OPTION_POSE_LIMIT,
     OPTION_POPULATION,
     OPTION_SEED,
     OPTION_FRAMES,
@@ -33,6 +37,9 @@ static const struct option options[] = {
     {"people", required_argument, NULL, OPTION_PEOPLE},
     {"strangers", required_argument, NULL, OPTION_STRANGERS},
     {"probes", required_argument, NULL, OPTION_PROBES},
+    {"sessions", required_argument, NULL, OPTION_SESSIONS},
+    {"per-kind", required_argument, NULL, OPTION_PER_KIND},
+    {"pose-limit", required_argument, NULL, OPTION_POSE_LIMIT},
     {"population", required_argument, NULL, OPTION_POPULATION},
     {"seed", required_argument, NULL, OPTION_SEED},
     {"frames-per-visit", required_argument, NULL, OPTION_FRAMES},
@@ -52,16 +59,26 @@ static void print_help(void)
          "  --ict DIR                the ICT-FaceKit head model (mean.npy and so on)\n"
          "  --out DIR                the corpus to write; recordings in it must not exist yet\n"
          "  --preset NAME            mild (default), strong, crowd (mild, with somebody\n"
-         "                           behind), texas, or stored: the project's own corpus,\n"
-         "                           which takes only --sensor and --seed\n"
+         "                           behind), texas, landmarks (strong, noisy, turned, every\n"
+         "                           person several times), attacks (photographs, screens,\n"
+         "                           masks, and people to compare), not-faces (backs of\n"
+         "                           heads, hands, walls, chairs, ...), or stored: the\n"
+         "                           project's own corpus, which takes only --sensor and\n"
+         "                           --seed\n"
          "  --sensor NAME            default: the preset's\n"
-         "  --people N               enrolled people, each with one neutral session\n"
+         "  --people N               enrolled people, each with one neutral session;\n"
+         "                           landmarks: people\n"
          "  --probes K               later sessions of enrolled people, in all\n"
          "  --strangers M            people who are not enrolled, with one session each\n"
-         "  --frames-per-visit F     frames of every session (1)\n"
+         "  --sessions N             landmarks: sessions of every person (24)\n"
+         "  --pose-limit DEGREES     landmarks: yaw and pitch cover a disc of this radius,\n"
+         "                           flattened to 0.7 in pitch (35)\n"
+         "  --per-kind N             attacks, not-faces: rows of every kind (300, 200)\n"
+         "  --frames-per-visit F     frames of every session (1); attacks: of what is\n"
+         "                           shown for a while (15)\n"
          "  --population NAME        people of different populations are different (test)\n"
          "  --seed S                 (1)\n"
-         "  --noise-scale X          factor on the sensor's random errors (1)\n"
+         "  --noise-scale X          factor on the sensor's random errors (1; landmarks 2.5)\n"
          "  --identity-variance X    spread of the people; 0.36: they look alike (1)\n"
          "\n"
          "Sensors:");
@@ -137,6 +154,12 @@ static bool take_option(enum option_id option, const char *value, struct sim_gen
         return parse_count(value, &to->frames_per_visit);
     case OPTION_NOISE:
         return parse_factor(value, &to->noise_scale);
+    case OPTION_SESSIONS:
+        return parse_count(value, &to->n_sessions);
+    case OPTION_PER_KIND:
+        return parse_count(value, &to->n_per_kind);
+    case OPTION_POSE_LIMIT:
+        return sim_option_degrees(value, &to->pose_limit_rad) == 0;
     case OPTION_VARIANCE:
         return parse_factor(value, &to->identity_variance);
     case OPTION_SEED:

@@ -1,64 +1,31 @@
 #include "sim/generate/generate.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "sim/generate/attacks.h"
+#include "sim/generate/not_faces.h"
 #include "sim/generate/session.h"
 #include "sim/generate/stored.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
+struct job;
+
 struct preset {
     const char *name;
+    /* Records all of it. */
+    int (*record)(struct job *job, struct iso_fault *fault);
     const struct sim_sensor *sensor;
     enum sim_expression expression; /* of probes and strangers; the gallery is neutral */
     struct sim_pose_range gallery_pose, probe_pose;
-    int n_people, n_strangers, n_probes, frames_per_visit;
-    bool bystander; /* in visits */
-};
-
-static const struct preset presets[] = {
-    {"mild",
-     &sim_sensor_astra,
-     SIM_MILD,
-     {DEGREES(3), 0},
-     {0, DEGREES(10)},
-     100,
-     100,
-     200,
-     1,
-     false},
-    {"strong",
-     &sim_sensor_astra,
-     SIM_STRONG,
-     {DEGREES(3), 0},
-     {0, DEGREES(15)},
-     100,
-     100,
-     200,
-     1,
-     false},
-    {"crowd",
-     &sim_sensor_astra,
-     SIM_MILD,
-     {DEGREES(3), 0},
-     {0, DEGREES(10)},
-     100,
-     100,
-     200,
-     1,
-     true},
-    {"texas",
-     &sim_sensor_texas,
-     SIM_MILD,
-     {DEGREES(2), 0},
-     {0, DEGREES(5)},
-     100,
-     100,
-     200,
-     1,
-     false},
+    int n_people, n_strangers, n_probes, n_sessions, n_per_kind, frames_per_visit;
+    double noise_scale;
+    int png_level;
+    bool bystander;   /* in visits */
+    bool instruments; /* a sensor that sees nothing but skin is of no use */
 };
 
 struct job {
@@ -67,6 +34,77 @@ struct job {
     const struct sim_sensor *sensor;
     struct sim_ict *ict;
     struct sim_studio *studio;
+};
+
+static int record_visits(struct job *job, struct iso_fault *fault);
+static int record_repeats(struct job *job, struct iso_fault *fault);
+static int record_attacks(struct job *job, struct iso_fault *fault);
+static int record_not_faces(struct job *job, struct iso_fault *fault);
+static int record_stored(struct job *job, struct iso_fault *fault);
+
+/* What presets of visits have in common. */
+#define VISITS                                                                     \
+    .record = record_visits, .n_people = 100, .n_strangers = 100, .n_probes = 200, \
+    .frames_per_visit = 1, .noise_scale = 1.0, .png_level = 4
+
+static const struct preset presets[] = {
+    {.name = "mild",
+     VISITS,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_MILD,
+     .gallery_pose = {DEGREES(3), 0, 0},
+     .probe_pose = {0, DEGREES(10), 0}},
+    {.name = "strong",
+     VISITS,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_STRONG,
+     .gallery_pose = {DEGREES(3), 0, 0},
+     .probe_pose = {0, DEGREES(15), 0}},
+    {.name = "crowd",
+     VISITS,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_MILD,
+     .gallery_pose = {DEGREES(3), 0, 0},
+     .probe_pose = {0, DEGREES(10), 0},
+     .bystander = true},
+    {.name = "texas",
+     VISITS,
+     .sensor = &sim_sensor_texas,
+     .expression = SIM_MILD,
+     .gallery_pose = {DEGREES(2), 0, 0},
+     .probe_pose = {0, DEGREES(5), 0}},
+    {.name = "landmarks",
+     .record = record_repeats,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_STRONG,
+     .probe_pose = {0, DEGREES(15), 0}, /* and the disc that the options give */
+     .n_people = 100,
+     .n_sessions = 24, /* over 600 of 2400 lie beyond 25 degrees */
+     .frames_per_visit = 1,
+     .noise_scale = 2.5,
+     .png_level = 4},
+    {.name = "attacks",
+     .record = record_attacks,
+     .sensor = &sim_sensor_astra,
+     .n_people = 100,
+     .n_per_kind = 300,
+     .frames_per_visit = 15,
+     .noise_scale = 1.0,
+     .png_level = 4,
+     .instruments = true},
+    {.name = "not-faces",
+     .record = record_not_faces,
+     .sensor = &sim_sensor_astra,
+     .n_per_kind = 200,
+     .noise_scale = 1.0,
+     .png_level = 4,
+     .instruments = true},
+    {.name = "stored",
+     .record = record_stored,
+     .sensor = &sim_sensor_astra,
+     .noise_scale = 1.0,
+     .png_level = 9,
+     .instruments = true},
 };
 
 struct sim_generate_options sim_generate_options_default(void)
@@ -78,10 +116,24 @@ struct sim_generate_options sim_generate_options_default(void)
         .n_people = -1,
         .n_strangers = -1,
         .n_probes = -1,
+        .n_sessions = -1,
+        .n_per_kind = -1,
+        .pose_limit_rad = DEGREES(35),
         .frames_per_visit = 0,
-        .noise_scale = 1.0,
+        .noise_scale = -1.0,
         .identity_variance = 1.0,
     };
+}
+
+static int count_or(int given, int otherwise)
+{
+    return given >= 0 ? given : otherwise;
+}
+
+static int frames_of(const struct job *job)
+{
+    int given = job->options->frames_per_visit;
+    return given > 0 ? given : job->preset->frames_per_visit;
 }
 
 /* One session of person `index`; the number of the session makes its name and its randomness. */
@@ -90,16 +142,19 @@ static int record(struct job *job, char letter, int index, int session, enum sim
 {
     const struct sim_generate_options *o = job->options;
     const struct preset *preset = job->preset;
-    int frames = o->frames_per_visit > 0 ? o->frames_per_visit : preset->frames_per_visit;
     bool gallery = role == SIM_ROLE_GALLERY;
     struct sim_session_plan plan = {
-        .row = {.role = role, .count = (size_t)frames},
+        .row = {.role = role, .count = (size_t)frames_of(job)},
         .person = sim_person_draw(o->population, o->seed, (uint32_t)index, o->identity_variance),
         .expression = gallery ? SIM_NEUTRAL : preset->expression,
         .pose = gallery ? preset->gallery_pose : preset->probe_pose,
+        .sway = 1.0,
         .bystander = !gallery && preset->bystander,
         .open_hall = !gallery && preset->bystander, /* a wall might stand before the bystander */
     };
+    if (preset->record == record_repeats) {
+        plan.pose.disc_rad = o->pose_limit_rad;
+    }
     (void)snprintf(plan.row.subject, sizeof plan.row.subject, "%c%04d", letter, index);
     (void)snprintf(plan.row.session, sizeof plan.row.session, "s%d", session);
     plan.random = sim_random_seeded(plan.person.key, sim_random_hash(preset->name),
@@ -107,12 +162,8 @@ static int record(struct job *job, char letter, int index, int session, enum sim
     return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
 }
 
-static int count_or(int given, int otherwise)
-{
-    return given >= 0 ? given : otherwise;
-}
-
-static int record_all(struct job *job, struct iso_fault *fault)
+/* A neutral session of everybody who is enrolled, later ones of them, and strangers. */
+static int record_visits(struct job *job, struct iso_fault *fault)
 {
     int people = count_or(job->options->n_people, job->preset->n_people);
     int strangers = count_or(job->options->n_strangers, job->preset->n_strangers);
@@ -130,6 +181,44 @@ static int record_all(struct job *job, struct iso_fault *fault)
     return error;
 }
 
+/* The same sessions of everybody, and nobody enrolled. */
+static int record_repeats(struct job *job, struct iso_fault *fault)
+{
+    int people = count_or(job->options->n_people, job->preset->n_people);
+    int sessions = count_or(job->options->n_sessions, job->preset->n_sessions);
+    int error = 0;
+    for (int i = 0; error == 0 && i < people * sessions; i++) {
+        error = record(job, 'p', i / sessions, 1 + i % sessions, SIM_ROLE_PROBE, fault);
+    }
+    return error;
+}
+
+static int record_attacks(struct job *job, struct iso_fault *fault)
+{
+    const struct sim_generate_options *o = job->options;
+    struct sim_attacks_plan plan = {
+        .population = o->population,
+        .seed = o->seed,
+        .identity_variance = o->identity_variance,
+        .n_people = count_or(o->n_people, job->preset->n_people),
+        .per_kind = count_or(o->n_per_kind, job->preset->n_per_kind),
+        .frames = frames_of(job),
+    };
+    return sim_attacks_record(job->studio, job->ict, job->sensor, &plan, fault);
+}
+
+static int record_not_faces(struct job *job, struct iso_fault *fault)
+{
+    int per_kind = count_or(job->options->n_per_kind, job->preset->n_per_kind);
+    return sim_not_faces_record(job->studio, job->ict, job->sensor, job->options->seed, per_kind,
+                                fault);
+}
+
+static int record_stored(struct job *job, struct iso_fault *fault)
+{
+    return sim_stored_record(job->studio, job->ict, job->sensor, job->options->seed, fault);
+}
+
 static const struct preset *find_preset(const char *name)
 {
     for (size_t i = 0; i < sizeof presets / sizeof *presets; i++) {
@@ -140,18 +229,38 @@ static const struct preset *find_preset(const char *name)
     return NULL;
 }
 
-static int check(const struct sim_generate_options *o, struct iso_fault *fault)
+static int check_counts(const struct sim_generate_options *o, struct iso_fault *fault)
 {
-    if (!find_preset(o->preset) && strcmp(o->preset, "stored") != 0) {
-        return iso_fault_set(fault, -EINVAL, "unknown preset '%s'", o->preset);
-    }
     if (o->n_people == 0 || o->n_people > 9999 || o->n_strangers > 9999 || o->n_probes > 99999 ||
         o->frames_per_visit > 999) {
         return iso_fault_set(fault, -EINVAL, "number of people, probes or frames out of range");
     }
-    if (!(o->noise_scale >= 0.0 && o->noise_scale <= 100.0) ||
+    if (o->n_sessions == 0 || o->n_sessions > 9999 || o->n_per_kind == 0 || o->n_per_kind > 9999) {
+        return iso_fault_set(fault, -EINVAL, "number of sessions or of a kind out of range");
+    }
+    return 0;
+}
+
+static int check(const struct sim_generate_options *o, struct iso_fault *fault)
+{
+    const struct preset *preset = find_preset(o->preset);
+    if (!preset) {
+        return iso_fault_set(fault, -EINVAL, "unknown preset '%s'", o->preset);
+    }
+    int error = check_counts(o, fault);
+    if (error != 0) {
+        return error;
+    }
+    if (isnan(o->noise_scale) || o->noise_scale > 100.0 ||
         !(o->identity_variance >= 0.0 && o->identity_variance <= 100.0)) {
         return iso_fault_set(fault, -EINVAL, "noise scale or identity variance outside 0..100");
+    }
+    if (!(o->pose_limit_rad > 0.0 && o->pose_limit_rad <= DEGREES(90))) {
+        return iso_fault_set(fault, -EINVAL, "pose limit outside 0..90 degrees");
+    }
+    if (preset->instruments && o->sensor && o->sensor->face_only) {
+        return iso_fault_set(fault, -EINVAL, "sensor %s sees nothing but faces: useless for %s",
+                             o->sensor->name, preset->name);
     }
     return 0;
 }
@@ -163,18 +272,21 @@ int sim_generate(const struct sim_generate_options *options, struct iso_fault *f
         return error;
     }
     struct job job = {.options = options, .preset = find_preset(options->preset)};
-    const struct sim_sensor *own = job.preset ? job.preset->sensor : &sim_sensor_astra;
-    job.sensor = options->sensor ? options->sensor : own;
+    double noise_scale = options->noise_scale;
+    job.sensor = options->sensor ? options->sensor : job.preset->sensor;
     error = sim_ict_load(options->ict_directory, &job.ict, fault);
     if (error == 0) {
-        struct sim_studio_options studio = {job.ict, job.sensor, options->directory,
-                                            options->noise_scale, job.preset ? 4 : 9};
+        struct sim_studio_options studio = {
+            .ict = job.ict,
+            .sensor = job.sensor,
+            .directory = options->directory,
+            .noise_scale = noise_scale >= 0.0 ? noise_scale : job.preset->noise_scale,
+            .png_level = job.preset->png_level,
+        };
         error = sim_studio_new(&studio, &job.studio, fault);
     }
     if (error == 0) {
-        error = job.preset
-                    ? record_all(&job, fault)
-                    : sim_stored_record(job.studio, job.ict, job.sensor, options->seed, fault);
+        error = job.preset->record(&job, fault);
     }
     if (error == 0) {
         error = sim_studio_finish(job.studio, fault);

@@ -7,22 +7,27 @@
 
 struct sim_generate_options {
     const char *ict_directory, *directory;
-    const char *preset;              /* "mild", "strong", "crowd", "texas", "stored" */
+    const char *preset;              /* "mild", "strong", "crowd", "texas", "landmarks", "attacks",
+                                      * "not-faces", "stored" */
     const struct sim_sensor *sensor; /* NULL: the preset's own */
     const char *population;
     uint64_t seed;
     int n_people, n_strangers,
         n_probes;             /* the preset's own if < 0; probes of enrolled people, in all */
     int frames_per_visit;     /* the preset's own if < 1 */
-    double noise_scale;       /* of the sensor's random errors: 1 */
+    int n_sessions;           /* of every person of "landmarks"; the preset's own if < 0 */
+    int n_per_kind;           /* of "attacks", "not-faces"; the preset's own if < 0 */
+    double pose_limit_rad;    /* of "landmarks" */
+    double noise_scale;       /* of the sensor's random errors; the preset's own if < 0 */
     double identity_variance; /* 1; 0.36: people who look alike */
 };
 
 struct sim_generate_options sim_generate_options_default(void);
 
 /* Renders the corpus: the same options make the same bytes. -EINVAL with *fault for an unknown
- * preset or counts out of range (1..9999 people, at most 999 frames a visit), or errors of the head
- * model and of writing. */
+ * preset, counts out of range (1..9999 people, sessions and rows a kind, at most 999 frames a
+ * visit), or a sensor that sees nothing but skin and a preset with instruments; or errors of the
+ * head model and of writing. */
 int sim_generate(const struct sim_generate_options *options, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

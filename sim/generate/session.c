@@ -8,6 +8,7 @@
 /* How a standing person moves between frames (33 ms), per axis: a slow drift plus tremor. */
 static const double drift_rad = 0.008, drift_mm = 1.5, drift_expression = 0.01;
 static const double off_axis_mm = 40.0;
+static const double disc_flattening = 0.7;
 
 struct scene {
     struct sim_sitter *sitter;
@@ -16,6 +17,7 @@ struct scene {
     struct sim_stance bystander_stance;
     struct sim_stance stance;
     struct iso_vec3 turn_rad, step_mm; /* the session's drift per frame */
+    double sway;
     uint32_t n_expression;
     struct sim_random random;
 };
@@ -28,6 +30,21 @@ static double draw_angle(const struct sim_pose_range *range, struct sim_random *
     return sim_random_between(random, -range->limit_rad, range->limit_rad);
 }
 
+/* Yaw and pitch over the disc: uniform in area, by its radius and angle. */
+static void draw_direction(const struct sim_pose_range *range, struct sim_random *random,
+                           struct sim_stance *stance)
+{
+    if (range->disc_rad > 0.0) {
+        double radius = range->disc_rad * sqrt(sim_random_unit(random));
+        double angle = sim_random_between(random, 0.0, 6.283185307179586);
+        stance->yaw_rad = radius * cos(angle);
+        stance->pitch_rad = disc_flattening * radius * sin(angle);
+    } else {
+        stance->yaw_rad = draw_angle(range, random);
+        stance->pitch_rad = draw_angle(range, random);
+    }
+}
+
 static struct iso_vec3 draw_vector(double sd, struct sim_random *random)
 {
     double x = sd * sim_random_normal(random), y = sd * sim_random_normal(random);
@@ -38,8 +55,7 @@ static void draw_stance(const struct sim_session_plan *plan, const struct sim_se
                         struct sim_random *random, struct sim_stance *stance)
 {
     double off_axis = sensor->face_only ? 0.1 * off_axis_mm : off_axis_mm;
-    stance->yaw_rad = draw_angle(&plan->pose, random);
-    stance->pitch_rad = draw_angle(&plan->pose, random);
+    draw_direction(&plan->pose, random, stance);
     stance->roll_rad = draw_angle(&plan->pose, random);
     stance->nose_mm.x = sim_random_between(random, -off_axis, off_axis);
     stance->nose_mm.y = sim_random_between(random, -off_axis, off_axis);
@@ -52,14 +68,14 @@ static void draw_stance(const struct sim_session_plan *plan, const struct sim_se
 static void move_on(struct scene *scene)
 {
     struct sim_stance *stance = &scene->stance;
-    struct iso_vec3 tremor = draw_vector(0.3 * drift_rad, &scene->random);
+    struct iso_vec3 tremor = draw_vector(scene->sway * 0.3 * drift_rad, &scene->random);
     stance->yaw_rad += scene->turn_rad.x + tremor.x;
     stance->pitch_rad += scene->turn_rad.y + tremor.y;
     stance->roll_rad += 0.5 * (scene->turn_rad.z + tremor.z);
     stance->nose_mm = iso_add(stance->nose_mm, scene->step_mm);
     for (uint32_t i = 0; i < scene->n_expression; i++) {
         double weight = stance->expression[i] *
-                        (1.0 + drift_expression * sim_random_normal(&scene->random));
+                        (1.0 + scene->sway * drift_expression * sim_random_normal(&scene->random));
         stance->expression[i] = fmin(weight, 1.0);
     }
 }
@@ -94,7 +110,7 @@ static struct sim_corpus_row row_of(const struct sim_session_plan *plan,
     struct sim_corpus_row row = plan->row;
     (void)snprintf(row.recording, sizeof row.recording, "%.40s-%.20s", plan->row.subject,
                    plan->row.session);
-    if (row.note[0] == '\0') {
+    if (strcmp(row.subject, "none") != 0) {
         (void)snprintf(row.pose, sizeof row.pose, "y%+03.0fp%+03.0fr%+03.0f",
                        degrees(stance->yaw_rad), degrees(stance->pitch_rad),
                        degrees(stance->roll_rad));
@@ -131,8 +147,9 @@ static int prepare(struct scene *scene, const struct sim_ict *ict, const struct 
     if (error == 0 && plan->bystander) {
         error = add_bystander(scene, ict);
     }
-    scene->turn_rad = draw_vector(drift_rad, &scene->random);
-    scene->step_mm = draw_vector(drift_mm, &scene->random);
+    scene->sway = plan->sway;
+    scene->turn_rad = draw_vector(plan->sway * drift_rad, &scene->random);
+    scene->step_mm = draw_vector(plan->sway * drift_mm, &scene->random);
     scene->n_expression = ict->n_expression;
     return error;
 }
@@ -151,7 +168,9 @@ int sim_session_record(struct sim_studio *studio, const struct sim_ict *ict,
         (void)iso_fault_set(fault, error, "%s: %s", row.recording, strerror(-error));
     } else {
         struct sim_random noise = sim_random_seeded(sim_random_u64(&scene.random), 1, 0);
-        error = sim_studio_record(studio, &row, draw_scene, &scene, &noise, fault);
+        error = plan->frozen
+                    ? sim_studio_record_frozen(studio, &row, draw_scene, &scene, &noise, fault)
+                    : sim_studio_record(studio, &row, draw_scene, &scene, &noise, fault);
     }
     sim_sitter_free(scene.sitter);
     sim_sitter_free(scene.bystander);

@@ -6,10 +6,12 @@
 #include "sim/face/expression.h"
 #include "sim/generate/studio.h"
 
-/* How a session's pose is drawn: each of yaw, pitch and roll normal or uniform. */
+/* How a session's pose is drawn: each of yaw, pitch and roll normal or uniform; or yaw and pitch
+ * together, uniform over a disc that is flattened in pitch, and roll uniform. */
 struct sim_pose_range {
     double sd_rad;    /* normal with this standard deviation, if > 0 */
     double limit_rad; /* else uniform within +- this */
+    double disc_rad;  /* if > 0, the disc's radius instead, in yaw; limit_rad is that of roll */
 };
 
 struct sim_session_plan {
@@ -19,13 +21,17 @@ struct sim_session_plan {
     struct sim_pose_range pose;
     bool open_hall;      /* no wall within the sensor's range (never one if it is for faces only) */
     double body_yaw_rad; /* pi shows the back of the head */
+    double sway;         /* how much of a session's usual motion there is from frame to frame: 1
+                            shifts from foot to foot, 0.1 stands as still as people can, 0 is a statue */
+    bool frozen;         /* the first frame is repeated bit by bit */
     bool bystander;      /* somebody else stands behind and beside the person */
     struct iso_vec3 offset_mm; /* added to the position: a face cut by the image border */
     struct sim_random random;  /* everything that happens in the session */
 };
 
-/* Records the session as SUBJECT-SESSION. Fills in row.recording, and pose and expression unless
- * the row has a note. Errors of sim_studio_record. */
+/* Records the session as SUBJECT-SESSION. Fills in row.recording, and for a row of a person
+ * (subject not `none`) pose, "y+12p-03r+05": yaw, pitch and roll in degrees, and expression. Errors
+ * of sim_studio_record. */
 int sim_session_record(struct sim_studio *studio, const struct sim_ict *ict,
                        const struct sim_sensor *sensor, const struct sim_session_plan *plan,
                        struct iso_fault *fault) __attribute__((warn_unused_result));

@@ -88,33 +88,50 @@ static int write_landmarks(struct sim_recording_writer *writer, const struct sim
     return error;
 }
 
-static int record_frame(struct sim_studio *studio, struct sim_recording_writer *writer, int index,
-                        sim_draw_frame *draw, void *scene, struct sim_random *random,
-                        struct iso_fault *fault)
+/* What is recorded, and how. */
+struct take {
+    sim_draw_frame *draw;
+    void *scene;
+    struct sim_random *random;
+    bool frozen;
+    struct sim_truth truth; /* of the frame that was measured last */
+    bool truth_known;
+};
+
+static int measure_frame(struct sim_studio *studio, struct take *take, int index,
+                         struct iso_fault *fault)
 {
-    struct sim_truth truth;
-    bool truth_known = false;
+    take->truth_known = false;
     sim_view_clear(studio->view);
-    int error = draw(scene, index, studio->view, &truth, &truth_known);
+    int error = take->draw(take->scene, index, studio->view, &take->truth, &take->truth_known);
     if (error != 0) {
         return iso_fault_set(fault, error, "frame %d: cannot be drawn: %s", index,
                              strerror(-error));
     }
     sim_view_finish(studio->view);
-    sim_sensor_measure(studio->options.sensor, studio->view, studio->options.noise_scale, random,
-                       studio->workspace, studio->frame);
+    sim_sensor_measure(studio->options.sensor, studio->view, studio->options.noise_scale,
+                       take->random, studio->workspace, studio->frame);
+    return 0;
+}
+
+static int record_frame(struct sim_studio *studio, struct sim_recording_writer *writer,
+                        struct take *take, int index, struct iso_fault *fault)
+{
+    int error = take->frozen && index > 0 ? 0 : measure_frame(studio, take, index, fault);
+    if (error != 0) {
+        return error;
+    }
     studio->frame->sequence = (uint64_t)index;
     studio->frame->t_ns = index * frame_period_ns;
     error = sim_recording_writer_append(writer, studio->frame, fault);
-    if (error == 0 && truth_known) {
-        error = write_landmarks(writer, &truth, fault);
+    if (error == 0 && take->truth_known) {
+        error = write_landmarks(writer, &take->truth, fault);
     }
     return error;
 }
 
-int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *row,
-                      sim_draw_frame *draw, void *scene, struct sim_random *random,
-                      struct iso_fault *fault)
+static int record(struct sim_studio *studio, const struct sim_corpus_row *row, struct take *take,
+                  struct iso_fault *fault)
 {
     const struct sim_sensor *sensor = studio->options.sensor;
     struct iso_recording_meta meta = {.camera = sensor->camera, .unit_mm = sensor->unit_mm};
@@ -124,7 +141,7 @@ int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *ro
     struct sim_recording_writer *writer = NULL;
     int error = sim_recording_writer_create(path, &meta, studio->options.png_level, &writer, fault);
     for (int i = 0; error == 0 && i < (int)row->count; i++) {
-        error = record_frame(studio, writer, i, draw, scene, random, fault);
+        error = record_frame(studio, writer, take, i, fault);
     }
     if (error == 0) {
         error = sim_recording_writer_finish(writer, fault);
@@ -134,6 +151,22 @@ int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *ro
     }
     sim_recording_writer_free(writer);
     return error;
+}
+
+int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *row,
+                      sim_draw_frame *draw, void *scene, struct sim_random *random,
+                      struct iso_fault *fault)
+{
+    struct take take = {.draw = draw, .scene = scene, .random = random};
+    return record(studio, row, &take, fault);
+}
+
+int sim_studio_record_frozen(struct sim_studio *studio, const struct sim_corpus_row *row,
+                             sim_draw_frame *draw, void *scene, struct sim_random *random,
+                             struct iso_fault *fault)
+{
+    struct take take = {.draw = draw, .scene = scene, .random = random, .frozen = true};
+    return record(studio, row, &take, fault);
 }
 
 int sim_studio_finish(struct sim_studio *studio, struct iso_fault *fault)

@@ -37,6 +37,12 @@ int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *ro
                       sim_draw_frame *draw, void *scene, struct sim_random *random,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* The same, but the first frame is measured and all others repeat it bit by bit, as somebody would
+ * who feeds a stored frame to the appliance. */
+int sim_studio_record_frozen(struct sim_studio *studio, const struct sim_corpus_row *row,
+                             sim_draw_frame *draw, void *scene, struct sim_random *random,
+                             struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Writes the manifest. */
 int sim_studio_finish(struct sim_studio *studio, struct iso_fault *fault)
     __attribute__((warn_unused_result));

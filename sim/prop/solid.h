@@ -2,6 +2,7 @@
 #ifndef SIM_PROP_SOLID_H
 #define SIM_PROP_SOLID_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "core/math/vec.h"
@@ -34,6 +35,27 @@ int sim_solid_rectangle(double width_mm, double height_mm, double bend_radius_mm
 /* A box of the given size about the origin. -EINVAL, -ENOMEM. */
 int sim_solid_box(struct iso_vec3 size_mm, enum sim_material material, struct sim_solid **out)
     __attribute__((warn_unused_result));
+
+/* A point of a polyline and how thick a tube along it is there. */
+struct sim_joint {
+    struct iso_vec3 at_mm;
+    double radius_mm;
+};
+
+/* A tube along a polyline of 2 to 16 joints that are not at the same place, its radius running from
+ * joint to joint, half a sphere at either end: a finger, an arm, a pole. -EINVAL, -ENOMEM. */
+int sim_solid_tube(const struct sim_joint *joints, size_t n_joints, enum sim_material material,
+                   struct sim_solid **out) __attribute__((warn_unused_result));
+
+/* A superellipsoid about the origin with the given half axes (A. H. Barr, "Superquadrics and
+ * angle-preserving transformations", 1981): both exponents are `roundness`, 1 an ellipsoid, towards
+ * 0 a box. -EINVAL for a half axis that is not positive or a roundness outside (0, 1], -ENOMEM. */
+int sim_solid_superellipsoid(struct iso_vec3 half_mm, double roundness, enum sim_material material,
+                             struct sim_solid **out) __attribute__((warn_unused_result));
+
+/* Gives an open surface, counter-clockwise seen from outside, a second one `shell_mm` inside it,
+ * and walls along its borders. -ENOMEM; the solid is then as it was. */
+int sim_solid_thicken(struct sim_solid *solid, double shell_mm) __attribute__((warn_unused_result));
 
 /* Moves the vertices. */
 void sim_solid_move(struct sim_solid *solid, const struct iso_rigid *to_from);

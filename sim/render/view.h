@@ -17,6 +17,9 @@ enum sim_material {
     SIM_CLOTH,
     SIM_WALL,
     SIM_PAPER,
+    SIM_PLASTIC,
+    SIM_GLASS,  /* of a display: what scatters back is little and comes from somewhat behind */
+    SIM_MIRROR, /* seen, but nothing of the emitter's light comes back */
 };
 
 /* The smallest depth that is drawn. */

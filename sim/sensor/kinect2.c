@@ -35,7 +35,12 @@ static double albedo(enum sim_material material)
     case SIM_WALL:
     case SIM_PAPER:
         return 0.9;
+    case SIM_PLASTIC:
+        return 0.7;
+    case SIM_GLASS:
+        return 0.2;
     case SIM_NOTHING:
+    case SIM_MIRROR:
         break;
     }
     return 0.0;

@@ -103,10 +103,22 @@ static double dropout_level(double cosine, enum sim_material material)
 {
     double level = 5.0 * (cosine - 0.12) /
                    0.25; /* below about 83 degrees all goes, above 70 nothing */
-    if (material == SIM_HAIR) {
-        level = fmin(level, 1.1 + 0.8 * cosine);
+    switch (material) {
+    case SIM_HAIR:
+        return fmin(level, 1.1 + 0.8 * cosine);
+    case SIM_GLASS:
+        return fmin(level, 0.9);
+    case SIM_MIRROR:
+        return -1e9;
+    default:
+        return level;
     }
-    return level;
+}
+
+/* Factor on the noise: light from within hair, or from behind glass, blurs the pattern. */
+static double roughness_of(enum sim_material material)
+{
+    return material == SIM_HAIR ? 3.0 : material == SIM_GLASS ? 2.5 : 1.0;
 }
 
 static float measured(const struct sim_triangulation *model, const struct sim_view *view, size_t i,
@@ -119,8 +131,8 @@ static float measured(const struct sim_triangulation *model, const struct sim_vi
         return 0.0f;
     }
     double fb = model->focal_px * model->baseline_mm;
-    double roughness = material == SIM_HAIR ? 3.0 : 1.0;
-    double disparity = fb / depth_mm + noise * model->noise_px * roughness * grazing_factor(cosine);
+    double disparity = fb / depth_mm +
+                       noise * model->noise_px * roughness_of(material) * grazing_factor(cosine);
     if (model->step_px > 0.0) {
         disparity = model->step_px * nearbyint(disparity / model->step_px);
     }

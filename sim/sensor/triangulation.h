@@ -23,7 +23,8 @@ struct sim_triangulation {
  *  4. correlated noise, growing as the surface turns away (Nguyen, Izadi and Lovell 2012) and on
  * hair;
  *  5. quantisation;
- *  6. surfaces that turn away too far, and patches of hair, drop out. */
+ *  6. surfaces that turn away too far, patches of hair, much of a display's glass and all of a
+ * mirror drop out. */
 void sim_triangulation_measure(const struct sim_triangulation *model, const struct sim_view *view,
                                double noise_scale, struct sim_random *random,
                                struct sim_sensor_workspace *workspace, float *depth_mm);

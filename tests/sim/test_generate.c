@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -155,6 +156,74 @@ static void every_sensor_sees_the_landmarks(void **state)
     }
 }
 
+/* Sessions of the preset `landmarks`: on the disc of yaw and pitch, in both bands of pose, with
+ * strong expressions. */
+static void landmark_sessions_cover_the_disc(void **state)
+{
+    struct sim_generate_options options = small(scratch_path(*state, "disc"));
+    struct sim_corpus *corpus = NULL;
+    int near = 0, far = 0, left = 0, up = 0;
+    options.preset = "landmarks";
+    options.n_people = 3;
+    options.n_sessions = 8;
+    options.frames_per_visit = 1;
+    generate(&options);
+    assert_int_equal(sim_corpus_read(options.directory, &corpus, NULL), 0);
+    assert_int_equal(corpus->n_rows, 24);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        const struct sim_corpus_row *row = &corpus->rows[i];
+        char recording[32];
+        int yaw, pitch, roll;
+        (void)snprintf(recording, sizeof recording, "p%04zu-s%zu", i / 8, 1 + i % 8);
+        assert_string_equal(row->recording, recording);
+        assert_int_equal(row->role, SIM_ROLE_PROBE);
+        assert_string_not_equal(row->expression, "neutral");
+        assert_string_not_equal(row->expression, "mild");
+        assert_int_equal(sscanf(row->pose, "y%dp%dr%d", &yaw, &pitch, &roll), 3);
+        assert_true(hypot(yaw / 35.5, pitch / (0.7 * 35.0 + 0.5)) <= 1.001);
+        assert_in_range(roll + 15, 0, 30);
+        near += hypot(yaw, pitch) <= 25.0;
+        far += hypot(yaw, pitch) > 25.0;
+        left += yaw > 0;
+        up += pitch > 0;
+    }
+    print_message("%d sessions to 25 degrees, %d beyond; %d to the left, %d up\n", near, far, left,
+                  up);
+    assert_true(near >= 6 && far >= 3);
+    assert_true(left >= 3 && left <= 21 && up >= 3 && up <= 21);
+    sim_corpus_free(corpus);
+}
+
+static void landmark_sessions_are_noisy_and_limited(void **state)
+{
+    char own[128], given[128], narrow[128];
+    (void)strcpy(own, scratch_path(*state, "own"));
+    (void)strcpy(given, scratch_path(*state, "given"));
+    (void)strcpy(narrow, scratch_path(*state, "narrow"));
+    struct sim_generate_options options = small(own);
+    options.preset = "landmarks";
+    options.n_people = 1;
+    options.n_sessions = 2;
+    options.frames_per_visit = 1;
+    generate(&options);
+    options.directory = given;
+    options.noise_scale = 2.5;
+    options.pose_limit_rad = 35.0 * 3.14159265358979324 / 180.0;
+    generate(&options);
+    same_file(own, given, "p0000-s2/depth/000000.png", true);
+    options.directory = narrow;
+    options.pose_limit_rad = 0.01;
+    generate(&options);
+    struct sim_corpus *corpus = NULL;
+    assert_int_equal(sim_corpus_read(narrow, &corpus, NULL), 0);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        int yaw, pitch;
+        assert_int_equal(sscanf(corpus->rows[i].pose, "y%dp%d", &yaw, &pitch), 2);
+        assert_true(abs(yaw) <= 1 && abs(pitch) <= 1);
+    }
+    sim_corpus_free(corpus);
+}
+
 static void bad_options_are_refused(void **state)
 {
     struct sim_generate_options options = small(scratch_path(*state, "bad"));
@@ -171,6 +240,12 @@ static void bad_options_are_refused(void **state)
     assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
     bad = options;
     bad.identity_variance = -1.0;
+    assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    bad = options;
+    bad.pose_limit_rad = 0.0;
+    assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    bad = options;
+    bad.n_sessions = 0;
     assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
     bad = options;
     bad.ict_directory = scratch_path(*state, "no-model");
@@ -198,6 +273,8 @@ int main(void)
         cmocka_unit_test(the_manifest_says_who_is_where),
         cmocka_unit_test(the_same_options_make_the_same_bytes),
         cmocka_unit_test(every_sensor_sees_the_landmarks),
+        cmocka_unit_test(landmark_sessions_cover_the_disc),
+        cmocka_unit_test(landmark_sessions_are_noisy_and_limited),
         cmocka_unit_test(bad_options_are_refused),
         cmocka_unit_test(recordings_are_not_overwritten),
     };

@@ -1,0 +1,35 @@
+/* The preset `attacks`: presentation attacks and, to compare, living people.
+ *
+ * Rows of the manifest:
+ *   subject  role      note        frames
+ *   pNNNN    gallery               1       the people who are enrolled, one neutral session each
+ *   pNNNN    probe     bona-fide   1       the same people, mild (every third one strong), once
+ *   pNNNN    probe     bona-fide   F       and for F frames, standing more or less still
+ *   none     impostor  photo-flat, photo-bent, screen, mask-small, mask-large, print-eyes-cut   1
+ *   none     impostor  mask-still  F       a print of true size on a stand
+ *   none     impostor  frozen      F       one frame of an enrolled person, repeated bit by bit
+ *
+ * with per_kind rows of each, the bona fide ones per_kind of either length. Recordings of
+ * instruments are called none-KIND-NNNN; the one with number N impersonates enrolled person N
+ * modulo their number. The column `expression` of an instrument is its variant: a4-paper,
+ * rolled-r120, s-hollow-r80, creased-25deg, tablet-lost60-behind12, head-x0.613, worn-gap14, empty,
+ * ... */
+#ifndef SIM_GENERATE_ATTACKS_H
+#define SIM_GENERATE_ATTACKS_H
+
+#include "sim/generate/studio.h"
+
+struct sim_attacks_plan {
+    const char *population; /* of the enrolled people */
+    uint64_t seed;
+    double identity_variance;
+    int n_people, per_kind; /* at least 1 */
+    int frames;             /* F, at least 2 */
+};
+
+/* Errors of sim_studio_record. */
+int sim_attacks_record(struct sim_studio *studio, const struct sim_ict *ict,
+                       const struct sim_sensor *sensor, const struct sim_attacks_plan *plan,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

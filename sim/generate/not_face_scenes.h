@@ -1,0 +1,23 @@
+/* Scenes without a face to recognise, one function a kind. */
+#ifndef SIM_GENERATE_NOT_FACE_SCENES_H
+#define SIM_GENERATE_NOT_FACE_SCENES_H
+
+#include "sim/generate/staging.h"
+
+/* People: from behind, turned by 80 to 110 degrees, an ear close by, and with a hood from the side
+ * or from behind. */
+sim_staging_build sim_not_face_back, sim_not_face_profile, sim_not_face_ear, sim_not_face_hood;
+
+/* Hands held up: palm, back of the hand or fist; one or two. */
+sim_staging_build sim_not_face_hand;
+
+/* A wall 0.5 to 1.2 m away: plain, slanted, with a rail, with a picture frame, a corner from inside
+ * or from outside. For a scene without a wall of its own. */
+sim_staging_build sim_not_face_wall;
+
+/* Things: a ball or balloon of 60 to 150 mm radius, the back of a chair, a coat on a hanger or a
+ * dummy without a head, a plant in a pot, a cushion. */
+sim_staging_build sim_not_face_ball, sim_not_face_chair, sim_not_face_coat, sim_not_face_plant,
+    sim_not_face_cushion;
+
+#endif

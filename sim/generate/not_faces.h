@@ -1,0 +1,17 @@
+/* The preset `not-faces`: what stands before a camera and is not to be taken for a face.
+ *
+ * Rows of the manifest: recording none-KIND-NNNN, subject none, role probe, one frame, note KIND:
+ * back, profile, ear, hood, hand, wall, ball, chair, coat, plant, cushion; per_kind of each. The
+ * column `expression` is the variant: turned+95, two-palm, corner, balloon-r104, slats, hanger, ...
+ */
+#ifndef SIM_GENERATE_NOT_FACES_H
+#define SIM_GENERATE_NOT_FACES_H
+
+#include "sim/generate/studio.h"
+
+/* per_kind at least 1. Errors of sim_studio_record. */
+int sim_not_faces_record(struct sim_studio *studio, const struct sim_ict *ict,
+                         const struct sim_sensor *sensor, uint64_t seed, int per_kind,
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,54 @@
+/* Still scenes drawn at random, one function a kind: attacks (attack_scenes.h) and what is no face
+ * (not_face_scenes.h). */
+#ifndef SIM_GENERATE_STAGING_H
+#define SIM_GENERATE_STAGING_H
+
+#include "sim/generate/still.h"
+
+struct sim_staging {
+    const struct sim_ict *ict;
+    const struct sim_sensor *sensor; /* things are shown where people stand before it */
+    struct sim_person target;        /* who is impersonated, by an attack */
+    struct sim_random *random;       /* everything that is drawn */
+    struct sim_still *still;         /* what is filled: empty, or with a wall in it */
+    char variant[32];                /* what was drawn, in a word: "a4-paper", "rolled-r120", ... */
+};
+
+/* Fills staging->still and staging->variant. Returns 0 or a negative errno; a failure may also stay
+ * in the scene's group. */
+typedef int sim_staging_build(struct sim_staging *staging);
+
+struct sim_staged_kind {
+    const char *name; /* the row's note */
+    sim_staging_build *build;
+    bool lasting; /* shown for several frames, else for one */
+    bool bare;    /* without a wall of its own */
+};
+
+/* What is common to the scenes of a corpus. */
+struct sim_staging_plan {
+    const struct sim_ict *ict;
+    const struct sim_sensor *sensor;
+    enum sim_role role;
+    uint64_t seed;
+    int frames; /* of lasting kinds */
+};
+
+/* Records scene number `number` of a kind, single or lasting, as none-KIND-NNNN, with the variant
+ * as the row's expression. `target` may be NULL. Errors of building and of sim_studio_record. */
+int sim_staging_record(struct sim_studio *studio, const struct sim_staging_plan *plan,
+                       const struct sim_staged_kind *kind, int number,
+                       const struct sim_person *target, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Where the middle of a thing is: as far away as a visitor, and like one not quite in the middle.
+ */
+struct iso_vec3 sim_staging_place(const struct sim_staging *staging);
+
+/* True with the given probability. */
+bool sim_staging_chance(const struct sim_staging *staging, double share);
+
+/* A pole from a point downwards, out of the picture. */
+void sim_staging_add_pole(struct sim_staging *staging, struct iso_vec3 top_mm, double radius_mm);
+
+#endif

@@ -1,0 +1,44 @@
+/* Several solids that belong together: a hand, a chair, a photograph with who holds it. */
+#ifndef SIM_PROP_GROUP_H
+#define SIM_PROP_GROUP_H
+
+#include <stddef.h>
+
+#include "sim/prop/solid.h"
+
+struct sim_group {
+    size_t n_solids, capacity;
+    struct sim_solid **solids;
+    struct iso_rigid placed; /* what is added from now on is moved by this first; at the beginning
+                                the identity */
+    int error;               /* of the first addition that failed; then nothing more is added */
+    struct iso_vec3 *scratch_mm;
+    size_t scratch_size;
+};
+
+/* An empty group. -ENOMEM. */
+int sim_group_new(struct sim_group **out) __attribute__((warn_unused_result));
+void sim_group_free(struct sim_group *group);
+
+/* Takes over a solid that was made with the outcome `made` (0 or a negative errno; then `solid` is
+ * not looked at). A failure stays in group->error, so that a caller can add part after part and
+ * look once. */
+void sim_group_add(struct sim_group *group, int made, struct sim_solid *solid);
+
+/* A box of the given size about a point; sim_solid_box. */
+void sim_group_add_box(struct sim_group *group, struct iso_vec3 size_mm, struct iso_vec3 at_mm,
+                       enum sim_material material);
+
+/* A tube along a polyline; sim_solid_tube. */
+void sim_group_add_tube(struct sim_group *group, const struct sim_joint *joints, size_t n_joints,
+                        enum sim_material material);
+
+/* An ellipsoid or something between it and a box about a point; sim_solid_superellipsoid. */
+void sim_group_add_ellipsoid(struct sim_group *group, struct iso_vec3 half_mm, double roundness,
+                             struct iso_vec3 at_mm, enum sim_material material);
+
+/* Draws everything, moved into the camera frame. group->error if there is one, -ENOMEM. */
+int sim_group_draw(struct sim_group *group, const struct iso_rigid *camera_from_group,
+                   struct sim_view *view) __attribute__((warn_unused_result));
+
+#endif

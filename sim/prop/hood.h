@@ -1,0 +1,13 @@
+/* A hood over a head: cloth that stands off the skull and is open before the face. */
+#ifndef SIM_PROP_HOOD_H
+#define SIM_PROP_HOOD_H
+
+#include "sim/prop/solid.h"
+#include "sim/random.h"
+
+/* In the face frame of the head that wears it; how loose it is and how far it comes round the face
+ * are drawn. -ENOMEM. */
+int sim_hood_new(struct sim_random *random, struct sim_solid **out)
+    __attribute__((warn_unused_result));
+
+#endif
