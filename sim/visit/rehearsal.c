@@ -72,6 +72,18 @@ static void on_visit(void *context, const struct iso_visit *visit)
     (void)snprintf(r->verdict.person, sizeof r->verdict.person, "%s", visit->person);
 }
 
+static void on_hint(void *context, enum iso_capture capture)
+{
+    (void)context;
+    (void)capture;
+}
+
+static void on_view(void *context, const struct iso_view *view)
+{
+    (void)context;
+    (void)view;
+}
+
 static bool is_locked(const char *state)
 {
     return strcmp(state, iso_door_state_name(ISO_DOOR_LOCKED)) == 0;
@@ -130,6 +142,8 @@ static int open_appliance(struct rehearsal *r)
         .enroll_status = on_enroll,
         .recognition_status = on_recognition,
         .visit = on_visit,
+        .hint = on_hint,
+        .view = on_view,
         .door_changed = on_door,
         .claim_lost = on_claim_lost,
         .message = on_message,

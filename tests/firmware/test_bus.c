@@ -303,8 +303,8 @@ static void enrols(void **state)
     struct fixture *f = need(state);
     assert_string_equal(call(f, 0, ISO_CONTRACT_CLAIM, NULL), "");
     assert_string_equal(call_enroll(f, "anna", ISO_CONTRACT_VALID_UNTIL, "x", 1795260000), "");
-    rig_show_unusable(f->rig, ISO_CAPTURE_TOO_CLOSE, 1);
-    run(f, 50);
+    rig_show_unusable(f->rig, ISO_CAPTURE_TOO_CLOSE, 3);
+    run(f, 110);
     rig_show(f->rig, 50, 3);
     run(f, 200);
     assert_string_equal(news(f, 0), "EnrollStatus enroll-retry-too-close; "
@@ -376,6 +376,108 @@ static void tells_everybody_of_visits(void **state)
     rig_show(f->rig, 70, 6);
     run(f, 300);
     assert_string_equal(news(f, 0), "DoorChanged locked; Visit deny");
+}
+
+/* Every word of core/capture.h goes out as what it is. */
+static void tells_everybody_every_hint(void **state)
+{
+    struct fixture *f = need(state);
+    int n = 0;
+    for (int i = 0; i < ISO_CAPTURES; i++) {
+        const enum iso_capture capture = (enum iso_capture)i;
+        if (capture == ISO_CAPTURE_OK || capture == ISO_CAPTURE_NO_FACE ||
+            iso_capture_is_attack(capture)) {
+            continue;
+        }
+        char wanted[64];
+        rig_show_unusable(f->rig, capture, 3);
+        run(f, 3000); /* and what was shown before does not count any more */
+        (void)snprintf(wanted, sizeof wanted, "Hint %s", iso_capture_name(capture));
+        assert_string_equal(news(f, 0), wanted);
+        assert_string_equal(news(f, 1), wanted);
+        n++;
+    }
+    assert_int_equal(n, 21);
+    for (int i = ISO_CAPTURE_FLAT; i < ISO_CAPTURES; i++) {
+        char wanted[64];
+        rig_show_unusable(f->rig, (enum iso_capture)i, 2);
+        run(f, 12000);
+        assert_string_equal(news(f, 0), "Visit deny");
+        (void)snprintf(wanted, sizeof wanted, "\"reason\":\"%s\",\"attack_frames\":2",
+                       iso_capture_name((enum iso_capture)i));
+        assert_non_null(strstr(rig_record(f->rig, "attack"), wanted));
+    }
+}
+
+static int read_reason(sd_bus_message *signal, void *context, sd_bus_error *error)
+{
+    const char *verdict, *person, *reason;
+    double score, threshold;
+    uint32_t frames;
+    int64_t latency_us;
+    (void)error;
+    assert_true(sd_bus_message_read(signal, "ssdduxs", &verdict, &person, &score, &threshold,
+                                    &frames, &latency_us, &reason) > 0);
+    (void)snprintf(context, 64, "%s %s %s %u", verdict, person, reason, frames);
+    return 0;
+}
+
+static void tells_why(void **state)
+{
+    struct fixture *f = need(state);
+    char reason[64] = "";
+    assert_true(sd_bus_match_signal(f->client[1], NULL, ISO_CONTRACT_NAME, ISO_CONTRACT_PATH,
+                                    ISO_CONTRACT_INTERFACE, ISO_CONTRACT_VISIT, read_reason,
+                                    reason) >= 0);
+    rig_enrol(f->rig, "anna", 50);
+    rig_show_unusable(f->rig, ISO_CAPTURE_WRONG_SIZE, 2);
+    run(f, 10000);
+    assert_string_equal(reason, "deny  attack 0");
+    rig_show(f->rig, 50, 2);
+    run(f, 100);
+    assert_string_equal(reason, "allow anna match 2");
+}
+
+/* ---- aiming ---- */
+
+static void tells_what_it_sees_while_somebody_listens(void **state)
+{
+    struct fixture *f = need(state);
+    rig_show_at(f->rig, 50, 30, 10);
+    run(f, 200);
+    assert_string_equal(news(f, 0), "");
+    assert_string_equal(call(f, 0, ISO_CONTRACT_AIM_STOP, NULL), "NoActionInProgress");
+    assert_string_equal(call(f, 0, ISO_CONTRACT_AIM_START, NULL), "");
+    assert_string_equal(call(f, 0, ISO_CONTRACT_AIM_START, NULL), ""); /* once more does no harm */
+    rig_show_at(f->rig, 50, 30, 10);
+    run(f, 200);
+    assert_string_equal(news(f, 0), "View ");
+    assert_string_equal(news(f, 1), ""); /* not to others */
+    assert_string_equal(call(f, 1, ISO_CONTRACT_AIM_START, NULL), "");
+    assert_string_equal(call(f, 0, ISO_CONTRACT_AIM_STOP, NULL), "");
+    rig_show_at(f->rig, 50, 30, 10);
+    run(f, 200);
+    assert_null(strstr(news(f, 0), "View"));
+    assert_non_null(strstr(news(f, 1), "View"));
+    assert_string_equal(call(f, 1, ISO_CONTRACT_AIM_STOP, NULL), "");
+    assert_string_equal(call(f, 0, ISO_CONTRACT_AIM_START, NULL), ""); /* begins again */
+    rig_show_at(f->rig, 50, 30, 10);
+    run(f, 200);
+    assert_non_null(strstr(news(f, 0), "View"));
+}
+
+static void who_leaves_the_bus_does_not_listen(void **state)
+{
+    struct fixture *f = need(state);
+    assert_string_equal(call(f, 0, ISO_CONTRACT_AIM_START, NULL), "");
+    assert_true(iso_appliance_is_aimed(f->rig->appliance));
+    sd_bus_flush_close_unref(f->client[0]);
+    f->client[0] = NULL;
+    for (int i = 0; i < ROUNDS_MAX && iso_appliance_is_aimed(f->rig->appliance); i++) {
+        go_round(f);
+    }
+    assert_false(iso_appliance_is_aimed(f->rig->appliance));
+    f->client[0] = connect_client(f->told[0]);
 }
 
 /* ---- gallery, status, log ---- */
@@ -477,6 +579,18 @@ static void tells_its_state(void **state)
         {"algorithm", "s 00000051"},
         {"threshold", "d 6"},
         {"uptime-ms", "x 250"},
+        {"visits-allowed", "t 1"},
+        {"visits-denied", "t 0"},
+        {"visits-attack", "t 0"},
+        {"attack-frames", "t 0"},
+        {"capture", "s ok"},
+        {"distance-mm", "d 700"},
+        {"right-mm", "d 0"},
+        {"yaw-deg", "d 0"},
+        {"coverage", "d 0.9"},
+        {"residual-mm", "d 1.5"},
+        {"landmark-sigma-mm", "d 2.5"},
+        {"speed-mm-s", "d 0"},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         assert_string_equal(status_of(f, wanted[i][0]), wanted[i][1]);
@@ -563,6 +677,10 @@ int main(void)
         TEST(refuses_enrolments),
         TEST(verifies_and_identifies),
         TEST(tells_everybody_of_visits),
+        TEST(tells_everybody_every_hint),
+        TEST(tells_why),
+        TEST(tells_what_it_sees_while_somebody_listens),
+        TEST(who_leaves_the_bus_does_not_listen),
         TEST(lists_and_deletes),
         TEST(tells_its_state),
         TEST(carries_faults_that_are_no_utf8),
