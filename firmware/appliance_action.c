@@ -287,6 +287,7 @@ enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *applianc
         .coverage_min = config->coverage_min,
         .landmark_coverage_min = config->landmark_coverage_min,
         .expression_max = config->expression_max,
+        .mouth_max_mm = config->mouth_max_mm,
     };
     return iso_enroll_gate_judge(&gate, &appliance->extraction);
 }

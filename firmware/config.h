@@ -60,6 +60,7 @@ struct iso_config_enroll {
     int stages, timeout_ms;
     double agree_score, duplicate_score;
     double yaw_max_deg, pitch_max_deg, coverage_min, landmark_coverage_min, expression_max;
+    double mouth_max_mm;
 };
 
 struct iso_config_log {

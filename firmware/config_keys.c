@@ -95,6 +95,8 @@ const struct iso_config_key iso_config_keys[] = {
      0, 1, NULL, "0.5", "share about each landmark that must have been measured"},
     {"enroll", "expression_max", ISO_CONFIG_NUMBER, false, AT(enroll, expression_max), 0, 100, NULL,
      "1", "a stronger expression (in standard deviations) is not enrolled"},
+    {"enroll", "mouth_max_mm", ISO_CONFIG_NUMBER, false, AT(enroll, mouth_max_mm), 0, 100, NULL,
+     "8", "a mouth that is open wider is not enrolled"},
     {"enroll", "timeout_ms", ISO_CONFIG_COUNT, false, AT(enroll, timeout_ms), 1000, 600000, NULL,
      "60000", "longest enrolment"},
 

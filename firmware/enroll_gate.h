@@ -10,6 +10,7 @@ struct iso_enroll_gate {
     double coverage_min;          /* of the face patch, 0..1 */
     double landmark_coverage_min; /* of the isotherms about each landmark, 0..1 */
     double expression_max;        /* iso_extraction.expression_norm */
+    double mouth_max_mm;          /* between the lips of the fitted head */
 };
 
 /* For an extraction with ISO_CAPTURE_OK: OK, or the hint that would help. Of several faults the one

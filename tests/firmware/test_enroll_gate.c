@@ -14,6 +14,7 @@ static const struct iso_enroll_gate gate = {
     .coverage_min = 0.8,
     .landmark_coverage_min = 0.5,
     .expression_max = 1,
+    .mouth_max_mm = 8,
 };
 
 static struct iso_extraction extraction;
@@ -115,6 +116,16 @@ static void a_grimace_is_not_kept(void **state)
     assert_string_equal(judge(), "too-few-points");
 }
 
+static void an_open_mouth_is_not_kept(void **state)
+{
+    (void)state;
+    extraction.ibug_mm[62] = iso_vec3(3, 40, 700);
+    extraction.ibug_mm[66] = iso_vec3(3, 44, 706);
+    assert_string_equal(judge(), "ok"); /* 7.2 mm */
+    extraction.ibug_mm[66] = iso_vec3(3, 46, 706);
+    assert_string_equal(judge(), "expression"); /* 8.5 mm */
+}
+
 /* ---- the view ---- */
 
 static void nobody_has_no_pose(void **state)
@@ -172,6 +183,7 @@ int main(void)
         cmocka_unit_test_setup(half_a_hidden_face_is_named, setup),
         cmocka_unit_test_setup(holes_all_over_are_too_few_points, setup),
         cmocka_unit_test_setup(a_grimace_is_not_kept, setup),
+        cmocka_unit_test_setup(an_open_mouth_is_not_kept, setup),
         cmocka_unit_test_setup(nobody_has_no_pose, setup),
         cmocka_unit_test_setup(a_face_is_described, setup),
         cmocka_unit_test_setup(a_rough_pose_is_told_alone, setup),

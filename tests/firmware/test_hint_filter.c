@@ -73,7 +73,7 @@ static void the_reason_that_holds_most_is_told(void **state)
     assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 2), "");
     assert_string_equal(show(ISO_CAPTURE_TURN_LEFT, 1), "turn-left ");
     assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 1), "look-up "); /* 3 to 3: the newest */
-    assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 1), ""); /* what is mended is not told */
+    assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 1), "");         /* what is mended is not told */
     assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 1), "look-up ");
 }
 
