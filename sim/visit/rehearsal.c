@@ -70,6 +70,8 @@ static void on_visit(void *context, const struct iso_visit *visit)
         .latency_us = visit->latency_ns / 1000,
     };
     (void)snprintf(r->verdict.person, sizeof r->verdict.person, "%s", visit->person);
+    (void)snprintf(r->verdict.reason, sizeof r->verdict.reason, "%s",
+                   iso_reason_name(visit->verdict.reason));
 }
 
 static void on_hint(void *context, enum iso_capture capture)

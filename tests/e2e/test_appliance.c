@@ -236,7 +236,7 @@ static void the_door_opens_to_the_enrolled_and_to_nobody_else(void **state)
                        recordings[i], recordings[i]);
         assert_non_null(strstr(text, line));
     }
-    assert_non_null(strstr(text, "\nnone-nobody1,none,impostor,nobody,none,,,,,,locked\n"));
+    assert_non_null(strstr(text, "\nnone-nobody1,none,impostor,nobody,none,,,,,,locked,\n"));
     free(text);
     free(csv);
 }
