@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ITEMS_MAX = 1 << 28 };
+enum { ITEMS_MAX = 1 << 28, ITEM_BYTES = 4 /* of what is handed out */ };
 
 struct file {
     unsigned char *bytes;
@@ -192,11 +192,18 @@ static void take_half(const unsigned char *bytes, void *out)
     memcpy(out, &value, sizeof value);
 }
 
-/* '<f4' as well as '<u4': the bits as they are, in this machine's order. */
-static void take_word(const unsigned char *bytes, void *out)
+static void take_float(const unsigned char *bytes, void *out)
 {
     const uint32_t bits = u32_at(bytes);
-    memcpy(out, &bits, sizeof bits);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    memcpy(out, &value, sizeof value);
+}
+
+static void take_u32(const unsigned char *bytes, void *out)
+{
+    const uint32_t value = u32_at(bytes);
+    memcpy(out, &value, sizeof value);
 }
 
 /* A type that a file may have, and how its items become the caller's of 4 bytes. */
@@ -206,7 +213,7 @@ struct item {
     take_item *take;
 };
 
-_Static_assert(sizeof(float) == sizeof(uint32_t), "items of both readers have 4 bytes");
+_Static_assert(sizeof(float) == ITEM_BYTES, "items of both readers have as many bytes");
 
 static const struct item *find_item(const struct item *items, size_t n_items, const char *type)
 {
@@ -236,13 +243,13 @@ static int read_array(const char *path, const struct item *items, size_t n_items
                               wanted);
         goto out;
     }
-    values = malloc(header.n_items * sizeof(uint32_t));
+    values = malloc(header.n_items * ITEM_BYTES);
     if (!values) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
         goto out;
     }
     for (size_t i = 0; i < header.n_items; i++) {
-        item->take(file.bytes + header.data_offset + i * item->size, values + i * sizeof(uint32_t));
+        item->take(file.bytes + header.data_offset + i * item->size, values + i * ITEM_BYTES);
     }
     *shape = header.shape;
     *out = values;
@@ -254,7 +261,7 @@ out:
 int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **out,
                         struct iso_fault *fault)
 {
-    static const struct item items[] = {{"<f4", 4, take_word}, {"<f2", 2, take_half}};
+    static const struct item items[] = {{"<f4", 4, take_float}, {"<f2", 2, take_half}};
     void *values = NULL;
     const int error = read_array(path, items, 2, "'<f4' or '<f2'", shape, &values, fault);
     if (error == 0) {
@@ -266,7 +273,7 @@ int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **o
 int sim_npy_read_u32(const char *path, struct sim_npy_shape *shape, uint32_t **out,
                      struct iso_fault *fault)
 {
-    static const struct item items[] = {{"<u4", 4, take_word}};
+    static const struct item items[] = {{"<u4", 4, take_u32}};
     void *values = NULL;
     const int error = read_array(path, items, 1, "'<u4'", shape, &values, fault);
     if (error == 0) {
