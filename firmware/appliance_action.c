@@ -280,15 +280,7 @@ static void finish_enrolment(struct iso_appliance *appliance)
 
 enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance)
 {
-    const struct iso_config_enroll *config = &appliance->parts.config->enroll;
-    const struct iso_enroll_gate gate = {
-        .yaw_max_rad = config->yaw_max_deg * ISO_RAD_PER_DEG,
-        .pitch_max_rad = config->pitch_max_deg * ISO_RAD_PER_DEG,
-        .coverage_min = config->coverage_min,
-        .landmark_coverage_min = config->landmark_coverage_min,
-        .expression_max = config->expression_max,
-        .mouth_max_mm = config->mouth_max_mm,
-    };
+    const struct iso_enroll_gate gate = iso_enroll_gate_of(&appliance->parts.config->enroll);
     return iso_enroll_gate_judge(&gate, &appliance->extraction);
 }
 

@@ -2,6 +2,20 @@
 
 #include <math.h>
 
+#include "firmware/times.h"
+
+struct iso_enroll_gate iso_enroll_gate_of(const struct iso_config_enroll *config)
+{
+    return (struct iso_enroll_gate){
+        .yaw_max_rad = config->yaw_max_deg * ISO_RAD_PER_DEG,
+        .pitch_max_rad = config->pitch_max_deg * ISO_RAD_PER_DEG,
+        .coverage_min = config->coverage_min,
+        .landmark_coverage_min = config->landmark_coverage_min,
+        .expression_max = config->expression_max,
+        .mouth_max_mm = config->mouth_max_mm,
+    };
+}
+
 enum side { MIDDLE, RIGHT, LEFT };
 
 /* Where a landmark is on the face: whose half, and what to uncover. */
@@ -46,22 +60,24 @@ static double mouth_mm(const struct iso_extraction *extraction)
 
 static enum iso_capture judge_landmarks(const struct iso_template *tmpl, double coverage_min)
 {
-    int n = 0, of_side[3] = {0}, worst = -1;
+    int of_side[3] = {0}, worst = -1;
     double least = coverage_min;
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         const double coverage = landmark_coverage(tmpl, l);
         if (coverage < coverage_min) {
-            n++;
             of_side[places[l].side]++;
             worst = coverage < least ? l : worst;
             least = fmin(least, coverage);
         }
     }
-    if (n == 0) {
+    if (worst < 0) {
         return ISO_CAPTURE_OK;
     }
-    if (n > 1 && (of_side[LEFT] == n || of_side[RIGHT] == n)) {
-        return of_side[LEFT] == n ? ISO_CAPTURE_COVERED_LEFT : ISO_CAPTURE_COVERED_RIGHT;
+    if (of_side[LEFT] > 1 && of_side[RIGHT] == 0) {
+        return ISO_CAPTURE_COVERED_LEFT;
+    }
+    if (of_side[RIGHT] > 1 && of_side[LEFT] == 0) {
+        return ISO_CAPTURE_COVERED_RIGHT;
     }
     return places[worst].covered;
 }
