@@ -30,6 +30,7 @@ enum iso_capture {
     ISO_CAPTURE_SEVERAL_FACES, /* two about as near: whose door is it? */
     ISO_CAPTURE_NOT_A_FACE,    /* something is there, it does not fit a head */
     ISO_CAPTURE_MOVING,
+    ISO_CAPTURE_EXPRESSION, /* too strong for the purpose: an enrolment wants a neutral face */
     /* Cues of a presentation attack (ISO/IEC 30107-1). */
     ISO_CAPTURE_FLAT,             /* a flat picture */
     ISO_CAPTURE_BENT,             /* a bent picture */

@@ -11,20 +11,30 @@
  *   DeletePerson(s person)
  *   GetStatus() -> a{sv}                 the keys below
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each
+ *   AimStart()  AimStop()                from now on View signals are sent to the caller; they end
+ *                                        with AimStop or when it leaves the bus
  *
  * An action goes on until a status signal with `done` set; the Stop method ends it before that and
  * is also legal after it. One client at a time has the claim. Nothing that a client does opens the
  * door: only the daemon's own identification does, while nobody has the claim.
  *
  * Signals:
+ * Sent to the claimant only:
  *   EnrollStatus(s result, b done, u stage, u stages, d quality)
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-" before one of the words
- * ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/capture.h (a hint; the action goes
- * on) Sent to the claimant only. Visit(s verdict, s person, d score, d threshold, u frames, x
- * latency_us) a decision of the door itself: verdict "allow" or "deny", person "" when unknown, the
- * best score (NaN: nothing to compare with), usable frames, time from the arrival of the first
- *       usable frame to the verdict
+ *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/capture.h: a hint, which
+ *       held for some frames; the action goes on
+ * Sent to those who called AimStart:
+ *   View(a{sv})                          what the sensor sees, some ten times a second: the keys
+ *                                        marked + below
+ * Sent to all:
+ *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason)
+ *       a decision of the door itself: verdict "allow" or "deny", person "" when unknown, the best
+ *       score (NaN: nothing to compare with), usable frames, time from the arrival of the first
+ *       usable frame to the verdict, reason a word of firmware/decision.h
+ *   Hint(s word)                         what hinders who stands at the door: a word of
+ *                                        core/capture.h, which held for some frames
  *   DoorChanged(s state, s cause)        words of firmware/door.h
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
@@ -32,10 +42,19 @@
  * "mode" s ("watch", "claimed", "enroll", "verify", "identify"), "people" u, "templates" u (of
  * which the running algorithm can use "templates-usable" u), "capacity" u, "frames" t,
  * "last-outcome" s, "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x,
- * "log-sequence" t.
+ * "log-sequence" t. Since the start: visits "visits-allowed" t, "visits-denied" t, of which
+ * "visits-attack" t because they looked like a picture, screen or mask; "attack-frames" t that did.
+ *
+ * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
+ * core/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from the
+ * sensor's axis, + "yaw-deg" d, + "pitch-deg" d and + "roll-deg" d of the head; + "residual-mm" d
+ * and + "fit-coverage" d (0..1) of the fitted head model, + "coverage" d (0..1) of the face patch,
+ * + "landmark-sigma-mm" d of the least certain landmark, + "expression" d (its strength in standard
+ * deviations), + "speed-mm-s" d and + "speed-deg-s" d. Nothing of it tells one face from another.
  *
  * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
- * apply, "monotonic_ns", "person", "verdict", "reason", "score", "threshold", "frames", "note". */
+ * apply, "monotonic_ns", "person", "verdict", "reason", "score", "threshold", "frames",
+ * "attack_frames", "note". */
 #ifndef ISO_CORE_CONTRACT_H
 #define ISO_CORE_CONTRACT_H
 
@@ -56,6 +75,8 @@
 #define ISO_CONTRACT_DELETE_PERSON  "DeletePerson"
 #define ISO_CONTRACT_GET_STATUS     "GetStatus"
 #define ISO_CONTRACT_READ_LOG       "ReadLog"
+#define ISO_CONTRACT_AIM_START      "AimStart"
+#define ISO_CONTRACT_AIM_STOP       "AimStop"
 
 /* Options of EnrollStart. */
 #define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"
@@ -67,15 +88,20 @@
 #define ISO_CONTRACT_VERIFY_STATUS   "VerifyStatus"
 #define ISO_CONTRACT_IDENTIFY_STATUS "IdentifyStatus"
 #define ISO_CONTRACT_VISIT           "Visit"
+#define ISO_CONTRACT_HINT            "Hint"
+#define ISO_CONTRACT_VIEW            "View"
 #define ISO_CONTRACT_DOOR_CHANGED    "DoorChanged"
 
 /* Result words after the prefix of the action. */
-#define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll; all others are final */
-#define ISO_CONTRACT_RESULT_COMPLETED    "completed"    /* enroll */
-#define ISO_CONTRACT_RESULT_FAILED       "failed"       /* enroll: not the same face throughout */
-#define ISO_CONTRACT_RESULT_DUPLICATE    "duplicate"    /* enroll: known under another name */
-#define ISO_CONTRACT_RESULT_MATCH        "match"        /* verify, identify */
-#define ISO_CONTRACT_RESULT_NO_MATCH     "no-match"     /* verify, identify */
+#define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll; it goes on */
+#define ISO_CONTRACT_RESULT_STAGE_MISFIT \
+    "stage-misfit"                                   /* enroll; unlike the stages before, goes on */
+#define ISO_CONTRACT_RESULT_COMPLETED    "completed" /* enroll */
+#define ISO_CONTRACT_RESULT_FAILED       "failed"    /* enroll: not the same face throughout */
+#define ISO_CONTRACT_RESULT_DUPLICATE    "duplicate" /* enroll: known under another name */
+#define ISO_CONTRACT_RESULT_MATCH        "match"     /* verify, identify */
+#define ISO_CONTRACT_RESULT_NO_MATCH     "no-match"  /* verify, identify */
+#define ISO_CONTRACT_RESULT_ATTACK       "attack"    /* all: a picture, a screen, a mask */
 #define ISO_CONTRACT_RESULT_TIMED_OUT    "timed-out"
 #define ISO_CONTRACT_RESULT_DISCONNECTED "disconnected" /* the sensor is gone */
 #define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of core/capture.h */

@@ -21,6 +21,7 @@ static const struct verb {
     [CLI_STATUS] = {"status", "", "show the state of the appliance"},
     [CLI_LOG] = {"log", "", "show the audit log"},
     [CLI_DOCTOR] = {"doctor", "", "look for faults and say how to mend them"},
+    [CLI_AIM] = {"aim", "", "show what the sensor sees, to place and turn it"},
 };
 
 enum option_id {
@@ -45,8 +46,9 @@ static const struct choice {
     unsigned verbs; /* of FOR(); 0: common to all, and to none */
     const char *help;
 } choices[] = {
-    {"timeout", "S", OPTION_TIMEOUT, FOR(CLI_ENROLL) | FOR(CLI_IDENTIFY) | FOR(CLI_VERIFY),
-     "give up after S seconds (enroll: 60, else 30)"},
+    {"timeout", "S", OPTION_TIMEOUT,
+     FOR(CLI_ENROLL) | FOR(CLI_IDENTIFY) | FOR(CLI_VERIFY) | FOR(CLI_AIM),
+     "give up after S seconds (enroll: 60, aim: never, else 30)"},
     {"allow-duplicate", NULL, OPTION_ALLOW_DUPLICATE, FOR(CLI_ENROLL),
      "enrol even if this face is known under another name"},
     {"valid-from", "T", OPTION_VALID_FROM, FOR(CLI_ENROLL), "the door opens to NAME from T on"},

@@ -19,6 +19,7 @@ enum cli_verb {
     CLI_STATUS,
     CLI_LOG,
     CLI_DOCTOR,
+    CLI_AIM,
     CLI_VERBS /* none given */
 };
 

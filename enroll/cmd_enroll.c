@@ -70,7 +70,11 @@ static bool on_status(sd_bus_message *signal, void *context)
         return done;
     }
     (void)snprintf(enrolment->result, sizeof enrolment->result, "%s", result);
-    if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_STAGE_PASSED) == 0) {
+    if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_STAGE_MISFIT) == 0) {
+        enrolment->hints.last[0] = '\0';
+        fputs("this capture is not like the ones before: one person only, as at the beginning\n",
+              enrolment->hints.out);
+    } else if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_STAGE_PASSED) == 0) {
         enrolment->hints.last[0] = '\0';
         enrolment->quality = quality;
         fprintf(enrolment->hints.out, "stage %u/%u done (quality %.2f)\n", stage, stages, quality);
@@ -91,6 +95,8 @@ static const struct outcome {
     {"enroll-" ISO_CONTRACT_RESULT_FAILED, CLI_EXIT_NO,
      "is not enrolled: the captures did not agree with each other, or with earlier ones of this "
      "name; try again, alone and holding still"},
+    {"enroll-" ISO_CONTRACT_RESULT_ATTACK, CLI_EXIT_NO,
+     "is not enrolled: this looks like a picture, a screen or a mask"},
     {"enroll-" ISO_CONTRACT_RESULT_TIMED_OUT, CLI_EXIT_TIMED_OUT,
      "is not enrolled: no usable face in time"},
     {"enroll-" ISO_CONTRACT_RESULT_DISCONNECTED, CLI_EXIT_FAULT,
@@ -98,7 +104,7 @@ static const struct outcome {
     {"interrupted", CLI_EXIT_INTERRUPTED, "is not enrolled: interrupted"},
 };
 
-static enum cli_exit report(const struct enrolment *enrolment, struct cli_fault *fault)
+static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault)
 {
     const char *person = enrolment->arguments->person;
 
@@ -111,10 +117,10 @@ static enum cli_exit report(const struct enrolment *enrolment, struct cli_fault 
             fprintf(out, "%s %s.\n", person, outcomes[i].text);
             return outcomes[i].exit;
         }
-        const enum cli_exit written = cli_report_json(
-            json_pack("{s:s, s:s, s:i, s:i, s:f}", "person", person, "result", enrolment->result,
-                      "stage", (int)enrolment->stage, "stages", (int)enrolment->stages, "quality",
-                      enrolment->quality));
+        const enum cli_exit written = cli_report_json(json_pack(
+            "{s:s, s:s, s:i, s:i, s:f, s:o}", "person", person, "result", enrolment->result,
+            "stage", (int)enrolment->stage, "stages", (int)enrolment->stages, "quality",
+            enrolment->quality, "hints", cli_hints_take(&enrolment->hints)));
         return written ? written : outcomes[i].exit;
     }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",
@@ -140,13 +146,16 @@ enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *argu
         .timeout_s = arguments->timeout_s > 0 ? arguments->timeout_s : DEFAULT_TIMEOUT_S,
     };
 
-    const enum cli_exit exit = cli_action_run(door, &action, fault);
+    enum cli_exit exit = cli_action_run(door, &action, fault);
     if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
         strcpy(enrolment.result, "enroll-" ISO_CONTRACT_RESULT_TIMED_OUT);
     } else if (exit == CLI_EXIT_INTERRUPTED) {
         strcpy(enrolment.result, "interrupted");
     } else if (exit) {
+        json_decref(enrolment.hints.said);
         return exit;
     }
-    return report(&enrolment, fault);
+    exit = report(&enrolment, fault);
+    json_decref(enrolment.hints.said);
+    return exit;
 }

@@ -60,14 +60,15 @@ static json_t *finite_or_null(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-static enum cli_exit report_json(const struct recognition *recognition, bool scored)
+static enum cli_exit report_json(struct recognition *recognition, bool scored)
 {
     const char *person = recognition->person[0] ? recognition->person : NULL;
 
     return cli_report_json(
-        json_pack("{s:s, s:s?, s:o, s:o}", "result", recognition->result, "person", person, "score",
-                  scored ? finite_or_null(recognition->score) : json_null(), "threshold",
-                  scored ? finite_or_null(recognition->threshold) : json_null()));
+        json_pack("{s:s, s:s?, s:o, s:o, s:o}", "result", recognition->result, "person", person,
+                  "score", scored ? finite_or_null(recognition->score) : json_null(), "threshold",
+                  scored ? finite_or_null(recognition->threshold) : json_null(), "hints",
+                  cli_hints_take(&recognition->hints)));
 }
 
 static void report_text(const struct recognition *recognition, enum cli_exit exit, bool scored)
@@ -77,6 +78,8 @@ static void report_text(const struct recognition *recognition, enum cli_exit exi
     if (exit == CLI_EXIT_OK) {
         printf("%s (score %.2f, threshold %.2f)\n", recognition->person, recognition->score,
                recognition->threshold);
+    } else if (exit == CLI_EXIT_NO && !scored) {
+        puts("refused: this looks like a picture, a screen or a mask");
     } else if (scored && !isfinite(recognition->score)) {
         printf("%s%s\n", asked ? "this is not " : "not known", asked ? asked : "");
     } else if (scored) {
@@ -89,7 +92,7 @@ static void report_text(const struct recognition *recognition, enum cli_exit exi
     }
 }
 
-static enum cli_exit report(const struct recognition *recognition, struct cli_fault *fault)
+static enum cli_exit report(struct recognition *recognition, struct cli_fault *fault)
 {
     static const struct {
         const char *suffix;
@@ -97,6 +100,7 @@ static enum cli_exit report(const struct recognition *recognition, struct cli_fa
     } outcomes[] = {
         {"-" ISO_CONTRACT_RESULT_MATCH, CLI_EXIT_OK},
         {"-" ISO_CONTRACT_RESULT_NO_MATCH, CLI_EXIT_NO},
+        {"-" ISO_CONTRACT_RESULT_ATTACK, CLI_EXIT_NO},
         {"-" ISO_CONTRACT_RESULT_TIMED_OUT, CLI_EXIT_TIMED_OUT},
         {"-" ISO_CONTRACT_RESULT_DISCONNECTED, CLI_EXIT_FAULT},
         {"-interrupted", CLI_EXIT_INTERRUPTED},
@@ -108,7 +112,9 @@ static enum cli_exit report(const struct recognition *recognition, struct cli_fa
             strcmp(recognition->result + length, outcomes[i].suffix) != 0) {
             continue;
         }
-        const bool scored = outcomes[i].exit == CLI_EXIT_OK || outcomes[i].exit == CLI_EXIT_NO;
+        const bool attack = strcmp(outcomes[i].suffix, "-" ISO_CONTRACT_RESULT_ATTACK) == 0;
+        const bool scored = outcomes[i].exit == CLI_EXIT_OK ||
+                            (outcomes[i].exit == CLI_EXIT_NO && !attack);
         if (recognition->arguments->json) {
             const enum cli_exit written = report_json(recognition, scored);
             return written ? written : outcomes[i].exit;
@@ -132,19 +138,19 @@ static enum cli_exit recognise(struct cli_door *door, struct recognition *recogn
     action->context = recognition;
     action->timeout_s = timeout_s > 0 ? timeout_s : DEFAULT_TIMEOUT_S;
 
-    const enum cli_exit exit = cli_action_run(door, action, fault);
+    enum cli_exit exit = cli_action_run(door, action, fault);
     if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
         ending = ISO_CONTRACT_RESULT_TIMED_OUT;
     } else if (exit == CLI_EXIT_INTERRUPTED) {
         ending = "interrupted";
-    } else if (exit) {
-        return exit;
     }
     if (ending) {
         (void)snprintf(recognition->result, sizeof recognition->result, "%s-%s",
                        recognition->prefix, ending);
     }
-    return report(recognition, fault);
+    exit = exit && !ending ? exit : report(recognition, fault);
+    json_decref(recognition->hints.said);
+    return exit;
 }
 
 enum cli_exit cli_identify(struct cli_door *door, const struct cli_arguments *arguments,

@@ -21,6 +21,8 @@ enum cli_exit cli_status(struct cli_door *door, const struct cli_arguments *argu
                          struct cli_fault *fault);
 enum cli_exit cli_log(struct cli_door *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
+enum cli_exit cli_aim(struct cli_door *door, const struct cli_arguments *arguments,
+                      struct cli_fault *fault);
 
 /* Opens the bus by itself: that it cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);

@@ -39,6 +39,7 @@ const char *cli_hint_text(const char *capture_word)
         [ISO_CAPTURE_STILL] = "nothing moves: a living face is needed",
         [ISO_CAPTURE_NO_FACE_IN_IMAGE] = "the camera's image shows no face: look straight at it",
         [ISO_CAPTURE_MOVING] = "hold still",
+        [ISO_CAPTURE_EXPRESSION] = "close your mouth and look calm",
     };
 
     for (int i = 0; i < ISO_CAPTURES; i++) {
@@ -69,5 +70,15 @@ void cli_hints_say(struct cli_hints *hints, const char *capture_word)
     if (strcmp(hints->last, capture_word) != 0) {
         (void)snprintf(hints->last, sizeof hints->last, "%s", capture_word);
         fprintf(hints->out, "  %s\n", text ? text : capture_word);
+        hints->said = hints->said ? hints->said : json_array();
+        (void)json_array_append_new(hints->said, json_string(capture_word));
     }
+}
+
+json_t *cli_hints_take(struct cli_hints *hints)
+{
+    json_t *said = hints->said ? hints->said : json_array();
+
+    hints->said = NULL;
+    return said;
 }

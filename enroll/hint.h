@@ -2,6 +2,7 @@
 #ifndef CLI_HINT_H
 #define CLI_HINT_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -12,14 +13,18 @@ const char *cli_hint_text(const char *capture_word);
  * `result` at the word. For "enroll-retry-too-far" with the prefix "enroll": "too-far". */
 bool cli_hint_is_retry(const char *result, const char *prefix, const char **capture_word);
 
-/* Hints on their way to a person. */
+/* Hints on their way to a person, and to a program that reads the result. */
 struct cli_hints {
     FILE *out;
     char last[32]; /* the word said last; "" to have the next one said in any case */
+    json_t *said;  /* array of the words that were said, in order; NULL: none */
 };
 
-/* Prints the hint on a line of its own, unless it is the one said last: the daemon repeats it with
- * every frame. A word that is not known is printed as it is. */
+/* Prints the hint on a line of its own, unless it is the one said last: the daemon repeats one that
+ * goes on. A word that is not known is printed as it is. */
 void cli_hints_say(struct cli_hints *hints, const char *capture_word);
+
+/* Hands the array of words over: the caller's to release; NULL for want of memory. */
+json_t *cli_hints_take(struct cli_hints *hints);
 
 #endif

@@ -76,6 +76,19 @@ static int read_dictionary(sd_bus_message *reply, json_t *state)
     return r;
 }
 
+int cli_state_read(sd_bus_message *message, json_t **out)
+{
+    json_t *state = json_object();
+    const int r = state ? read_dictionary(message, state) : -ENOMEM;
+
+    if (r < 0) {
+        json_decref(state);
+        return r;
+    }
+    *out = state;
+    return 0;
+}
+
 enum cli_exit cli_state_fetch(struct cli_door *door, json_t **out, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
@@ -84,20 +97,21 @@ enum cli_exit cli_state_fetch(struct cli_door *door, json_t **out, struct cli_fa
     if (exit) {
         return exit;
     }
-    json_t *state = json_object();
-    const int r = state ? read_dictionary(reply, state) : -ENOMEM;
+    const int r = cli_state_read(reply, out);
     sd_bus_message_unref(reply);
-    if (r < 0) {
-        json_decref(state);
-        return cli_door_bad_reply(r, ISO_CONTRACT_GET_STATUS, fault);
-    }
-    *out = state;
-    return CLI_EXIT_OK;
+    return r < 0 ? cli_door_bad_reply(r, ISO_CONTRACT_GET_STATUS, fault) : CLI_EXIT_OK;
 }
 
 const char *cli_state_text(const json_t *state, const char *name)
 {
     return json_string_value(json_object_get(state, name));
+}
+
+double cli_state_real(const json_t *state, const char *name)
+{
+    const json_t *value = json_object_get(state, name);
+
+    return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
 json_int_t cli_state_number(const json_t *state, const char *name, json_int_t otherwise)

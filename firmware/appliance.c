@@ -94,6 +94,7 @@ static void on_sensor_gone(struct iso_appliance *appliance, int64_t now_ns)
     iso__appliance_say(appliance, LOG_ERR, "%s", appliance->keeper.fault);
     (void)iso__appliance_record(appliance, &record);
     iso_decision_reset(&appliance->decision);
+    iso_track_reset(&appliance->track);
     iso__appliance_action_disconnect(appliance);
     iso_door_control_set_fault(&appliance->door, true, now_ns);
 }
@@ -131,6 +132,30 @@ void iso_appliance_free(struct iso_appliance *appliance)
     }
 }
 
+/* An attempt is over when nobody could still be in the middle of it. */
+static const int64_t attack_longest_ns = 60 * ISO_NS_PER_S;
+
+static void init_watch(struct iso_appliance *appliance)
+{
+    const struct iso_config *config = appliance->parts.config;
+    const struct iso_decision_options decision = iso__appliance_decision_options(config);
+    const struct iso_track_options track = {
+        .lost_ns = decision.gap_ns,
+        .jump_mm_s = config->motion.jump_mm_s,
+        .jump_rad_s = config->motion.jump_deg_s * ISO_RAD_PER_DEG,
+        .still_mm_s = config->motion.still_mm_s,
+        .still_rad_s = config->motion.still_deg_s * ISO_RAD_PER_DEG,
+    };
+    const struct iso_hint_options hints = {
+        .hold = config->hint.hold_frames,
+        .interval_ns = config->hint.interval_ms * ISO_NS_PER_MS,
+    };
+    iso_decision_init(&appliance->decision, &decision);
+    iso_track_init(&appliance->track, &track);
+    iso_hint_filter_init(&appliance->hints, &hints);
+    iso_attack_tally_init(&appliance->attacks, decision.refractory_ns, attack_longest_ns);
+}
+
 static void record_start(struct iso_appliance *appliance)
 {
     struct iso_audit_record record = iso_audit_record_of("start");
@@ -158,10 +183,8 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
-    const struct iso_decision_options options = iso__appliance_decision_options(
-        appliance->parts.config);
     appliance->start_ns = now_ns;
-    iso_decision_init(&appliance->decision, &options);
+    init_watch(appliance);
     init_door(appliance);
     record_start(appliance);
     const int error = first_look(appliance, now_ns, fault);
@@ -222,6 +245,7 @@ void iso_appliance_stop(struct iso_appliance *appliance)
     const struct iso_audit_record record = iso_audit_record_of("stop");
     iso_door_control_stop(&appliance->door, iso_times_now_ns(&appliance->parts.times));
     iso_sensor_keeper_done(&appliance->keeper);
+    iso__appliance_end_attack(appliance);
     (void)iso__appliance_record(appliance, &record);
 }
 
@@ -242,6 +266,16 @@ uint64_t iso_appliance_progress(const struct iso_appliance *appliance)
     return appliance->keeper.progress;
 }
 
+void iso_appliance_aim(struct iso_appliance *appliance, bool on)
+{
+    appliance->aimed = on;
+}
+
+bool iso_appliance_is_aimed(const struct iso_appliance *appliance)
+{
+    return appliance->aimed;
+}
+
 struct iso_appliance_status iso_appliance_status(const struct iso_appliance *appliance)
 {
     const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
@@ -252,6 +286,8 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .sensor_model = appliance->keeper.model,
         .sensor_fault = appliance->keeper.fault,
         .last_outcome = appliance->last_outcome,
+        .view = appliance->has_view ? &appliance->view : NULL,
+        .counts = appliance->counts,
         .frames = appliance->keeper.frames,
         .model = pipeline->ops->model(pipeline->self),
         .algorithm = pipeline->ops->algorithm(pipeline->self),

@@ -28,6 +28,7 @@
 #include "firmware/pipeline.h"
 #include "firmware/sensor_keeper.h"
 #include "firmware/times.h"
+#include "firmware/view.h"
 
 enum iso_appliance_mode {
     ISO_APPLIANCE_WATCH = 0,
@@ -52,13 +53,17 @@ struct iso_visit {
 /* What the appliance tells; all REQUIRED. Texts are valid during the call. */
 struct iso_appliance_events {
     /* `result` is one of the words ISO_CONTRACT_RESULT_... of core/contract.h, after which a
-     * capture word stands if it is a retry. */
+     * capture word stands if it is a retry: a hint, given as hint_filter.h says. */
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
                           unsigned stages, double quality);
     /* mode: VERIFY or IDENTIFY. person: "" when unknown; score NaN without any. */
     void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
                                bool done, const char *person, double score, double threshold);
     void (*visit)(void *context, const struct iso_visit *visit);
+    /* WATCH: a hint for who stands at the door. */
+    void (*hint)(void *context, enum iso_capture capture);
+    /* What the sensor sees; only while iso_appliance_aim is on, some ten times a second. */
+    void (*view)(void *context, const struct iso_view *view);
     /* Words of door.h. */
     void (*door_changed)(void *context, const char *state, const char *cause);
     /* The claim has run out. */
@@ -141,13 +146,27 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
 int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Whether what the sensor sees is to be told; in every mode that looks at frames. Changes nothing
+ * else: the door stays in service. */
+void iso_appliance_aim(struct iso_appliance *appliance, bool on);
+bool iso_appliance_is_aimed(const struct iso_appliance *appliance);
+
+/* Since the start. */
+struct iso_appliance_counts {
+    uint64_t allowed, denied; /* visits */
+    uint64_t attacks;         /* those denied for ISO_REASON_ATTACK */
+    uint64_t attack_frames;   /* frames with a cue of an attack, in all modes */
+};
+
 struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
-    const char *sensor_state; /* "started", "lost" */
-    const char *sensor_model; /* "" while unknown */
-    const char *sensor_fault; /* the last one; "" */
-    const char *last_outcome; /* of a visit: "allow anna", "deny", ""  */
+    const char *sensor_state;    /* "started", "lost" */
+    const char *sensor_model;    /* "" while unknown */
+    const char *sensor_fault;    /* the last one; "" */
+    const char *last_outcome;    /* of a visit: "allow anna", "deny", ""  */
+    const struct iso_view *view; /* of the last frame that was looked at; NULL: there was none */
+    struct iso_appliance_counts counts;
     uint64_t frames;
     uint32_t model, algorithm;
     int64_t uptime_ns;

@@ -7,9 +7,7 @@
 
 #include "core/contract.h"
 #include "firmware/appliance_state.h"
-
-/* The same hint is given again after this time. */
-enum { HINT_NS = ISO_NS_PER_S };
+#include "firmware/enroll_gate.h"
 
 static int64_t now_ns(const struct iso_appliance *appliance)
 {
@@ -47,6 +45,7 @@ void iso_appliance_release(struct iso_appliance *appliance)
 {
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         rest(appliance);
+        iso_hint_filter_reset(&appliance->hints);
         appliance->mode = ISO_APPLIANCE_WATCH;
     }
 }
@@ -71,9 +70,9 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
 static void begin(struct iso_appliance *appliance, enum iso_appliance_mode mode, int duration_ms)
 {
     iso_decision_reset(&appliance->decision);
+    iso_hint_filter_reset(&appliance->hints);
     appliance->mode = mode;
     appliance->ended = ISO_APPLIANCE_CLAIMED;
-    appliance->hint = ISO_CAPTURE_OK;
     appliance->deadline_ns = now_ns(appliance) + duration_ms * ISO_NS_PER_MS;
 }
 
@@ -99,6 +98,7 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
         .stages = config->stages,
         .agree_score = config->agree_score,
         .duplicate_score = config->duplicate_score,
+        .attack_frames = appliance->parts.config->decision.attack_frames,
         .timeout_ns = config->timeout_ms * ISO_NS_PER_MS,
         .allow_duplicate = request->allow_duplicate,
     };
@@ -184,18 +184,14 @@ static void end(struct iso_appliance *appliance)
     appliance->ended = mode;
 }
 
-void iso__appliance_hint(struct iso_appliance *appliance, enum iso_capture capture)
+void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture capture)
 {
+    const struct iso_appliance_events *events = &appliance->parts.events;
     char word[48];
-    const int64_t now = now_ns(appliance);
-    if (!is_action(appliance->mode) ||
-        (capture == appliance->hint && now - appliance->hint_ns < HINT_NS)) {
-        return;
-    }
-    appliance->hint = capture;
-    appliance->hint_ns = now;
     (void)snprintf(word, sizeof word, ISO_CONTRACT_RESULT_RETRY "%s", iso_capture_name(capture));
-    if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+    if (appliance->mode == ISO_APPLIANCE_WATCH) {
+        events->hint(events->context, capture);
+    } else if (appliance->mode == ISO_APPLIANCE_ENROLL) {
         tell_enrolment(appliance, word, false, 0);
     } else {
         tell_recognition(appliance, word, false, "", NAN);
@@ -210,6 +206,9 @@ static int record_enrolment(struct iso_appliance *appliance, const char *reason,
     record.person = appliance->person.name;
     record.reason = reason;
     record.frames = appliance->enrolment.stage;
+    if (appliance->enrolment.attack_frames > 0) {
+        record.attack_frames = appliance->enrolment.attack_frames;
+    }
     record.note = note;
     return iso__appliance_record(appliance, &record);
 }
@@ -268,13 +267,30 @@ static void finish_enrolment(struct iso_appliance *appliance)
         (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, NULL);
         tell_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, true, 0);
         break;
+    case ISO_ENROLMENT_ATTACK:
+        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_ATTACK,
+                               iso_capture_name(appliance->enrolment.cue));
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_ATTACK, true, 0);
+        break;
     case ISO_ENROLMENT_ACTIVE:
         return;
     }
     end(appliance);
 }
 
-enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance)
+enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance)
+{
+    const struct iso_enroll_gate gate = iso_enroll_gate_of(&appliance->parts.config->enroll);
+    return iso_enroll_gate_judge(&gate, &appliance->extraction);
+}
+
+void iso__appliance_enroll_attack(struct iso_appliance *appliance, enum iso_capture cue)
+{
+    iso_enrolment_attack(&appliance->enrolment, cue);
+    finish_enrolment(appliance);
+}
+
+void iso__appliance_enroll_face(struct iso_appliance *appliance)
 {
     const struct iso_template *tmpl = &appliance->extraction.tmpl;
     struct iso_enrolment_gallery gallery = {.person = appliance->person.id};
@@ -287,11 +303,12 @@ enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance)
         iso__appliance_complain(appliance, strerror(-error));
     }
     if (passed) {
-        appliance->hint = ISO_CAPTURE_OK;
+        iso_hint_filter_forget(&appliance->hints);
         tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_PASSED, false, (double)tmpl->quality);
+    } else if (!error) {
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_MISFIT, false, 0);
     }
     finish_enrolment(appliance);
-    return passed ? ISO_CAPTURE_OK : ISO_CAPTURE_MOVING;
 }
 
 /* ---- verifying and identifying ---- */
@@ -299,8 +316,9 @@ enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance)
 void iso__appliance_finish_recognition(struct iso_appliance *appliance,
                                        const struct iso_verdict *verdict)
 {
-    const bool match = verdict->reason == ISO_REASON_MATCH;
-    const char *result = match ? ISO_CONTRACT_RESULT_MATCH : ISO_CONTRACT_RESULT_NO_MATCH;
+    const char *result = verdict->reason == ISO_REASON_MATCH    ? ISO_CONTRACT_RESULT_MATCH
+                         : verdict->reason == ISO_REASON_ATTACK ? ISO_CONTRACT_RESULT_ATTACK
+                                                                : ISO_CONTRACT_RESULT_NO_MATCH;
     const struct iso_person *found = iso_gallery_find_id(appliance->parts.gallery, verdict->person);
     const char *person = appliance->mode == ISO_APPLIANCE_VERIFY ? appliance->person.name
                          : found                                 ? found->name
@@ -311,6 +329,10 @@ void iso__appliance_finish_recognition(struct iso_appliance *appliance,
     record.score = verdict->score;
     record.threshold = appliance->parts.config->decision.threshold;
     record.frames = verdict->frames;
+    if (verdict->attack_frames > 0) {
+        record.attack_frames = verdict->attack_frames;
+        record.note = iso_capture_name(verdict->cue);
+    }
     (void)iso__appliance_record(appliance, &record);
     tell_recognition(appliance, result, true, person, verdict->score);
     end(appliance);

@@ -1,10 +1,14 @@
 /* What becomes of a frame, by mode. */
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <syslog.h>
 
 #include "firmware/appliance_state.h"
+
+/* As often as somebody who turns a camera can follow. */
+static const int64_t view_interval_ns = 100 * ISO_NS_PER_MS;
 
 void iso__appliance_complain(struct iso_appliance *appliance, const char *text)
 {
@@ -23,11 +27,38 @@ static void finish(struct iso_appliance *appliance, const struct iso_verdict *ve
     }
 }
 
+/* One record an attempt: what it looked like, in how many frames, for how long. */
+static void record_attack(struct iso_appliance *appliance, const struct iso_attack_attempt *attempt)
+{
+    char note[64];
+    struct iso_audit_record record = iso_audit_record_of("attack");
+    record.reason = iso_capture_name(attempt->cue);
+    record.attack_frames = attempt->frames;
+    (void)snprintf(note, sizeof note, "within %.1f s",
+                   (double)attempt->duration_ns / (double)ISO_NS_PER_S);
+    record.note = note;
+    (void)iso__appliance_record(appliance, &record);
+    iso__appliance_say(appliance, LOG_WARNING, "attack: %s, %d frames %s", record.reason,
+                       attempt->frames, note);
+}
+
+void iso__appliance_end_attack(struct iso_appliance *appliance)
+{
+    struct iso_attack_attempt attempt;
+    if (iso_attack_tally_end(&appliance->attacks, &attempt)) {
+        record_attack(appliance, &attempt);
+    }
+}
+
 void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns)
 {
     struct iso_verdict verdict;
+    struct iso_attack_attempt attempt;
     if (iso_decision_time(&appliance->decision, t_ns, &verdict)) {
         finish(appliance, &verdict);
+    }
+    if (iso_attack_tally_time(&appliance->attacks, t_ns, &attempt)) {
+        record_attack(appliance, &attempt);
     }
 }
 
@@ -57,6 +88,17 @@ static int compare(const struct iso_appliance *appliance, struct iso_decision_fr
     return 0;
 }
 
+/* Another face than before. At the door the one before has left; a client's action goes on with
+ * the new one. */
+static void follow_track(struct iso_appliance *appliance)
+{
+    struct iso_verdict verdict;
+    if (iso_decision_track(&appliance->decision, appliance->motion.track, &verdict) &&
+        appliance->mode == ISO_APPLIANCE_WATCH) {
+        finish(appliance, &verdict);
+    }
+}
+
 /* Takes a usable face in. OK, or why it is none after all. */
 static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
 {
@@ -69,11 +111,13 @@ static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns,
         }
         return ISO_CAPTURE_TOO_FEW_POINTS;
     }
+    follow_track(appliance);
     face.t_ns = t_ns;
+    face.track = appliance->motion.track;
     /* Who somebody is does not depend on the time; whether the door opens does. */
     face.valid = appliance->mode != ISO_APPLIANCE_WATCH ||
                  iso__appliance_is_valid(appliance, face.person);
-    if (appliance->decision.state == ISO_DECISION_IDLE) {
+    if (appliance->decision.n_frames == 0) {
         appliance->arrival_ns = arrival_ns;
     }
     if (iso_decision_face(&appliance->decision, &face, &verdict)) {
@@ -84,8 +128,30 @@ static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns,
 
 static enum iso_capture take_face(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
 {
-    return appliance->mode == ISO_APPLIANCE_ENROLL ? iso__appliance_enroll_face(appliance)
-                                                   : recognise(appliance, t_ns, arrival_ns);
+    if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+        iso__appliance_enroll_face(appliance);
+        return ISO_CAPTURE_OK;
+    }
+    return recognise(appliance, t_ns, arrival_ns);
+}
+
+/* Takes a frame in that shows a picture, a screen or a mask. */
+static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, int64_t t_ns,
+                        int64_t arrival_ns)
+{
+    struct iso_verdict verdict;
+    iso_attack_tally_frame(&appliance->attacks, cue, t_ns);
+    appliance->counts.attack_frames++;
+    if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+        iso__appliance_enroll_attack(appliance, cue);
+        return;
+    }
+    if (appliance->decision.state == ISO_DECISION_IDLE) {
+        appliance->arrival_ns = arrival_ns;
+    }
+    if (iso_decision_attack(&appliance->decision, cue, t_ns, &verdict)) {
+        finish(appliance, &verdict);
+    }
 }
 
 static int extract(struct iso_appliance *appliance, const struct iso_frame *frame)
@@ -102,6 +168,59 @@ static int extract(struct iso_appliance *appliance, const struct iso_frame *fram
     return error;
 }
 
+/* What becomes of the frame just extracted: the extraction's own word, or what speaks against using
+ * a good one. */
+static enum iso_capture judge(struct iso_appliance *appliance, int64_t t_ns)
+{
+    const struct iso_extraction *extraction = &appliance->extraction;
+    appliance->motion = (struct iso_track_motion){0};
+    if (extraction->fitted) {
+        appliance->motion = iso_track_pose(&appliance->track, t_ns, &extraction->camera_from_face);
+    }
+    if (extraction->outcome != ISO_CAPTURE_OK) {
+        return extraction->outcome;
+    }
+    if (appliance->motion.moving) {
+        return ISO_CAPTURE_MOVING;
+    }
+    return appliance->mode == ISO_APPLIANCE_ENROLL ? iso__appliance_enroll_gate(appliance)
+                                                   : ISO_CAPTURE_OK;
+}
+
+/* Whether a word may become a hint: a client's person is there and waits for one; at the door
+ * somebody has to be seen, and who has got a verdict needs none. */
+static bool may_hint(const struct iso_appliance *appliance, enum iso_capture capture)
+{
+    if (appliance->mode != ISO_APPLIANCE_WATCH) {
+        return appliance->mode != ISO_APPLIANCE_CLAIMED;
+    }
+    return capture != ISO_CAPTURE_NO_FACE && appliance->decision.state != ISO_DECISION_SPENT;
+}
+
+/* The interval between hints is the person's time, not the frames', of which some are late. */
+static void give_hint(struct iso_appliance *appliance, enum iso_capture capture)
+{
+    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    const enum iso_capture vote = may_hint(appliance, capture) ? capture : ISO_CAPTURE_OK;
+    const enum iso_capture hint = iso_hint_filter_frame(&appliance->hints, vote, now_ns);
+    if (hint != ISO_CAPTURE_OK) {
+        iso__appliance_tell_hint(appliance, hint);
+    }
+}
+
+/* Keeps what was seen for who asks, and tells it to who listens. */
+static void show(struct iso_appliance *appliance, enum iso_capture capture)
+{
+    const struct iso_appliance_events *events = &appliance->parts.events;
+    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    appliance->view = iso_view_of(&appliance->extraction, capture, &appliance->motion);
+    if (appliance->aimed && now_ns - appliance->view_told_ns >= view_interval_ns) {
+        appliance->view_told_ns = now_ns;
+        events->view(events->context, &appliance->view);
+    }
+    appliance->has_view = true;
+}
+
 void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
                           int64_t arrival_ns)
 {
@@ -109,22 +228,25 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     if (appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)) {
         return;
     }
-    enum iso_capture capture = appliance->extraction.outcome;
+    enum iso_capture capture = judge(appliance, frame->t_ns);
     if (capture == ISO_CAPTURE_OK) {
         appliance->complaining = false;
         capture = take_face(appliance, frame->t_ns, arrival_ns);
-        iso_template_wipe(&appliance->extraction.tmpl);
+    } else if (iso_capture_is_attack(capture)) {
+        take_attack(appliance, capture, frame->t_ns, arrival_ns);
     }
-    if (capture != ISO_CAPTURE_OK) {
-        iso__appliance_hint(appliance, capture);
-    }
+    iso_template_wipe(&appliance->extraction.tmpl);
+    show(appliance, capture);
+    give_hint(appliance, capture);
 }
 
 int64_t iso__appliance_due_ns(const struct iso_appliance *appliance)
 {
     const int64_t decision_ns = iso_decision_due_ns(&appliance->decision);
-    if (appliance->mode == ISO_APPLIANCE_WATCH || decision_ns < appliance->deadline_ns) {
-        return decision_ns;
+    const int64_t attack_ns = iso_attack_tally_due_ns(&appliance->attacks);
+    const int64_t due_ns = decision_ns < attack_ns ? decision_ns : attack_ns;
+    if (appliance->mode == ISO_APPLIANCE_WATCH || due_ns < appliance->deadline_ns) {
+        return due_ns;
     }
     return appliance->deadline_ns;
 }

@@ -3,8 +3,11 @@
 #define ISO_FIRMWARE_APPLIANCE_STATE_H
 
 #include "firmware/appliance.h"
+#include "firmware/attack_tally.h"
 #include "firmware/door_control.h"
 #include "firmware/enrolment.h"
+#include "firmware/hint_filter.h"
+#include "firmware/track.h"
 
 struct iso_appliance {
     struct iso_appliance_parts parts;
@@ -15,19 +18,26 @@ struct iso_appliance {
 
     struct iso_extraction extraction; /* of the frame worked on; the template is wiped after it */
     bool complaining; /* the last frame failed: the next failure is not told again */
+    struct iso_track track;
+    struct iso_track_motion motion; /* of the frame worked on; all zero without a fitted face */
+    struct iso_hint_filter hints;
+    struct iso_attack_tally attacks;
+    bool aimed;
+    bool has_view;
+    struct iso_view view; /* of the last frame */
+    int64_t view_told_ns;
 
     /* WATCH, VERIFY, IDENTIFY */
     struct iso_decision decision;
     int64_t arrival_ns; /* of the first usable frame */
     char last_outcome[16 + ISO_PERSON_NAME_SIZE];
+    struct iso_appliance_counts counts;
 
     /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
     int64_t deadline_ns;           /* of the claim, or of the action */
     enum iso_appliance_mode ended; /* an action that ended by itself; CLAIMED: none */
     struct iso_person person;      /* ENROLL: who it will be; VERIFY: who it should be */
     struct iso_enrolment enrolment;
-    enum iso_capture hint; /* given last; OK: none */
-    int64_t hint_ns;       /* when */
 };
 
 /* A line for the system's log. */
@@ -48,7 +58,10 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
                           int64_t arrival_ns);
 void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns);
 
-/* When one of deadlines, decisions and visits is due. */
+/* Writes the attack attempt that goes on, if one does, into the log. */
+void iso__appliance_end_attack(struct iso_appliance *appliance);
+
+/* When one of deadlines, decisions, visits and attack attempts is due. */
 int64_t iso__appliance_due_ns(const struct iso_appliance *appliance);
 
 /* ---- visits (appliance_visit.c) ---- */
@@ -63,15 +76,19 @@ bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t pers
 
 /* ---- actions of a client (appliance_action.c) ---- */
 
-/* ENROLL: takes the template just extracted. OK, or the hint that should be given. */
-enum iso_capture iso__appliance_enroll_face(struct iso_appliance *appliance);
+/* ENROLL: what stands against taking the template just extracted, or OK. */
+enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance);
+
+/* ENROLL: takes the template just extracted, or a frame that has a cue of an attack. */
+void iso__appliance_enroll_face(struct iso_appliance *appliance);
+void iso__appliance_enroll_attack(struct iso_appliance *appliance, enum iso_capture cue);
 
 /* VERIFY, IDENTIFY: the verdict. */
 void iso__appliance_finish_recognition(struct iso_appliance *appliance,
                                        const struct iso_verdict *verdict);
 
-/* ENROLL, VERIFY, IDENTIFY: what hinders. */
-void iso__appliance_hint(struct iso_appliance *appliance, enum iso_capture capture);
+/* WATCH, ENROLL, VERIFY, IDENTIFY: tells what hinders. */
+void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture capture);
 
 /* Ends what has run out. */
 void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now_ns);

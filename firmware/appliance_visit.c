@@ -12,6 +12,7 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
         .margin = decision->margin,
         .agree = decision->agree,
         .max_frames = decision->max_frames,
+        .attack_frames = decision->attack_frames,
         .gap_ns = decision->gap_ms * ISO_NS_PER_MS,
         .refractory_ns = decision->refractory_ms * ISO_NS_PER_MS,
     };
@@ -47,10 +48,21 @@ static void record_verdict(struct iso_appliance *appliance, const char *person,
     record.score = verdict->score;
     record.threshold = appliance->parts.config->decision.threshold;
     record.frames = verdict->frames;
+    if (verdict->attack_frames > 0) {
+        record.attack_frames = verdict->attack_frames;
+        record.note = iso_capture_name(verdict->cue);
+    }
     if (iso__appliance_record(appliance, &record)) {
         verdict->allow = false;
         verdict->reason = ISO_REASON_UNLOGGED;
     }
+}
+
+static void count(struct iso_appliance_counts *counts, const struct iso_verdict *verdict)
+{
+    counts->allowed += verdict->allow;
+    counts->denied += !verdict->allow;
+    counts->attacks += verdict->reason == ISO_REASON_ATTACK;
 }
 
 static void tell_door(struct iso_appliance *appliance, bool allow, int64_t now_ns)
@@ -69,6 +81,7 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
     const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
     record_verdict(appliance, name, &verdict);
     tell_door(appliance, verdict.allow, now_ns);
+    count(&appliance->counts, &verdict);
 
     const struct iso_visit visit = {
         .verdict = verdict,

@@ -38,6 +38,7 @@ struct iso_audit_record iso_audit_record_of(const char *event)
         .score = NAN,
         .threshold = NAN,
         .frames = -1,
+        .attack_frames = -1,
     };
 }
 
@@ -238,6 +239,9 @@ static size_t format(struct iso_audit *audit, const struct iso_audit_record *rec
     }
     if (record->frames >= 0) {
         iso_json_line_integer(line, "frames", record->frames);
+    }
+    if (record->attack_frames >= 0) {
+        iso_json_line_integer(line, "attack_frames", record->attack_frames);
     }
     add_string(line, "note", record->note);
     return iso_json_line_end(line);

@@ -26,7 +26,7 @@ struct iso_audit_record {
     const char *event; /* REQUIRED: "start", "visit", "door", ... */
     const char *person, *verdict, *reason, *note;
     double score, threshold;
-    int frames;
+    int frames, attack_frames;
 };
 
 /* A record of an event and nothing more. */

@@ -64,6 +64,7 @@ void iso_bus_close(struct iso_bus *bus)
         return;
     }
     iso__bus_forget_claimant(bus);
+    sd_bus_track_unref(bus->aiming);
     sd_bus_slot_unref(bus->object);
     sd_bus_slot_unref(bus->disconnected);
     if (bus->bus) {

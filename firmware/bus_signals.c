@@ -5,9 +5,7 @@
 #include "core/contract.h"
 #include "firmware/bus_state.h"
 
-/* Sends a signal that was filled in with result r, to one client or to all, and gives it up. One
- * that cannot be sent is lost: the appliance does not depend on being heard. */
-static void send_signal(sd_bus_message *signal, const char *destination, int r)
+void iso__bus_send_signal(sd_bus_message *signal, const char *destination, int r)
 {
     if (r >= 0 && destination) {
         r = sd_bus_message_set_destination(signal, destination);
@@ -18,7 +16,7 @@ static void send_signal(sd_bus_message *signal, const char *destination, int r)
     sd_bus_message_unref(signal);
 }
 
-static int new_signal(const struct iso_bus *bus, const char *member, sd_bus_message **out)
+int iso__bus_new_signal(const struct iso_bus *bus, const char *member, sd_bus_message **out)
 {
     return bus->object ? sd_bus_message_new_signal(bus->bus, out, ISO_CONTRACT_PATH,
                                                    ISO_CONTRACT_INTERFACE, member)
@@ -32,9 +30,9 @@ static void on_enroll_status(void *context, const char *result, bool done, unsig
     sd_bus_message *signal = NULL;
     char word[64];
     (void)snprintf(word, sizeof word, "enroll-%s", result);
-    int r = new_signal(bus, ISO_CONTRACT_ENROLL_STATUS, &signal);
+    int r = iso__bus_new_signal(bus, ISO_CONTRACT_ENROLL_STATUS, &signal);
     r = r < 0 ? r : sd_bus_message_append(signal, "sbuud", word, (int)done, stage, stages, quality);
-    send_signal(signal, bus->claimant, r);
+    iso__bus_send_signal(signal, bus->claimant, r);
 }
 
 static void on_recognition_status(void *context, enum iso_appliance_mode mode, const char *result,
@@ -45,32 +43,42 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
     char word[64];
     const bool verify = mode == ISO_APPLIANCE_VERIFY;
     (void)snprintf(word, sizeof word, "%s-%s", verify ? "verify" : "identify", result);
-    int r = new_signal(bus, verify ? ISO_CONTRACT_VERIFY_STATUS : ISO_CONTRACT_IDENTIFY_STATUS,
-                       &signal);
+    int r = iso__bus_new_signal(
+        bus, verify ? ISO_CONTRACT_VERIFY_STATUS : ISO_CONTRACT_IDENTIFY_STATUS, &signal);
     r = r < 0 ? r
               : sd_bus_message_append(signal, "sbsdd", word, (int)done, person, score, threshold);
-    send_signal(signal, bus->claimant, r);
+    iso__bus_send_signal(signal, bus->claimant, r);
 }
 
 static void on_visit(void *context, const struct iso_visit *visit)
 {
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
-    int r = new_signal(bus, ISO_CONTRACT_VISIT, &signal);
+    int r = iso__bus_new_signal(bus, ISO_CONTRACT_VISIT, &signal);
     r = r < 0 ? r
-              : sd_bus_message_append(signal, "ssddux", visit->verdict.allow ? "allow" : "deny",
+              : sd_bus_message_append(signal, "ssdduxs", visit->verdict.allow ? "allow" : "deny",
                                       visit->person, visit->verdict.score, visit->threshold,
-                                      (uint32_t)visit->verdict.frames, visit->latency_ns / 1000);
-    send_signal(signal, NULL, r);
+                                      (uint32_t)visit->verdict.frames, visit->latency_ns / 1000,
+                                      iso_reason_name(visit->verdict.reason));
+    iso__bus_send_signal(signal, NULL, r);
+}
+
+static void on_hint(void *context, enum iso_capture capture)
+{
+    const struct iso_bus *bus = context;
+    sd_bus_message *signal = NULL;
+    int r = iso__bus_new_signal(bus, ISO_CONTRACT_HINT, &signal);
+    r = r < 0 ? r : sd_bus_message_append(signal, "s", iso_capture_name(capture));
+    iso__bus_send_signal(signal, NULL, r);
 }
 
 static void on_door_changed(void *context, const char *state, const char *cause)
 {
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
-    int r = new_signal(bus, ISO_CONTRACT_DOOR_CHANGED, &signal);
+    int r = iso__bus_new_signal(bus, ISO_CONTRACT_DOOR_CHANGED, &signal);
     r = r < 0 ? r : sd_bus_message_append(signal, "ss", state, cause);
-    send_signal(signal, NULL, r);
+    iso__bus_send_signal(signal, NULL, r);
 }
 
 static void on_claim_lost(void *context)
@@ -86,6 +94,8 @@ struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
         .enroll_status = on_enroll_status,
         .recognition_status = on_recognition_status,
         .visit = on_visit,
+        .hint = on_hint,
+        .view = iso__bus_on_view,
         .door_changed = on_door_changed,
         .claim_lost = on_claim_lost,
         .message = message,

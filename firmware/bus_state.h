@@ -9,8 +9,9 @@
 struct iso_bus {
     sd_bus *bus;
     sd_bus_slot *object, *disconnected;
-    sd_bus_track *track; /* of the claimant */
-    char claimant[256];  /* unique name; "": nobody */
+    sd_bus_track *track;  /* of the claimant */
+    char claimant[256];   /* unique name; "": nobody */
+    sd_bus_track *aiming; /* who wants View signals; NULL: nobody */
     bool gone;
     struct iso_appliance *appliance;
     const struct iso_appliance_parts *parts;
@@ -21,6 +22,24 @@ extern const sd_bus_vtable iso__bus_vtable[];
 
 /* Appends the a{sv} of GetStatus (bus_status.c). */
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
+
+/* Appends the a{sv} of View, or into one that is open its entries (bus_view.c). */
+int iso__bus_append_view(sd_bus_message *message, const struct iso_view *view);
+int iso__bus_append_view_entries(sd_bus_message *message, const struct iso_view *view);
+
+/* Methods that begin and end View signals (bus_view.c). */
+int iso__bus_aim_start(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_aim_stop(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* Sends what is seen to who wants it (bus_view.c): a handler of iso_appliance_events. */
+void iso__bus_on_view(void *context, const struct iso_view *view);
+
+/* A signal of the contract, to be filled in. -ENOTCONN before the service is offered. */
+int iso__bus_new_signal(const struct iso_bus *bus, const char *member, sd_bus_message **out);
+
+/* Sends a signal that was filled in with result r, to one client or (NULL) to all, and gives it up.
+ * One that cannot be sent is lost: the appliance does not depend on being heard. */
+void iso__bus_send_signal(sd_bus_message *signal, const char *destination, int r);
 
 /* Nobody has the claim any more. */
 void iso__bus_forget_claimant(struct iso_bus *bus);

@@ -79,6 +79,24 @@ static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
     return r;
 }
 
+static int append_counts(sd_bus_message *reply, const struct iso_appliance_counts *counts)
+{
+    const struct {
+        const char *key;
+        uint64_t count;
+    } entries[] = {
+        {"visits-allowed", counts->allowed},
+        {"visits-denied", counts->denied},
+        {"visits-attack", counts->attacks},
+        {"attack-frames", counts->attack_frames},
+    };
+    int r = 0;
+    for (size_t i = 0; r >= 0 && i < sizeof entries / sizeof *entries; i++) {
+        r = sd_bus_message_append(reply, "{sv}", entries[i].key, "t", entries[i].count);
+    }
+    return r;
+}
+
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
 {
     const struct iso_appliance_status status = iso_appliance_status(bus->appliance);
@@ -97,5 +115,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     r = r < 0 ? r
               : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",
                                       iso_audit_last(bus->parts->audit));
+    r = r < 0 ? r : append_counts(reply, &status.counts);
+    r = r < 0 || !status.view ? r : iso__bus_append_view_entries(reply, status.view);
     return r < 0 ? r : sd_bus_message_close_container(reply);
 }

@@ -239,6 +239,10 @@ static const char *find_conflict(const struct iso_config *config)
     if (config->decision.agree > config->decision.max_frames) {
         return "[decision] agree is above max_frames";
     }
+    if (config->motion.still_mm_s > config->motion.jump_mm_s ||
+        config->motion.still_deg_s > config->motion.jump_deg_s) {
+        return "[motion] what is still is faster than a jump";
+    }
     return NULL;
 }
 

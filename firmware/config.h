@@ -16,7 +16,7 @@
 #include "drivers/option.h"
 #include "firmware/door.h"
 
-enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 8, ISO_CONFIG_KEYS_MAX = 64 };
+enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 8, ISO_CONFIG_KEYS_MAX = 96 };
 
 struct iso_config_sensor {
     char backend[ISO_CONFIG_TEXT_SIZE];
@@ -45,12 +45,22 @@ struct iso_config_match {
 
 struct iso_config_decision {
     double threshold, margin;
-    int agree, max_frames, gap_ms, refractory_ms;
+    int agree, max_frames, attack_frames, gap_ms, refractory_ms;
+};
+
+struct iso_config_motion {
+    double still_mm_s, still_deg_s, jump_mm_s, jump_deg_s;
+};
+
+struct iso_config_hint {
+    int hold_frames, interval_ms;
 };
 
 struct iso_config_enroll {
     int stages, timeout_ms;
     double agree_score, duplicate_score;
+    double yaw_max_deg, pitch_max_deg, coverage_min, landmark_coverage_min, expression_max;
+    double mouth_max_mm;
 };
 
 struct iso_config_log {
@@ -73,6 +83,8 @@ struct iso_config {
     struct iso_config_gallery gallery;
     struct iso_config_match match;
     struct iso_config_decision decision;
+    struct iso_config_motion motion;
+    struct iso_config_hint hint;
     struct iso_config_enroll enroll;
     struct iso_config_log log;
     struct iso_config_bus bus;

@@ -2,13 +2,14 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "firmware/times.h"
 
 const char *iso_reason_name(enum iso_reason reason)
 {
     static const char *const names[ISO_REASONS] = {
-        "none", "match", "unknown", "left", "not-valid", "unlogged",
+        "none", "match", "unknown", "left", "not-valid", "unlogged", "attack",
     };
     return (unsigned)reason < ISO_REASONS ? names[reason] : NULL;
 }
@@ -19,11 +20,18 @@ void iso_decision_init(struct iso_decision *decision, const struct iso_decision_
     iso_decision_reset(decision);
 }
 
+static void forget_face(struct iso_decision *decision)
+{
+    decision->n_frames = 0;
+    decision->best_score = NAN;
+}
+
 void iso_decision_reset(struct iso_decision *decision)
 {
     decision->state = ISO_DECISION_IDLE;
-    decision->n_frames = 0;
-    decision->best_score = NAN;
+    decision->n_attack_frames = 0;
+    memset(decision->by_cue, 0, sizeof decision->by_cue);
+    forget_face(decision);
 }
 
 /* Whom a frame counts for, or 0. Comparisons with NaN are false, and so count for nobody. */
@@ -53,12 +61,37 @@ static void spend(struct iso_decision *decision, int64_t t_ns)
     decision->verdict_ns = t_ns;
 }
 
-static struct iso_verdict deny(const struct iso_decision *decision, enum iso_reason reason)
+/* Somebody is there; false if that is of no interest for the time being. */
+static bool enter(struct iso_decision *decision, int64_t t_ns)
+{
+    decision->seen_ns = t_ns;
+    if (decision->state == ISO_DECISION_IDLE) {
+        iso_decision_reset(decision);
+        decision->state = ISO_DECISION_VISIT;
+    }
+    return decision->state == ISO_DECISION_VISIT;
+}
+
+static enum iso_capture main_cue(const struct iso_decision *decision)
+{
+    enum iso_capture cue = ISO_CAPTURE_OK; /* which no attack frame has */
+    for (int i = 0; i < ISO_CAPTURES; i++) {
+        if (decision->by_cue[i] > decision->by_cue[cue]) {
+            cue = (enum iso_capture)i;
+        }
+    }
+    return cue;
+}
+
+/* What the visit was, for a reason; DENY as all verdicts are until somebody allows them. */
+static struct iso_verdict conclude(const struct iso_decision *decision, enum iso_reason reason)
 {
     return (struct iso_verdict){
         .reason = reason,
         .score = decision->best_score,
         .frames = decision->n_frames,
+        .attack_frames = decision->n_attack_frames,
+        .cue = main_cue(decision),
     };
 }
 
@@ -73,30 +106,40 @@ static void note(struct iso_decision *decision, const struct iso_decision_frame 
     }
 }
 
+bool iso_decision_track(struct iso_decision *decision, uint64_t track, struct iso_verdict *verdict)
+{
+    const bool left = decision->state == ISO_DECISION_VISIT && decision->n_frames > 0 &&
+                      decision->track != track;
+    if (left) {
+        *verdict = conclude(decision, ISO_REASON_LEFT);
+        forget_face(decision);
+        if (decision->n_attack_frames == 0) {
+            iso_decision_reset(decision);
+        }
+    }
+    return left;
+}
+
 bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_frame *frame,
                        struct iso_verdict *verdict)
 {
-    decision->seen_ns = frame->t_ns;
-    if (decision->state == ISO_DECISION_SPENT) {
+    if (!enter(decision, frame->t_ns)) {
         return false;
     }
-    if (decision->state == ISO_DECISION_IDLE) {
-        iso_decision_reset(decision);
-        decision->state = ISO_DECISION_VISIT;
+    if (decision->n_frames > 0 && decision->track != frame->track) {
+        forget_face(decision); /* who forgot to tell of the track gets no agreement out of it */
     }
+    decision->track = frame->track;
     note(decision, frame);
     const int64_t person = decision->frames[decision->n_frames - 1].person;
     double best = NAN;
     if (person != 0 && count_of(decision, person, &best) >= decision->options.agree) {
-        *verdict = (struct iso_verdict){
-            .allow = frame->valid,
-            .reason = frame->valid ? ISO_REASON_MATCH : ISO_REASON_NOT_VALID,
-            .person = person,
-            .score = best,
-            .frames = decision->n_frames,
-        };
+        *verdict = conclude(decision, frame->valid ? ISO_REASON_MATCH : ISO_REASON_NOT_VALID);
+        verdict->allow = frame->valid;
+        verdict->person = person;
+        verdict->score = best;
     } else if (decision->n_frames >= decision->options.max_frames) {
-        *verdict = deny(decision, ISO_REASON_UNKNOWN);
+        *verdict = conclude(decision, ISO_REASON_UNKNOWN);
     } else {
         return false;
     }
@@ -104,17 +147,33 @@ bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_
     return true;
 }
 
-bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_verdict *verdict)
+bool iso_decision_attack(struct iso_decision *decision, enum iso_capture cue, int64_t t_ns,
+                         struct iso_verdict *verdict)
 {
-    const enum iso_decision_state state = decision->state;
-    if (state == ISO_DECISION_IDLE || t_ns < iso_decision_due_ns(decision)) {
+    if (!enter(decision, t_ns)) {
         return false;
     }
-    if (state == ISO_DECISION_VISIT) {
-        *verdict = deny(decision, ISO_REASON_LEFT);
+    decision->n_attack_frames++;
+    decision->by_cue[cue]++;
+    if (decision->n_attack_frames < decision->options.attack_frames) {
+        return false;
+    }
+    *verdict = conclude(decision, ISO_REASON_ATTACK);
+    spend(decision, t_ns);
+    return true;
+}
+
+bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_verdict *verdict)
+{
+    if (decision->state == ISO_DECISION_IDLE || t_ns < iso_decision_due_ns(decision)) {
+        return false;
+    }
+    const bool left = decision->state == ISO_DECISION_VISIT && decision->n_frames > 0;
+    if (left) {
+        *verdict = conclude(decision, ISO_REASON_LEFT);
     }
     iso_decision_reset(decision);
-    return state == ISO_DECISION_VISIT;
+    return left;
 }
 
 int64_t iso_decision_due_ns(const struct iso_decision *decision)

@@ -1,20 +1,32 @@
 /* From the frames of one visit to a verdict: pure, time comes as an argument.
  *
- *   IDLE   a usable face                           -> VISIT (or at once SPENT, with agree = 1)
- *   VISIT  `agree` frames of the same person       -> SPENT, verdict allow (deny: not valid now)
- *          max_frames usable frames without that   -> SPENT, verdict deny
- *          no usable face for gap_ns               -> IDLE,  verdict deny
- *   SPENT  no usable face for gap_ns               -> IDLE
- *          refractory_ns after the verdict         -> IDLE (who stays, or stands behind, is next)
- *   every  reset                                   -> IDLE, without a verdict
+ *   IDLE   a usable face or an attack frame           -> VISIT (or at once SPENT, as below)
+ *   VISIT  `agree` frames of the same person          -> SPENT, verdict allow (deny: not valid now)
+ *          max_frames usable frames without that      -> SPENT, verdict deny
+ *          `attack_frames` attack frames              -> SPENT, verdict deny
+ *          another face than the one tracked          -> VISIT anew, verdict deny if there was a
+ *                                                        usable frame; attack frames still count
+ *          neither frame for gap_ns                   -> IDLE,  verdict deny; none if there was no
+ *                                                        usable frame
+ *   SPENT  neither frame for gap_ns                   -> IDLE
+ *          refractory_ns after the verdict            -> IDLE (who stays, or stands behind, is
+ * next) every  reset                                      -> IDLE, without a verdict
  *
  * A usable face is a frame that gave a template. It counts for the best person of the gallery if
- * that one's score reaches the threshold and leads the second person's by the margin. */
+ * that one's score reaches the threshold and leads the second person's by the margin. All frames
+ * that agree are of one track (track.h): two faces cannot agree with each other's help.
+ *
+ * An attack frame is one with a cue of a presentation attack instead of a template. It is evidence
+ * against whatever is before the camera, so that a change of track does not forget it. A single one
+ * may be a mistake: it delays nobody, and alone it is no visit. In SPENT it only says that somebody
+ * is still there. */
 #ifndef ISO_FIRMWARE_DECISION_H
 #define ISO_FIRMWARE_DECISION_H
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "core/capture.h"
 
 enum { ISO_DECISION_FRAMES_MAX = 64 };
 
@@ -25,10 +37,11 @@ enum iso_reason {
     ISO_REASON_LEFT,      /* gone before there was agreement */
     ISO_REASON_NOT_VALID, /* known, but not at this time */
     ISO_REASON_UNLOGGED,  /* the audit log cannot be written */
+    ISO_REASON_ATTACK,    /* a picture, a screen, a mask */
     ISO_REASONS
 };
 
-/* "none", "match", "unknown", "left", "not-valid", "unlogged"; NULL outside. */
+/* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack"; NULL outside. */
 const char *iso_reason_name(enum iso_reason reason);
 
 /* All-zero is DENY. */
@@ -38,11 +51,14 @@ struct iso_verdict {
     int64_t person; /* whose face it is; 0 if nobody's is sure enough */
     double score;   /* the best one of that person, else of anybody; NaN without any */
     int frames;     /* usable ones */
+    int attack_frames;
+    enum iso_capture cue; /* of most of them; ISO_CAPTURE_OK: there were none */
 };
 
 struct iso_decision_options {
     double threshold, margin;
     int agree, max_frames; /* 1 <= agree <= max_frames <= ISO_DECISION_FRAMES_MAX */
+    int attack_frames;     /* 1 or more */
     int64_t gap_ns, refractory_ns;
 };
 
@@ -53,6 +69,7 @@ struct iso_decision_frame {
     double score;        /* of that one; ignored without */
     double second_score; /* of the next person; -INFINITY if there is none */
     bool valid;          /* that person may enter now */
+    uint64_t track;      /* of the face, from 1 */
 };
 
 enum iso_decision_state {
@@ -64,14 +81,17 @@ enum iso_decision_state {
 struct iso_decision {
     struct iso_decision_options options;
     enum iso_decision_state state;
-    int64_t seen_ns;    /* VISIT, SPENT: the last usable face */
+    int64_t seen_ns;    /* VISIT, SPENT: the last usable face or attack frame */
     int64_t verdict_ns; /* SPENT: since when */
-    int n_frames;       /* of this visit */
+    uint64_t track;     /* VISIT: of its usable frames, if there are any */
+    int n_frames;       /* usable ones of this visit */
     struct {
         int64_t person; /* whom the frame counts for; 0: nobody */
         double score;
     } frames[ISO_DECISION_FRAMES_MAX];
     double best_score; /* of all frames and anybody; NaN without any */
+    int n_attack_frames;
+    int by_cue[ISO_CAPTURES];
 };
 
 void iso_decision_init(struct iso_decision *decision, const struct iso_decision_options *options);
@@ -79,12 +99,22 @@ void iso_decision_init(struct iso_decision *decision, const struct iso_decision_
 /* Nobody is there; a visit that has begun is forgotten. */
 void iso_decision_reset(struct iso_decision *decision);
 
-/* Takes a usable face in; iso_decision_time with its t_ns comes first. Returns true and fills in
- * *verdict if there is one; else *verdict is untouched. */
+/* The four below return true and fill in *verdict if there is one; else *verdict is untouched. */
+
+/* Takes in that the face seen from now on is of this track; before iso_decision_face with it. */
+bool iso_decision_track(struct iso_decision *decision, uint64_t track, struct iso_verdict *verdict);
+
+/* Takes a usable face in; iso_decision_time with its t_ns and iso_decision_track with its track
+ * come first. */
 bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_frame *frame,
                        struct iso_verdict *verdict);
 
-/* Takes in that until t_ns no more usable faces were there than were told of. */
+/* Takes an attack frame in: a frame of time t_ns with this cue (iso_capture_is_attack).
+ * iso_decision_time comes first. */
+bool iso_decision_attack(struct iso_decision *decision, enum iso_capture cue, int64_t t_ns,
+                         struct iso_verdict *verdict);
+
+/* Takes in that until t_ns no more of both were there than were told of. */
 bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_verdict *verdict);
 
 /* When iso_decision_time will do something; ISO_NEVER_NS if nothing is due. */

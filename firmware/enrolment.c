@@ -12,6 +12,8 @@ void iso_enrolment_begin(struct iso_enrolment *enrolment,
     enrolment->deadline_ns = now_ns + options->timeout_ns;
     enrolment->stage = 0;
     enrolment->misfits = 0;
+    enrolment->attack_frames = 0;
+    enrolment->cue = ISO_CAPTURE_OK;
     enrolment->duplicate_of = 0;
 }
 
@@ -122,6 +124,7 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
         return 0;
     }
     enrolment->frames[enrolment->stage++] = *frame;
+    enrolment->attack_frames = 0;
     if (enrolment->stage == enrolment->options.stages) {
         error = complete(enrolment, pipeline, gallery);
         if (error) {
@@ -131,6 +134,15 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
     }
     *passed = true;
     return 0;
+}
+
+void iso_enrolment_attack(struct iso_enrolment *enrolment, enum iso_capture cue)
+{
+    enrolment->attack_frames++;
+    enrolment->cue = cue;
+    if (enrolment->attack_frames >= enrolment->options.attack_frames) {
+        enrolment->state = ISO_ENROLMENT_ATTACK;
+    }
 }
 
 void iso_enrolment_time(struct iso_enrolment *enrolment, int64_t now_ns)

@@ -6,11 +6,14 @@
  *           the last one, but somebody else looks so      -> DUPLICATE (unless that is allowed)
  *           ... or the person of this name does not       -> FAILED
  *           as many misfits as there are stages           -> FAILED
+ *           attack_frames attack frames since a stage     -> ATTACK
  *           timeout_ns after its start                    -> TIMED_OUT
  *           the sensor is gone                            -> DISCONNECTED
  *
  * A misfit is a usable frame that is not like the ones before it: another face, or a bad
- * registration. All states but ACTIVE are final. */
+ * registration. It is not taken, and told to the person as what it is. An attack frame has a cue of
+ * a presentation attack and no template; those of one stage count together. All states but ACTIVE
+ * are final. */
 #ifndef ISO_FIRMWARE_ENROLMENT_H
 #define ISO_FIRMWARE_ENROLMENT_H
 
@@ -29,6 +32,7 @@ enum iso_enrolment_state {
     ISO_ENROLMENT_FAILED,
     ISO_ENROLMENT_TIMED_OUT,
     ISO_ENROLMENT_DISCONNECTED,
+    ISO_ENROLMENT_ATTACK,
 };
 
 struct iso_enrolment_options {
@@ -36,6 +40,7 @@ struct iso_enrolment_options {
     double
         agree_score; /* of a frame with every one before it, and with the person's own templates */
     double duplicate_score; /* from which on somebody else is the same person */
+    int attack_frames;      /* 1 or more */
     int64_t timeout_ns;
     bool allow_duplicate;
 };
@@ -53,6 +58,8 @@ struct iso_enrolment {
     int64_t deadline_ns;
     int stage; /* frames taken */
     int misfits;
+    int attack_frames;    /* since the last stage */
+    enum iso_capture cue; /* of the last of them */
     struct iso_template frames[ISO_ENROLMENT_STAGES_MAX];
     struct iso_template fused; /* COMPLETED: the template to keep */
     int64_t duplicate_of;      /* DUPLICATE: who that is */
@@ -69,6 +76,9 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
                         const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)
     __attribute__((warn_unused_result));
+
+/* While ACTIVE: takes a frame with a cue of an attack in (iso_capture_is_attack). */
+void iso_enrolment_attack(struct iso_enrolment *enrolment, enum iso_capture cue);
 
 /* While ACTIVE: ends it if its time is over. */
 void iso_enrolment_time(struct iso_enrolment *enrolment, int64_t now_ns);

@@ -16,6 +16,7 @@ static const char usage[] =
     "Usage: isothermd [OPTION...]\n"
     "The face recognition appliance: watches the door, and serves isotherm(1).\n\n"
     "  --config FILE    read this configuration (default: " ISOTHERM_CONFIG ")\n"
+    "  --bus ADDRESS    serve on this bus: system, session or a D-Bus address\n"
     "  --check-config   say whether the configuration is sound, and end\n"
     "  --help-config    print a configuration that names and explains every key\n"
     "  --help           show this help\n"
@@ -25,6 +26,7 @@ static const char usage[] =
 
 enum option_id {
     OPTION_CONFIG = 256,
+    OPTION_BUS,
     OPTION_CHECK_CONFIG,
     OPTION_HELP_CONFIG,
     OPTION_HELP,
@@ -33,6 +35,7 @@ enum option_id {
 
 static const struct option options[] = {
     {"config", required_argument, NULL, OPTION_CONFIG},
+    {"bus", required_argument, NULL, OPTION_BUS},
     {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
     {"help-config", no_argument, NULL, OPTION_HELP_CONFIG},
     {"help", no_argument, NULL, OPTION_HELP},
@@ -42,6 +45,7 @@ static const struct option options[] = {
 
 struct arguments {
     const char *config;
+    const char *bus; /* NULL: the configured one */
     bool check_config;
 };
 
@@ -67,11 +71,26 @@ static int say(int error, const struct iso_fault *fault)
     return exit_code(error);
 }
 
+/* The bus of the command line goes before that of the file. */
+static int take_bus(const char *address, struct iso_config *config, struct iso_fault *fault)
+{
+    if (!address) {
+        return 0;
+    }
+    if (!*address || strlen(address) >= sizeof config->bus.address) {
+        return iso_fault_set(fault, -EINVAL, "--bus: an address has 1 to %zu bytes",
+                             sizeof config->bus.address - 1);
+    }
+    (void)snprintf(config->bus.address, sizeof config->bus.address, "%s", address);
+    return 0;
+}
+
 static int run(const struct arguments *arguments)
 {
     struct iso_config config;
     struct iso_fault fault = {""};
     int error = iso_config_load(arguments->config, &config, &fault);
+    error = error ? error : take_bus(arguments->bus, &config, &fault);
     if (!error && arguments->check_config) {
         printf("%s: sound\n", arguments->config);
     } else if (!error) {
@@ -88,6 +107,9 @@ int main(int argc, char **argv)
         switch (id) {
         case OPTION_CONFIG:
             arguments.config = optarg;
+            break;
+        case OPTION_BUS:
+            arguments.bus = optarg;
             break;
         case OPTION_CHECK_CONFIG:
             arguments.check_config = true;

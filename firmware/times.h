@@ -10,6 +10,9 @@
 #define ISO_NS_PER_S  INT64_C(1000000000)
 #define ISO_NS_PER_MS INT64_C(1000000)
 
+/* Angles in configuration and on the bus are degrees, inside radians. */
+#define ISO_RAD_PER_DEG 0.017453292519943295
+
 /* "Never", for times at which something is due. */
 #define ISO_NEVER_NS INT64_MAX
 

@@ -1,14 +1,10 @@
 /* isotherm-sim visit: the people of a corpus come to the door of a running daemon. */
 #include <errno.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "sim/commands.h"
-#include "sim/options.h"
-#include "sim/visit/visit.h"
-#include "sim/visit/visit_report.h"
+#include "sim/visit/visit_command.h"
 
 struct arguments {
     struct sim_visit_options visit;
@@ -53,84 +49,39 @@ static const struct sim_option options[] = {
     {"limit-ms", "N", "a visit's longest time (30000)", sim_option_int, FIELD(visit.limit_ms)},
 };
 
-static void print_visit(const struct sim_visit *visit, void *context)
+static const char usage[] =
+    "Usage: isotherm-sim visit --corpus DIR --slot LINK --bus ADDRESS --out DIR [OPTION...]\n\n"
+    "Has the people of a corpus come to the door of a running isothermd whose sensor plays\nthe "
+    "slot, one after the other, and tells what it made of them. Exit status 1: somebody\nenrolled "
+    "was refused at every visit or taken for another, or a stranger was let in.\n";
+
+static bool is_complete(const void *target)
 {
-    (void)context;
-    sim_visit_print(visit, stdout);
-    fflush(stdout);
+    const struct arguments *arguments = target;
+    const struct sim_visit_options *visit = &arguments->visit;
+    return visit->corpus && visit->slot && visit->address && arguments->out;
 }
 
-static int visit_all(const struct arguments *arguments, struct sim_visit_summary *summary,
-                     struct iso_fault *fault)
+static int play(const void *target, const struct sim_corpus *corpus, sim_visit_listener *listener,
+                void *context, struct sim_visit *visits, size_t *n_visits, struct iso_fault *fault)
 {
-    struct sim_corpus *corpus = NULL;
-    struct sim_visit *visits = NULL;
-    size_t n_visits = 0;
-    int error;
-
-    if (mkdir(arguments->out, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
-    }
-    error = sim_corpus_read(arguments->visit.corpus, &corpus, fault);
-    if (error) {
-        return error;
-    }
-    visits = calloc(corpus->n_rows, sizeof *visits);
-    if (!visits) {
-        error = iso_fault_set(fault, -ENOMEM, "out of memory");
-        goto out;
-    }
-    sim_visit_print_head(stdout);
-    error = sim_visit_play(&arguments->visit, corpus, print_visit, NULL, visits, &n_visits, fault);
-    error = error ? error : sim_visit_write_csv(arguments->out, visits, n_visits, fault);
-    if (!error) {
-        *summary = sim_visit_judge(visits, n_visits);
-        sim_visit_print_summary(summary, stdout);
-    }
-out:
-    free(visits);
-    sim_corpus_free(corpus);
-    return error;
-}
-
-static int complain(const struct iso_fault *fault, int exit_code)
-{
-    fprintf(stderr, "isotherm-sim visit: %s\n", fault->text);
-    return exit_code;
+    const struct arguments *arguments = target;
+    return sim_visit_play(&arguments->visit, corpus, listener, context, visits, n_visits, fault);
 }
 
 int sim_cmd_visit(int argc, char **argv)
 {
     struct arguments arguments = {.visit = sim_visit_options_default()};
-    const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
-    struct sim_visit_summary summary = {0};
-    struct iso_fault fault = {""};
-
-    switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
-    case SIM_OPTIONS_HELP:
-        puts("Usage: isotherm-sim visit --corpus DIR --slot LINK --bus ADDRESS --out DIR "
-             "[OPTION...]\n\n"
-             "Has the people of a corpus come to the door of a running isothermd whose sensor "
-             "plays\nthe slot, one after the other, and tells what it made of them. Exit status 1: "
-             "somebody\nenrolled was refused at every visit or taken for another, or a stranger "
-             "was let in.\n");
-        sim_options_help(&set, 1, stdout);
-        return SIM_EXIT_OK;
-    case SIM_OPTIONS_REFUSED:
-        return complain(&fault, SIM_EXIT_USAGE);
-    case SIM_OPTIONS_READ:
-        break;
-    }
-    if (!arguments.visit.corpus || !arguments.visit.slot || !arguments.visit.address ||
-        !arguments.out) {
-        (void)iso_fault_set(&fault, 0, "--corpus, --slot, --bus and --out are needed");
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    const int error = visit_all(&arguments, &summary, &fault);
-    if (error) {
-        return complain(&fault, error == -ENOENT      ? SIM_EXIT_NOT_FOUND
-                                : error == -ETIMEDOUT ? SIM_EXIT_TIMED_OUT
-                                                      : SIM_EXIT_FAULT);
-    }
-    return summary.good ? SIM_EXIT_OK : SIM_EXIT_NO_MATCH;
+    const struct sim_visit_command command = {
+        .name = "visit",
+        .usage = usage,
+        .needed = "--corpus, --slot, --bus and --out are needed",
+        .set = {options, sizeof options / sizeof *options, &arguments},
+        .corpus = &arguments.visit.corpus,
+        .out = &arguments.out,
+        .out_may_exist = true,
+        .is_complete = is_complete,
+        .play = play,
+    };
+    return sim_visit_command_run(&command, argc, argv);
 }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ITEMS_MAX = 1 << 28 };
+enum { ITEMS_MAX = 1 << 28, ITEM_BYTES = 4 /* of what is handed out */ };
 
 struct file {
     unsigned char *bytes;
@@ -178,24 +178,57 @@ static int load(const char *path, struct file *file, struct header *header, stru
     return 0;
 }
 
+/* Puts the value of a file's item, which begins at `bytes`, where it belongs in memory. */
+typedef void take_item(const unsigned char *bytes, void *out);
+
 static uint32_t u32_at(const unsigned char *b)
 {
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-static float float_at(const unsigned char *data, size_t i, bool half)
+static void take_half(const unsigned char *bytes, void *out)
 {
-    if (half) {
-        return sim_npy_float_of_half((uint16_t)(data[2 * i] | data[2 * i + 1] << 8));
-    }
-    uint32_t bits = u32_at(data + 4 * i);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+    const float value = sim_npy_float_of_half((uint16_t)(bytes[0] | bytes[1] << 8));
+    memcpy(out, &value, sizeof value);
 }
 
-int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **out,
-                        struct iso_fault *fault)
+static void take_float(const unsigned char *bytes, void *out)
+{
+    const uint32_t bits = u32_at(bytes);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    memcpy(out, &value, sizeof value);
+}
+
+static void take_u32(const unsigned char *bytes, void *out)
+{
+    const uint32_t value = u32_at(bytes);
+    memcpy(out, &value, sizeof value);
+}
+
+/* A type that a file may have, and how its items become the caller's of 4 bytes. */
+struct item {
+    const char *type;
+    size_t size;
+    take_item *take;
+};
+
+_Static_assert(sizeof(float) == ITEM_BYTES, "items of both readers have as many bytes");
+
+static const struct item *find_item(const struct item *items, size_t n_items, const char *type)
+{
+    for (size_t i = 0; i < n_items; i++) {
+        if (strcmp(items[i].type, type) == 0) {
+            return &items[i];
+        }
+    }
+    return NULL;
+}
+
+/* A whole array of one of these types; `wanted` names them in faults. */
+static int read_array(const char *path, const struct item *items, size_t n_items,
+                      const char *wanted, struct sim_npy_shape *shape, void **out,
+                      struct iso_fault *fault)
 {
     struct file file;
     struct header header;
@@ -203,20 +236,20 @@ int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **o
     if (error != 0) {
         return error;
     }
-    bool half = strcmp(header.type, "<f2") == 0;
-    float *values = NULL;
-    if (!half && strcmp(header.type, "<f4") != 0) {
-        error = iso_fault_set(fault, -EBADMSG, "%s: holds '%s' where '<f4' or '<f2' belongs", path,
-                              header.type);
+    unsigned char *values = NULL;
+    const struct item *item = find_item(items, n_items, header.type);
+    if (!item) {
+        error = iso_fault_set(fault, -EBADMSG, "%s: holds '%s' where %s belongs", path, header.type,
+                              wanted);
         goto out;
     }
-    values = malloc(header.n_items * sizeof *values);
+    values = malloc(header.n_items * ITEM_BYTES);
     if (!values) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
         goto out;
     }
     for (size_t i = 0; i < header.n_items; i++) {
-        values[i] = float_at(file.bytes + header.data_offset, i, half);
+        item->take(file.bytes + header.data_offset + i * item->size, values + i * ITEM_BYTES);
     }
     *shape = header.shape;
     *out = values;
@@ -225,32 +258,26 @@ out:
     return error;
 }
 
+int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **out,
+                        struct iso_fault *fault)
+{
+    static const struct item items[] = {{"<f4", 4, take_float}, {"<f2", 2, take_half}};
+    void *values = NULL;
+    const int error = read_array(path, items, 2, "'<f4' or '<f2'", shape, &values, fault);
+    if (error == 0) {
+        *out = values;
+    }
+    return error;
+}
+
 int sim_npy_read_u32(const char *path, struct sim_npy_shape *shape, uint32_t **out,
                      struct iso_fault *fault)
 {
-    struct file file;
-    struct header header;
-    int error = load(path, &file, &header, fault);
-    if (error != 0) {
-        return error;
+    static const struct item items[] = {{"<u4", 4, take_u32}};
+    void *values = NULL;
+    const int error = read_array(path, items, 1, "'<u4'", shape, &values, fault);
+    if (error == 0) {
+        *out = values;
     }
-    uint32_t *values = NULL;
-    if (strcmp(header.type, "<u4") != 0) {
-        error = iso_fault_set(fault, -EBADMSG, "%s: holds '%s' where '<u4' belongs", path,
-                              header.type);
-        goto out;
-    }
-    values = malloc(header.n_items * sizeof *values);
-    if (!values) {
-        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
-        goto out;
-    }
-    for (size_t i = 0; i < header.n_items; i++) {
-        values[i] = u32_at(file.bytes + header.data_offset + 4 * i);
-    }
-    *shape = header.shape;
-    *out = values;
-out:
-    free(file.bytes);
     return error;
 }

@@ -19,20 +19,22 @@ static int on_visit(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
     struct sim_door_watch *watch = context;
     struct sim_door_verdict *verdict = &watch->verdict;
-    const char *word, *person;
+    const char *word, *person, *reason;
 
     (void)error;
     if (verdict->given) {
         return 0;
     }
-    const int r = sd_bus_message_read(signal, "ssddux", &word, &person, &verdict->score,
-                                      &verdict->threshold, &verdict->frames, &verdict->latency_us);
+    const int r = sd_bus_message_read(signal, "ssdduxs", &word, &person, &verdict->score,
+                                      &verdict->threshold, &verdict->frames, &verdict->latency_us,
+                                      &reason);
     if (r < 0) {
         return r;
     }
     verdict->given = true;
     verdict->allow = strcmp(word, "allow") == 0;
     (void)snprintf(verdict->person, sizeof verdict->person, "%s", person);
+    (void)snprintf(verdict->reason, sizeof verdict->reason, "%s", reason);
     return 0;
 }
 

@@ -16,6 +16,7 @@ struct sim_door_verdict {
     double score, threshold;
     uint32_t frames;
     int64_t latency_us;
+    char reason[16]; /* a word of firmware/decision.h */
 };
 
 struct sim_door_watch;

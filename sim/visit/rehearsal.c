@@ -70,6 +70,20 @@ static void on_visit(void *context, const struct iso_visit *visit)
         .latency_us = visit->latency_ns / 1000,
     };
     (void)snprintf(r->verdict.person, sizeof r->verdict.person, "%s", visit->person);
+    (void)snprintf(r->verdict.reason, sizeof r->verdict.reason, "%s",
+                   iso_reason_name(visit->verdict.reason));
+}
+
+static void on_hint(void *context, enum iso_capture capture)
+{
+    (void)context;
+    (void)capture;
+}
+
+static void on_view(void *context, const struct iso_view *view)
+{
+    (void)context;
+    (void)view;
 }
 
 static bool is_locked(const char *state)
@@ -130,6 +144,8 @@ static int open_appliance(struct rehearsal *r)
         .enroll_status = on_enroll,
         .recognition_status = on_recognition,
         .visit = on_visit,
+        .hint = on_hint,
+        .view = on_view,
         .door_changed = on_door,
         .claim_lost = on_claim_lost,
         .message = on_message,

@@ -30,6 +30,12 @@ static const char *door_name(const struct sim_visit *visit)
     return visit->unlocked ? "unlocked" : "locked";
 }
 
+/* Why, "" without a verdict. */
+static const char *reason_of(const struct sim_visit *visit)
+{
+    return visit->verdict.given ? visit->verdict.reason : "";
+}
+
 /* A number right-aligned in `width` columns, "-" for one that is not known. */
 static void print_number(double value, int width, int decimals, FILE *out)
 {
@@ -42,8 +48,8 @@ static void print_number(double value, int width, int decimals, FILE *out)
 
 void sim_visit_print_head(FILE *out)
 {
-    fprintf(out, "%-12s %-9s %-10s %-7s %-12s %8s %9s %6s %6s  %s\n", "who came", "role", "note",
-            "verdict", "named", "score", "threshold", "frames", "ms", "door");
+    fprintf(out, "%-12s %-9s %-10s %-7s %-12s %8s %9s %6s %6s  %-8s %s\n", "who came", "role",
+            "note", "verdict", "named", "score", "threshold", "frames", "ms", "door", "reason");
 }
 
 void sim_visit_print(const struct sim_visit *visit, FILE *out)
@@ -59,7 +65,7 @@ void sim_visit_print(const struct sim_visit *visit, FILE *out)
     print_number(figures.threshold, 9, 2, out);
     print_number(figures.frames, 6, 0, out);
     print_number(figures.latency_ms, 6, 0, out);
-    fprintf(out, "  %s\n", door_name(visit));
+    fprintf(out, "  %-8s %s\n", door_name(visit), reason_of(visit));
 }
 
 void sim_visit_print_summary(const struct sim_visit_summary *summary, FILE *out)
@@ -92,7 +98,7 @@ static void write_row(const struct sim_visit *visit, FILE *out)
     write_number(figures.threshold, 6, out);
     write_number(figures.frames, 0, out);
     write_number(figures.latency_ms, 3, out);
-    fprintf(out, "%s\n", door_name(visit));
+    fprintf(out, "%s,%s\n", door_name(visit), reason_of(visit));
 }
 
 int sim_visit_write_csv(const char *directory, const struct sim_visit *visits, size_t n_visits,
@@ -107,7 +113,8 @@ int sim_visit_write_csv(const char *directory, const struct sim_visit *visits, s
     if (!out) {
         return iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
     }
-    fputs("recording,subject,role,note,verdict,person,score,threshold,frames,latency_ms,door\n",
+    fputs("recording,subject,role,note,verdict,person,score,threshold,frames,latency_ms,door,"
+          "reason\n",
           out);
     for (size_t i = 0; i < n_visits; i++) {
         write_row(&visits[i], out);

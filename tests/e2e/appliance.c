@@ -21,10 +21,12 @@
 
 #define DATA ISOTHERM_SOURCE_DIR "/core/data/"
 
-/* Short times, so that the tests are; scores and counts are those of the product. */
+/* Short times, so that the tests are; scores and counts are those of the product, but for the
+ * hints: a stored visit has three frames, of which a slow machine may miss one. */
 static const char configuration[] = "[sensor]\nbackend = replay\npath = %s\n"
                                     "[door]\nbackend = null\nunlock_ms = 200\n"
                                     "[decision]\ngap_ms = 300\n"
+                                    "[hint]\nhold_frames = 2\n"
                                     "[gallery]\npath = %s/gallery.db\n"
                                     "[log]\npath = %s/audit.log\nsync = no\n"
                                     "[bus]\naddress = %s\n"

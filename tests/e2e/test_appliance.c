@@ -142,6 +142,45 @@ static void nobody_before_the_camera_times_out(void **state)
     assert_int_equal(count_people(*state), 3);
 }
 
+static void who_stands_badly_is_told_so(void **state)
+{
+    json_t *document = appliance_run_json(*state, "identify --timeout 4", "none-cut4", 5);
+
+    assert_string_equal(text_of(document, "result"), "identify-timed-out");
+    assert_string_equal(json_string_value(json_array_get(json_object_get(document, "hints"), 0)),
+                        "move-right");
+    json_decref(document);
+    document = appliance_run_json(*state, "status", NULL, 0);
+    assert_string_equal(text_of(document, "capture"), "move-right");
+    json_decref(document);
+}
+
+/* Placing the camera while the door is in service: what it sees, and no more than that. */
+static void the_camera_can_be_aimed(void **state)
+{
+    const struct appliance *appliance = *state;
+    const char *const argv[] = {appliance_isotherm, "--bus", appliance->bus.address, "aim", NULL};
+    struct run aim;
+
+    run_start(&aim, argv);
+    run_until(&aim, "capture ");
+    appliance_show(appliance, "p01-v1");
+    run_until(&aim, "good, hold still");
+    kill(aim.pid, SIGINT);
+    run_finish(&aim);
+    appliance_show(appliance, NULL);
+    assert_int_equal(aim.exit, 0);
+    run_free(&aim);
+
+    json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+    const double distance_mm = json_real_value(json_object_get(status, "distance-mm"));
+    const double coverage = json_real_value(json_object_get(status, "fit-coverage"));
+    assert_string_equal(text_of(status, "mode"), "watch");
+    assert_true(distance_mm > 400 && distance_mm < 1200);
+    assert_true(coverage > 0.8 && coverage <= 1);
+    json_decref(status);
+}
+
 static void a_camera_in_use_is_refused_and_freed_by_an_interrupt(void **state)
 {
     const struct appliance *appliance = *state;
@@ -197,7 +236,7 @@ static void the_door_opens_to_the_enrolled_and_to_nobody_else(void **state)
                        recordings[i], recordings[i]);
         assert_non_null(strstr(text, line));
     }
-    assert_non_null(strstr(text, "\nnone-nobody1,none,impostor,nobody,none,,,,,,locked\n"));
+    assert_non_null(strstr(text, "\nnone-nobody1,none,impostor,nobody,none,,,,,,locked,\n"));
     free(text);
     free(csv);
 }
@@ -267,6 +306,8 @@ int main(void)
         cmocka_unit_test(people_are_identified),
         cmocka_unit_test(people_are_verified),
         cmocka_unit_test(nobody_before_the_camera_times_out),
+        cmocka_unit_test(who_stands_badly_is_told_so),
+        cmocka_unit_test(the_camera_can_be_aimed),
         cmocka_unit_test(a_camera_in_use_is_refused_and_freed_by_an_interrupt),
         cmocka_unit_test(a_client_that_dies_frees_the_camera),
         cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_nobody_else),

@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -288,6 +289,59 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
         "frames", "t", (uint64_t)1 << 40, "log-sequence", "t", (uint64_t)script->n_records);
 }
 
+static int send_view(sd_bus_message *call, const struct fake_view *view)
+{
+    sd_bus_message *signal = NULL;
+    int r = sd_bus_message_new_signal(sd_bus_message_get_bus(call), &signal, ISO_CONTRACT_PATH,
+                                      ISO_CONTRACT_INTERFACE, "View");
+
+    r = r < 0 ? r : sd_bus_message_open_container(signal, 'a', "{sv}");
+    r = r < 0 ? r : sd_bus_message_append(signal, "{sv}", "capture", "s", view->capture);
+    if (r >= 0 && !isnan(view->distance_mm)) {
+        r = sd_bus_message_append(signal, "{sv}", "distance-mm", "d", view->distance_mm);
+    }
+    if (r >= 0 && !isnan(view->yaw_deg)) {
+        r = sd_bus_message_append(signal, "{sv}", "yaw-deg", "d", view->yaw_deg);
+    }
+    r = r < 0 ? r : sd_bus_message_close_container(signal);
+    r = r < 0 ? r
+              : sd_bus_send_to(sd_bus_message_get_bus(call), signal,
+                               sd_bus_message_get_sender(call), NULL);
+    sd_bus_message_unref(signal);
+    return r;
+}
+
+static int on_aim_start(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    int r = sd_bus_reply_method_return(call, NULL);
+    (void)snprintf(service->action, sizeof service->action, "Aim");
+    for (size_t i = 0; r >= 0 && i < service->script->n_views; i++) {
+        r = send_view(call, &service->script->views[i]);
+    }
+    service->leave = service->script->vanish;
+    return r;
+}
+
+/* Needs no claim, but a start. */
+static int on_aim_stop(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    if (strcmp(service->action, "Aim") != 0) {
+        return sd_bus_error_set(error, ISO_CONTRACT_ERROR_NO_ACTION, "nothing to stop");
+    }
+    service->action[0] = '\0';
+    return sd_bus_reply_method_return(call, NULL);
+}
+
 static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     const struct service *service = context;
@@ -328,6 +382,8 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_METHOD("ListPeople", "", "a(sxxxu)", on_list, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("DeletePerson", "s", "", on_delete, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("GetStatus", "", "a{sv}", on_status, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("AimStart", "", "", on_aim_start, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("AimStop", "", "", on_aim_stop, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("ReadLog", "tu", "as", on_read_log, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_VTABLE_END,
 };

@@ -20,6 +20,12 @@ struct fake_status {
     double threshold;
 };
 
+/* One View signal, sent to who calls AimStart. */
+struct fake_view {
+    const char *capture;
+    double distance_mm, yaw_deg; /* NAN: left out */
+};
+
 struct fake_person {
     const char *name;
     int64_t enrolled, valid_from, valid_until;
@@ -30,6 +36,8 @@ struct fake_script {
     const char *fail_method, *fail_error; /* the method that fails, with which D-Bus error */
     const struct fake_status *statuses;
     size_t n_statuses;
+    const struct fake_view *views;
+    size_t n_views;
     bool vanish;          /* leave the bus after the last status */
     const char *stranger; /* another connection sends this result, as done, before the statuses */
     const struct fake_person *people;

@@ -21,6 +21,8 @@ static void enrolling_guides_the_person(void **state)
         {"enroll-retry-too-far", false, 0, 2, 0, NULL, 0}, /* is not said twice */
         {"enroll-stage-passed", false, 1, 2, 0.875, NULL, 0},
         {"enroll-retry-turn-left", false, 1, 2, 0, NULL, 0},
+        {"enroll-stage-misfit", false, 1, 2, 0, NULL, 0},
+        {"enroll-retry-turn-left", false, 1, 2, 0, NULL, 0}, /* is said again: much has happened */
         {"enroll-stage-passed", false, 2, 2, 0.75, NULL, 0},
         {"enroll-completed", true, 2, 2, 0.8125, NULL, 0},
     };
@@ -32,6 +34,9 @@ static void enrolling_guides_the_person(void **state)
                                     "  no face to be seen: stand in front of the camera\n"
                                     "  come closer\n"
                                     "stage 1/2 done (quality 0.88)\n"
+                                    "  turn a little to your left\n"
+                                    "this capture is not like the ones before: one person only, "
+                                    "as at the beginning\n"
                                     "  turn a little to your left\n"
                                     "stage 2/2 done (quality 0.75)\n"
                                     "anna is enrolled.\n");
@@ -70,14 +75,17 @@ static const struct ending {
 } endings[] = {
     {"enroll anna", "enroll-duplicate", 1, "this face is known under another name"},
     {"enroll anna", "enroll-failed", 1, "the captures did not agree"},
+    {"enroll anna", "enroll-attack", 1, "this looks like a picture, a screen or a mask"},
     {"enroll anna", "enroll-timed-out", 5, "no usable face in time"},
     {"enroll anna", "enroll-disconnected", 4, "the sensor has gone away"},
     {"identify", "identify-match", 0, "bob (score 3.50, threshold 2.25)"},
     {"identify", "identify-no-match", 1, "not known (best score 3.50, threshold 2.25)"},
+    {"identify", "identify-attack", 1, "refused: this looks like a picture, a screen or a mask"},
     {"identify", "identify-timed-out", 5, "no usable face in time"},
     {"identify", "identify-disconnected", 4, "the sensor has gone away"},
     {"verify bob", "verify-match", 0, "bob (score 3.50, threshold 2.25)"},
     {"verify bob", "verify-no-match", 1, "this is not bob (best score 3.50, threshold 2.25)"},
+    {"verify bob", "verify-attack", 1, "refused: this looks like a picture, a screen or a mask"},
     {"verify bob", "verify-timed-out", 5, "no usable face in time"},
     {"verify bob", "verify-disconnected", 4, "the sensor has gone away"},
 };
@@ -150,6 +158,74 @@ static void verify_says_hints_and_asks_for_the_person(void **state)
     assert_string_equal(result.out, "Look straight at the camera.\n  hold still\n"
                                     "anna (score 4.00, threshold 2.00)\n");
     assert_string_equal(result.calls, "Claim;VerifyStart anna;VerifyStop;Release");
+}
+
+/* Hints go to the person at once, and the words of all of them into the document. */
+static void hints_are_in_the_document(void **state)
+{
+    static const struct fake_status identify[] = {
+        {"identify-retry-too-far", false, 0, 0, 0, NULL, 0},
+        {"identify-retry-too-far", false, 0, 0, 0, NULL, 0},
+        {"identify-retry-covered-mouth", false, 0, 0, 0, NULL, 0},
+        {"identify-retry-too-far", false, 0, 0, 0, NULL, 0},
+        {"identify-no-match", true, 0, 0, 1, NULL, 2},
+    };
+    static const struct fake_status enrol[] = {
+        {"enroll-retry-expression", false, 0, 4, 0, NULL, 0},
+        {"enroll-timed-out", true, 0, 4, 0, NULL, 0},
+    };
+    const struct fake_script identifying = {.statuses = identify, .n_statuses = COUNT(identify)};
+    const struct fake_script enrolling = {.statuses = enrol, .n_statuses = COUNT(enrol)};
+    const char *first, *second, *third;
+    struct cli_result result = cli_run(&identifying, "identify --json");
+    json_t *document = cli_json(&result);
+
+    (void)state;
+    assert_int_equal(json_unpack(document, "{s:[sss!]}", "hints", &first, &second, &third), 0);
+    assert_string_equal(first, "too-far");
+    assert_string_equal(second, "covered-mouth");
+    assert_string_equal(third, "too-far");
+    assert_non_null(strstr(result.err, "  take your scarf, mask or hand from your mouth\n"));
+    json_decref(document);
+    result = cli_run(&enrolling, "enroll anna --json");
+    document = cli_json(&result);
+    assert_int_equal(json_unpack(document, "{s:[s!]}", "hints", &first), 0);
+    assert_string_equal(first, "expression");
+    json_decref(document);
+}
+
+static void aim_shows_what_is_seen(void **state)
+{
+    static const struct fake_view views[] = {
+        {"no-face", NAN, NAN},
+        {"too-far", 1812.6, -12.4},
+    };
+    const struct fake_script script = {.views = views, .n_views = COUNT(views)};
+    struct cli_result result = cli_run_interrupt(&script, "aim", "too-far");
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    assert_non_null(strstr(result.out, "\nno-face                  -      -      -      -      -"));
+    assert_non_null(strstr(result.out, "  no face to be seen: stand in front of the camera\n"));
+    assert_non_null(strstr(result.out, "\ntoo-far               1813      -      -    -12      -"));
+    assert_non_null(strstr(result.out, "  come closer\n"));
+    assert_string_equal(result.calls, "AimStart;AimStop"); /* no claim: the door stays in service */
+
+    result = cli_run(&script, "aim --json --timeout 0.2");
+    assert_int_equal(result.exit, 0);
+    assert_string_equal(result.out, "{\"capture\":\"no-face\"}\n"
+                                    "{\"capture\":\"too-far\",\"distance-mm\":1812.5999999999999,"
+                                    "\"yaw-deg\":-12.4}\n");
+}
+
+static void aim_ends_with_the_daemon(void **state)
+{
+    const struct fake_script script = {.vanish = true};
+    const struct cli_result result = cli_run(&script, "aim");
+
+    (void)state;
+    assert_int_equal(result.exit, 4);
+    assert_non_null(strstr(result.err, "the daemon has gone away"));
 }
 
 static void a_silent_door_times_out_and_is_released(void **state)
@@ -250,6 +326,9 @@ int main(void)
         cmocka_unit_test(a_score_that_nobody_knows_is_null),
         cmocka_unit_test(a_score_that_is_no_number_is_left_out),
         cmocka_unit_test(verify_says_hints_and_asks_for_the_person),
+        cmocka_unit_test(hints_are_in_the_document),
+        cmocka_unit_test(aim_shows_what_is_seen),
+        cmocka_unit_test(aim_ends_with_the_daemon),
         cmocka_unit_test(a_silent_door_times_out_and_is_released),
         cmocka_unit_test(an_interrupt_releases_the_camera),
         cmocka_unit_test(a_daemon_that_vanishes_is_a_fault),

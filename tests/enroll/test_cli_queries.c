@@ -21,7 +21,7 @@ static const struct fake_script two_people = {.people = people, .n_people = COUN
 
 /* Every command, as it is typed, without options. */
 static const char *const commands[] = {"enroll anna", "identify", "verify anna", "list",
-                                       "remove anna", "status",   "log"};
+                                       "remove anna", "status",   "log",         "aim"};
 
 static void list_shows_everybody(void **state)
 {

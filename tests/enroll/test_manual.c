@@ -11,8 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/capture.h"
 #include "enroll/arguments.h"
 #include "firmware/config.h"
+#include "firmware/decision.h"
 #include "tests/support/scratch.h"
 
 #define MANUAL ISOTHERM_SOURCE_DIR "/enroll/man/"
@@ -132,11 +134,50 @@ static void every_option_stands_in_the_manual_and_the_completion(void **state)
     free(manual);
 }
 
+/* Whether a manual page has an entry `.It Li ... word ...`. */
+static bool has_entry(const char *manual, const char *word)
+{
+    const size_t length = strlen(word);
+
+    for (const char *line = manual; (line = strstr(line, "\n.It Li ")); line++) {
+        const char *end = strchr(line + 1, '\n');
+        for (const char *at = line; (at = strstr(at, word)) && at < end; at++) {
+            if (at[-1] == ' ' && (at[length] == ' ' || at[length] == '\n')) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void every_word_of_a_frame_and_a_verdict_stands_in_the_manual(void **state)
+{
+    char *client = read_text(MANUAL "isotherm.1"), *daemon = read_text(MANUAL "isothermd.8");
+
+    (void)state;
+    for (int i = 0; i < ISO_CAPTURES; i++) {
+        const char *word = iso_capture_name((enum iso_capture)i);
+        if (!has_entry(client, word) || !has_entry(daemon, word)) {
+            fail_msg("isotherm(1) or isothermd(8) does not have '%s'", word);
+        }
+    }
+    for (int i = ISO_REASON_MATCH; i < ISO_REASONS; i++) {
+        const char *word = iso_reason_name((enum iso_reason)i);
+        if (!has_entry(daemon, word)) {
+            fail_msg("isothermd(8) does not have '%s'", word);
+        }
+    }
+    assert_false(has_entry(client, "face"));
+    free(daemon);
+    free(client);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_stands_in_the_manual_with_its_standard_value),
         cmocka_unit_test(every_option_stands_in_the_manual_and_the_completion),
+        cmocka_unit_test(every_word_of_a_frame_and_a_verdict_stands_in_the_manual),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

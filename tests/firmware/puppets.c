@@ -41,7 +41,8 @@ int puppet_face_of(const struct iso_template *tmpl)
 
 /* ---- sensor ---- */
 
-/* A frame's first pixel is the face, its second the outcome: 100 and more, to be valid depths. */
+/* A frame's first pixel is the face, its second the outcome, its third where it is: 100 and more,
+ * to be valid depths. */
 struct stream {
     struct puppet_sensor *sensor;
     float depth_mm[3];
@@ -108,6 +109,7 @@ static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame *
     }
     stream->depth_mm[0] = (float)(100 + sensor->frames[sensor->next].face);
     stream->depth_mm[1] = (float)(100 + (int)sensor->frames[sensor->next].capture);
+    stream->depth_mm[2] = (float)(1100 + sensor->frames[sensor->next].right_mm);
     stream->frame.t_ns = sensor->frames[sensor->next].t_ns;
     stream->frame.sequence = (uint64_t)sensor->next++;
     *frame = &stream->frame;
@@ -177,10 +179,17 @@ struct iso_sensor_source puppet_sensor_source(struct puppet_sensor *sensor)
 void puppet_sensor_add(struct puppet_sensor *sensor, int64_t t_ns, int face,
                        enum iso_capture capture)
 {
+    puppet_sensor_add_at(sensor, t_ns, face, capture, 0);
+}
+
+void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
+                          enum iso_capture capture, int right_mm)
+{
     assert_in_range(sensor->n_frames, 0, PUPPET_FRAMES_MAX - 1);
     sensor->frames[sensor->n_frames].t_ns = t_ns;
     sensor->frames[sensor->n_frames].face = face;
     sensor->frames[sensor->n_frames].capture = capture;
+    sensor->frames[sensor->n_frames].right_mm = right_mm;
     sensor->n_frames++;
 }
 
@@ -194,8 +203,21 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
     if (pipeline->extract_error) {
         return pipeline->extract_error;
     }
-    out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);
-    out->tmpl = puppet_template((int)frame->depth_mm[0] - 100, PUPPET_ALGORITHM);
+    const int face = (int)frame->depth_mm[0] - 100;
+    *out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};
+    if (face != 0) {
+        out->camera_from_face = iso_rigid_identity();
+        out->camera_from_face.translation_mm = iso_vec3((double)frame->depth_mm[2] - 1100, 0, 700);
+        out->distance_mm = 700;
+        out->yaw_rad = pipeline->yaw_rad;
+        out->fitted = true;
+        out->fit_coverage = 0.95;
+        out->coverage = 0.9 - pipeline->uncovered;
+        out->expression_norm = pipeline->expression;
+        out->sigma_mm[ISO_LM_MOUTH_L] = 2.5;
+        out->residual_mm = 1.5;
+        out->tmpl = puppet_template(face, PUPPET_ALGORITHM);
+    }
     return 0;
 }
 

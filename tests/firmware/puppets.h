@@ -14,7 +14,7 @@
 #include "firmware/pipeline.h"
 #include "firmware/sensor_keeper.h"
 
-enum { PUPPET_ALGORITHM = 0x51, PUPPET_MODEL = 0xabc, PUPPET_FRAMES_MAX = 64 };
+enum { PUPPET_ALGORITHM = 0x51, PUPPET_MODEL = 0xabc, PUPPET_FRAMES_MAX = 128 };
 
 /* A template of that face, by that algorithm; it can be serialised and fused. */
 struct iso_template puppet_template(int face, uint32_t algorithm);
@@ -27,6 +27,7 @@ struct puppet_sensor {
         int64_t t_ns;
         enum iso_capture capture;
         int face;
+        int right_mm; /* where the face is; -999..999 */
     } frames[PUPPET_FRAMES_MAX];
     int n_frames, next;
     int open_error, start_error, wait_error; /* what the next call of each fails with; stays */
@@ -42,8 +43,15 @@ struct iso_sensor_source puppet_sensor_source(struct puppet_sensor *sensor);
 void puppet_sensor_add(struct puppet_sensor *sensor, int64_t t_ns, int face,
                        enum iso_capture capture);
 
+/* The same, of a face so far to the right. */
+void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
+                          enum iso_capture capture, int right_mm);
+
+/* A frame with a face (not 0) has a fitted head, 700 mm from the sensor, whatever the outcome;
+ * coverage and expression of a good enrolment, unless they are set here. */
 struct puppet_pipeline {
     int extract_error, search_error;
+    double yaw_rad, expression, uncovered;
     char sensor[32]; /* as the last extraction was told */
 };
 

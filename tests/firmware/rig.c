@@ -48,6 +48,16 @@ static void on_visit(void *context, const struct iso_visit *visit)
          visit->verdict.frames);
 }
 
+static void on_hint(void *context, enum iso_capture capture)
+{
+    tell(context, "hint %s; ", iso_capture_name(capture));
+}
+
+static void on_view(void *context, const struct iso_view *view)
+{
+    tell(context, "view %s; ", iso_capture_name(view->capture));
+}
+
 static void on_door_changed(void *context, const char *state, const char *cause)
 {
     tell(context, "door %s %s; ", state, cause);
@@ -77,8 +87,8 @@ static void open_parts(struct rig *rig)
         .times = {clock, manual_clock_now_ns, &rig->wall_ns},
         .sensor = puppet_sensor_source(&rig->sensor),
         .pipeline = puppet_pipeline(&rig->puppet),
-        .events = {on_enroll_status, on_recognition_status, on_visit, on_door_changed,
-                   on_claim_lost, on_message, rig},
+        .events = {on_enroll_status, on_recognition_status, on_visit, on_hint, on_view,
+                   on_door_changed, on_claim_lost, on_message, rig},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
     assert_int_equal(iso_gallery_open(scratch_path(rig->directory, "g.db"), 3, PUPPET_ALGORITHM,
@@ -150,6 +160,12 @@ void rig_show(struct rig *rig, int face, int n)
     for (int i = 1; i <= n; i++) {
         puppet_sensor_add(&rig->sensor, rig->now_ns + 33 * i * ISO_NS_PER_MS, face, ISO_CAPTURE_OK);
     }
+}
+
+void rig_show_at(struct rig *rig, int face, int right_mm, int64_t in_ms)
+{
+    puppet_sensor_add_at(&rig->sensor, rig->now_ns + in_ms * ISO_NS_PER_MS, face, ISO_CAPTURE_OK,
+                         right_mm);
 }
 
 void rig_show_unusable(struct rig *rig, enum iso_capture capture, int n)

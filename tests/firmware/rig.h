@@ -34,6 +34,9 @@ void rig_enrol(struct rig *rig, const char *person, int face);
 /* n usable frames of a face, 33 ms apart, the first in 33 ms. */
 void rig_show(struct rig *rig, int face, int n);
 
+/* One usable frame of a face at such a place, so much later. */
+void rig_show_at(struct rig *rig, int face, int right_mm, int64_t in_ms);
+
 /* Frames without a usable face. */
 void rig_show_unusable(struct rig *rig, enum iso_capture capture, int n);
 

@@ -104,14 +104,15 @@ static void enrols_with_hints(void **state)
     rig_run(rig, 200);
     rig_show(rig, 50, 1);
     rig_run(rig, 50);
-    rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 1);
-    rig_run(rig, 50);
+    rig_run(rig, 1000);
+    rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 3);
+    rig_run(rig, 100);
     rig_show(rig, 90, 1); /* somebody else looks in */
     rig_run(rig, 50);
     rig_show(rig, 51, 4);
     rig_run(rig, 200);
     assert_string_equal(rig_news(rig), "enroll retry-too-far 0/3; enroll stage-passed 1/3; "
-                                       "enroll retry-turn-left 1/3; enroll retry-moving 1/3; "
+                                       "enroll retry-turn-left 1/3; enroll stage-misfit 1/3; "
                                        "enroll stage-passed 2/3; enroll stage-passed 3/3; "
                                        "enroll completed 3/3 done");
     const struct iso_person *anna = iso_gallery_find(rig->gallery, "anna");
@@ -133,9 +134,73 @@ static void repeats_a_hint_once_a_second(void **state)
     struct rig *rig = *state;
     start_claimed(rig);
     enroll(rig, "anna");
-    rig_show_unusable(rig, ISO_CAPTURE_FLAT, 40);
+    rig_show_unusable(rig, ISO_CAPTURE_LOOK_UP, 40);
     rig_run(rig, 1400);
-    assert_string_equal(rig_news(rig), "enroll retry-flat 0/3; enroll retry-flat 0/3");
+    assert_string_equal(rig_news(rig), "enroll retry-look-up 0/3; enroll retry-look-up 0/3");
+}
+
+/* More than recognition asks: the pose, what covers the face, and the expression. */
+static void enrols_good_frames_only(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    rig->config.hint.interval_ms = 0;
+    enroll(rig, "anna");
+    rig->puppet.yaw_rad = 0.3;
+    rig_show(rig, 50, 3);
+    rig_run(rig, 110);
+    assert_string_equal(rig_news(rig), "enroll retry-turn-right 0/3");
+    rig->puppet.yaw_rad = 0;
+    rig->puppet.uncovered = 0.2;
+    rig_run(rig, 1000);
+    rig_show(rig, 50, 6);
+    rig_run(rig, 250);
+    assert_string_equal(rig_news(rig), "enroll retry-too-few-points 0/3");
+    rig->puppet.uncovered = 0;
+    rig->puppet.expression = 2;
+    rig_run(rig, 2000);
+    rig_show(rig, 50, 4);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "enroll retry-expression 0/3");
+    rig->puppet.expression = 0.5;
+    rig_show(rig, 50, 3);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "enroll stage-passed 1/3; enroll stage-passed 2/3; "
+                                       "enroll stage-passed 3/3; enroll completed 3/3 done");
+}
+
+static void does_not_enrol_a_face_that_moves(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    enroll(rig, "anna");
+    for (int i = 0; i < 5; i++) {
+        rig_show_at(rig, 50, 15 * i, 33 * (i + 1)); /* 455 mm/s, but for the first frame */
+    }
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "enroll stage-passed 1/3; enroll retry-moving 1/3");
+}
+
+/* Two attack frames of a stage end it; a mistake in each of two stages does not. */
+static void does_not_enrol_a_picture(void **state)
+{
+    struct rig *rig = *state;
+    start_claimed(rig);
+    enroll(rig, "anna");
+    for (int i = 0; i < 2; i++) {
+        rig_show_unusable(rig, ISO_CAPTURE_BENT, 1);
+        rig_run(rig, 50);
+        rig_show(rig, 50, 1);
+        rig_run(rig, 50);
+    }
+    assert_string_equal(rig_news(rig), "enroll stage-passed 1/3; enroll stage-passed 2/3");
+    rig_show_unusable(rig, ISO_CAPTURE_FLAT, 3);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "enroll attack 2/3 done");
+    assert_non_null(strstr(rig_record(rig, "enroll"),
+                           "\"reason\":\"attack\",\"frames\":2,\"attack_frames\":2,"
+                           "\"note\":\"flat\"}"));
+    assert_null(iso_gallery_find(rig->gallery, "anna"));
 }
 
 static void enrols_within_limits(void **state)
@@ -295,8 +360,8 @@ static void identifies(void **state)
     rig_enrol(rig, "bob", 80);
     start_claimed(rig);
     assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
-    rig_show_unusable(rig, ISO_CAPTURE_NO_FACE, 1);
-    rig_run(rig, 50);
+    rig_show_unusable(rig, ISO_CAPTURE_NO_FACE, 3);
+    rig_run(rig, 110);
     rig_show(rig, 81, 2);
     rig_run(rig, 100);
     assert_string_equal(rig_news(rig), "identify retry-no-face; identify match bob done");
@@ -305,6 +370,39 @@ static void identifies(void **state)
     rig_run(rig, 2000);
     assert_string_equal(rig_news(rig), "identify no-match done");
     assert_false(rig_relay(rig));
+}
+
+static void a_picture_is_not_recognised(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 50);
+    rig_show_unusable(rig, ISO_CAPTURE_EYES_CUT, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "verify attack anna done");
+    assert_non_null(strstr(rig_record(rig, "verify"),
+                           "\"person\":\"anna\",\"reason\":\"attack\",\"score\":10,\"threshold\":6,"
+                           "\"frames\":1,\"attack_frames\":2,\"note\":\"eyes-cut\"}"));
+    assert_int_equal(iso_appliance_status(rig->appliance).counts.denied, 0); /* was no visit */
+}
+
+/* Another face before the camera does not end what a client asked for: it is looked at instead. */
+static void an_identification_goes_on_with_another_face(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+    rig_show_at(rig, 50, -200, 33);
+    rig_show_at(rig, 50, 200, 66);
+    rig_run(rig, 80);
+    assert_string_equal(rig_news(rig), "");
+    rig_show_at(rig, 50, 200, 20);
+    rig_run(rig, 80);
+    assert_string_equal(rig_news(rig), "identify match anna done");
 }
 
 static void who_may_not_enter_now_is_still_recognised(void **state)
@@ -377,6 +475,9 @@ int main(void)
         TEST(one_action_at_a_time),
         TEST(enrols_with_hints),
         TEST(repeats_a_hint_once_a_second),
+        TEST(enrols_good_frames_only),
+        TEST(does_not_enrol_a_face_that_moves),
+        TEST(does_not_enrol_a_picture),
         TEST(enrols_within_limits),
         TEST(refuses_a_duplicate),
         TEST(an_enrolment_can_fail),
@@ -386,6 +487,8 @@ int main(void)
         TEST(a_lost_sensor_ends_every_action),
         TEST(verifies),
         TEST(identifies),
+        TEST(a_picture_is_not_recognised),
+        TEST(an_identification_goes_on_with_another_face),
         TEST(who_may_not_enter_now_is_still_recognised),
         TEST(looks_for_a_time_only),
         TEST(deletes_on_record),

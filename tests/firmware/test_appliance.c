@@ -73,10 +73,149 @@ static void nobody_is_no_visit(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
-    rig_show_unusable(rig, ISO_CAPTURE_TOO_FAR, 20);
+    rig_show_unusable(rig, ISO_CAPTURE_NO_FACE, 20);
     rig_run(rig, 60000);
     assert_string_equal(rig_news(rig), "");
 }
+
+/* ---- hints ---- */
+
+static void says_at_the_door_what_hinders(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show_unusable(rig, ISO_CAPTURE_TOO_FAR, 2); /* walks in: too short to be said */
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "");
+    rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 40);
+    rig_run(rig, 1400);
+    assert_string_equal(rig_news(rig), "hint turn-left; hint turn-left"); /* once a second */
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+    rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 20); /* who is let in may look where he goes */
+    rig_run(rig, 1000);
+    assert_string_equal(rig_news(rig), "");
+}
+
+static void nobody_does_not_delay_a_hint(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_show_unusable(rig, ISO_CAPTURE_NO_FACE, 8);
+    rig_run(rig, 300);
+    rig_show_unusable(rig, ISO_CAPTURE_TOO_CLOSE, 6);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "hint too-close");
+}
+
+/* ---- attacks ---- */
+
+static void an_attack_is_denied_counted_and_on_record(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show_unusable(rig, ISO_CAPTURE_SCREEN, 1);
+    rig_run(rig, 40);
+    rig_show_unusable(rig, ISO_CAPTURE_FLAT, 5);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "visit deny attack 0");
+    assert_non_null(strstr(rig_record(rig, "visit"),
+                           "\"verdict\":\"deny\",\"reason\":\"attack\",\"threshold\":6,"
+                           "\"frames\":0,\"attack_frames\":2,\"note\":\"flat\"}"));
+    assert_string_equal(rig_record(rig, "attack"), ""); /* it goes on, for all that is known */
+    rig_run(rig, 10000);
+    assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"flat\",\"attack_frames\":6,"
+                                                      "\"note\":\"within 0.2 s\"}"));
+    const struct iso_appliance_counts counts = iso_appliance_status(rig->appliance).counts;
+    assert_int_equal(counts.allowed, 0);
+    assert_int_equal(counts.denied, 1);
+    assert_int_equal(counts.attacks, 1);
+    assert_int_equal(counts.attack_frames, 6);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+    assert_int_equal(iso_appliance_status(rig->appliance).counts.allowed, 1);
+}
+
+static void a_single_cue_is_on_record_and_delays_nobody(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show_unusable(rig, ISO_CAPTURE_BENT, 1);
+    rig_run(rig, 40);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+    assert_non_null(strstr(rig_record(rig, "visit"), "\"frames\":2,\"attack_frames\":1,"
+                                                     "\"note\":\"bent\"}"));
+    iso_appliance_stop(rig->appliance); /* before the attempt is over: not forgotten */
+    assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"bent\",\"attack_frames\":1,"));
+}
+
+/* ---- motion and tracks ---- */
+
+static void a_face_that_moves_is_not_used(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    for (int i = 0; i < 10; i++) { /* 600 mm/s, and of the first frame nobody knows */
+        rig_show_at(rig, 50, -200 + 20 * i, 33 * (i + 1));
+    }
+    rig_run(rig, 400);
+    assert_string_equal(rig_news(rig), "hint moving");
+    rig_show_at(rig, 50, -20, 10);
+    rig_show_at(rig, 50, -19, 43);
+    rig_run(rig, 50);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+}
+
+static void two_faces_in_turn_do_not_agree(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    for (int i = 0; i < 4; i++) {
+        rig_show_at(rig, 50, i % 2 ? 150 : -150, 33 * (i + 1));
+    }
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "visit deny left 1; visit deny left 1; visit deny left 1");
+    rig_show_at(rig, 50, 150, 10);
+    rig_run(rig, 50);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+}
+
+/* ---- the view ---- */
+
+static void tells_what_it_sees_to_who_aims(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    assert_null(iso_appliance_status(rig->appliance).view);
+    rig_show_unusable(rig, ISO_CAPTURE_NO_FACE, 10);
+    rig_run(rig, 400);
+    assert_string_equal(rig_news(rig), ""); /* nobody listens */
+    assert_int_equal(iso_appliance_status(rig->appliance).view->capture, ISO_CAPTURE_NO_FACE);
+    iso_appliance_aim(rig->appliance, true);
+    rig_show_at(rig, 50, 30, 10);
+    rig_show_at(rig, 50, 31, 50); /* not sooner than 100 ms after */
+    rig_show_at(rig, 50, 32, 120);
+    rig_run(rig, 150);
+    assert_string_equal(rig_news(rig), "view ok; view ok");
+    const struct iso_view *view = iso_appliance_status(rig->appliance).view;
+    assert_true(view->right_mm == 32 && view->distance_mm == 700);
+    assert_true(view->mm_s > 14 && view->mm_s < 15);
+    iso_appliance_aim(rig->appliance, false);
+    rig_show_at(rig, 50, 32, 200);
+    rig_run(rig, 250);
+    assert_string_equal(rig_news(rig), "");
+}
+
+/* ---- more visits ---- */
 
 static void two_people_one_after_the_other(void **state)
 {
@@ -194,7 +333,7 @@ static void a_face_with_too_few_points_is_none(void **state)
     rig->puppet.search_error = -ENODATA;
     rig_show(rig, 50, 6);
     rig_run(rig, 5000);
-    assert_string_equal(rig_news(rig), "");
+    assert_string_equal(rig_news(rig), "hint too-few-points");
 }
 
 /* ---- the sensor ---- */
@@ -323,6 +462,13 @@ int main(void)
         TEST(refuses_who_leaves),
         TEST(refuses_everybody_with_an_empty_gallery),
         TEST(nobody_is_no_visit),
+        TEST(says_at_the_door_what_hinders),
+        TEST(nobody_does_not_delay_a_hint),
+        TEST(an_attack_is_denied_counted_and_on_record),
+        TEST(a_single_cue_is_on_record_and_delays_nobody),
+        TEST(a_face_that_moves_is_not_used),
+        TEST(two_faces_in_turn_do_not_agree),
+        TEST(tells_what_it_sees_to_who_aims),
         TEST(two_people_one_after_the_other),
         TEST(a_slow_machine_sees_one_visit),
         cmocka_unit_test(the_time_of_validity_counts),

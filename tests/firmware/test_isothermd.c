@@ -75,6 +75,30 @@ static void explains_itself(void **state)
     assert_non_null(strstr(run->out, "\n[decision]\n"));
 }
 
+/* Every option of the help stands in the manual's list, and no other. */
+static void the_manual_has_its_options(void **state)
+{
+    size_t size;
+    char *bytes = scratch_read(ISOTHERM_SOURCE_DIR "/enroll/man/isothermd.8", &size);
+    char *manual = strndup(bytes, size), item[64];
+    const struct run *run = run_program("--help", NULL);
+    int in_help = 0, in_manual = 0;
+    (void)state;
+    for (const char *at = run->out; (at = strstr(at, "\n  --")); at++, in_help++) {
+        const char *name = at + strlen("\n  --");
+        (void)snprintf(item, sizeof item, "\n.It Fl Fl %.*s", (int)strcspn(name, " "), name);
+        if (!strstr(manual, item)) {
+            fail_msg("isothermd(8) does not have %s", item + 1);
+        }
+    }
+    for (const char *at = manual; (at = strstr(at, "\n.It Fl Fl ")); at++) {
+        in_manual++;
+    }
+    assert_int_equal(in_help, in_manual);
+    free(manual);
+    free(bytes);
+}
+
 static void refuses_a_wrong_command_line(void **state)
 {
     (void)state;
@@ -113,6 +137,15 @@ static void says_why_it_does_not_start(void **state)
     path = write_configuration(*state, "unix:path=/nonexistent", "");
     expect_end(run_program("--config", path), 3,
                "bus 'unix:path=/nonexistent': No such file or directory");
+
+    path = write_configuration(*state, "system", "");
+    const char *const other_bus[] = {PROGRAM, "--config", path, "--bus", "unix:path=/elsewhere",
+                                     NULL};
+    struct run run;
+    run_start(&run, other_bus);
+    run_finish(&run);
+    expect_end(&run, 3, "bus 'unix:path=/elsewhere': No such file or directory");
+    run_free(&run);
 
     scratch_write_text(scratch_path(*state, "g.db"), "");
     expect_end(run_program("--config", path), 4, "/g.db: damaged (the file is empty)");
@@ -209,6 +242,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(explains_itself),
+        cmocka_unit_test(the_manual_has_its_options),
         cmocka_unit_test(refuses_a_wrong_command_line),
         cmocka_unit_test_setup_teardown(checks_a_configuration, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(says_why_it_does_not_start, scratch_setup,

@@ -86,10 +86,11 @@ static void the_right_people_are_let_in(void **state)
     assert_int_equal(rehearse(*state, "run", NAN, &corpus, visits), 0);
     assert_true(visits[0].verdict.allow && visits[0].unlocked);
     assert_string_equal(visits[0].verdict.person, "p01");
+    assert_string_equal(visits[0].verdict.reason, "match");
     assert_true(visits[1].verdict.allow && visits[1].unlocked);
     assert_string_equal(visits[1].verdict.person, "p02");
     assert_true(visits[2].verdict.given && !visits[2].verdict.allow && !visits[2].unlocked);
-    assert_true(!visits[3].verdict.given && !visits[3].unlocked); /* a photograph is nobody */
+    assert_true(!visits[3].verdict.allow && !visits[3].unlocked); /* a photograph is nobody */
     assert_true(sim_visit_judge(visits, VISITS).good);
     sim_corpus_free(corpus);
 }

@@ -9,8 +9,7 @@
 
 #include <cmocka.h>
 
-#include "sim/prop/solid.h"
-#include "sim/sensor/sensor.h"
+#include "tests/sim/sensor_bench.h"
 
 struct measurement {
     double sd_mm, mean_mm;
@@ -18,43 +17,13 @@ struct measurement {
     int missing;
 };
 
-struct bench {
-    const struct sim_sensor *sensor;
-    struct sim_view *view;
-    struct sim_sensor_workspace *workspace;
-    struct iso_frame *frame;
-};
-
-static struct bench set_up(const struct sim_sensor *sensor)
-{
-    struct bench b = {.sensor = sensor};
-    const struct iso_camera *camera = &sensor->camera;
-    assert_int_equal(sim_view_new(camera, sensor->supersample, &b.view), 0);
-    assert_int_equal(sim_sensor_workspace_new(sensor, &b.workspace), 0);
-    assert_int_equal(iso_frame_new(camera, camera->width_px, camera->height_px, false, &b.frame),
-                     0);
-    return b;
-}
-
-static void tear_down(struct bench *b)
-{
-    sim_view_free(b->view);
-    sim_sensor_workspace_free(b->workspace);
-    iso_frame_free(b->frame);
-}
-
 /* A plane of skin that fills the image, slanted so that it crosses many quantisation steps. */
-static void look_at_plane(struct bench *b, double z_mm, double slant_rad)
+static void look_at_plane(struct sensor_bench *b, double z_mm, double slant_rad)
 {
-    struct sim_solid *plane;
-    struct iso_vec3 scratch[256];
-    struct iso_rigid placed = {iso_mat3_rotation(iso_vec3(0.5 * slant_rad, slant_rad, 0.0)),
-                               {0.0, 0.0, z_mm}};
-    assert_int_equal(sim_solid_rectangle(6.0 * z_mm, 6.0 * z_mm, 0.0, SIM_SKIN, &plane), 0);
     sim_view_clear(b->view);
-    assert_int_equal(sim_solid_draw(plane, &placed, scratch, b->view), 0);
+    sensor_bench_put(b, 6.0 * z_mm, 6.0 * z_mm, z_mm, iso_vec3(0.5 * slant_rad, slant_rad, 0.0),
+                     SIM_SKIN);
     sim_view_finish(b->view);
-    sim_solid_free(plane);
 }
 
 /* The mean depth of the view's samples of a pixel. */
@@ -70,7 +39,7 @@ static double true_depth(const struct sim_view *view, int column, int row)
 }
 
 /* Statistics of measured - true over the middle 160 x 140 pixels. */
-static struct measurement measure(struct bench *b, double noise_scale, uint64_t seed)
+static struct measurement measure(struct sensor_bench *b, double noise_scale, uint64_t seed)
 {
     struct sim_random random = sim_random_seeded(seed, 0, 0);
     struct measurement m = {0};
@@ -122,7 +91,7 @@ static void noise_is_as_published(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) {
         const struct figure *f = &figures[i];
-        struct bench b = set_up(f->sensor);
+        struct sensor_bench b = sensor_bench_set_up(f->sensor);
         look_at_plane(&b, f->z_mm, 0.2);
         struct measurement m = measure(&b, 1.0, 1);
         print_message("%-10s %5.0f mm: sd %.2f mm, bias %+.2f mm; published: %s\n", f->sensor->name,
@@ -130,7 +99,7 @@ static void noise_is_as_published(void **state)
         assert_int_equal(m.missing, 0);
         assert_true(m.sd_mm > f->least_mm && m.sd_mm < f->most_mm);
         assert_true(fabs(m.mean_mm) < f->bias_mm);
-        tear_down(&b);
+        sensor_bench_tear_down(&b);
     }
 }
 
@@ -140,7 +109,7 @@ static void windows_correlate_neighbours(void **state)
 {
     (void)state;
     for (int i = 0; sim_sensors[i]; i++) {
-        struct bench b = set_up(sim_sensors[i]);
+        struct sensor_bench b = sensor_bench_set_up(sim_sensors[i]);
         look_at_plane(&b, 900.0, 0.2);
         double correlation = measure(&b, 1.0, 2).correlation;
         if (sim_sensors[i] == &sim_sensor_kinect2) {
@@ -148,7 +117,7 @@ static void windows_correlate_neighbours(void **state)
         } else {
             assert_true(correlation > 0.5);
         }
-        tear_down(&b);
+        sensor_bench_tear_down(&b);
     }
 }
 
@@ -156,14 +125,14 @@ static void noise_scales_and_leaves_the_quantum(void **state)
 {
     (void)state;
     for (int i = 0; sim_sensors[i]; i++) {
-        struct bench b = set_up(sim_sensors[i]);
+        struct sensor_bench b = sensor_bench_set_up(sim_sensors[i]);
         look_at_plane(&b, 600.0, 0.2);
         double none = measure(&b, 0.0, 3).sd_mm, twice = measure(&b, 2.0, 3).sd_mm;
         double once = measure(&b, 1.0, 3).sd_mm;
         double expected = sqrt(once * once + 3.0 * (once * once - none * none));
         assert_true(none > 0.0 && none < 0.6 * once);
         assert_true(fabs(twice - expected) < 0.1 * expected);
-        tear_down(&b);
+        sensor_bench_tear_down(&b);
     }
 }
 
@@ -173,7 +142,7 @@ static void noise_grows_with_distance_and_slant(void **state)
     static const struct sim_sensor *const real[] = {&sim_sensor_astra, &sim_sensor_kinect2,
                                                     &sim_sensor_d435, &sim_sensor_truedepth};
     for (size_t i = 0; i < sizeof real / sizeof *real; i++) {
-        struct bench b = set_up(real[i]);
+        struct sensor_bench b = sensor_bench_set_up(real[i]);
         look_at_plane(&b, 600.0, 0.2);
         double near = measure(&b, 1.0, 4).sd_mm;
         look_at_plane(&b, 1200.0, 0.2);
@@ -182,19 +151,19 @@ static void noise_grows_with_distance_and_slant(void **state)
         double slanted = measure(&b, 1.0, 4).sd_mm;
         assert_true(far > 2.0 * near && far < 6.0 * near); /* z^2, but for what does not grow */
         assert_true(slanted > 1.1 * near);
-        tear_down(&b);
+        sensor_bench_tear_down(&b);
     }
 }
 
 static void seeds_repeat_and_differ(void **state)
 {
     (void)state;
-    struct bench b = set_up(&sim_sensor_d435);
+    struct sensor_bench b = sensor_bench_set_up(&sim_sensor_d435);
     look_at_plane(&b, 700.0, 0.2);
     double first = measure(&b, 1.0, 5).mean_mm;
     assert_true(fabs(measure(&b, 1.0, 5).mean_mm - first) <= 0.0);
     assert_true(fabs(measure(&b, 1.0, 6).mean_mm - first) > 0.0);
-    tear_down(&b);
+    sensor_bench_tear_down(&b);
 }
 
 int main(void)

@@ -8,46 +8,16 @@
 
 #include <cmocka.h>
 
-#include "sim/prop/solid.h"
-#include "sim/sensor/sensor.h"
+#include "tests/sim/sensor_bench.h"
 
-struct bench {
-    const struct sim_sensor *sensor;
-    struct sim_view *view;
-    struct sim_sensor_workspace *workspace;
-    struct iso_frame *frame;
-};
-
-static struct bench set_up(const struct sim_sensor *sensor)
+/* A card, turned in its own plane. */
+static void put(struct sensor_bench *b, double width_mm, double height_mm, double z_mm,
+                double turn_rad, enum sim_material material)
 {
-    struct bench b = {.sensor = sensor};
-    const struct iso_camera *camera = &sensor->camera;
-    assert_int_equal(sim_view_new(camera, sensor->supersample, &b.view), 0);
-    assert_int_equal(sim_sensor_workspace_new(sensor, &b.workspace), 0);
-    assert_int_equal(iso_frame_new(camera, camera->width_px, camera->height_px, false, &b.frame),
-                     0);
-    return b;
+    sensor_bench_put(b, width_mm, height_mm, z_mm, iso_vec3(0.0, 0.0, turn_rad), material);
 }
 
-static void tear_down(struct bench *b)
-{
-    sim_view_free(b->view);
-    sim_sensor_workspace_free(b->workspace);
-    iso_frame_free(b->frame);
-}
-
-static void put(struct bench *b, double width_mm, double height_mm, double z_mm, double turn_rad,
-                enum sim_material material)
-{
-    struct sim_solid *card;
-    struct iso_vec3 scratch[256];
-    struct iso_rigid placed = {iso_mat3_rotation(iso_vec3(0.0, 0.0, turn_rad)), {0.0, 0.0, z_mm}};
-    assert_int_equal(sim_solid_rectangle(width_mm, height_mm, 0.0, material, &card), 0);
-    assert_int_equal(sim_solid_draw(card, &placed, scratch, b->view), 0);
-    sim_solid_free(card);
-}
-
-static void shoot(struct bench *b, double noise_scale)
+static void shoot(struct sensor_bench *b, double noise_scale)
 {
     struct sim_random random = sim_random_seeded(11, 0, 0);
     sim_view_finish(b->view);
@@ -56,7 +26,7 @@ static void shoot(struct bench *b, double noise_scale)
 
 /* Pixels without a measurement to the left and right of the middle of the image, along the middle
  * row. */
-static void count_gaps(const struct bench *b, int *left, int *right)
+static void count_gaps(const struct sensor_bench *b, int *left, int *right)
 {
     int width = b->frame->width_px, row = b->frame->height_px / 2;
     *left = *right = 0;
@@ -78,7 +48,7 @@ static void shadow_has_the_width_of_the_parallax(void **state)
         int at_right;
     } cases[] = {{&sim_sensor_astra, 575.8 * 75.0, 1}, {&sim_sensor_d435, 424.0 * 50.0, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct bench b = set_up(cases[i].sensor);
+        struct sensor_bench b = sensor_bench_set_up(cases[i].sensor);
         int left, right, parallax = (int)lrint(cases[i].focal_baseline * 0.001);
         sim_view_clear(b.view);
         put(&b, 3000.0, 2500.0, 1000.0, 0.0, SIM_WALL);
@@ -87,14 +57,14 @@ static void shadow_has_the_width_of_the_parallax(void **state)
         count_gaps(&b, &left, &right);
         assert_true(abs((cases[i].at_right ? right : left) - parallax) <= 2);
         assert_int_equal(cases[i].at_right ? left : right, 0);
-        tear_down(&b);
+        sensor_bench_tear_down(&b);
     }
 }
 
 static void kinect2_pixels_fly_between(void **state)
 {
     (void)state;
-    struct bench b = set_up(&sim_sensor_kinect2);
+    struct sensor_bench b = sensor_bench_set_up(&sim_sensor_kinect2);
     int flying = 0;
     sim_view_clear(b.view);
     put(&b, 3000.0, 2500.0, 745.0, 0.0, SIM_WALL);
@@ -104,10 +74,10 @@ static void kinect2_pixels_fly_between(void **state)
         flying += b.frame->depth_mm[i] > 705.0f && b.frame->depth_mm[i] < 740.0f;
     }
     assert_true(flying > 50 && flying < 1000);
-    tear_down(&b);
+    sensor_bench_tear_down(&b);
 }
 
-static double share_missing(const struct bench *b)
+static double share_missing(const struct sensor_bench *b)
 {
     int missing = 0, n = 0;
     for (int row = 200; row < 280; row++) {
@@ -121,7 +91,7 @@ static double share_missing(const struct bench *b)
 static void hair_drops_out_and_skin_does_not(void **state)
 {
     (void)state;
-    struct bench b = set_up(&sim_sensor_astra);
+    struct sensor_bench b = sensor_bench_set_up(&sim_sensor_astra);
     for (int hair = 0; hair < 2; hair++) {
         sim_view_clear(b.view);
         put(&b, 3000.0, 2500.0, 600.0, 0.0, hair ? SIM_HAIR : SIM_SKIN);
@@ -129,7 +99,7 @@ static void hair_drops_out_and_skin_does_not(void **state)
         double missing = share_missing(&b);
         assert_true(hair ? missing > 0.01 && missing < 0.3 : missing <= 0.0);
     }
-    tear_down(&b);
+    sensor_bench_tear_down(&b);
 }
 
 static void out_of_range_is_not_measured(void **state)
@@ -147,13 +117,13 @@ static void out_of_range_is_not_measured(void **state)
         {&sim_sensor_truedepth, 120.0, false}, {&sim_sensor_truedepth, 4000.0, false},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct bench b = set_up(cases[i].sensor);
+        struct sensor_bench b = sensor_bench_set_up(cases[i].sensor);
         sim_view_clear(b.view);
         put(&b, 6.0 * cases[i].z_mm, 6.0 * cases[i].z_mm, cases[i].z_mm, 0.0, SIM_SKIN);
         shoot(&b, 0.0);
         int middle = b.frame->height_px / 2 * b.frame->width_px + b.frame->width_px / 2;
         assert_int_equal(b.frame->depth_mm[middle] > 0.0f, cases[i].seen);
-        tear_down(&b);
+        sensor_bench_tear_down(&b);
     }
 }
 
@@ -161,16 +131,12 @@ static void out_of_range_is_not_measured(void **state)
 static void texas_has_8_bits_of_face(void **state)
 {
     (void)state;
-    struct bench b = set_up(&sim_sensor_texas);
-    struct sim_solid *ramp;
-    struct iso_vec3 scratch[256];
-    struct iso_rigid placed = {iso_mat3_rotation(iso_vec3(0.0, 1.2, 0.0)), {0.0, 0.0, 700.0}};
+    struct sensor_bench b = sensor_bench_set_up(&sim_sensor_texas);
     float nearest = 1e9f, farthest = 0.0f;
     bool cloth = false;
     sim_view_clear(b.view);
     put(&b, 40.0, 40.0, 650.0, 0.0, SIM_CLOTH);
-    assert_int_equal(sim_solid_rectangle(600.0, 200.0, 0.0, SIM_SKIN, &ramp), 0);
-    assert_int_equal(sim_solid_draw(ramp, &placed, scratch, b.view), 0);
+    sensor_bench_put(&b, 600.0, 200.0, 700.0, iso_vec3(0.0, 1.2, 0.0), SIM_SKIN);
     shoot(&b, 0.0);
     for (int i = 0; i < 501 * 751; i++) {
         float z = b.frame->depth_mm[i];
@@ -183,8 +149,7 @@ static void texas_has_8_bits_of_face(void **state)
     }
     assert_false(cloth);
     assert_true(farthest - nearest > 90.0f && farthest - nearest <= 255 * 0.4f + 0.2f);
-    sim_solid_free(ramp);
-    tear_down(&b);
+    sensor_bench_tear_down(&b);
 }
 
 static void sensors_are_found_by_name(void **state)

@@ -113,6 +113,7 @@ static struct sim_visit visit(const struct sim_corpus_row *row, bool allow, cons
                                              .frames = 2,
                                              .latency_us = 123456};
     (void)snprintf(made.verdict.person, sizeof made.verdict.person, "%s", person);
+    (void)snprintf(made.verdict.reason, sizeof made.verdict.reason, allow ? "match" : "unknown");
     return made;
 }
 
@@ -189,10 +190,11 @@ static void visits_are_written_as_csv(void **state)
     assert_int_equal(sim_visit_write_csv(*state, visits, 3, &fault), 0);
     char *text = scratch_read(scratch_path(*state, "visits.csv"), &size);
     static const char expected[] =
-        "recording,subject,role,note,verdict,person,score,threshold,frames,latency_ms,door\n"
-        "anna-v1,anna,probe,,allow,anna,2.500000,3.000000,2,123.456,unlocked\n"
-        "x01-v1,x01,impostor,,deny,,,3.000000,2,123.456,locked\n"
-        "nobody,none,impostor,nobody,none,,,,,,locked\n";
+        "recording,subject,role,note,verdict,person,score,threshold,frames,latency_ms,door,"
+        "reason\n"
+        "anna-v1,anna,probe,,allow,anna,2.500000,3.000000,2,123.456,unlocked,match\n"
+        "x01-v1,x01,impostor,,deny,,,3.000000,2,123.456,locked,unknown\n"
+        "nobody,none,impostor,nobody,none,,,,,,locked,\n";
     assert_int_equal(size, sizeof expected - 1);
     assert_memory_equal(text, expected, size);
     free(text);

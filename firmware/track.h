@@ -1,0 +1,62 @@
+/* One face over the frames: whether it is still the same, and how fast it moves. Pure: fitted poses
+ * and their times come as arguments.
+ *
+ * Frames carry no names, so that two faces which take turns before the camera look like one visit.
+ * But a head has inertia: a pose that is farther from the one before than a head can have gone is
+ * another face's, and begins another track. It is judged in favour of "another": a mistake costs
+ * the visitor a frame or two, the other mistake would let two faces agree on a third.
+ *
+ *   no track     a fitted pose                                    -> a new track
+ *   a track      a pose that it can have come to in time          -> the same track
+ *                a pose out of its reach, or after lost_ns        -> a new track
+ *
+ * What a head reaches in dt: slack + jump speed * dt. Turning it on purpose, as fast as they could,
+ * people reached 780 degrees/s (median of 20; Grossman, Leigh, Abel, Lanska, Thurston 1988,
+ * Experimental Brain Research 70:470); walking, the head turns by less than 90 degrees/s. The slack
+ * is what two fits of a face at rest can differ by. Beyond a head's breadth two faces fit side by
+ * side, however much time has passed. */
+#ifndef ISO_FIRMWARE_TRACK_H
+#define ISO_FIRMWARE_TRACK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/math/vec.h"
+
+#define ISO_TRACK_SLACK_MM   20.0
+#define ISO_TRACK_SLACK_RAD  0.26 /* 15 degrees */
+#define ISO_TRACK_BREADTH_MM 150.0
+
+struct iso_track_options {
+    int64_t lost_ns;                /* a face that is not seen for so long is lost */
+    double jump_mm_s, jump_rad_s;   /* what no head exceeds */
+    double still_mm_s, still_rad_s; /* what a face that is held still does not exceed */
+};
+
+/* What a pose says in the light of the one before. */
+struct iso_track_motion {
+    uint64_t track;     /* from 1; another number is another face */
+    bool known;         /* there is a pose before in this track; else the speeds are 0 */
+    double mm_s, rad_s; /* of the origin of the face frame (the nose tip), and of its attitude */
+    bool moving;        /* one of them exceeds its limit: the frame is blurred and sheared */
+};
+
+struct iso_track {
+    struct iso_track_options options;
+    uint64_t number; /* of the last track; 0: there was none */
+    bool has_pose;
+    int64_t t_ns;
+    struct iso_rigid camera_from_face;
+};
+
+void iso_track_init(struct iso_track *track, const struct iso_track_options *options);
+
+/* The next pose begins a new track. */
+void iso_track_reset(struct iso_track *track);
+
+/* Takes a fitted pose in; t_ns does not fall. Frames without a fitted face are not told of. Two
+ * poses of one time say nothing of speed. */
+struct iso_track_motion iso_track_pose(struct iso_track *track, int64_t t_ns,
+                                       const struct iso_rigid *camera_from_face);
+
+#endif

@@ -1,0 +1,35 @@
+/* What the sensor sees, in words and numbers, for who installs or aims it. Of a face it says where
+ * it is and how well it was measured, and nothing that tells one face from another: no template, no
+ * landmark, no shape. */
+#ifndef ISO_FIRMWARE_VIEW_H
+#define ISO_FIRMWARE_VIEW_H
+
+#include <stdbool.h>
+
+#include "core/extract.h"
+#include "firmware/track.h"
+
+struct iso_view {
+    enum iso_capture capture;
+
+    bool posed;                            /* something like a face is there: */
+    double right_mm, down_mm, distance_mm; /* the nose tip, from the sensor's axis and the sensor */
+    double yaw_rad, pitch_rad, roll_rad;   /* as in iso_extraction */
+
+    bool fitted;         /* the head model was fitted to it: */
+    double residual_mm;  /* of the measured surface from the fitted one */
+    double fit_coverage; /* share of the visible fitted face that was measured, 0..1 */
+    double coverage;     /* share of the face patch, 0..1; 0 if it did not get that far */
+    double sigma_mm;     /* of the landmark that is least sure */
+    double expression;   /* strength, in standard deviations */
+
+    bool tracked;       /* there is a frame before to compare with: */
+    double mm_s, rad_s; /* speed */
+};
+
+/* The view of a frame. `capture` is what became of it after all, `motion` what track.h says of it
+ * (all zero if it has no fitted face). */
+struct iso_view iso_view_of(const struct iso_extraction *extraction, enum iso_capture capture,
+                            const struct iso_track_motion *motion);
+
+#endif

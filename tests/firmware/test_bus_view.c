@@ -1,0 +1,124 @@
+/* What goes out on the bus of what the sensor sees: hints, reasons, and the view for who aims it.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "core/contract.h"
+#include "tests/firmware/bus_rig.h"
+
+/* Every word of core/capture.h goes out as what it is. */
+static void tells_everybody_every_hint(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    int n = 0;
+    for (int i = 0; i < ISO_CAPTURES; i++) {
+        const enum iso_capture capture = (enum iso_capture)i;
+        if (capture == ISO_CAPTURE_OK || capture == ISO_CAPTURE_NO_FACE ||
+            iso_capture_is_attack(capture)) {
+            continue;
+        }
+        char wanted[64];
+        rig_show_unusable(f->rig, capture, 3);
+        bus_rig_run(f, 3000); /* and what was shown before does not count any more */
+        (void)snprintf(wanted, sizeof wanted, "Hint %s", iso_capture_name(capture));
+        assert_string_equal(bus_rig_news(f, 0), wanted);
+        assert_string_equal(bus_rig_news(f, 1), wanted);
+        n++;
+    }
+    assert_int_equal(n, 21);
+    for (int i = ISO_CAPTURE_FLAT; i < ISO_CAPTURES; i++) {
+        char wanted[64];
+        rig_show_unusable(f->rig, (enum iso_capture)i, 2);
+        bus_rig_run(f, 12000);
+        assert_string_equal(bus_rig_news(f, 0), "Visit deny");
+        (void)snprintf(wanted, sizeof wanted, "\"reason\":\"%s\",\"attack_frames\":2",
+                       iso_capture_name((enum iso_capture)i));
+        assert_non_null(strstr(rig_record(f->rig, "attack"), wanted));
+    }
+}
+
+static int read_reason(sd_bus_message *signal, void *context, sd_bus_error *error)
+{
+    const char *verdict, *person, *reason;
+    double score, threshold;
+    uint32_t frames;
+    int64_t latency_us;
+    (void)error;
+    assert_true(sd_bus_message_read(signal, "ssdduxs", &verdict, &person, &score, &threshold,
+                                    &frames, &latency_us, &reason) > 0);
+    (void)snprintf(context, 64, "%s %s %s %u", verdict, person, reason, frames);
+    return 0;
+}
+
+static void tells_why(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    char reason[64] = "";
+    assert_true(sd_bus_match_signal(f->client[1], NULL, ISO_CONTRACT_NAME, ISO_CONTRACT_PATH,
+                                    ISO_CONTRACT_INTERFACE, ISO_CONTRACT_VISIT, read_reason,
+                                    reason) >= 0);
+    rig_enrol(f->rig, "anna", 50);
+    rig_show_unusable(f->rig, ISO_CAPTURE_WRONG_SIZE, 2);
+    bus_rig_run(f, 10000);
+    assert_string_equal(reason, "deny  attack 0");
+    rig_show(f->rig, 50, 2);
+    bus_rig_run(f, 100);
+    assert_string_equal(reason, "allow anna match 2");
+}
+
+/* ---- aiming ---- */
+
+static void tells_what_it_sees_while_somebody_listens(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    rig_show_at(f->rig, 50, 30, 10);
+    bus_rig_run(f, 200);
+    assert_string_equal(bus_rig_news(f, 0), "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_STOP, NULL), "NoActionInProgress");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL), "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL),
+                        ""); /* once more does no harm */
+    rig_show_at(f->rig, 50, 30, 10);
+    bus_rig_run(f, 200);
+    assert_string_equal(bus_rig_news(f, 0), "View ");
+    assert_string_equal(bus_rig_news(f, 1), ""); /* not to others */
+    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_AIM_START, NULL), "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_STOP, NULL), "");
+    rig_show_at(f->rig, 50, 30, 10);
+    bus_rig_run(f, 200);
+    assert_null(strstr(bus_rig_news(f, 0), "View"));
+    assert_non_null(strstr(bus_rig_news(f, 1), "View"));
+    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_AIM_STOP, NULL), "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL), ""); /* begins again */
+    rig_show_at(f->rig, 50, 30, 10);
+    bus_rig_run(f, 200);
+    assert_non_null(strstr(bus_rig_news(f, 0), "View"));
+}
+
+static void who_leaves_the_bus_does_not_listen(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL), "");
+    assert_true(iso_appliance_is_aimed(f->rig->appliance));
+    sd_bus_flush_close_unref(f->client[0]);
+    f->client[0] = NULL;
+    for (int i = 0; i < BUS_RIG_ROUNDS && iso_appliance_is_aimed(f->rig->appliance); i++) {
+        bus_rig_go_round(f);
+    }
+    assert_false(iso_appliance_is_aimed(f->rig->appliance));
+    f->client[0] = bus_rig_connect(f->told[0]);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(tells_everybody_every_hint),
+        TEST(tells_why),
+        TEST(tells_what_it_sees_while_somebody_listens),
+        TEST(who_leaves_the_bus_does_not_listen),
+    };
+    return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);
+}

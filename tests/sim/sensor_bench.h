@@ -1,0 +1,21 @@
+/* A sensor model before cards of known size and place. */
+#ifndef TESTS_SIM_SENSOR_BENCH_H
+#define TESTS_SIM_SENSOR_BENCH_H
+
+#include "sim/sensor/sensor.h"
+
+struct sensor_bench {
+    const struct sim_sensor *sensor;
+    struct sim_view *view;
+    struct sim_sensor_workspace *workspace;
+    struct iso_frame *frame;
+};
+
+struct sensor_bench sensor_bench_set_up(const struct sim_sensor *sensor);
+void sensor_bench_tear_down(struct sensor_bench *bench);
+
+/* Adds a card to the view, its middle on the axis, turned by a rotation vector. */
+void sensor_bench_put(struct sensor_bench *bench, double width_mm, double height_mm, double z_mm,
+                      struct iso_vec3 turn_rad, enum sim_material material);
+
+#endif
