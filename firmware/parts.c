@@ -26,13 +26,25 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
     return iso_pipeline_open(&options, &parts->pipeline, fault);
 }
 
+/* What may be different later: the chip is plugged in, udev has set the permissions, another
+ * process has let the line go. */
+static bool passes(int error)
+{
+    return error == -ENODEV || error == -EBUSY || error == -EACCES || error == -EIO;
+}
+
+/* Lines that are not there yet are no reason not to start: the door is at fault until they are. */
 static int open_door(struct iso_parts *parts, struct iso_fault *fault)
 {
     struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
     const struct iso_door_outputs unpowered = {{false}};
     const size_t n = iso_config_door_options(&parts->config, options);
-    return iso_door_io_open(parts->config.door.backend, options, n, &parts->times.monotonic,
-                            &unpowered, &parts->door_io, fault);
+    int error = iso_door_io_new(parts->config.door.backend, options, n, &parts->times.monotonic,
+                                &parts->door_io, fault);
+    if (!error) {
+        error = iso_door_io_reopen(parts->door_io, &unpowered, fault);
+    }
+    return passes(error) ? 0 : error;
 }
 
 static int open_stores(struct iso_parts *parts, struct iso_fault *fault)

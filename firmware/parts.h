@@ -15,7 +15,8 @@ struct iso_parts {
 };
 
 /* Opens them in an order in which the door's lines are touched last. Every error of
- * iso_pipeline_open, iso_gallery_open, iso_audit_open and iso_door_io_open, with nothing left open.
+ * iso_pipeline_open, iso_gallery_open, iso_audit_open and iso_door_io_open, with nothing left open;
+ * but with -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost and may come back.
  * What `times` points to must outlive the parts. */
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)

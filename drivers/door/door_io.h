@@ -5,8 +5,10 @@
  * machine's business, not this class's.
  *
  * One object is used by one thread at a time; operations do not block for more than a few
- * milliseconds. A call that returns -ENODEV (the device is gone) leads to a lost state in which
- * every call but close returns -ENODEV. Every failure is one line in *fault (which may be NULL). */
+ * milliseconds. Every failure is one line in *fault (which may be NULL).
+ *
+ *   open: LOST, OPEN     OPEN -> LOST when an operation returns -ENODEV (the device is gone)
+ *   LOST -> OPEN         by iso_door_io_reopen; every other call is -ENODEV meanwhile */
 #ifndef ISO_DRIVERS_DOOR_DOOR_IO_H
 #define ISO_DRIVERS_DOOR_DOOR_IO_H
 
@@ -23,10 +25,11 @@ enum iso_door_output {
     ISO_DOOR_LED_GRANTED,
     ISO_DOOR_LED_REFUSED,
     ISO_DOOR_BUZZER,
+    ISO_DOOR_PROJECTOR, /* of infrared dots, for sensors that see the face in two cameras */
     ISO_DOOR_OUTPUTS
 };
 
-/* "relay", "led_granted", "led_refused", "buzzer"; NULL outside the range. */
+/* "relay", "led_granted", "led_refused", "buzzer", "projector"; NULL outside the range. */
 const char *iso_door_output_name(enum iso_door_output output);
 
 enum iso_door_input {
@@ -79,16 +82,27 @@ struct iso_door_io_ops {
 
 struct iso_door_io;
 
-/* Opens door lines by the name of the back end (`null` is the simulated one). -ENOENT unknown name
- * (the fault lists those there are), else the errors of ops->open. Options, clock and initial
- * levels need not outlive the call; what the clock's context points to must outlive the object. */
+/* Door lines by the name of the back end (`null` is the simulated one), in the lost state: touches
+ * no device, iso_door_io_reopen does. -ENOENT unknown name (the fault lists those there are),
+ * -ENOMEM. Options and clock need not outlive the call; what the clock's context points to must
+ * outlive the object. */
+int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
+                    const struct iso_clock *clock, struct iso_door_io **out,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Opens the lines, or opens them anew with the same options. The errors of ops->open, after which
+ * the object is lost; -EALREADY it is not lost. */
+int iso_door_io_reopen(struct iso_door_io *io, const struct iso_door_outputs *initial,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Both at once: opened lines, or nothing. The errors of both. */
 int iso_door_io_open(const char *name, const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, const struct iso_door_outputs *initial,
                      struct iso_door_io **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The same with a back end that is not in the registry. -EINVAL if a REQUIRED operation is
- * missing. */
+/* The last with a back end that is not in the registry. -EINVAL if a REQUIRED operation is missing.
+ * `ops` must outlive the object. */
 int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_option *options,
                          size_t n_options, const struct iso_clock *clock,
                          const struct iso_door_outputs *initial, struct iso_door_io **out,
@@ -106,11 +120,14 @@ int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
 /* -ENOSYS if the back end has none. */
 int iso_door_io_poll_fd(struct iso_door_io *io) __attribute__((warn_unused_result));
 
+/* In the lost state. */
+bool iso_door_io_is_lost(const struct iso_door_io *io);
+
 /* The back end's name. */
 const char *iso_door_io_name(const struct iso_door_io *io);
 
-/* The back end's own object if `io` is one of these ops, else NULL: for functions that only one
- * back end has. */
+/* The back end's own object if `io` is one of these ops and not lost, else NULL: for functions that
+ * only one back end has. */
 void *iso_door_io_self(struct iso_door_io *io, const struct iso_door_io_ops *ops);
 
 /* The registered back ends: name number i, or NULL from the end on. */
