@@ -22,6 +22,7 @@
 #include "core/fault.h"
 #include "drivers/door/door_io.h"
 #include "firmware/audit.h"
+#include "firmware/cards.h"
 #include "firmware/config.h"
 #include "firmware/decision.h"
 #include "firmware/gallery.h"
@@ -76,6 +77,7 @@ struct iso_appliance_parts {
     struct iso_sensor_source sensor;
     struct iso_pipeline pipeline;
     struct iso_door_io *door_io;
+    const struct iso_cards *cards; /* sent to an access controller; NULL: there is none */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_appliance_events events;

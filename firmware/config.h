@@ -33,6 +33,8 @@ struct iso_config_door {
     char projector[ISO_CONFIG_TEXT_SIZE];
     char contact[ISO_CONFIG_TEXT_SIZE], exit_button[ISO_CONFIG_TEXT_SIZE];
     char tamper[ISO_CONFIG_TEXT_SIZE], debounce_ms[ISO_CONFIG_TEXT_SIZE];
+    char wiegand_d0[ISO_CONFIG_TEXT_SIZE], wiegand_d1[ISO_CONFIG_TEXT_SIZE];
+    char wiegand_bits[ISO_CONFIG_TEXT_SIZE], cards[ISO_CONFIG_TEXT_SIZE];
     enum iso_door_fail fail;
     int unlock_ms, relay_pulse_ms, held_ms, refused_ms, poll_ms, retry_ms, retry_max_ms;
 };

@@ -10,6 +10,7 @@
 
 #include "drivers/door/debounce.h"
 #include "drivers/door/gpio_line.h"
+#include "drivers/door/wiegand_out.h"
 #include "drivers/text.h"
 
 static const char owner[] = "door gpiod";
@@ -23,6 +24,9 @@ enum { EDGES_MAX = 64 };
 struct wiring {
     bool has_output[ISO_DOOR_OUTPUTS], has_input[ISO_DOOR_INPUTS];
     struct iso_gpio_spec outputs[ISO_DOOR_OUTPUTS], inputs[ISO_DOOR_INPUTS];
+    bool has_wiegand[2]; /* D0, D1 */
+    struct iso_gpio_spec wiegand[2];
+    int wiegand_bits;
     int64_t debounce_ns;
 };
 
@@ -33,6 +37,9 @@ struct gpiod {
         struct iso_gpio_line *line; /* NULL: not wired */
         struct iso_debounce debounce;
     } inputs[ISO_DOOR_INPUTS];
+    struct iso_gpio_line *wiegand[2];    /* D0, D1; the sender's thread's while there is one */
+    struct iso_wiegand_out *wiegand_out; /* NULL: not wired */
+    int wiegand_bits;
     int timer_fd; /* readable when a level has lasted long enough */
     int epoll_fd; /* readable when that or an input is */
 };
@@ -65,11 +72,34 @@ static int parse_debounce(const struct iso_option *options, size_t n_options, in
     return 0;
 }
 
+static const char *const wiegand_names[2] = {"wiegand_d0", "wiegand_d1"};
+
+static int parse_wiegand(const struct iso_option *options, size_t n_options, struct wiring *wiring,
+                         struct iso_fault *fault)
+{
+    const char *bits = iso_options_find(options, n_options, "wiegand_bits");
+    if (bits && strcmp(bits, "26") != 0 && strcmp(bits, "34") != 0) {
+        return iso_fault_set(fault, -EINVAL, "%s: wiegand_bits is 26 or 34, not '%s'", owner, bits);
+    }
+    wiring->wiegand_bits = bits && strcmp(bits, "34") == 0 ? 34 : 26;
+    int error = 0;
+    for (int i = 0; !error && i < 2; i++) {
+        error = parse_spec(options, n_options, wiegand_names[i], &wiring->has_wiegand[i],
+                           &wiring->wiegand[i], fault);
+    }
+    if (!error && wiring->has_wiegand[0] != wiring->has_wiegand[1]) {
+        return iso_fault_set(fault, -EINVAL, "%s: option '%s' is missing", owner,
+                             wiegand_names[wiring->has_wiegand[0]]);
+    }
+    return error;
+}
+
 static int check_options(const struct iso_option *options, size_t n_options,
                          struct iso_fault *fault)
 {
-    const char *known[ISO_DOOR_OUTPUTS + ISO_DOOR_INPUTS + 2] = {"debounce_ms"};
-    size_t n = 1;
+    const char *known[ISO_DOOR_OUTPUTS + ISO_DOOR_INPUTS + 5] = {"debounce_ms", "wiegand_bits",
+                                                                 "wiegand_d0", "wiegand_d1"};
+    size_t n = 4;
     for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
         known[n++] = iso_door_output_name((enum iso_door_output)i);
     }
@@ -95,7 +125,10 @@ static int parse_options(const struct iso_option *options, size_t n_options, str
     if (!error) {
         error = parse_debounce(options, n_options, &wiring->debounce_ns, fault);
     }
-    if (!error && !wiring->has_output[ISO_DOOR_RELAY]) {
+    if (!error) {
+        error = parse_wiegand(options, n_options, wiring, fault);
+    }
+    if (!error && !wiring->has_output[ISO_DOOR_RELAY] && !wiring->has_wiegand[0]) {
         return iso_fault_set(fault, -EINVAL, "%s: option 'relay' is missing", owner);
     }
     return error;
@@ -106,6 +139,10 @@ static int parse_options(const struct iso_option *options, size_t n_options, str
 static void gpiod_close(void *self)
 {
     struct gpiod *gpiod = self;
+    iso_wiegand_out_free(gpiod->wiegand_out);
+    for (int i = 0; i < 2; i++) {
+        iso_gpio_line_close(gpiod->wiegand[i]);
+    }
     for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
         iso_gpio_line_close(gpiod->outputs[i]);
     }
@@ -189,6 +226,30 @@ static int claim_inputs(struct gpiod *gpiod, const struct wiring *wiring, struct
     return 0;
 }
 
+static int set_wiegand(void *context, int line, bool pulse)
+{
+    struct gpiod *gpiod = context;
+    return iso_gpio_line_set(gpiod->wiegand[line], pulse);
+}
+
+static int claim_wiegand(struct gpiod *gpiod, const struct wiring *wiring, struct iso_fault *fault)
+{
+    const struct iso_wiegand_lines lines = {set_wiegand, gpiod};
+    struct iso_fault reason = {""};
+    if (!wiring->has_wiegand[0]) {
+        return 0;
+    }
+    gpiod->wiegand_bits = wiring->wiegand_bits;
+    for (int i = 0; i < 2; i++) {
+        const int error = iso_gpio_line_open_output(&wiring->wiegand[i], false, &gpiod->wiegand[i],
+                                                    &reason);
+        if (error) {
+            return blame(wiegand_names[i], error, &reason, fault);
+        }
+    }
+    return iso_wiegand_out_new(&lines, &gpiod->wiegand_out, fault);
+}
+
 static int gpiod_open(const struct iso_option *options, size_t n_options,
                       const struct iso_clock *clock, const struct iso_door_outputs *initial,
                       void **self, struct iso_fault *fault)
@@ -207,6 +268,9 @@ static int gpiod_open(const struct iso_option *options, size_t n_options,
     error = claim_outputs(gpiod, &wiring, initial, fault);
     if (!error) {
         error = claim_inputs(gpiod, &wiring, fault);
+    }
+    if (!error) {
+        error = claim_wiegand(gpiod, &wiring, fault);
     }
     if (error) {
         gpiod_close(gpiod);
@@ -227,6 +291,21 @@ static int gpiod_set_output(void *self, enum iso_door_output output, bool active
     return error ? iso_fault_set(fault, error, "%s: %s: %s", owner, iso_door_output_name(output),
                                  strerror(-error))
                  : 0;
+}
+
+static int gpiod_send_card(void *self, const struct iso_wiegand_card *card, struct iso_fault *fault)
+{
+    struct gpiod *gpiod = self;
+    uint64_t code;
+    if (!gpiod->wiegand_out) {
+        return iso_fault_set(fault, -ENOSYS, "%s: no controller is wired", owner);
+    }
+    if (iso_wiegand_encode(gpiod->wiegand_bits, card, &code)) {
+        return iso_fault_set(fault, -ERANGE, "%s: %u:%u does not fit in %d bits", owner,
+                             card->facility, card->number, gpiod->wiegand_bits);
+    }
+    const int error = iso_wiegand_out_send(gpiod->wiegand_out, code, gpiod->wiegand_bits);
+    return error ? iso_fault_set(fault, error, "%s: wiegand: %s", owner, strerror(-error)) : 0;
 }
 
 /* ---- inputs ---- */
@@ -288,7 +367,8 @@ static int follow_all(struct gpiod *gpiod, struct iso_fault *fault)
 static int look_at_relay(struct gpiod *gpiod, struct iso_fault *fault)
 {
     bool active;
-    const int error = iso_gpio_line_get(gpiod->outputs[ISO_DOOR_RELAY], &active);
+    struct iso_gpio_line *relay = gpiod->outputs[ISO_DOOR_RELAY];
+    const int error = relay ? iso_gpio_line_get(relay, &active) : 0;
     return error ? iso_fault_set(fault, error, "%s: relay: %s", owner, strerror(-error)) : 0;
 }
 
@@ -325,6 +405,7 @@ const struct iso_door_io_ops iso_door_gpiod_ops = {
     .open = gpiod_open,
     .set_output = gpiod_set_output,
     .get_inputs = gpiod_get_inputs,
+    .send_card = gpiod_send_card,
     .poll_fd = gpiod_poll_fd,
     .close = gpiod_close,
 };

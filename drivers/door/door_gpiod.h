@@ -5,6 +5,9 @@
  *   contact, exit_button, tamper                          inputs
  *       each a line as iso_gpio_spec_parse() (gpio_line.h) reads it: "GPIO17 active-low",
  *       "gpiochip0:22 active-low pull-up"
+ *   wiegand_d0, wiegand_d1                                outputs to an access controller, both
+ *       or none; active is a pulse. With them `relay` is optional, since the controller has one.
+ *   wiegand_bits  26, which is the default, or 34
  *   debounce_ms   how long an input has to keep a level until it counts, 0 to 1000; 20 by default
  *
  * The injected clock has to be CLOCK_MONOTONIC, by which the kernel stamps edges.

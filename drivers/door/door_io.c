@@ -229,6 +229,17 @@ int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
     return settle(io, error, &reason, fault);
 }
 
+int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card *card,
+                          struct iso_fault *fault)
+{
+    struct iso_fault reason = {""};
+    if (io->lost) {
+        return gone(io, fault);
+    }
+    int error = io->ops->send_card ? io->ops->send_card(io->self, card, &reason) : -ENOSYS;
+    return settle(io, error, &reason, fault);
+}
+
 int iso_door_io_poll_fd(struct iso_door_io *io)
 {
     if (io->lost) {

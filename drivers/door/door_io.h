@@ -18,6 +18,7 @@
 
 #include "core/clock.h"
 #include "core/fault.h"
+#include "drivers/door/wiegand.h"
 #include "drivers/option.h"
 
 enum iso_door_output {
@@ -70,6 +71,12 @@ struct iso_door_io_ops {
      * that is not wired (by option) reads inactive. -EIO, -EBADMSG, -ENODEV. */
     int (*get_inputs)(void *self, struct iso_door_inputs *out, struct iso_fault *fault);
 
+    /* OPTIONAL. Begins to send a card number to an access controller and returns at once. -ENOSYS
+     * no controller is wired, -ERANGE the number does not fit the controller's format, -EBUSY the
+     * last number is still under way, -EIO, -ENODEV; a failure under way is told by the next call.
+     */
+    int (*send_card)(void *self, const struct iso_wiegand_card *card, struct iso_fault *fault);
+
     /* OPTIONAL. A descriptor that polls readable when an input may have changed; get_inputs makes
      * it quiet again. Owned by the back end. Negative errno if there is none now; the inputs are
      * then looked at every now and then. */
@@ -116,6 +123,10 @@ int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, 
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* As the operation. */
+int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card *card,
+                          struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* -ENOSYS if the back end has none. */
 int iso_door_io_poll_fd(struct iso_door_io *io) __attribute__((warn_unused_result));

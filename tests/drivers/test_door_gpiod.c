@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 
@@ -75,11 +76,17 @@ static void refuses_bad_options(void **state)
     const struct iso_option no_line[] = {{"relay", "fake:0"}, {"tamper", "fake:7 high"}};
     const struct iso_option no_time[] = {{"relay", "fake:0"}, {"debounce_ms", "soon"}};
     const struct iso_option too_long[] = {{"relay", "fake:0"}, {"debounce_ms", "1001"}};
+    const struct iso_option no_d0[] = {{"relay", "fake:0"}, {"wiegand_d1", "fake:9"}};
+    const struct iso_option no_d1[] = {{"relay", "fake:0"}, {"wiegand_d0", "fake:8"}};
+    const struct iso_option no_bits[] = {{"relay", "fake:0"}, {"wiegand_bits", "37"}};
     (void)state;
     refuses(no_relay, 1, -EINVAL, "door gpiod: option 'relay' is missing");
     refuses(no_line, 2, -EINVAL, "door gpiod: tamper: 'high' in 'fake:7 high' is unknown");
     refuses(no_time, 2, -EINVAL, "door gpiod: debounce_ms is 0 to 1000, not 'soon'");
     refuses(too_long, 2, -EINVAL, "debounce_ms is 0 to 1000, not '1001'");
+    refuses(no_d0, 2, -EINVAL, "door gpiod: option 'wiegand_d0' is missing");
+    refuses(no_d1, 2, -EINVAL, "door gpiod: option 'wiegand_d1' is missing");
+    refuses(no_bits, 2, -EINVAL, "door gpiod: wiegand_bits is 26 or 34, not '37'");
     assert_int_equal(fake_gpio_changes(0), 0); /* a wrong file touches no line */
 }
 
@@ -250,6 +257,47 @@ static void a_chip_that_is_pulled_out(void **state)
     iso_door_io_close(io);
 }
 
+/* Without a relay: the controller has one. */
+static void sends_cards_to_a_controller(void **state)
+{
+    const struct iso_option options[] = {{"wiegand_d0", "fake:8 active-low"},
+                                         {"wiegand_d1", "fake:9 active-low"},
+                                         {"contact", "fake:5 active-low"}};
+    const struct iso_clock clock = manual_clock(&now_ns);
+    const struct iso_wiegand_card card = {1, 1}, too_big = {256, 1};
+    struct iso_door_io *io = NULL;
+    struct iso_fault fault;
+    (void)state;
+    assert_int_equal(iso_door_io_open("gpiod", options, 3, &clock, &unpowered, &io, NULL), 0);
+    assert_true(fake_gpio_voltage(8) && fake_gpio_voltage(9));
+    (void)look(io);
+    assert_int_equal(iso_door_io_send_card(io, &too_big, &fault), -ERANGE);
+    assert_string_equal(fault.text, "door gpiod: 256:1 does not fit in 26 bits");
+    assert_int_equal(iso_door_io_send_card(io, &card, NULL), 0);
+    assert_int_equal(iso_door_io_send_card(io, &card, &fault), -EBUSY);
+    assert_string_equal(fault.text, "door gpiod: wiegand: Device or resource busy");
+    const struct timespec code = {0, 10000000};
+    while (iso_door_io_send_card(io, &card, NULL) == -EBUSY) {
+        (void)nanosleep(&code, NULL);
+    }
+    /* At least one code has gone: 23 zeros and 3 ones, two changes each, and the second began. */
+    assert_true(fake_gpio_changes(8) >= 1 + 2 * 23);
+    assert_true(fake_gpio_changes(9) >= 1 + 2 * 3);
+    iso_door_io_close(io); /* in the middle */
+    assert_true(fake_gpio_voltage(8) && fake_gpio_voltage(9));
+}
+
+static void without_a_controller_no_card_is_sent(void **state)
+{
+    const struct iso_wiegand_card card = {1, 1};
+    struct iso_door_io *io = open_door();
+    struct iso_fault fault;
+    (void)state;
+    assert_int_equal(iso_door_io_send_card(io, &card, &fault), -ENOSYS);
+    assert_string_equal(fault.text, "door gpiod: no controller is wired");
+    iso_door_io_close(io);
+}
+
 static void other_failures_are_not_for_ever(void **state)
 {
     struct iso_door_inputs inputs;
@@ -279,6 +327,8 @@ int main(void)
         TEST(edges_beyond_the_kernels_memory),
         TEST(the_descriptor_tells_when_a_level_counts),
         TEST(a_chip_that_is_pulled_out),
+        TEST(sends_cards_to_a_controller),
+        TEST(without_a_controller_no_card_is_sent),
         TEST(other_failures_are_not_for_ever),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
