@@ -37,7 +37,8 @@ PATH=$PATH:/usr/sbin:/sbin "$here/kernel.sh" "$cache"
 boot() {
     name=$1 seconds=$2
     rm -f "$build/vm/$name.status"
-    timeout "$seconds" qemu-system-x86_64 -machine q35 -accel tcg -cpu max -smp 1 -m 1024 \
+    # Without AVX, which an emulated processor is slow at.
+    timeout "$seconds" qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 -m 1024 \
         -nodefaults -no-user-config -display none -no-reboot \
         -serial "file:$build/vm/$name.log" -serial "file:$build/vm/$name.status" \
         -fsdev local,id=root,path=/,security_model=none,readonly=on,multidevs=remap \
