@@ -22,7 +22,8 @@ version=$(apt-cache policy "linux-image-$release" | sed -n 's/^ *Candidate: //p'
 
 download() {
     mkdir -p "$cache/deb"
-    (cd "$cache/deb" && apt-get download -q "linux-image-$release" "linux-headers-$release" \
+    # As root, apt would drop its rights and could not write here.
+    (cd "$cache/deb" && apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-image-$release" "linux-headers-$release" \
         "linux-headers-${release%-amd64}-common=$version" "linux-kbuild-6.1=$version" "linux-source-6.1=$version")
 }
 
