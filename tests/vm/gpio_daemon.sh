@@ -80,18 +80,9 @@ address=unix:path=$VM_DIRECTORY/bus
 dbus-daemon --config-file=bus.conf --fork --nopidfile
 
 # A frame takes seconds here: few of them, and patience. The scores that decide are as they are.
-cat >isotherm.conf <<END
-[sensor]
-path = $VM_DIRECTORY/slot
+sed "s#^path = .*#path = $VM_DIRECTORY/slot#" "$VM_SOURCE/board/qemu/isotherm.conf" >isotherm.conf
+cat >>isotherm.conf <<END
 [door]
-backend = gpiod
-relay = DOOR$RELAY
-led_granted = DOOR$GRANTED
-led_refused = DOOR$REFUSED active-low
-buzzer = DOOR$BUZZER
-contact = DOOR$CONTACT
-exit_button = DOOR$BUTTON active-low
-tamper = DOOR$TAMPER
 unlock_ms = 3000
 refused_ms = 2000
 retry_ms = 100
