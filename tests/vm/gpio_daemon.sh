@@ -132,7 +132,7 @@ door_is() {
 clear_camera() {
     rm -f slot
     for _ in 1 2 3; do
-        answers || die 'the daemon does not answer'
+        wait_for 60 'the daemon does not answer' answers
         sleep 0.1
     done
     wait_for 30 'the door does not lock' door_is locked
@@ -204,8 +204,11 @@ told 'the housing is watched'
 
 echo 0 >$sim/live
 wait_for 10 'a chip that goes is no fault' door_is fault
-"$isotherm" --bus $address doctor >doctor.txt && die 'the doctor is content without lines'
-grep -q 'door gpiod: relay:' doctor.txt || die "the doctor does not say what is wrong: $(cat doctor.txt)"
+names_lines() {
+    "$isotherm" --bus $address doctor >doctor.txt && die 'the doctor is content without lines'
+    grep -q 'door gpiod: relay:' doctor.txt
+}
+wait_for 30 'the doctor does not say what is wrong' names_lines
 grep -A 1 'fault.*door' doctor.txt
 echo 1 >$sim/live
 rest_inputs
