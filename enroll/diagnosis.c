@@ -86,7 +86,8 @@ static const char *remedy_for_lines(const char *fault)
     } remedies[] = {
         {"no such GPIO chip", "is the board plugged in, its driver loaded? gpiodetect lists chips, "
                               "isotherm.conf(5) says how lines are named"},
-        {"has such a line", "gpioinfo lists the names; a line without one is CHIP:OFFSET"},
+        {"has such a line",
+         "is its chip plugged in? gpioinfo lists the names; a line without one is CHIP:OFFSET"},
         {"has no such line", "gpioinfo lists the lines of each chip"},
         {"in use by", "end the other program, or free the line in the board's device tree"},
         {"may be opened", "install the board's udev rule; the daemon's user has to be in the group "

@@ -195,7 +195,7 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
          "                     -> is the board plugged in"},
         {{.door_fault = "door gpiod: relay: line 'LOCK': no GPIO chip has such a line"},
          4,
-         "\n                     -> gpioinfo lists the names"},
+         "\n                     -> is its chip plugged in? gpioinfo lists the names"},
         {{.door_fault = "door gpiod: relay: line gpiochip0:3: in use by 'spi0 CS0'"},
          4,
          "\n                     -> end the other program"},
