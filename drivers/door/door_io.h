@@ -58,6 +58,7 @@ struct iso_door_io_ops {
 
     /* REQUIRED. Claims the lines; each output takes its initial level without another one before
      * it, so that a strike that must stay energised does not drop. Unknown options are refused.
+     * *self is the back end's own and not NULL.
      * -EINVAL bad option, -ENODEV no such chip or line, -EBUSY, -EACCES, -ENOMEM, -EIO. */
     int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
                 const struct iso_door_outputs *initial, void **self, struct iso_fault *fault);
