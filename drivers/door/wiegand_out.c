@@ -49,11 +49,13 @@ static void widen(int64_t *min_ns, int64_t *max_ns, int64_t ns)
     *max_ns = ns > *max_ns ? ns : *max_ns;
 }
 
+/* The length counts from when the line has its level: whoever is interrupted before that must not
+ * send a pulse that is over before it began. */
 static int send_pulse(const struct iso_wiegand_lines *lines, int line, int64_t *begin_ns,
                       struct iso_wiegand_report *report)
 {
-    *begin_ns = clock_ns();
     const int error = lines->set(lines->context, line, true);
+    *begin_ns = clock_ns();
     spin_until(*begin_ns + ISO_WIEGAND_PULSE_NS);
     const int rest_error = lines->set(lines->context, line, false);
     if (!error && !rest_error) {

@@ -88,14 +88,35 @@ struct wire {
     char bits[65]; /* as a reader takes them down */
     int n, fail_at, error;
     bool pulse[2];
+    int64_t delay_ns; /* how long a line takes to be switched on */
+    int64_t on_ns, shortest_ns;
     bool strange; /* two lines at a time, or a level twice */
 };
+
+static int64_t clock_ns(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
+}
+
+static void measure(struct wire *wire, bool pulse)
+{
+    const int64_t begin_ns = clock_ns();
+    if (!pulse && (wire->shortest_ns == 0 || begin_ns - wire->on_ns < wire->shortest_ns)) {
+        wire->shortest_ns = begin_ns - wire->on_ns;
+    }
+    while (pulse && clock_ns() < begin_ns + wire->delay_ns) {
+    }
+    wire->on_ns = clock_ns();
+}
 
 static int set_line(void *context, int line, bool pulse)
 {
     struct wire *wire = context;
     wire->strange |= pulse == wire->pulse[line] || (pulse && wire->pulse[!line]);
     wire->pulse[line] = pulse;
+    measure(wire, pulse);
     if (pulse && wire->n < 64) {
         wire->bits[wire->n++] = (char)('0' + line);
     }
@@ -140,6 +161,19 @@ static void sends_what_a_reader_reads(void **state)
                   (double)report.interval_min_ns / 1e3, (double)report.interval_max_ns / 1e3);
 }
 
+/* As when somebody else has the processor just before the line is switched. */
+static void a_late_pulse_is_no_shorter(void **state)
+{
+    struct wire wire = {.delay_ns = 3 * ISO_WIEGAND_PULSE_NS};
+    struct iso_wiegand_out *out = open_out(&wire);
+    (void)state;
+    assert_int_equal(iso_wiegand_out_send(out, code_of(known[3].wire), 26), 0);
+    assert_int_equal(iso_wiegand_out_flush(out), 0);
+    iso_wiegand_out_free(out);
+    assert_string_equal(wire.bits, known[3].wire);
+    assert_true(wire.shortest_ns >= ISO_WIEGAND_PULSE_NS);
+}
+
 static void tells_of_a_failure_once(void **state)
 {
     struct wire wire = {.fail_at = 5, .error = -ENODEV};
@@ -180,6 +214,7 @@ int main(void)
         cmocka_unit_test(refuses_what_does_not_fit),
         cmocka_unit_test(every_single_error_is_seen),
         cmocka_unit_test(sends_what_a_reader_reads),
+        cmocka_unit_test(a_late_pulse_is_no_shorter),
         cmocka_unit_test(tells_of_a_failure_once),
         cmocka_unit_test(ends_in_the_middle_with_lines_at_rest),
     };
