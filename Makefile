@@ -2,6 +2,7 @@
 #
 #   make demo     an enrolled face opens the door: builds, then plays stored frames to a running daemon
 #   make check    builds and runs every test
+#   make vm-check runs the tests that need devices of a kernel, in virtual machines
 #   make bench    milliseconds per stage from frame to verdict
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
@@ -12,7 +13,7 @@ FUZZ_SECONDS ?= 20
 FUZZ_SEED ?= 1
 JOBS := $(shell nproc)
 
-.PHONY: demo check bench fuzz install clean
+.PHONY: demo check vm-check bench fuzz install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -25,6 +26,12 @@ check:
 	cmake --preset dev
 	cmake --build --preset dev
 	ctest --preset dev -j $(JOBS)
+
+vm-check:
+	cmake/install_packages.sh build test vm
+	cmake --preset dev
+	cmake --build --preset dev
+	tests/vm/run.sh build/dev build/vm
 
 bench:
 	cmake/install_packages.sh build test

@@ -4,7 +4,7 @@
 set -eu
 
 if [ $# -eq 0 ]; then
-    echo "usage: $0 TAG...   (build, demo, test, gate)" >&2
+    echo "usage: $0 TAG...   (build, demo, test, gate, vm)" >&2
     exit 2
 fi
 

@@ -39,6 +39,7 @@
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
  * "sensor-state" s ("started", "lost"), "sensor-fault" s, "door" s (back end), "door-state" s,
+ * "door-fault" s ("" while its lines work),
  * "mode" s ("watch", "claimed", "enroll", "verify", "identify"), "people" u, "templates" u (of
  * which the running algorithm can use "templates-usable" u), "capacity" u, "frames" t,
  * "last-outcome" s, "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x,

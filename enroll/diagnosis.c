@@ -75,7 +75,51 @@ static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
         }
     }
     cli_diagnosis_add(diagnosis, "door", CLI_CHECK_BAD, word ? word : "not told",
-                      "check its wiring, and [door] in isotherm.conf(5); isotherm log");
+                      "a fault of its lines or of the sensor, see there; isotherm log");
+}
+
+/* What to do about a line is in what the daemon says of it. */
+static const char *remedy_for_lines(const char *fault)
+{
+    static const struct {
+        const char *words, *remedy;
+    } remedies[] = {
+        {"no such GPIO chip", "is the board plugged in, its driver loaded? gpiodetect lists chips, "
+                              "isotherm.conf(5) says how lines are named"},
+        {"has such a line",
+         "is its chip plugged in? gpioinfo lists the names; a line without one is CHIP:OFFSET"},
+        {"has no such line", "gpioinfo lists the lines of each chip"},
+        {"in use by", "end the other program, or free the line in the board's device tree"},
+        {"may be opened", "install the board's udev rule; the daemon's user has to be in the group "
+                          "of /dev/gpiochip*"},
+        {"Permission denied", "install the board's udev rule; the daemon's user has to be in the "
+                              "group of /dev/gpiochip*"},
+        {"No such device", "the GPIO chip is gone: its cable and power; the daemon keeps trying"},
+    };
+    for (size_t i = 0; i < sizeof remedies / sizeof *remedies; i++) {
+        if (strstr(fault, remedies[i].words)) {
+            return remedies[i].remedy;
+        }
+    }
+    return "check its wiring, and [door] in isotherm.conf(5)";
+}
+
+static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *back_end = cli_state_text(state, "door");
+    const char *fault = cli_state_text(state, "door-fault");
+
+    if (!back_end || !fault) {
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, "not told",
+                          "see the daemon's log: journalctl --unit=isothermd");
+    } else if (*fault) {
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, fault, remedy_for_lines(fault));
+    } else if (strcmp(back_end, "null") == 0) {
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_ODD, "null: nothing is switched",
+                          "set [door] backend and its lines in isotherm.conf(5)");
+    } else {
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_GOOD, back_end, NULL);
+    }
 }
 
 static void judge_model(struct cli_diagnosis *diagnosis, const json_t *state)
@@ -118,6 +162,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_version(diagnosis, state);
     judge_sensor(diagnosis, state);
     judge_door(diagnosis, state);
+    judge_lines(diagnosis, state);
     judge_model(diagnosis, state);
     judge_gallery(diagnosis, state);
 }

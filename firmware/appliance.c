@@ -68,9 +68,15 @@ static void init_door(struct iso_appliance *appliance)
         .unlock_ns = config->unlock_ms * ISO_NS_PER_MS,
         .held_ns = config->held_ms * ISO_NS_PER_MS,
         .refused_ns = config->refused_ms * ISO_NS_PER_MS,
+        .pulse_ns = config->relay_pulse_ms * ISO_NS_PER_MS,
     };
-    iso_door_control_init(&appliance->door, &options, config->poll_ms * ISO_NS_PER_MS,
-                          appliance->parts.door_io, on_door_changed, appliance);
+    const struct iso_door_timing timing = {
+        .poll_ns = config->poll_ms * ISO_NS_PER_MS,
+        .retry_ns = config->retry_ms * ISO_NS_PER_MS,
+        .retry_max_ns = config->retry_max_ms * ISO_NS_PER_MS,
+    };
+    iso_door_control_init(&appliance->door, &options, &timing, appliance->parts.door_io,
+                          on_door_changed, appliance);
 }
 
 /* ---- the sensor ---- */
@@ -223,21 +229,17 @@ static int64_t earliest(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-int iso_appliance_step(struct iso_appliance *appliance, int64_t *wake_ns, struct iso_fault *fault)
+int64_t iso_appliance_step(struct iso_appliance *appliance)
 {
     int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
     const int fd = iso_door_io_poll_fd(appliance->parts.door_io);
     iso_door_control_step(&appliance->door, fd >= 0, now_ns);
-    if (appliance->door.lost) {
-        return iso_fault_set(fault, -ENODEV, "%s", appliance->door.fault);
-    }
     look_at_sensor(appliance, now_ns);
     now_ns = iso_times_now_ns(&appliance->parts.times);
     iso__appliance_action_deadline(appliance, now_ns);
-    *wake_ns = earliest(iso_door_control_due_ns(&appliance->door),
-                        iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
-    *wake_ns = earliest(*wake_ns, iso__appliance_due_ns(appliance));
-    return 0;
+    const int64_t lines_ns = earliest(iso_door_control_due_ns(&appliance->door),
+                                      iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
+    return earliest(lines_ns, iso__appliance_due_ns(appliance));
 }
 
 void iso_appliance_stop(struct iso_appliance *appliance)
@@ -282,6 +284,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
     return (struct iso_appliance_status){
         .mode = appliance->mode,
         .door = appliance->door.door.state,
+        .door_fault = appliance->door.broken ? appliance->door.fault : "",
         .sensor_state = appliance->keeper.sensor ? "started" : "lost",
         .sensor_model = appliance->keeper.model,
         .sensor_fault = appliance->keeper.fault,

@@ -22,6 +22,7 @@
 #include "core/fault.h"
 #include "drivers/door/door_io.h"
 #include "firmware/audit.h"
+#include "firmware/cards.h"
 #include "firmware/config.h"
 #include "firmware/decision.h"
 #include "firmware/gallery.h"
@@ -81,6 +82,7 @@ struct iso_appliance_parts {
     struct iso_sensor_source sensor;
     struct iso_pipeline pipeline;
     struct iso_door_io *door_io;
+    const struct iso_cards *cards; /* sent to an access controller; NULL: there is none */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_appliance_events events;
@@ -99,10 +101,9 @@ void iso_appliance_free(struct iso_appliance *appliance);
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Does what is due now. *wake_ns: when to step again at the latest; earlier if a descriptor below
- * is readable, or after any other call. -ENODEV the door's lines are gone. */
-int iso_appliance_step(struct iso_appliance *appliance, int64_t *wake_ns, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* Does what is due now. Returns when to step again at the latest (ISO_NEVER_NS: no time is set);
+ * earlier if a descriptor below is readable, or after any other call. */
+int64_t iso_appliance_step(struct iso_appliance *appliance);
 
 /* Puts the door to where it rests without power, and closes the sensor. */
 void iso_appliance_stop(struct iso_appliance *appliance);
@@ -161,6 +162,7 @@ struct iso_appliance_counts {
 struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
+    const char *door_fault;      /* why its lines do not work; "" while they do */
     const char *sensor_state;    /* "started", "lost" */
     const char *sensor_model;    /* "" while unknown */
     const char *sensor_fault;    /* the last one; "" */

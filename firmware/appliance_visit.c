@@ -74,6 +74,22 @@ static void tell_door(struct iso_appliance *appliance, bool allow, int64_t now_n
     }
 }
 
+/* The controller has locks of its own; what it cannot be told does not change what this door does.
+ */
+static void send_card(struct iso_appliance *appliance, const char *person)
+{
+    const struct iso_wiegand_card *card = iso_cards_find(appliance->parts.cards, person);
+    struct iso_fault fault = {""};
+    if (appliance->door.door.state != ISO_DOOR_UNLOCKED) {
+        return; /* a fault lasts: nobody is let in, here or there */
+    }
+    if (!card) {
+        iso__appliance_say(appliance, LOG_WARNING, "%s has no card number", person);
+    } else if (iso_door_io_send_card(appliance->parts.door_io, card, &fault)) {
+        iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
+    }
+}
+
 void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict)
 {
     const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, verdict.person);
@@ -82,6 +98,9 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
     record_verdict(appliance, name, &verdict);
     tell_door(appliance, verdict.allow, now_ns);
     count(&appliance->counts, &verdict);
+    if (verdict.allow && appliance->parts.cards) {
+        send_card(appliance, name);
+    }
 
     const struct iso_visit visit = {
         .verdict = verdict,

@@ -236,6 +236,9 @@ static const char *find_conflict(const struct iso_config *config)
     if (config->sensor.retry_ms > config->sensor.retry_max_ms) {
         return "[sensor] retry_ms is above retry_max_ms";
     }
+    if (config->door.retry_ms > config->door.retry_max_ms) {
+        return "[door] retry_ms is above retry_max_ms";
+    }
     if (config->decision.agree > config->decision.max_frames) {
         return "[decision] agree is above max_frames";
     }

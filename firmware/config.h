@@ -16,7 +16,7 @@
 #include "drivers/option.h"
 #include "firmware/door.h"
 
-enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 8, ISO_CONFIG_KEYS_MAX = 96 };
+enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 32, ISO_CONFIG_KEYS_MAX = 128 };
 
 struct iso_config_sensor {
     char backend[ISO_CONFIG_TEXT_SIZE];
@@ -28,8 +28,15 @@ struct iso_config_sensor {
 struct iso_config_door {
     char backend[ISO_CONFIG_TEXT_SIZE];
     char inputs[ISO_CONFIG_TEXT_SIZE];
+    char relay[ISO_CONFIG_TEXT_SIZE], led_granted[ISO_CONFIG_TEXT_SIZE];
+    char led_refused[ISO_CONFIG_TEXT_SIZE], buzzer[ISO_CONFIG_TEXT_SIZE];
+    char projector[ISO_CONFIG_TEXT_SIZE];
+    char contact[ISO_CONFIG_TEXT_SIZE], exit_button[ISO_CONFIG_TEXT_SIZE];
+    char tamper[ISO_CONFIG_TEXT_SIZE], debounce_ms[ISO_CONFIG_TEXT_SIZE];
+    char wiegand_d0[ISO_CONFIG_TEXT_SIZE], wiegand_d1[ISO_CONFIG_TEXT_SIZE];
+    char wiegand_bits[ISO_CONFIG_TEXT_SIZE], cards[ISO_CONFIG_TEXT_SIZE];
     enum iso_door_fail fail;
-    int unlock_ms, held_ms, refused_ms, poll_ms;
+    int unlock_ms, relay_pulse_ms, held_ms, refused_ms, poll_ms, retry_ms, retry_max_ms;
 };
 
 struct iso_config_gallery {

@@ -186,15 +186,11 @@ static int wait_until(struct daemon *daemon, int64_t wake_ns, struct iso_fault *
 static int loop(struct daemon *daemon, struct iso_fault *fault)
 {
     while (!daemon->quit) {
-        int64_t wake_ns = ISO_NEVER_NS;
-        int error = iso_appliance_step(daemon->appliance, &wake_ns, fault);
-        if (error) {
-            return error;
-        }
+        const int64_t wake_ns = iso_appliance_step(daemon->appliance);
         watch(daemon, &daemon->sensor, iso_appliance_sensor_fd(daemon->appliance));
         watch(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
         tell_service_manager(daemon, iso_times_now_ns(&daemon->parts->times));
-        error = wait_until(daemon, wake_ns, fault);
+        const int error = wait_until(daemon, wake_ns, fault);
         if (error) {
             return error;
         }

@@ -7,8 +7,7 @@
 #include "firmware/config.h"
 
 /* Runs until SIGTERM or SIGINT: 0. Else a negative errno with a fault: of opening what the
- * configuration asks for, of the bus (-ECONNRESET it is lost), or -ENODEV the door's lines are
- * gone. */
+ * configuration asks for, or of the bus (-ECONNRESET it is lost). */
 int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

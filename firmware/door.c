@@ -27,6 +27,7 @@ void iso_door_init(struct iso_door *door, const struct iso_door_options *options
         .options = *options,
         .state = ISO_DOOR_STOPPED,
         .state_due_ns = ISO_NEVER_NS,
+        .pulse_due_ns = ISO_NEVER_NS,
         .refused_due_ns = ISO_NEVER_NS,
     };
 }
@@ -75,6 +76,9 @@ static void set_flags(struct iso_door *door, enum iso_door_event event, int64_t 
     case ISO_DOOR_ON_TIME:
         if (now_ns >= door->refused_due_ns) {
             door->refused_due_ns = ISO_NEVER_NS;
+        }
+        if (now_ns >= door->pulse_due_ns) {
+            door->pulse_due_ns = ISO_NEVER_NS;
         }
         break;
     default:
@@ -157,15 +161,22 @@ bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t n
     const enum iso_door_state next = after(door, event, now_ns);
     const bool changed = next != door->state;
     if (changed || renews(door, event)) {
+        const bool pulses = next == ISO_DOOR_UNLOCKED && door->options.pulse_ns > 0;
         door->state_due_ns = due_of(door, next, now_ns);
+        door->pulse_due_ns = pulses ? now_ns + door->options.pulse_ns : ISO_NEVER_NS;
     }
     door->state = next;
     return changed;
 }
 
+static int64_t earliest(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
 int64_t iso_door_due_ns(const struct iso_door *door)
 {
-    return door->state_due_ns < door->refused_due_ns ? door->state_due_ns : door->refused_due_ns;
+    return earliest(door->state_due_ns, earliest(door->pulse_due_ns, door->refused_due_ns));
 }
 
 static bool relay_is_powered(const struct iso_door *door)
@@ -173,7 +184,8 @@ static bool relay_is_powered(const struct iso_door *door)
     if (door->state == ISO_DOOR_STOPPED || door->state == ISO_DOOR_FAULT) {
         return false;
     }
-    const bool unlock = door->state == ISO_DOOR_UNLOCKED;
+    const bool lasts = door->options.pulse_ns == 0 || door->pulse_due_ns != ISO_NEVER_NS;
+    const bool unlock = door->state == ISO_DOOR_UNLOCKED && lasts;
     return door->options.fail == ISO_DOOR_FAIL_SECURE ? unlock : !unlock;
 }
 
@@ -189,5 +201,6 @@ struct iso_door_outputs iso_door_outputs_of(const struct iso_door *door)
     out.active[ISO_DOOR_LED_REFUSED] = door->refused_due_ns != ISO_NEVER_NS;
     out.active[ISO_DOOR_BUZZER] = state == ISO_DOOR_HELD_OPEN || state == ISO_DOOR_FORCED ||
                                   door->tamper;
+    out.active[ISO_DOOR_PROJECTOR] = true;
     return out;
 }

@@ -23,11 +23,14 @@
  * (tamper, tamper-ended), and somebody was refused less than refused_ms ago (refuse).
  *
  * Outputs, from state and flags alone:
- *   relay        unlocks in UNLOCKED; locks again as soon as the door has opened, so that it is
- *                locked when it falls shut; without power in STOPPED and FAULT
+ *   relay        unlocks in UNLOCKED, for no longer than pulse_ms if that is given (for locks that
+ *                stay unlocked by themselves until the door was used, and for other controllers);
+ *                locks again as soon as the door has opened, so that it is locked when it falls
+ *                shut; without power in STOPPED and FAULT
  *   led_granted  UNLOCKED, OPENED
  *   led_refused  while somebody was just refused
- *   buzzer       HELD_OPEN, FORCED, and while the housing is open; not in STOPPED */
+ *   buzzer       HELD_OPEN, FORCED, and while the housing is open; not in STOPPED
+ *   projector    in every state but STOPPED: a sensor that needs it looks all the time */
 #ifndef ISO_FIRMWARE_DOOR_H
 #define ISO_FIRMWARE_DOOR_H
 
@@ -79,6 +82,7 @@ enum iso_door_fail {
 struct iso_door_options {
     enum iso_door_fail fail;
     int64_t unlock_ns, held_ns, refused_ns;
+    int64_t pulse_ns; /* 0: the relay holds */
 };
 
 struct iso_door {
@@ -86,6 +90,7 @@ struct iso_door {
     enum iso_door_state state;
     bool fault, tamper;
     int64_t state_due_ns;   /* the state ends by itself; ISO_NEVER_NS if it does not */
+    int64_t pulse_due_ns;   /* the relay's pulse ends; ISO_NEVER_NS if there is none */
     int64_t refused_due_ns; /* the refusal is shown until then; ISO_NEVER_NS: there is none */
 };
 

@@ -6,12 +6,13 @@
 #include "firmware/times.h"
 
 void iso_door_control_init(struct iso_door_control *control, const struct iso_door_options *options,
-                           int64_t poll_ns, struct iso_door_io *io,
+                           const struct iso_door_timing *timing, struct iso_door_io *io,
                            void (*changed)(void *context, enum iso_door_event cause), void *context)
 {
     *control = (struct iso_door_control){
         .io = io,
-        .poll_ns = poll_ns,
+        .timing = *timing,
+        .wait_ns = timing->retry_ns,
         .read_ns = ISO_NEVER_NS,
         .changed = changed,
         .context = context,
@@ -64,7 +65,6 @@ static bool switch_outputs(struct iso_door_control *control, struct iso_fault *f
         }
         const int error = iso_door_io_set_output(control->io, (enum iso_door_output)i,
                                                  wanted.active[i], fault);
-        control->lost |= error == -ENODEV;
         fine = fine && !error; /* the others are switched all the same */
     }
     control->outputs = wanted;
@@ -75,10 +75,8 @@ static bool switch_outputs(struct iso_door_control *control, struct iso_fault *f
 static bool read_inputs(struct iso_door_control *control, struct iso_door_inputs *out,
                         int64_t now_ns, struct iso_fault *fault)
 {
-    control->read_ns = now_ns + control->poll_ns;
-    const int error = iso_door_io_get_inputs(control->io, out, fault);
-    control->lost |= error == -ENODEV;
-    return error == 0;
+    control->read_ns = now_ns + control->timing.poll_ns;
+    return iso_door_io_get_inputs(control->io, out, fault) == 0;
 }
 
 static void tell_inputs(struct iso_door_control *control, const struct iso_door_inputs *inputs,
@@ -97,23 +95,87 @@ static void tell_inputs(struct iso_door_control *control, const struct iso_door_
     control->inputs = *inputs;
 }
 
+/* ---- lost lines ---- */
+
+static void wait_for_lines(struct iso_door_control *control, int64_t now_ns)
+{
+    const int64_t longer_ns = control->wait_ns * 2, max_ns = control->timing.retry_max_ns;
+    control->open_ns = now_ns + control->wait_ns;
+    control->wait_ns = longer_ns < max_ns ? longer_ns : max_ns;
+}
+
+/* True if the lines are open, or are open again. */
+static bool have_lines(struct iso_door_control *control, int64_t now_ns)
+{
+    struct iso_fault fault = {""};
+    if (!iso_door_io_is_lost(control->io)) {
+        return true;
+    }
+    if (now_ns < control->open_ns) {
+        return false;
+    }
+    const struct iso_door_outputs wanted = iso_door_outputs_of(&control->door);
+    if (iso_door_io_reopen(control->io, &wanted, &fault)) {
+        note_lines(control, &fault, true, now_ns);
+        wait_for_lines(control, now_ns);
+        return false;
+    }
+    control->outputs = wanted;
+    control->known = true;
+    control->read_ns = now_ns;
+    return true;
+}
+
+/* After anything that may have found the lines gone. */
+static void note_loss(struct iso_door_control *control, bool had_lines, int64_t now_ns)
+{
+    if (had_lines && iso_door_io_is_lost(control->io)) {
+        control->known = false;
+        wait_for_lines(control, now_ns);
+    }
+}
+
 /* ---- calls ---- */
 
 static void apply(struct iso_door_control *control, int64_t now_ns)
 {
     struct iso_fault fault = {""};
+    if (iso_door_io_is_lost(control->io)) {
+        return; /* known, and a fault already */
+    }
     if (!switch_outputs(control, &fault)) {
         note_lines(control, &fault, true, now_ns);
+        note_loss(control, true, now_ns);
     }
+}
+
+/* Reads and switches; any failure is a fault of the door, and the end of all of them ends it. */
+static void exercise_lines(struct iso_door_control *control, int64_t now_ns)
+{
+    struct iso_fault fault = {""};
+    struct iso_door_inputs inputs;
+    const bool fine = read_inputs(control, &inputs, now_ns, &fault);
+    if (fine) {
+        control->wait_ns = control->timing.retry_ns;
+        tell_inputs(control, &inputs, now_ns);
+    }
+    const bool switched = fine && switch_outputs(control, &fault);
+    note_lines(control, &fault, !fine || !switched, now_ns);
+    note_loss(control, true, now_ns);
 }
 
 void iso_door_control_start(struct iso_door_control *control, int64_t now_ns)
 {
     struct iso_fault fault = {""};
     struct iso_door_inputs inputs = {{false}};
-    const bool fine = read_inputs(control, &inputs, now_ns, &fault);
+    control->open_ns = now_ns;
+    const bool there = have_lines(control, now_ns);
+    const bool fine = there && read_inputs(control, &inputs, now_ns, &fault);
     const bool open = inputs.active[ISO_DOOR_CONTACT];
-    note_lines(control, &fault, !fine, now_ns);
+    if (there) {
+        note_lines(control, &fault, !fine, now_ns);
+        note_loss(control, true, now_ns);
+    }
     control->inputs.active[ISO_DOOR_CONTACT] = open;
     tell(control, open ? ISO_DOOR_ON_START_OPEN : ISO_DOOR_ON_START, now_ns);
     if (fine) {
@@ -154,15 +216,8 @@ void iso_door_control_set_fault(struct iso_door_control *control, bool fault, in
 
 void iso_door_control_step(struct iso_door_control *control, bool now, int64_t now_ns)
 {
-    struct iso_fault fault = {""};
-    if (now || now_ns >= control->read_ns) {
-        struct iso_door_inputs inputs;
-        const bool fine = read_inputs(control, &inputs, now_ns, &fault);
-        if (fine) {
-            tell_inputs(control, &inputs, now_ns);
-        }
-        const bool switched = switch_outputs(control, &fault);
-        note_lines(control, &fault, !fine || !switched, now_ns);
+    if (have_lines(control, now_ns) && (now || now_ns >= control->read_ns)) {
+        exercise_lines(control, now_ns);
     }
     tell(control, ISO_DOOR_ON_TIME, now_ns);
     apply(control, now_ns);
@@ -171,5 +226,7 @@ void iso_door_control_step(struct iso_door_control *control, bool now, int64_t n
 int64_t iso_door_control_due_ns(const struct iso_door_control *control)
 {
     const int64_t door_ns = iso_door_due_ns(&control->door);
-    return door_ns < control->read_ns ? door_ns : control->read_ns;
+    const bool lost = iso_door_io_is_lost(control->io);
+    const int64_t lines_ns = lost ? control->open_ns : control->read_ns;
+    return door_ns < lines_ns ? door_ns : lines_ns;
 }

@@ -2,7 +2,8 @@
  * machine, switches what it asks for.
  *
  * A line that cannot be read or switched is a fault of the door, which puts the machine in FAULT
- * until all of them work again. */
+ * until all of them work again. Lines that are lost (their chip is gone, or was not there to begin
+ * with) are opened anew, after a wait that doubles with each failure. */
 #ifndef ISO_FIRMWARE_DOOR_CONTROL_H
 #define ISO_FIRMWARE_DOOR_CONTROL_H
 
@@ -13,30 +14,36 @@
 #include "drivers/door/door_io.h"
 #include "firmware/door.h"
 
+struct iso_door_timing {
+    int64_t poll_ns;                /* how often the inputs are read */
+    int64_t retry_ns, retry_max_ns; /* first and longest wait before lost lines are opened anew */
+};
+
 struct iso_door_control {
     struct iso_door door;
+    struct iso_door_timing timing;
     struct iso_door_io *io;
     struct iso_door_inputs inputs;   /* as read last */
     struct iso_door_outputs outputs; /* as switched last */
     bool known;                      /* outputs are certain */
     bool broken;                     /* the lines do not work */
     bool asked_fault;                /* somebody else wants the door at fault */
-    int64_t poll_ns;                 /* how often the inputs are read */
-    int64_t read_ns;                 /* when they are to be read next */
-    bool lost;                       /* the device is gone for good: open it anew */
+    int64_t read_ns;                 /* when the inputs are to be read next */
+    int64_t open_ns;                 /* when lost lines are to be opened anew */
+    int64_t wait_ns;                 /* until then from the next failure on */
     /* Called after each event that changed the state or is about the housing. */
     void (*changed)(void *context, enum iso_door_event cause);
     void *context;
     char fault[256]; /* the last one of the lines; "" if there was none */
 };
 
-/* A stopped door. io, and what `context` points to, must outlive it. */
+/* A stopped door. io (which may be lost), and what `context` points to, must outlive it. */
 void iso_door_control_init(struct iso_door_control *control, const struct iso_door_options *options,
-                           int64_t poll_ns, struct iso_door_io *io,
+                           const struct iso_door_timing *timing, struct iso_door_io *io,
                            void (*changed)(void *context, enum iso_door_event cause),
                            void *context);
 
-/* Reads the inputs and starts the machine. */
+/* Reads the inputs and starts the machine; with lost lines, it starts at fault. */
 void iso_door_control_start(struct iso_door_control *control, int64_t now_ns);
 
 /* Everything without power. */
@@ -49,7 +56,8 @@ void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns);
 /* A fault that is not the door's own begins or ends. */
 void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns);
 
-/* Reads the inputs if it is time to, or if `now` says so, lets time pass, switches outputs. */
+/* Opens lost lines if it is time to; reads the inputs if it is time to, or if `now` says so; lets
+ * time pass; switches outputs. */
 void iso_door_control_step(struct iso_door_control *control, bool now, int64_t now_ns);
 
 /* When to step next. */

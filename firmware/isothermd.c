@@ -8,6 +8,7 @@
 
 #include "firmware/config.h"
 #include "firmware/daemon.h"
+#include "firmware/parts.h"
 
 /* As of every program of the project; see isothermd(8). */
 enum { EXIT_OK = 0, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
@@ -18,6 +19,7 @@ static const char usage[] =
     "  --config FILE    read this configuration (default: " ISOTHERM_CONFIG ")\n"
     "  --bus ADDRESS    serve on this bus: system, session or a D-Bus address\n"
     "  --check-config   say whether the configuration is sound, and end\n"
+    "  --rest-door      take power from all lines of the door, and end: after a crash\n"
     "  --help-config    print a configuration that names and explains every key\n"
     "  --help           show this help\n"
     "  --version        show the version\n\n"
@@ -28,6 +30,7 @@ enum option_id {
     OPTION_CONFIG = 256,
     OPTION_BUS,
     OPTION_CHECK_CONFIG,
+    OPTION_REST_DOOR,
     OPTION_HELP_CONFIG,
     OPTION_HELP,
     OPTION_VERSION,
@@ -37,6 +40,7 @@ static const struct option options[] = {
     {"config", required_argument, NULL, OPTION_CONFIG},
     {"bus", required_argument, NULL, OPTION_BUS},
     {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
+    {"rest-door", no_argument, NULL, OPTION_REST_DOOR},
     {"help-config", no_argument, NULL, OPTION_HELP_CONFIG},
     {"help", no_argument, NULL, OPTION_HELP},
     {"version", no_argument, NULL, OPTION_VERSION},
@@ -46,7 +50,7 @@ static const struct option options[] = {
 struct arguments {
     const char *config;
     const char *bus; /* NULL: the configured one */
-    bool check_config;
+    bool check_config, rest_door;
 };
 
 static int exit_code(int error)
@@ -93,6 +97,9 @@ static int run(const struct arguments *arguments)
     error = error ? error : take_bus(arguments->bus, &config, &fault);
     if (!error && arguments->check_config) {
         printf("%s: sound\n", arguments->config);
+    } else if (!error && arguments->rest_door) {
+        const struct iso_times times = iso_times_system();
+        error = iso_parts_rest_door(&config, &times, &fault);
     } else if (!error) {
         error = iso_daemon_run(&config, &fault);
     }
@@ -113,6 +120,9 @@ int main(int argc, char **argv)
             break;
         case OPTION_CHECK_CONFIG:
             arguments.check_config = true;
+            break;
+        case OPTION_REST_DOOR:
+            arguments.rest_door = true;
             break;
         case OPTION_HELP_CONFIG:
             iso_config_print_sample(stdout);

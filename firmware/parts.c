@@ -26,13 +26,31 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
     return iso_pipeline_open(&options, &parts->pipeline, fault);
 }
 
-static int open_door(struct iso_parts *parts, struct iso_fault *fault)
+/* What may be different later: the chip is plugged in, udev has set the permissions, another
+ * process has let the line go. */
+static bool passes(int error)
+{
+    return error == -ENODEV || error == -EBUSY || error == -EACCES || error == -EIO;
+}
+
+static int new_door(const struct iso_config *config, const struct iso_times *times,
+                    struct iso_door_io **out, struct iso_fault *fault)
 {
     struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
-    const struct iso_door_outputs unpowered = {{false}};
-    const size_t n = iso_config_door_options(&parts->config, options);
-    return iso_door_io_open(parts->config.door.backend, options, n, &parts->times.monotonic,
-                            &unpowered, &parts->door_io, fault);
+    const size_t n = iso_config_door_options(config, options);
+    return iso_door_io_new(config->door.backend, options, n, &times->monotonic, out, fault);
+}
+
+static const struct iso_door_outputs unpowered;
+
+/* Lines that are not there yet are no reason not to start: the door is at fault until they are. */
+static int open_door(struct iso_parts *parts, struct iso_fault *fault)
+{
+    int error = new_door(&parts->config, &parts->times, &parts->door_io, fault);
+    if (!error) {
+        error = iso_door_io_reopen(parts->door_io, &unpowered, fault);
+    }
+    return passes(error) ? 0 : error;
 }
 
 static int open_stores(struct iso_parts *parts, struct iso_fault *fault)
@@ -44,6 +62,18 @@ static int open_stores(struct iso_parts *parts, struct iso_fault *fault)
     return error ? error
                  : iso_audit_open(config->log.path, config->log.sync, &parts->times, &parts->audit,
                                   fault);
+}
+
+int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,
+                        struct iso_fault *fault)
+{
+    struct iso_door_io *io = NULL;
+    int error = new_door(config, times, &io, fault);
+    if (!error) {
+        error = iso_door_io_reopen(io, &unpowered, fault);
+    }
+    iso_door_io_close(io);
+    return error;
 }
 
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
@@ -58,6 +88,9 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
     int error = open_pipeline(parts, fault);
     if (!error) {
         error = open_stores(parts, fault);
+    }
+    if (!error && *config->door.cards) {
+        error = iso_cards_load(config->door.cards, &parts->cards, fault);
     }
     if (!error) {
         error = open_door(parts, fault);
@@ -74,6 +107,7 @@ void iso_parts_close(struct iso_parts *parts)
 {
     if (parts) {
         iso_door_io_close(parts->door_io);
+        iso_cards_free(parts->cards);
         iso_audit_close(parts->audit);
         iso_gallery_close(parts->gallery);
         iso_pipeline_close(&parts->pipeline);
@@ -99,6 +133,7 @@ struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
         .sensor = {open_sensor, parts},
         .pipeline = parts->pipeline,
         .door_io = parts->door_io,
+        .cards = parts->cards,
         .gallery = parts->gallery,
         .audit = parts->audit,
         .events = *events,

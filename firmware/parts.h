@@ -12,14 +12,21 @@ struct iso_parts {
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_door_io *door_io;
+    struct iso_cards *cards; /* NULL: none are sent */
 };
 
 /* Opens them in an order in which the door's lines are touched last. Every error of
- * iso_pipeline_open, iso_gallery_open, iso_audit_open and iso_door_io_open, with nothing left open.
- * What `times` points to must outlive the parts. */
+ * iso_pipeline_open, iso_gallery_open, iso_audit_open, iso_cards_load and iso_door_io_open, with
+ * nothing left open; but with -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost and
+ * may come back. What `times` points to must outlive the parts. */
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Puts the door's lines to where they rest without power and lets them go: for after a process that
+ * may have left them otherwise. The errors of iso_door_io_open. */
+int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* NULL is fine. */
 void iso_parts_close(struct iso_parts *parts);

@@ -5,24 +5,33 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef ISOTHERM_WITH_GPIOD
+#include "drivers/door/door_gpiod.h"
+#endif
 #include "drivers/door/door_null.h"
 
 static const struct iso_door_io_ops *const back_ends[] = {
     &iso_door_null_ops,
+#ifdef ISOTHERM_WITH_GPIOD
+    &iso_door_gpiod_ops,
+#endif
 };
 
 enum { BACK_ENDS = sizeof back_ends / sizeof back_ends[0] };
 
 struct iso_door_io {
     const struct iso_door_io_ops *ops;
-    void *self;
+    void *self; /* also after the device was lost, until it is opened anew; NULL before */
     bool lost;
+    struct iso_clock clock;
+    struct iso_option *options; /* copies */
+    size_t n_options;
 };
 
 const char *iso_door_output_name(enum iso_door_output output)
 {
     static const char *const names[ISO_DOOR_OUTPUTS] = {"relay", "led_granted", "led_refused",
-                                                        "buzzer"};
+                                                        "buzzer", "projector"};
     return (unsigned)output < ISO_DOOR_OUTPUTS ? names[output] : NULL;
 }
 
@@ -48,17 +57,74 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
     return iso_fault_set(fault, -ENOENT, "no door '%s'; there are:%s", name, known);
 }
 
+/* ---- open, open anew, close ---- */
+
+static int copy_options(struct iso_door_io *io, const struct iso_option *options, size_t n_options)
+{
+    io->options = calloc(n_options + 1, sizeof *io->options);
+    for (size_t i = 0; io->options && i < n_options; i++) {
+        char *key = strdup(options[i].key);
+        char *value = strdup(options[i].value);
+        io->options[io->n_options++] = (struct iso_option){key, value};
+        if (!key || !value) {
+            return -ENOMEM;
+        }
+    }
+    return io->options ? 0 : -ENOMEM;
+}
+
+static void free_options(struct iso_door_io *io)
+{
+    for (size_t i = 0; i < io->n_options; i++) {
+        free((char *)io->options[i].key);
+        free((char *)io->options[i].value);
+    }
+    free(io->options);
+}
+
+static int new_io(const struct iso_door_io_ops *ops, const struct iso_option *options,
+                  size_t n_options, const struct iso_clock *clock, struct iso_door_io **out,
+                  struct iso_fault *fault)
+{
+    struct iso_door_io *io = calloc(1, sizeof *io);
+    if (io) {
+        io->ops = ops;
+        io->lost = true;
+        io->clock = *clock;
+    }
+    if (!io || copy_options(io, options, n_options)) {
+        iso_door_io_close(io);
+        return iso_fault_set(fault, -ENOMEM, "door %s: out of memory", ops->name);
+    }
+    *out = io;
+    return 0;
+}
+
+static const struct iso_door_io_ops *find_back_end(const char *name)
+{
+    for (size_t i = 0; i < BACK_ENDS; i++) {
+        if (strcmp(back_ends[i]->name, name) == 0) {
+            return back_ends[i];
+        }
+    }
+    return NULL;
+}
+
+int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
+                    const struct iso_clock *clock, struct iso_door_io **out,
+                    struct iso_fault *fault)
+{
+    const struct iso_door_io_ops *ops = find_back_end(name);
+    return ops ? new_io(ops, options, n_options, clock, out, fault) : unknown_back_end(name, fault);
+}
+
 int iso_door_io_open(const char *name, const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, const struct iso_door_outputs *initial,
                      struct iso_door_io **out, struct iso_fault *fault)
 {
-    for (size_t i = 0; i < BACK_ENDS; i++) {
-        if (strcmp(back_ends[i]->name, name) == 0) {
-            return iso_door_io_open_ops(back_ends[i], options, n_options, clock, initial, out,
-                                        fault);
-        }
-    }
-    return unknown_back_end(name, fault);
+    const struct iso_door_io_ops *ops = find_back_end(name);
+    return ops ? iso_door_io_open_ops(ops, options, n_options, clock, initial, out, fault)
+               : unknown_back_end(name, fault);
 }
 
 int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_option *options,
@@ -70,27 +136,53 @@ int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_opt
         return iso_fault_set(fault, -EINVAL, "door %s: a required operation is missing",
                              ops->name ? ops->name : "without a name");
     }
-    struct iso_door_io *io = calloc(1, sizeof *io);
-    if (!io) {
-        return iso_fault_set(fault, -ENOMEM, "door %s: out of memory", ops->name);
+    struct iso_door_io *io = NULL;
+    int error = new_io(ops, options, n_options, clock, &io, fault);
+    if (!error) {
+        error = iso_door_io_reopen(io, initial, fault);
     }
-    io->ops = ops;
-    int error = ops->open(options, n_options, clock, initial, &io->self, fault);
     if (error) {
-        free(io);
+        iso_door_io_close(io);
         return error;
     }
     *out = io;
     return 0;
 }
 
+static void close_device(struct iso_door_io *io)
+{
+    if (io->self) {
+        io->ops->close(io->self);
+        io->self = NULL;
+    }
+}
+
+int iso_door_io_reopen(struct iso_door_io *io, const struct iso_door_outputs *initial,
+                       struct iso_fault *fault)
+{
+    if (!io->lost) {
+        return iso_fault_set(fault, -EALREADY, "door %s: is open", io->ops->name);
+    }
+    close_device(io);
+    void *self = NULL;
+    const int error = io->ops->open(io->options, io->n_options, &io->clock, initial, &self, fault);
+    if (!error) {
+        io->self = self;
+        io->lost = false;
+    }
+    return error;
+}
+
 void iso_door_io_close(struct iso_door_io *io)
 {
     if (io) {
-        io->ops->close(io->self);
+        close_device(io);
+        free_options(io);
         free(io);
     }
 }
+
+/* ---- operations ---- */
 
 static int gone(const struct iso_door_io *io, struct iso_fault *fault)
 {
@@ -137,12 +229,28 @@ int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
     return settle(io, error, &reason, fault);
 }
 
+int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card *card,
+                          struct iso_fault *fault)
+{
+    struct iso_fault reason = {""};
+    if (io->lost) {
+        return gone(io, fault);
+    }
+    int error = io->ops->send_card ? io->ops->send_card(io->self, card, &reason) : -ENOSYS;
+    return settle(io, error, &reason, fault);
+}
+
 int iso_door_io_poll_fd(struct iso_door_io *io)
 {
     if (io->lost) {
         return -ENODEV;
     }
     return io->ops->poll_fd ? io->ops->poll_fd(io->self) : -ENOSYS;
+}
+
+bool iso_door_io_is_lost(const struct iso_door_io *io)
+{
+    return io->lost;
 }
 
 const char *iso_door_io_name(const struct iso_door_io *io)
@@ -152,5 +260,5 @@ const char *iso_door_io_name(const struct iso_door_io *io)
 
 void *iso_door_io_self(struct iso_door_io *io, const struct iso_door_io_ops *ops)
 {
-    return io->ops == ops ? io->self : NULL;
+    return io->ops == ops && !io->lost ? io->self : NULL;
 }

@@ -5,8 +5,10 @@
  * machine's business, not this class's.
  *
  * One object is used by one thread at a time; operations do not block for more than a few
- * milliseconds. A call that returns -ENODEV (the device is gone) leads to a lost state in which
- * every call but close returns -ENODEV. Every failure is one line in *fault (which may be NULL). */
+ * milliseconds. Every failure is one line in *fault (which may be NULL).
+ *
+ *   open: LOST, OPEN     OPEN -> LOST when an operation returns -ENODEV (the device is gone)
+ *   LOST -> OPEN         by iso_door_io_reopen; every other call is -ENODEV meanwhile */
 #ifndef ISO_DRIVERS_DOOR_DOOR_IO_H
 #define ISO_DRIVERS_DOOR_DOOR_IO_H
 
@@ -16,6 +18,7 @@
 
 #include "core/clock.h"
 #include "core/fault.h"
+#include "drivers/door/wiegand.h"
 #include "drivers/option.h"
 
 enum iso_door_output {
@@ -23,10 +26,11 @@ enum iso_door_output {
     ISO_DOOR_LED_GRANTED,
     ISO_DOOR_LED_REFUSED,
     ISO_DOOR_BUZZER,
+    ISO_DOOR_PROJECTOR, /* of infrared dots, for sensors that see the face in two cameras */
     ISO_DOOR_OUTPUTS
 };
 
-/* "relay", "led_granted", "led_refused", "buzzer"; NULL outside the range. */
+/* "relay", "led_granted", "led_refused", "buzzer", "projector"; NULL outside the range. */
 const char *iso_door_output_name(enum iso_door_output output);
 
 enum iso_door_input {
@@ -54,6 +58,7 @@ struct iso_door_io_ops {
 
     /* REQUIRED. Claims the lines; each output takes its initial level without another one before
      * it, so that a strike that must stay energised does not drop. Unknown options are refused.
+     * *self is the back end's own and not NULL.
      * -EINVAL bad option, -ENODEV no such chip or line, -EBUSY, -EACCES, -ENOMEM, -EIO. */
     int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
                 const struct iso_door_outputs *initial, void **self, struct iso_fault *fault);
@@ -67,6 +72,12 @@ struct iso_door_io_ops {
      * that is not wired (by option) reads inactive. -EIO, -EBADMSG, -ENODEV. */
     int (*get_inputs)(void *self, struct iso_door_inputs *out, struct iso_fault *fault);
 
+    /* OPTIONAL. Begins to send a card number to an access controller and returns at once. -ENOSYS
+     * no controller is wired, -ERANGE the number does not fit the controller's format, -EBUSY the
+     * last number is still under way, -EIO, -ENODEV; a failure under way is told by the next call.
+     */
+    int (*send_card)(void *self, const struct iso_wiegand_card *card, struct iso_fault *fault);
+
     /* OPTIONAL. A descriptor that polls readable when an input may have changed; get_inputs makes
      * it quiet again. Owned by the back end. Negative errno if there is none now; the inputs are
      * then looked at every now and then. */
@@ -79,16 +90,27 @@ struct iso_door_io_ops {
 
 struct iso_door_io;
 
-/* Opens door lines by the name of the back end (`null` is the simulated one). -ENOENT unknown name
- * (the fault lists those there are), else the errors of ops->open. Options, clock and initial
- * levels need not outlive the call; what the clock's context points to must outlive the object. */
+/* Door lines by the name of the back end (`null` is the simulated one), in the lost state: touches
+ * no device, iso_door_io_reopen does. -ENOENT unknown name (the fault lists those there are),
+ * -ENOMEM. Options and clock need not outlive the call; what the clock's context points to must
+ * outlive the object. */
+int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
+                    const struct iso_clock *clock, struct iso_door_io **out,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Opens the lines, or opens them anew with the same options. The errors of ops->open, after which
+ * the object is lost; -EALREADY it is not lost. */
+int iso_door_io_reopen(struct iso_door_io *io, const struct iso_door_outputs *initial,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Both at once: opened lines, or nothing. The errors of both. */
 int iso_door_io_open(const char *name, const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, const struct iso_door_outputs *initial,
                      struct iso_door_io **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The same with a back end that is not in the registry. -EINVAL if a REQUIRED operation is
- * missing. */
+/* The last with a back end that is not in the registry. -EINVAL if a REQUIRED operation is missing.
+ * `ops` must outlive the object. */
 int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_option *options,
                          size_t n_options, const struct iso_clock *clock,
                          const struct iso_door_outputs *initial, struct iso_door_io **out,
@@ -103,14 +125,21 @@ int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, 
 int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* As the operation. */
+int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card *card,
+                          struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* -ENOSYS if the back end has none. */
 int iso_door_io_poll_fd(struct iso_door_io *io) __attribute__((warn_unused_result));
+
+/* In the lost state. */
+bool iso_door_io_is_lost(const struct iso_door_io *io);
 
 /* The back end's name. */
 const char *iso_door_io_name(const struct iso_door_io *io);
 
-/* The back end's own object if `io` is one of these ops, else NULL: for functions that only one
- * back end has. */
+/* The back end's own object if `io` is one of these ops and not lost, else NULL: for functions that
+ * only one back end has. */
 void *iso_door_io_self(struct iso_door_io *io, const struct iso_door_io_ops *ops);
 
 /* The registered back ends: name number i, or NULL from the end on. */

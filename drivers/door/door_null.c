@@ -18,6 +18,8 @@ struct null {
     int event_fd;      /* readable after an injection; -1 with a file */
     struct iso_door_outputs outputs;
     struct iso_door_inputs now, pressed; /* pressed: active at some time since the last look */
+    size_t n_cards;
+    struct iso_wiegand_card card; /* the last */
     size_t n_events;
     struct iso_door_null_event events[ISO_DOOR_NULL_HISTORY]; /* a ring */
 };
@@ -80,6 +82,19 @@ static int null_set_output(void *self, enum iso_door_output output, bool active,
         .active = active,
     };
     null->n_events++;
+    return 0;
+}
+
+static int null_send_card(void *self, const struct iso_wiegand_card *card, struct iso_fault *fault)
+{
+    struct null *null = self;
+    uint64_t code;
+    if (iso_wiegand_encode(34, card, &code)) {
+        return iso_fault_set(fault, -ERANGE, "%s: no card has the number %u:%u", owner,
+                             card->facility, card->number);
+    }
+    null->card = *card;
+    null->n_cards++;
     return 0;
 }
 
@@ -175,6 +190,7 @@ const struct iso_door_io_ops iso_door_null_ops = {
     .open = null_open,
     .set_output = null_set_output,
     .get_inputs = null_get_inputs,
+    .send_card = null_send_card,
     .poll_fd = null_poll_fd,
     .close = null_close,
 };
@@ -200,6 +216,19 @@ int iso_door_null_get_output(struct iso_door_io *io, enum iso_door_output output
         return -EINVAL;
     }
     *active = null->outputs.active[output];
+    return 0;
+}
+
+int iso_door_null_get_card(struct iso_door_io *io, size_t *count, struct iso_wiegand_card *card)
+{
+    const struct null *null = iso_door_io_self(io, &iso_door_null_ops);
+    if (!null) {
+        return -EINVAL;
+    }
+    *count = null->n_cards;
+    if (null->n_cards) {
+        *card = null->card;
+    }
     return 0;
 }
 

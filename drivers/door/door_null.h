@@ -34,6 +34,11 @@ int iso_door_null_set_input(struct iso_door_io *io, enum iso_door_input input, b
 int iso_door_null_get_output(struct iso_door_io *io, enum iso_door_output output, bool *active)
     __attribute__((warn_unused_result));
 
+/* How many card numbers were sent since open, and the last of them; `card` is untouched if there
+ * was none. -EINVAL as above. */
+int iso_door_null_get_card(struct iso_door_io *io, size_t *count, struct iso_wiegand_card *card)
+    __attribute__((warn_unused_result));
+
 /* How many outputs were set since open, and the last ISO_DOOR_NULL_HISTORY of them: event `index`
  * counts from 0 at open. -EINVAL if io is not of this back end, -ENOENT for an index that has not
  * happened or is no longer kept. */

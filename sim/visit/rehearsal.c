@@ -166,13 +166,11 @@ static int open_appliance(struct rehearsal *r)
 }
 
 /* What is due now is done, then time passes until something else is. */
-static int step(struct rehearsal *r)
+static void step(struct rehearsal *r)
 {
-    int64_t wake_ns = ISO_NEVER_NS;
-    const int error = iso_appliance_step(r->appliance, &wake_ns, r->fault);
+    const int64_t wake_ns = iso_appliance_step(r->appliance);
     const int64_t next_ns = r->clock.now_ns + step_ns;
     sim_virtual_clock_advance(&r->clock, wake_ns < next_ns ? wake_ns : next_ns);
-    return error;
 }
 
 /* Nobody is there for longer than the appliance remembers a visitor, and the door locks again. */
@@ -189,7 +187,7 @@ static int clear(struct rehearsal *r)
         if (spent_ns >= limit_ns) {
             return iso_fault_set(r->fault, -ETIMEDOUT, "the door does not lock again");
         }
-        error = step(r);
+        step(r);
     }
     return error;
 }
@@ -203,7 +201,7 @@ static int enrol(struct rehearsal *r, const struct sim_corpus_row *row)
     error = error ? error : iso_appliance_enroll(r->appliance, &request, r->fault);
     error = error ? error : sim_slot_point(r->slot, r->options->corpus, row->recording, r->fault);
     while (!error && !r->enrol_done && r->clock.now_ns < end_ns) {
-        error = step(r);
+        step(r);
     }
     iso_appliance_release(r->appliance);
     error = error ? error : clear(r);
@@ -224,7 +222,7 @@ static int visit(struct rehearsal *r, const struct sim_corpus_row *row, struct s
     int error = sim_slot_point(r->slot, r->options->corpus, row->recording, r->fault);
     while (!error && !r->verdict.given && r->clock.now_ns < end_ns &&
            iso_appliance_status(r->appliance).frames < last_frame) {
-        error = step(r);
+        step(r);
     }
     error = error ? error : clear(r); /* in which a late verdict still counts */
     *out = (struct sim_visit){.row = row, .verdict = r->verdict, .unlocked = r->unlocked};

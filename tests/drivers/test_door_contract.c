@@ -1,28 +1,23 @@
-/* What every back end of the door class owes its user (drivers/door/door_io.h). A new back end
- * adds a line to the table: how to open it, how to see an output from outside, and how to move an
- * input. */
-#include <errno.h>
-#include <poll.h>
+/* The contract suite of the door class on every back end that is compiled in: null, and gpiod over
+ * lines in memory. tests/vm runs it over lines of the kernel. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
-#include "drivers/door/door_io.h"
 #include "drivers/door/door_null.h"
+#include "tests/drivers/door_contract.h"
+#include "tests/support/fake_gpio.h"
 #include "tests/support/manual_clock.h"
 
 static int64_t now_ns;
 
-struct back_end {
-    const char *name;
-    bool (*see_output)(struct iso_door_io *io, enum iso_door_output output);
-    void (*move_input)(struct iso_door_io *io, enum iso_door_input input, bool active);
-};
+static void prepare_null(void)
+{
+}
 
 static bool see_null_output(struct iso_door_io *io, enum iso_door_output output)
 {
@@ -36,159 +31,70 @@ static void move_null_input(struct iso_door_io *io, enum iso_door_input input, b
     assert_int_equal(iso_door_null_set_input(io, input, active), 0);
 }
 
-static const struct back_end back_ends[] = {
-    {"null", see_null_output, move_null_input},
+#ifdef ISOTHERM_WITH_GPIOD
+
+/* By number and by name, active high and active low. */
+static const struct iso_option wiring[] = {
+    {"relay", "fake:0"},      {"led_granted", "fake:1 active-low"},
+    {"led_refused", "LINE2"}, {"buzzer", "LINE3 active-low open-drain"},
+    {"projector", "fake:4"},  {"contact", "fake:5 active-low pull-up"},
+    {"exit_button", "LINE6"}, {"tamper", "fake:7 active-low pull-up"},
+    {"debounce_ms", "0"},
 };
 
-enum { BACK_ENDS = sizeof back_ends / sizeof *back_ends };
-
-/* Initially every other output is active. */
-static const struct iso_door_outputs initial = {{true, false, true, false}};
-
-static void on_every_back_end(void (*test)(const struct back_end *back_end, struct iso_door_io *io))
+static bool is_active_low(unsigned line)
 {
-    for (int i = 0; i < BACK_ENDS; i++) {
-        struct iso_clock clock = manual_clock(&now_ns);
-        struct iso_door_io *io = NULL;
-        assert_int_equal(iso_door_io_open(back_ends[i].name, NULL, 0, &clock, &initial, &io, NULL),
-                         0);
-        test(&back_ends[i], io);
-        iso_door_io_close(io);
-    }
+    return line == 1 || line == 3 || line == 5 || line == 7;
 }
 
-static void see_initial(const struct back_end *back_end, struct iso_door_io *io)
+static void prepare_gpiod(void)
 {
-    for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
-        assert_int_equal(back_end->see_output(io, (enum iso_door_output)i), initial.active[i]);
-    }
+    fake_gpio_reset(&now_ns);
+    fake_gpio_drive(5, true);
+    fake_gpio_drive(7, true);
 }
 
-static void outputs_begin_as_asked(void **state)
+static bool see_gpiod_output(struct iso_door_io *io, enum iso_door_output output)
 {
-    (void)state;
-    on_every_back_end(see_initial);
+    (void)io;
+    assert_true(fake_gpio_is_output(output));
+    return fake_gpio_voltage(output) != is_active_low(output);
 }
 
-static void switch_each(const struct back_end *back_end, struct iso_door_io *io)
+static void move_gpiod_input(struct iso_door_io *io, enum iso_door_input input, bool active)
 {
-    for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
-        enum iso_door_output output = (enum iso_door_output)i;
-        assert_int_equal(iso_door_io_set_output(io, output, !initial.active[i], NULL), 0);
-        for (int j = 0; j < ISO_DOOR_OUTPUTS; j++) {
-            bool expected = j == i ? !initial.active[j] : initial.active[j];
-            assert_int_equal(back_end->see_output(io, (enum iso_door_output)j), expected);
-        }
-        assert_int_equal(iso_door_io_set_output(io, output, initial.active[i], NULL), 0);
-        assert_int_equal(iso_door_io_set_output(io, output, initial.active[i], NULL), 0);
-    }
+    const unsigned line = ISO_DOOR_OUTPUTS + (unsigned)input;
+    (void)io;
+    now_ns += 1000;
+    fake_gpio_drive(line, active != is_active_low(line));
 }
 
-static void each_output_switches_alone(void **state)
-{
-    (void)state;
-    on_every_back_end(switch_each);
-}
+#endif
 
-static void move_each(const struct back_end *back_end, struct iso_door_io *io)
+/* A back end that is registered has to be in the table. */
+static int no_back_end_is_left_out(const struct door_back_end *table, size_t n)
 {
-    struct iso_door_inputs inputs;
-    for (int i = 0; i < ISO_DOOR_INPUTS; i++) {
-        back_end->move_input(io, (enum iso_door_input)i, true);
-        assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
-        for (int j = 0; j < ISO_DOOR_INPUTS; j++) {
-            assert_int_equal(inputs.active[j], j == i);
-        }
-        back_end->move_input(io, (enum iso_door_input)i, false);
-        assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
-        assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
-        assert_false(inputs.active[i]);
-    }
-}
-
-static void each_input_reads_alone(void **state)
-{
-    (void)state;
-    on_every_back_end(move_each);
-}
-
-static void press_briefly(const struct back_end *back_end, struct iso_door_io *io)
-{
-    struct iso_door_inputs inputs;
-    back_end->move_input(io, ISO_DOOR_EXIT_BUTTON, true);
-    back_end->move_input(io, ISO_DOOR_EXIT_BUTTON, false);
-    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
-    assert_true(inputs.active[ISO_DOOR_EXIT_BUTTON]);
-    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
-    assert_false(inputs.active[ISO_DOOR_EXIT_BUTTON]);
-}
-
-static void a_short_press_is_seen_once(void **state)
-{
-    (void)state;
-    on_every_back_end(press_briefly);
-}
-
-static void wait_for_input(const struct back_end *back_end, struct iso_door_io *io)
-{
-    struct iso_door_inputs inputs;
-    int fd = iso_door_io_poll_fd(io);
-    if (fd < 0) {
-        return;
-    }
-    struct pollfd poll_fd = {.fd = fd, .events = POLLIN};
-    assert_int_equal(poll(&poll_fd, 1, 0), 0);
-    back_end->move_input(io, ISO_DOOR_TAMPER, true);
-    assert_int_equal(poll(&poll_fd, 1, 1000), 1);
-    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
-    assert_int_equal(poll(&poll_fd, 1, 0), 0);
-}
-
-static void the_descriptor_follows_the_inputs(void **state)
-{
-    (void)state;
-    on_every_back_end(wait_for_input);
-}
-
-static void refuses_unknown_options(void **state)
-{
-    (void)state;
-    for (int i = 0; i < BACK_ENDS; i++) {
-        struct iso_clock clock = manual_clock(&now_ns);
-        const struct iso_option option = {"no-such-option", "1"};
-        struct iso_door_io *io = NULL;
-        struct iso_fault fault = {""};
-        assert_int_equal(
-            iso_door_io_open(back_ends[i].name, &option, 1, &clock, &initial, &io, &fault),
-            -EINVAL);
-        assert_non_null(strstr(fault.text, back_ends[i].name));
-        assert_non_null(strstr(fault.text, "no-such-option"));
-        assert_null(io);
-    }
-}
-
-static void no_back_end_is_left_out(void **state)
-{
-    (void)state;
+    int missing = 0;
     for (size_t r = 0; iso_door_io_registered(r); r++) {
-        int i = 0;
-        while (i < BACK_ENDS && strcmp(back_ends[i].name, iso_door_io_registered(r)) != 0) {
+        size_t i = 0;
+        while (i < n && strcmp(table[i].name, iso_door_io_registered(r)) != 0) {
             i++;
         }
-        assert_true(i < BACK_ENDS);
+        missing += i == n;
     }
+    return missing;
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(outputs_begin_as_asked),
-        cmocka_unit_test(each_output_switches_alone),
-        cmocka_unit_test(each_input_reads_alone),
-        cmocka_unit_test(a_short_press_is_seen_once),
-        cmocka_unit_test(the_descriptor_follows_the_inputs),
-        cmocka_unit_test(refuses_unknown_options),
-        cmocka_unit_test(no_back_end_is_left_out),
+    const struct door_back_end table[] = {
+        {"null", NULL, 0, manual_clock(&now_ns), false, prepare_null, see_null_output,
+         move_null_input},
+#ifdef ISOTHERM_WITH_GPIOD
+        {"gpiod", wiring, sizeof wiring / sizeof *wiring, manual_clock(&now_ns), true,
+         prepare_gpiod, see_gpiod_output, move_gpiod_input},
+#endif
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const size_t n = sizeof table / sizeof *table;
+    return door_contract_run(table, n) + no_back_end_is_left_out(table, n);
 }

@@ -167,7 +167,7 @@ static void refuses_unknown_lines(void **state)
     (void)state;
     puppet.output = -7;
     assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_OUTPUTS, true, &fault), -EINVAL);
-    assert_string_equal(fault.text, "door puppet: no output 4");
+    assert_string_equal(fault.text, "door puppet: no output 5");
     assert_int_equal(puppet.output, -7);
     iso_door_io_close(io);
 }
@@ -203,8 +203,57 @@ static void a_lost_device_can_only_be_closed(void **state)
     assert_string_equal(fault.text, "door puppet: the device is gone");
     assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), -ENODEV);
     assert_int_equal(iso_door_io_poll_fd(io), -ENODEV);
+    assert_true(iso_door_io_is_lost(io));
     iso_door_io_close(io);
     assert_int_equal(puppet.closes, 1);
+}
+
+static void a_lost_device_can_be_opened_anew(void **state)
+{
+    const struct iso_door_outputs levels = {{[ISO_DOOR_BUZZER] = true}};
+    struct iso_door_io *io = open_puppet();
+    struct iso_fault fault;
+    (void)state;
+    assert_int_equal(iso_door_io_reopen(io, &levels, &fault), -EALREADY);
+    assert_string_equal(fault.text, "door puppet: is open");
+    puppet.error = -ENODEV;
+    assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_RELAY, true, NULL), -ENODEV);
+    puppet.open_error = -EBUSY;
+    assert_int_equal(iso_door_io_reopen(io, &levels, &fault), -EBUSY);
+    assert_string_equal(fault.text, "puppet: will not open");
+    assert_int_equal(puppet.closes, 1);
+    assert_true(iso_door_io_is_lost(io));
+    assert_null(iso_door_io_self(io, &puppet_ops));
+    puppet.open_error = puppet.error = 0;
+    assert_int_equal(iso_door_io_reopen(io, &levels, NULL), 0);
+    assert_true(puppet.initial.active[ISO_DOOR_BUZZER]);
+    assert_int_equal(puppet.closes, 1); /* not twice */
+    assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_RELAY, true, NULL), 0);
+    iso_door_io_close(io);
+    assert_int_equal(puppet.closes, 2);
+}
+
+/* The options of the first time hold for all times, whatever became of the caller's. */
+static void begins_lost_if_asked(void **state)
+{
+    char value[] = "/nonexistent/inputs";
+    const struct iso_option option = {"inputs", value};
+    const struct iso_door_outputs unpowered = {{false}};
+    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_door_inputs inputs;
+    struct iso_door_io *io = NULL;
+    struct iso_fault fault;
+    (void)state;
+    assert_int_equal(iso_door_io_new("gate", NULL, 0, &clock, &io, &fault), -ENOENT);
+    assert_null(io);
+    assert_int_equal(iso_door_io_new("null", &option, 1, &clock, &io, NULL), 0);
+    memset(value, 'x', sizeof value - 1);
+    assert_true(iso_door_io_is_lost(io));
+    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), -ENODEV);
+    assert_int_equal(iso_door_io_reopen(io, &unpowered, NULL), 0);
+    assert_int_equal(iso_door_io_get_inputs(io, &inputs, &fault), -EBADMSG);
+    assert_string_equal(fault.text, "/nonexistent/inputs: No such file or directory");
+    iso_door_io_close(io);
 }
 
 static void keeps_back_ends_apart(void **state)
@@ -234,6 +283,8 @@ int main(void)
         cmocka_unit_test(refuses_unknown_lines),
         cmocka_unit_test(every_fault_has_a_text),
         cmocka_unit_test(a_lost_device_can_only_be_closed),
+        cmocka_unit_test(a_lost_device_can_be_opened_anew),
+        cmocka_unit_test(begins_lost_if_asked),
         cmocka_unit_test(keeps_back_ends_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -281,12 +281,14 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
         templates += script->people[i].templates;
     }
     return sd_bus_reply_method_return(
-        call, "a{sv}", 10, "version", "s", script->version ? script->version : ISOTHERM_VERSION,
+        call, "a{sv}", 12, "version", "s", script->version ? script->version : ISOTHERM_VERSION,
         "sensor-state", "s", script->sensor_state ? script->sensor_state : "started", "door-state",
         "s", script->door_state ? script->door_state : "locked", "model", "s",
         script->model ? script->model : "00c0ffee", "people", "u", (uint32_t)script->n_people,
         "templates", "u", templates + 3, "templates-usable", "u", templates, "threshold", "d", 1.25,
-        "frames", "t", (uint64_t)1 << 40, "log-sequence", "t", (uint64_t)script->n_records);
+        "door", "s", script->door ? script->door : "gpiod", "door-fault", "s",
+        script->door_fault ? script->door_fault : "", "frames", "t", (uint64_t)1 << 40,
+        "log-sequence", "t", (uint64_t)script->n_records);
 }
 
 static int send_view(sd_bus_message *call, const struct fake_view *view)

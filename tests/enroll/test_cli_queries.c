@@ -169,7 +169,7 @@ static void doctor_finds_nothing_wrong(void **state)
     (void)state;
     assert_int_equal(result.exit, 0);
     assert_true(json_is_true(json_object_get(document, "healthy")));
-    assert_int_equal(json_array_size(json_object_get(document, "checks")), 8);
+    assert_int_equal(json_array_size(json_object_get(document, "checks")), 9);
     json_array_foreach(json_object_get(document, "checks"), i, check)
     {
         assert_string_equal(json_string_value(json_object_get(check, "state")), "ok");
@@ -188,6 +188,26 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
         {{.sensor_state = "lost"}, 4, "fault    sensor      lost\n"},
         {{.door_state = "forced"}, 4, "fault    door        forced\n"},
         {{.door_state = "held-open"}, 0, "warning  door        held-open\n"},
+        {{.door = "null"}, 0, "warning  lines       null: nothing is switched\n"},
+        {{.door_fault = "door gpiod: relay: line gpiochip9:3: no such GPIO chip"},
+         4,
+         "fault    lines       door gpiod: relay: line gpiochip9:3: no such GPIO chip\n"
+         "                     -> is the board plugged in"},
+        {{.door_fault = "door gpiod: relay: line 'LOCK': no GPIO chip has such a line"},
+         4,
+         "\n                     -> is its chip plugged in? gpioinfo lists the names"},
+        {{.door_fault = "door gpiod: relay: line gpiochip0:3: in use by 'spi0 CS0'"},
+         4,
+         "\n                     -> end the other program"},
+        {{.door_fault = "door gpiod: relay: line gpiochip0:3: Permission denied"},
+         4,
+         "\n                     -> install the board's udev rule"},
+        {{.door_fault = "door gpiod: contact: No such device"},
+         4,
+         "\n                     -> the GPIO chip is gone"},
+        {{.door_fault = "door gpiod: contact: Input/output error"},
+         4,
+         "\n                     -> check its wiring"},
         {{.model = ""}, 4, "fault    model       not loaded\n"},
         {{.version = "0.0.1"}, 0, "warning  version     0.0.1\n"},
         {{0}, 0, "warning  gallery     0 people, 0 usable templates\n"},

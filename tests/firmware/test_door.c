@@ -10,8 +10,8 @@
 
 #define S ISO_NS_PER_S
 
-static const struct iso_door_options secure = {ISO_DOOR_FAIL_SECURE, 4 * S, 30 * S, 2 * S};
-static const struct iso_door_options safe = {ISO_DOOR_FAIL_SAFE, 4 * S, 30 * S, 2 * S};
+static const struct iso_door_options secure = {ISO_DOOR_FAIL_SECURE, 4 * S, 30 * S, 2 * S, 0};
+static const struct iso_door_options safe = {ISO_DOOR_FAIL_SAFE, 4 * S, 30 * S, 2 * S, 0};
 
 /* A door brought to a state by legal events only, at time 100 s. A fault lasts if `fault`. */
 static struct iso_door door_in(const struct iso_door_options *options, enum iso_door_state state,
@@ -222,6 +222,41 @@ static void switches_by_state(void **state)
     assert_int_equal(door.state, ISO_DOOR_OPENED); /* and that is no break-in */
 }
 
+/* The lock gets its pulse and the door stays unlocked without it; for a magnet the pulse is one
+ * without power. */
+static void pulses_the_relay(void **state)
+{
+    (void)state;
+    for (int fail = 0; fail < 2; fail++) {
+        struct iso_door_options options = fail ? safe : secure;
+        const char *pulse = fail ? "G" : "RG", *over = fail ? "RG" : "G";
+        options.pulse_ns = S / 2;
+        struct iso_door door = door_in(&options, ISO_DOOR_UNLOCKED, false);
+        assert_string_equal(levels(&door), pulse);
+        assert_int_equal(iso_door_due_ns(&door), 100 * S + S / 2);
+        assert_false(iso_door_handle(&door, ISO_DOOR_ON_TIME, 100 * S + S / 2 - 1));
+        assert_string_equal(levels(&door), pulse);
+        assert_false(iso_door_handle(&door, ISO_DOOR_ON_TIME, 100 * S + S / 2));
+        assert_string_equal(levels(&door), over);
+        assert_int_equal(iso_door_due_ns(&door), 104 * S);
+        iso_door_handle(&door, ISO_DOOR_ON_EXIT_BUTTON, 102 * S); /* the next one */
+        assert_string_equal(levels(&door), pulse);
+        iso_door_handle(&door, ISO_DOOR_ON_OPENED, 102 * S + S / 4);
+        assert_int_equal(door.pulse_due_ns, ISO_NEVER_NS);
+        assert_string_equal(levels(&door), over);
+    }
+}
+
+static void lights_the_face_while_it_works(void **state)
+{
+    (void)state;
+    for (int s = 0; s < ISO_DOOR_FAULT; s++) {
+        const struct iso_door door = door_in(&secure, (enum iso_door_state)s, false);
+        assert_int_equal(iso_door_outputs_of(&door).active[ISO_DOOR_PROJECTOR],
+                         s != ISO_DOOR_STOPPED);
+    }
+}
+
 static void sounds_while_the_housing_is_open(void **state)
 {
     (void)state;
@@ -256,6 +291,8 @@ int main(void)
         cmocka_unit_test(sounds_when_held_open),
         cmocka_unit_test(shows_a_refusal_for_a_while),
         cmocka_unit_test(switches_by_state),
+        cmocka_unit_test(pulses_the_relay),
+        cmocka_unit_test(lights_the_face_while_it_works),
         cmocka_unit_test(sounds_while_the_housing_is_open),
         cmocka_unit_test(has_words_for_everything),
     };

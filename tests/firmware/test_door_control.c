@@ -16,10 +16,15 @@ static int64_t now_ns;
 static struct iso_door_io *io;
 static struct iso_door_control control;
 static char told[512]; /* "unlocked(grant) ..." */
-static int failing;    /* what every operation on the lines fails with */
+static struct iso_door_outputs opened_with;
+static bool weak_contact; /* of the weak back end */
+static int failing;       /* what every operation on the lines fails with */
 static const struct iso_door_outputs unpowered;
-static const struct iso_door_options options = {ISO_DOOR_FAIL_SECURE, 4000 * MS, 30000 * MS,
-                                                2000 * MS};
+static const struct iso_door_options options = {.fail = ISO_DOOR_FAIL_SECURE,
+                                                .unlock_ns = 4000 * MS,
+                                                .held_ns = 30000 * MS,
+                                                .refused_ns = 2000 * MS};
+static const struct iso_door_timing timing = {50 * MS, 500 * MS, 1200 * MS};
 
 static void on_changed(void *context, enum iso_door_event cause)
 {
@@ -42,6 +47,10 @@ static const char *news(void)
 static int weak_open(const struct iso_option *o, size_t n, const struct iso_clock *clock,
                      const struct iso_door_outputs *initial, void **self, struct iso_fault *fault)
 {
+    if (failing) {
+        return iso_fault_set(fault, -EBUSY, "the wire is taken");
+    }
+    opened_with = *initial;
     return iso_door_null_ops.open(o, n, clock, initial, self, fault);
 }
 
@@ -54,8 +63,12 @@ static int weak_set_output(void *self, enum iso_door_output output, bool active,
 
 static int weak_get_inputs(void *self, struct iso_door_inputs *out, struct iso_fault *fault)
 {
-    return failing ? iso_fault_set(fault, failing, "the wire is cut")
-                   : iso_door_null_ops.get_inputs(self, out, fault);
+    if (failing) {
+        return iso_fault_set(fault, failing, "the wire is cut");
+    }
+    const int error = iso_door_null_ops.get_inputs(self, out, fault);
+    out->active[ISO_DOOR_CONTACT] |= weak_contact;
+    return error;
 }
 
 static void weak_close(void *self)
@@ -77,8 +90,9 @@ static void prepare(const struct iso_door_io_ops *ops)
     now_ns = 1000 * MS;
     told[0] = '\0';
     failing = 0;
+    weak_contact = false;
     assert_int_equal(iso_door_io_open_ops(ops, NULL, 0, &clock, &unpowered, &io, NULL), 0);
-    iso_door_control_init(&control, &options, 50 * MS, io, on_changed, &control);
+    iso_door_control_init(&control, &options, &timing, io, on_changed, &control);
 }
 
 static int setup(void **state)
@@ -219,7 +233,7 @@ static void broken_lines_are_a_fault(void **state)
     failing = 0;
     step_at(1100);
     assert_string_equal(news(), "locked(recovered) ");
-    assert_false(control.lost);
+    assert_false(iso_door_io_is_lost(io));
 }
 
 static void starts_at_fault_with_broken_lines(void **state)
@@ -257,7 +271,102 @@ static void says_when_the_lines_are_gone(void **state)
     iso_door_control_start(&control, now_ns);
     failing = -ENODEV;
     step_at(1050);
-    assert_true(control.lost);
+    assert_true(iso_door_io_is_lost(io));
+    assert_string_equal(news(), "locked(start) fault(fault) ");
+    assert_string_equal(control.fault, "the wire is cut");
+}
+
+/* The first try after 500 ms, then after 1000 and 1200, which is the longest wait; in between
+ * nothing is touched. The times are those at which somebody steps. */
+static void opens_lost_lines_anew(void **state)
+{
+    (void)state;
+    iso_door_control_start(&control, now_ns);
+    iso_door_control_grant(&control, now_ns);
+    failing = -ENODEV;
+    step_at(1050);
+    (void)news();
+    assert_int_equal(iso_door_control_due_ns(&control), 1550 * MS);
+    step_at(1549);
+    assert_string_equal(control.fault, "the wire is cut");
+    step_at(1550);
+    assert_string_equal(control.fault, "the wire is taken");
+    assert_int_equal(iso_door_control_due_ns(&control), 2550 * MS);
+    step_at(2550);
+    assert_int_equal(iso_door_control_due_ns(&control), 3750 * MS);
+    step_at(3750);
+    assert_int_equal(iso_door_control_due_ns(&control), 4950 * MS);
+    failing = 0;
+    step_at(4949);
+    assert_string_equal(news(), "");
+    step_at(4950);
+    assert_true(opened_with.active[ISO_DOOR_RELAY]); /* who was let in has 50 ms left */
+    assert_string_equal(news(), "");
+    assert_false(control.broken);
+    step_at(5000);
+    assert_string_equal(news(), "locked(time) ");
+    failing = -ENODEV;
+    step_at(5050);
+    assert_int_equal(iso_door_control_due_ns(&control), 5550 * MS); /* begins anew */
+    failing = 0;
+    step_at(5550);
+    assert_false(opened_with.active[ISO_DOOR_RELAY]);
+    assert_string_equal(news(), "fault(fault) locked(recovered) ");
+}
+
+/* What happened to the door meanwhile is found out at once. */
+static void sees_what_it_missed(void **state)
+{
+    (void)state;
+    iso_door_control_start(&control, now_ns);
+    failing = -ENODEV;
+    step_at(1050);
+    step_at(1550);
+    (void)news();
+    failing = 0;
+    weak_contact = true;
+    step_at(2550);
+    assert_string_equal(news(), "forced(opened) ");
+}
+
+static void starts_without_lines(void **state)
+{
+    const struct iso_clock clock = manual_clock(&now_ns);
+    (void)state;
+    iso_door_io_close(io);
+    now_ns = 1000 * MS;
+    told[0] = '\0';
+    assert_int_equal(iso_door_io_new("null", NULL, 0, &clock, &io, NULL), 0);
+    iso_door_control_init(&control, &options, &timing, io, on_changed, &control);
+    iso_door_control_start(&control, now_ns); /* opens them itself */
+    assert_string_equal(news(), "locked(start) ");
+    iso_door_control_stop(&control, now_ns);
+}
+
+static void starts_at_fault_without_lines(void **state)
+{
+    (void)state;
+    failing = -ENODEV;
+    struct iso_door_inputs inputs;
+    assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), -ENODEV); /* now it is lost */
+    iso_door_control_start(&control, now_ns);
+    assert_string_equal(news(), "fault(start) ");
+    assert_string_equal(control.fault, "the wire is taken");
+    failing = 0;
+    step_at(1500);
+    assert_string_equal(news(), "locked(recovered) ");
+    iso_door_control_stop(&control, now_ns);
+}
+
+static void stops_without_lines(void **state)
+{
+    (void)state;
+    iso_door_control_start(&control, now_ns);
+    failing = -ENODEV;
+    step_at(1050);
+    (void)news();
+    iso_door_control_stop(&control, now_ns);
+    assert_string_equal(news(), "stopped(stop) ");
 }
 
 int main(void)
@@ -270,6 +379,9 @@ int main(void)
         TEST(starts_with_the_door_open),    TEST(rests_without_power),
         WEAK(broken_lines_are_a_fault),     WEAK(starts_at_fault_with_broken_lines),
         WEAK(two_faults_must_both_end),     WEAK(says_when_the_lines_are_gone),
+        WEAK(opens_lost_lines_anew),        WEAK(sees_what_it_missed),
+        TEST(starts_without_lines),         WEAK(starts_at_fault_without_lines),
+        WEAK(stops_without_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

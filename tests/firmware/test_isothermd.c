@@ -196,6 +196,70 @@ static void expect_notification(struct run *run, int fd, const char *begin)
     } while (strncmp(text, begin, strlen(begin)) != 0);
 }
 
+/* ---- the door's lines ---- */
+
+#define NO_CHIP "[door]\nbackend = gpiod\nrelay = gpiochip4711:17\n"
+
+static const struct run *rest_door(const char *path)
+{
+    static struct run run;
+    const char *const argv[] = {PROGRAM, "--rest-door", "--config", path, NULL};
+    run_free(&run);
+    run_start(&run, argv);
+    run_finish(&run);
+    return &run;
+}
+
+static void skip_without_gpiod(const struct run *run)
+{
+    if (strstr(run->err, "no door 'gpiod'")) {
+        print_message("built without libgpiod\n");
+        skip();
+    }
+}
+
+/* Touches nothing but the lines. */
+static void puts_the_door_to_rest(void **state)
+{
+    assert_int_equal(rest_door(write_configuration(*state, "system", ""))->exit, 0);
+    assert_false(scratch_exists(scratch_path(*state, "g.db")));
+    assert_false(scratch_exists(scratch_path(*state, "a.log")));
+    const char *path = write_configuration(*state, "system", "[door]\nbackend = gate\n");
+    expect_end(rest_door(path), 3, "no door 'gate'");
+    const struct run *run = rest_door(write_configuration(*state, "system", NO_CHIP));
+    skip_without_gpiod(run);
+    expect_end(run, 4, "door gpiod: relay: line gpiochip4711:17: no such GPIO chip");
+    path = write_configuration(*state, "system", "[door]\nbackend = gpiod\n");
+    expect_end(rest_door(path), 2, "door gpiod: option 'relay' is missing");
+}
+
+/* They may come later: the door is at fault until then. */
+static void starts_without_its_lines(void **state)
+{
+    struct private_bus bus;
+    struct run run;
+    skip_without_gpiod(rest_door(write_configuration(*state, "system", NO_CHIP)));
+    if (!private_bus_start(&bus)) {
+        print_message("no dbus-daemon\n");
+        skip();
+    }
+    const int fd = listen_for_notifications(scratch_path(*state, "notify"));
+    const char *path = write_configuration(*state, bus.address, NO_CHIP);
+    const char *const argv[] = {PROGRAM, "--config", path, NULL};
+    assert_int_equal(setenv("NOTIFY_SOCKET", scratch_path(*state, "notify"), 1), 0);
+    run_start(&run, argv);
+    expect_notification(&run, fd, "READY=1");
+    assert_int_equal(kill(run.pid, SIGTERM), 0);
+    run_finish(&run);
+    assert_int_equal(run.exit, 0);
+    assert_non_null(strstr(run.err, "door fault (start): door gpiod: relay: line gpiochip4711:17: "
+                                    "no such GPIO chip"));
+    run_free(&run);
+    (void)unsetenv("NOTIFY_SOCKET");
+    (void)close(fd);
+    private_bus_stop(&bus);
+}
+
 static void lives_and_dies(void **state)
 {
     struct private_bus bus;
@@ -249,6 +313,8 @@ int main(void)
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(says_what_is_wrong_with_its_data, scratch_setup,
                                         scratch_teardown),
+        cmocka_unit_test_setup_teardown(puts_the_door_to_rest, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(starts_without_its_lines, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(lives_and_dies, scratch_setup, scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

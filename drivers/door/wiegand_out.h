@@ -1,0 +1,58 @@
+/* Sends Wiegand codes over two lines: a pulse on D0 is a zero, one on D1 a one.
+ *
+ * A code takes 50 to 70 ms and its pulses are 50 us long, which the thread of the appliance can
+ * neither wait for nor keep: each sender has a thread of its own, SCHED_FIFO where that is
+ * permitted (RLIMIT_RTPRIO). It is the one place below the simulator that has a thread and looks at
+ * CLOCK_MONOTONIC itself. Readers allow for pulses of 20 to 100 us and intervals of 0.2 to 20 ms.
+ */
+#ifndef ISO_DRIVERS_DOOR_WIEGAND_OUT_H
+#define ISO_DRIVERS_DOOR_WIEGAND_OUT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+
+enum {
+    ISO_WIEGAND_PULSE_NS = 50 * 1000,
+    ISO_WIEGAND_INTERVAL_NS = 2000 * 1000, /* from pulse to pulse */
+    ISO_WIEGAND_PRIORITY = 20,             /* of SCHED_FIFO */
+};
+
+/* Switches line D0 or D1 to pulse or rest; 0 or a negative errno. Called by the sender's thread
+ * only. */
+struct iso_wiegand_lines {
+    int (*set)(void *context, int line, bool pulse);
+    void *context;
+};
+
+/* What was measured of all pulses so far; times from switching on to switching off, and between two
+ * pulses of a code. */
+struct iso_wiegand_report {
+    uint64_t codes, pulses;
+    bool realtime; /* the thread has SCHED_FIFO */
+    int64_t pulse_min_ns, pulse_max_ns;
+    int64_t interval_min_ns, interval_max_ns;
+};
+
+struct iso_wiegand_out;
+
+/* `lines` need not outlive the call, its context has to outlive the sender. -ENOMEM, -EAGAIN no
+ * thread can be had. */
+int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegand_out **out,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Cuts off what is being sent, with both lines at rest. NULL is fine. */
+void iso_wiegand_out_free(struct iso_wiegand_out *out);
+
+/* Begins to send the lowest `bits` bits (1 to 64) and returns at once. -EBUSY the last code is
+ * still under way; or the error of the lines at which the last code was cut off, told once. */
+int iso_wiegand_out_send(struct iso_wiegand_out *out, uint64_t code, int bits)
+    __attribute__((warn_unused_result));
+
+/* Waits until nothing is being sent. Returns as iso_wiegand_out_send, but not -EBUSY. */
+int iso_wiegand_out_flush(struct iso_wiegand_out *out);
+
+void iso_wiegand_out_report(struct iso_wiegand_out *out, struct iso_wiegand_report *report);
+
+#endif

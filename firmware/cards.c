@@ -1,0 +1,119 @@
+#include "firmware/cards.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/text.h"
+#include "firmware/person_name.h"
+
+enum { FILE_MAX_BYTES = 1 << 20, FIELD_MAX = 65535 };
+
+struct iso_cards {
+    char *text; /* the file, cut up */
+    size_t n;
+    struct row {
+        struct iso_wiegand_card card;
+        const char *person; /* in the text */
+    } rows[];
+};
+
+static int parse_count(const char *text, unsigned *out)
+{
+    size_t count;
+    if (iso_text_count(text, &count) || count > FIELD_MAX) {
+        return -EINVAL;
+    }
+    *out = (unsigned)count;
+    return 0;
+}
+
+/* Cuts the line at its first two blanks. NULL, or what is wrong with it. */
+static const char *parse_row(char *line, struct row *row)
+{
+    char *number = strchr(line, ' ');
+    char *person = number ? strchr(number + 1, ' ') : NULL;
+    if (!person) {
+        return "not `FACILITY NUMBER NAME`";
+    }
+    *number++ = '\0';
+    *person++ = '\0';
+    if (parse_count(line, &row->card.facility) || parse_count(number, &row->card.number)) {
+        return "facility and number are 0 to 65535";
+    }
+    row->person = person;
+    return iso_person_name_flaw(person);
+}
+
+static const char *find_double(const struct iso_cards *cards, const struct row *row)
+{
+    for (size_t i = 0; i < cards->n; i++) {
+        const struct row *other = &cards->rows[i];
+        if (strcmp(other->person, row->person) == 0) {
+            return "this person has a card already";
+        }
+        if (other->card.facility == row->card.facility && other->card.number == row->card.number) {
+            return "somebody has this card already";
+        }
+    }
+    return NULL;
+}
+
+static int parse(const char *path, struct iso_cards *cards, struct iso_fault *fault)
+{
+    struct iso_text_lines lines = iso_text_lines_of(cards->text);
+    for (char *line; (line = iso_text_next_line(&lines));) {
+        struct row row;
+        if (*line == '\0' || *line == '#') {
+            continue;
+        }
+        const char *what = parse_row(line, &row);
+        what = what ? what : find_double(cards, &row);
+        if (what) {
+            return iso_fault_set(fault, -EBADMSG, "%s:%u: %s", path, lines.number, what);
+        }
+        cards->rows[cards->n++] = row;
+    }
+    return 0;
+}
+
+int iso_cards_load(const char *path, struct iso_cards **out, struct iso_fault *fault)
+{
+    char *text = NULL;
+    int error = iso_text_read(path, FILE_MAX_BYTES, &text, fault);
+    if (error) {
+        return error;
+    }
+    struct iso_cards *cards = calloc(1, sizeof *cards +
+                                            iso_text_line_count(text) * sizeof *cards->rows);
+    if (!cards) {
+        free(text);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    }
+    cards->text = text;
+    error = parse(path, cards, fault);
+    if (error) {
+        iso_cards_free(cards);
+        return error;
+    }
+    *out = cards;
+    return 0;
+}
+
+void iso_cards_free(struct iso_cards *cards)
+{
+    if (cards) {
+        free(cards->text);
+        free(cards);
+    }
+}
+
+const struct iso_wiegand_card *iso_cards_find(const struct iso_cards *cards, const char *person)
+{
+    for (size_t i = 0; i < cards->n; i++) {
+        if (strcmp(cards->rows[i].person, person) == 0) {
+            return &cards->rows[i].card;
+        }
+    }
+    return NULL;
+}

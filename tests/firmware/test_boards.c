@@ -1,0 +1,159 @@
+/* The boards' configurations: sound, wired as their back end reads it, and as the tables of
+ * board/README.md say. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "drivers/door/gpio_line.h"
+#include "firmware/config.h"
+#include "tests/support/scratch.h"
+
+#define BOARDS ISOTHERM_SOURCE_DIR "/board/"
+
+static const char *const boards[] = {"pc-usb", "raspberry-pi-5", "rock-5b", "qemu"};
+
+enum { N_BOARDS = sizeof boards / sizeof *boards };
+
+static const char *path_of(const char *board, const char *file)
+{
+    static char path[512];
+    (void)snprintf(path, sizeof path, BOARDS "%s/%s", board, file);
+    return path;
+}
+
+static struct iso_config load(const char *board)
+{
+    struct iso_config config;
+    struct iso_fault fault = {""};
+    if (iso_config_load(path_of(board, "isotherm.conf"), &config, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_string_equal(config.door.backend, "gpiod");
+    return config;
+}
+
+static char *read_text(const char *path)
+{
+    size_t size = 0;
+    char *text = scratch_read(path, &size);
+    text[size] = '\0';
+    return text;
+}
+
+static bool is_line(const char *key)
+{
+    return strcmp(key, "debounce_ms") != 0 && strcmp(key, "wiegand_bits") != 0;
+}
+
+/* No two of a board are the same line. */
+static void lines_are_lines(void **state)
+{
+    (void)state;
+    for (int b = 0; b < N_BOARDS; b++) {
+        const struct iso_config config = load(boards[b]);
+        struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+        struct iso_gpio_spec specs[ISO_CONFIG_OPTIONS_MAX];
+        size_t n_specs = 0;
+        const size_t n = iso_config_door_options(&config, options);
+        for (size_t i = 0; i < n; i++) {
+            struct iso_fault fault = {""};
+            if (!is_line(options[i].key)) {
+                continue;
+            }
+            if (iso_gpio_spec_parse(boards[b], options[i].value, &specs[n_specs], &fault)) {
+                fail_msg("%s", fault.text);
+            }
+            for (size_t j = 0; j < n_specs; j++) {
+                assert_false(strcmp(specs[j].name, specs[n_specs].name) == 0 &&
+                             strcmp(specs[j].chip, specs[n_specs].chip) == 0 &&
+                             specs[j].offset == specs[n_specs].offset);
+            }
+            n_specs++;
+        }
+        assert_true(n_specs >= 7); /* relay, two lights, buzzer, contact, button, tamper */
+    }
+}
+
+/* The cell of a row of the table "| line | active means | pc-usb ... | raspberry-pi-5 ... | ... |"
+ * that holds `line` in code marks. */
+static bool row_has_line(const char *readme, const char *key, int column, const char *line)
+{
+    char begin[64], code[ISO_CONFIG_TEXT_SIZE + 2];
+    (void)snprintf(begin, sizeof begin, "\n| %s |", key);
+    (void)snprintf(code, sizeof code, "`%s`", line);
+    const char *cell = strstr(readme, begin);
+    for (int i = 0; cell && i < column + 2; i++) {
+        cell = strchr(cell + 2, '|');
+    }
+    const char *end = cell ? strchr(cell + 1, '|') : NULL;
+    const char *found = cell ? strstr(cell, code) : NULL;
+    return found && end && found < end;
+}
+
+static void the_tables_say_the_same(void **state)
+{
+    char *readme = read_text(BOARDS "README.md");
+    (void)state;
+    for (int b = 0; b < 3; b++) { /* qemu has no pins */
+        const struct iso_config config = load(boards[b]);
+        struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+        const size_t n = iso_config_door_options(&config, options);
+        for (size_t i = 0; i < n; i++) {
+            char line[ISO_CONFIG_TEXT_SIZE];
+            (void)snprintf(line, sizeof line, "%s", options[i].value);
+            line[strcspn(line, " ")] = '\0';
+            if (is_line(options[i].key) && !row_has_line(readme, options[i].key, b, line)) {
+                fail_msg("board/README.md: no %s of %s at %s", line, boards[b], options[i].key);
+            }
+        }
+    }
+    free(readme);
+}
+
+/* The overlay gives every name that the configuration uses. */
+static void the_overlay_names_the_lines(void **state)
+{
+    const struct iso_config config = load("rock-5b");
+    char *overlay = read_text(path_of("rock-5b", "door.dts"));
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    const size_t n = iso_config_door_options(&config, options);
+    (void)state;
+    for (size_t i = 0; i < n; i++) {
+        char name[ISO_CONFIG_TEXT_SIZE + 2];
+        (void)snprintf(name, sizeof name, "\"%s", options[i].value);
+        name[strcspn(name, " ")] = '\0';
+        if (!strstr(overlay, strcat(name, "\""))) {
+            fail_msg("door.dts has no %s", name);
+        }
+    }
+    free(overlay);
+}
+
+static void every_board_is_whole(void **state)
+{
+    (void)state;
+    for (int b = 0; b < N_BOARDS; b++) {
+        char *rules = read_text(path_of(boards[b], "60-isotherm.rules"));
+        char *unit = read_text(path_of(boards[b], "board.conf"));
+        assert_non_null(strstr(rules, "KERNEL==\"gpiochip*\""));
+        assert_non_null(strstr(rules, "GROUP=\"isotherm-io\", MODE=\"0660\""));
+        assert_non_null(strstr(unit, "SupplementaryGroups=isotherm-io\n"));
+        assert_non_null(strstr(unit, "DevicePolicy=closed\n"));
+        assert_non_null(strstr(unit, "DeviceAllow=char-gpiochip rw\n"));
+        free(rules);
+        free(unit);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_are_lines),
+        cmocka_unit_test(the_tables_say_the_same),
+        cmocka_unit_test(the_overlay_names_the_lines),
+        cmocka_unit_test(every_board_is_whole),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

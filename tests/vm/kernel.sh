@@ -1,0 +1,85 @@
+#!/bin/sh
+# Prepares what a virtual machine boots: Debian's own kernel and modules (not installed, so that the machine's boot loader is
+# left alone), gpio-sim built from Debian's kernel source (Debian has it switched off), and an initial RAM disk.
+#
+#   kernel.sh CACHE        makes CACHE/{release,vmlinuz,initrd,root/lib/modules,gpio-sim.ko}; does nothing if they are there
+#
+# Needs apt with Debian 12's package lists, a compiler, make, xz, busybox-static, cpio, kmod: the tag `vm` of cmake/packages.txt.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+mkdir -p "$1"
+cache=$(cd "$1" && pwd)
+complete=$cache/complete-3 # the number rises when this script makes something else
+[ ! -e "$complete" ] || exit 0
+
+# linux-image-amd64 depends on one release, such as linux-image-6.1.0-56-amd64.
+release=$(apt-cache depends linux-image-amd64 | sed -n 's/^ *Depends: linux-image-//p' | head -n 1)
+[ -n "$release" ] || {
+    echo 'kernel.sh: apt knows no linux-image-amd64 (apt-get update?)' >&2
+    exit 1
+}
+version=$(apt-cache policy "linux-image-$release" | sed -n 's/^ *Candidate: //p')
+
+download() {
+    mkdir -p "$cache/deb"
+    # As root, apt would drop its rights and could not write here.
+    (cd "$cache/deb" && apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-image-$release" "linux-headers-$release" \
+        "linux-headers-${release%-amd64}-common=$version" "linux-kbuild-6.1=$version" "linux-source-6.1=$version")
+}
+
+unpack() {
+    rm -rf "$cache/root" "$cache/gpio-sim"
+    mkdir -p "$cache/root" "$cache/gpio-sim/source"
+    for deb in "$cache"/deb/linux-image-*.deb "$cache"/deb/linux-headers-*.deb "$cache"/deb/linux-kbuild-*.deb; do
+        dpkg-deb -x "$deb" "$cache/root"
+    done
+    dpkg-deb --fsys-tarfile "$cache"/deb/linux-source-*.deb | tar -xO ./usr/src/linux-source-6.1.tar.xz |
+        tar -xJ -C "$cache/gpio-sim/source" --strip-components=1 linux-source-6.1/drivers/gpio linux-source-6.1/kernel/irq
+    depmod -b "$cache/root" "$release"
+}
+
+# Two modules of the kernel in one: Debian's kernel lacks the simulated interrupts that gpio-sim stands on. They use one
+# function that modules may not; another way to the same descriptor is open to them.
+build_gpio_sim() {
+    headers=$cache/root/usr/src/linux-headers-$release
+    module=$cache/gpio-sim/module
+    mkdir -p "$module"
+    sed -i "s#include /usr/src/#include $cache/root/usr/src/#" "$headers/Makefile"
+    cp "$cache/gpio-sim/source/drivers/gpio/gpio-sim.c" "$module/gpio_sim_main.c"
+    cp "$cache/gpio-sim/source/drivers/gpio/gpiolib.h" "$module"
+    sed 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/' \
+        "$cache/gpio-sim/source/kernel/irq/irq_sim.c" >"$module/irq_sim.c"
+    printf 'obj-m := gpio-sim.o\ngpio-sim-y := gpio_sim_main.o irq_sim.o\n' >"$module/Makefile"
+    make -C "$headers" "M=$module" modules >"$cache/gpio-sim.log" 2>&1 || {
+        tail -n 20 "$cache/gpio-sim.log" >&2
+        exit 1
+    }
+    cp "$module/gpio-sim.ko" "$cache/gpio-sim.ko"
+}
+
+# Just enough to mount the root: busybox and the modules of virtio, 9p and overlay, in the order in which they are loaded.
+make_initrd() {
+    tree=$cache/initrd.d
+    rm -rf "$tree"
+    mkdir -p "$tree/bin" "$tree/modules" "$tree/proc" "$tree/dev" "$tree/host" "$tree/write" "$tree/new"
+    cp /bin/busybox "$tree/bin/busybox"
+    cp "$here/init.sh" "$tree/init"
+    chmod 755 "$tree/init"
+    for name in virtio_pci 9pnet_virtio 9p overlay; do
+        modprobe -d "$cache/root" -S "$release" --show-depends "$name"
+    done | awk '$1 == "insmod" && !seen[$2]++ { print $2 }' | while read -r path; do
+        cp "$path" "$tree/modules"
+        basename "$path"
+    done >"$tree/modules/order"
+    (cd "$tree" && find . | cpio -o -H newc --quiet | gzip -1) >"$cache/initrd"
+}
+
+download
+unpack
+build_gpio_sim
+make_initrd
+cp "$cache/root/boot/vmlinuz-$release" "$cache/vmlinuz"
+echo "$release" >"$cache/release"
+rm -rf "$cache/deb" "$cache/gpio-sim" "$cache/initrd.d"
+touch "$complete"
+echo "virtual machine: Linux $release ($version), gpio-sim built"
