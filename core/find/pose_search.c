@@ -6,7 +6,7 @@
 
 /* How many poses go from one round to the next: the best of each candidate, so that near copies of
  * one wrong pose do not crowd out the rest; then the best of all. */
-enum { OF_A_CANDIDATE = 2, FINALISTS = 12, REFINED = 6, FITTED = 3 };
+enum { OF_A_CANDIDATE = 2, FINALISTS = 16, REFINED = 8, FITTED = 4 };
 
 /* Of the vertices, in the first round. */
 enum { ROUGH_VERTICES = 110 };
