@@ -1,0 +1,511 @@
+#include "drivers/sensor/openni2_session.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/sensor/openni2_frame.h"
+
+static const char owner[] = "sensor openni2";
+
+/* ---- failures --------------------------------------------------------------- */
+
+/* A status as an errno, with the runtime's own words on one line. */
+static int refuse(OniStatus status, const char *what, struct iso_fault *fault)
+{
+    char words[160];
+    const int error = status == ONI_STATUS_NO_DEVICE ? -ENODEV : -EIO;
+    (void)snprintf(words, sizeof words, "%s", oniGetExtendedError());
+    for (char *c = words; *c; c++) {
+        *c = *c < ' ' ? ' ' : *c;
+    }
+    for (size_t n = strlen(words); n > 0 && words[n - 1] == ' '; n--) {
+        words[n - 1] = '\0';
+    }
+    return iso_fault_set(fault, error, "%s: %s: %s", owner, what,
+                         words[0] ? words : "no reason given");
+}
+
+static int start_runtime(struct iso_fault *fault)
+{
+    const OniStatus status = oniInitialize(ONI_API_VERSION);
+    return status == ONI_STATUS_OK ? 0 : refuse(status, "the runtime does not start", fault);
+}
+
+/* ---- what happens to the device --------------------------------------------- */
+
+static bool is_ours(const struct iso__openni2_session *session, const OniDeviceInfo *info)
+{
+    return strcmp(session->info.uri, info->uri) == 0;
+}
+
+static void on_disconnected(const OniDeviceInfo *info, void *cookie)
+{
+    struct iso__openni2_session *session = cookie;
+    if (is_ours(session, info)) {
+        atomic_store(&session->gone, true);
+    }
+}
+
+static void on_state(const OniDeviceInfo *info, OniDeviceState state, void *cookie)
+{
+    struct iso__openni2_session *session = cookie;
+    if (is_ours(session, info)) {
+        atomic_store(&session->state, (int)state);
+    }
+}
+
+static int watch(struct iso__openni2_session *session, struct iso_fault *fault)
+{
+    OniDeviceCallbacks callbacks = {
+        .deviceDisconnected = on_disconnected,
+        .deviceStateChanged = on_state,
+    };
+    const OniStatus status = oniRegisterDeviceCallbacks(&callbacks, session, &session->watch);
+    return status == ONI_STATUS_OK ? 0 : refuse(status, "cannot be watched", fault);
+}
+
+/* ---- finding it ------------------------------------------------------------- */
+
+static void read_serial(OniDeviceHandle device, char serial[64])
+{
+    char text[ONI_MAX_STR] = "";
+    int size = sizeof text - 1;
+    serial[0] = '\0';
+    if (oniDeviceIsPropertySupported(device, ONI_DEVICE_PROPERTY_SERIAL_NUMBER) &&
+        oniDeviceGetProperty(device, ONI_DEVICE_PROPERTY_SERIAL_NUMBER, text, &size) ==
+            ONI_STATUS_OK) {
+        (void)snprintf(serial, 64, "%s", text);
+    }
+}
+
+static bool has_serial(const OniDeviceInfo *info, const char *wanted)
+{
+    OniDeviceHandle device = NULL;
+    char serial[64];
+    if (oniDeviceOpen(info->uri, &device) != ONI_STATUS_OK) {
+        return false;
+    }
+    read_serial(device, serial);
+    (void)oniDeviceClose(device);
+    return strcmp(serial, wanted) == 0;
+}
+
+static const OniDeviceInfo *choose(const OniDeviceInfo *devices, int n, const char *wanted)
+{
+    for (int i = 0; i < n; i++) {
+        if (!wanted || strcmp(devices[i].uri, wanted) == 0) {
+            return &devices[i];
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        if (has_serial(&devices[i], wanted)) {
+            return &devices[i];
+        }
+    }
+    return NULL;
+}
+
+static int none_such(const OniDeviceInfo *devices, int n, const char *wanted,
+                     struct iso_fault *fault)
+{
+    char seen[160] = "";
+    size_t used = 0;
+    for (int i = 0; i < n && used < sizeof seen; i++) {
+        const int length = snprintf(seen + used, sizeof seen - used, " %s", devices[i].uri);
+        used += length > 0 ? (size_t)length : 0;
+    }
+    return iso_fault_set(fault, -ENODEV, "%s: no device%s%s; OpenNI2 sees:%s", owner,
+                         wanted ? " " : "", wanted ? wanted : "", n > 0 ? seen : " none");
+}
+
+static int find_device(struct iso__openni2_session *session, const char *wanted,
+                       struct iso_fault *fault)
+{
+    OniDeviceInfo *devices = NULL;
+    int n = 0;
+    const OniStatus status = oniGetDeviceList(&devices, &n);
+    if (status != ONI_STATUS_OK) {
+        return refuse(status, "devices cannot be listed", fault);
+    }
+    const OniDeviceInfo *found = choose(devices, n, wanted);
+    if (found) {
+        session->info = *found;
+    }
+    const int error = found ? 0 : none_such(devices, n, wanted, fault);
+    (void)oniReleaseDeviceList(devices);
+    return error;
+}
+
+/* By its full name: the runtime changes the working directory at times. */
+static int find_file(struct iso__openni2_session *session, const char *path,
+                     struct iso_fault *fault)
+{
+    char full[PATH_MAX];
+    if (!realpath(path, full)) {
+        return iso_fault_set(fault, errno == EACCES ? -EACCES : -ENODEV, "%s: %s: %m", owner, path);
+    }
+    if (strlen(full) >= sizeof session->info.uri) {
+        return iso_fault_set(fault, -EINVAL, "%s: %s: name too long for OpenNI2", owner, path);
+    }
+    (void)strcpy(session->info.uri, full);
+    session->file = true;
+    return 0;
+}
+
+/* ---- streams ---------------------------------------------------------------- */
+
+static int get(OniStreamHandle stream, int property, void *value, int size)
+{
+    return oniStreamGetProperty(stream, property, value, &size) == ONI_STATUS_OK ? 0 : -EIO;
+}
+
+/* Turns mirroring off; a file says what its frames are, and is believed rather than told. */
+static void unmirror(const struct iso__openni2_session *session, struct iso__openni2_stream *stream)
+{
+    const OniBool off = FALSE;
+    OniBool mirroring = FALSE;
+    if (!session->file) {
+        (void)oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_MIRRORING, &off, sizeof off);
+    }
+    stream->mirrored = get(stream->handle, ONI_STREAM_PROPERTY_MIRRORING, &mirroring,
+                           sizeof mirroring) == 0 &&
+                       mirroring;
+}
+
+static bool modes_equal(const OniVideoMode *a, const OniVideoMode *b)
+{
+    return a->pixelFormat == b->pixelFormat && a->resolutionX == b->resolutionX &&
+           a->resolutionY == b->resolutionY && a->fps == b->fps;
+}
+
+/* Claims a stream of the device, whole image and unmirrored, in the best of its modes: the one for
+ * which `rank` gives the most, 0 being unfit. */
+static int claim_stream(struct iso__openni2_session *session, OniSensorType type,
+                        int (*rank)(const OniVideoMode *mode, const OniVideoMode *now,
+                                    const void *context),
+                        const void *context, struct iso__openni2_stream *stream,
+                        struct iso_fault *fault)
+{
+    const char *name = type == ONI_SENSOR_DEPTH ? "depth" : "intensity";
+    const OniCropping whole = {.enabled = FALSE};
+    OniVideoMode now = {0}, best = {0};
+    int best_rank = 0;
+    OniStatus status = oniDeviceCreateStream(session->device, type, &stream->handle);
+    if (status != ONI_STATUS_OK) {
+        stream->handle = NULL;
+        return iso_fault_set(fault, -EINVAL, "%s: %s: has no %s stream", owner, session->info.uri,
+                             name);
+    }
+    const OniSensorInfo *sensor = oniStreamGetSensorInfo(stream->handle);
+    if (!sensor || get(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &now, sizeof now)) {
+        return refuse(ONI_STATUS_ERROR, "video modes cannot be read", fault);
+    }
+    for (int i = 0; i < sensor->numSupportedVideoModes; i++) {
+        const int value = rank(&sensor->pSupportedVideoModes[i], &now, context);
+        if (value > best_rank) {
+            best_rank = value;
+            best = sensor->pSupportedVideoModes[i];
+        }
+    }
+    if (best_rank == 0) {
+        return iso_fault_set(fault, -EINVAL,
+                             "%s: %s: no %s mode of %d fits; now it is %dx%d@%d, format %d", owner,
+                             session->info.uri, name, sensor->numSupportedVideoModes,
+                             now.resolutionX, now.resolutionY, now.fps, now.pixelFormat);
+    }
+    if (!modes_equal(&best, &now)) {
+        status = oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &best,
+                                      sizeof best);
+        if (status != ONI_STATUS_OK) {
+            return refuse(status, "video mode is refused", fault);
+        }
+    }
+    stream->mode = best;
+    if (!session->file) {
+        (void)oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_CROPPING, &whole,
+                                   sizeof whole);
+    }
+    unmirror(session, stream);
+    return 0;
+}
+
+/* A mode of the wanted size and rate, or of those that it has now; the finer unit first. */
+static int rank_depth(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
+{
+    const struct iso__openni2_wish *wish = context;
+    const double unit_mm = iso__openni2_unit_mm(mode->pixelFormat);
+    const bool fits = unit_mm > 0.0 &&
+                      (wish->unit_um == 0 || wish->unit_um == (int)(unit_mm * 1000.0 + 0.5)) &&
+                      mode->resolutionX == (wish->width_px ? wish->width_px : now->resolutionX) &&
+                      mode->resolutionY == (wish->height_px ? wish->height_px : now->resolutionY) &&
+                      mode->fps == (wish->fps ? wish->fps : now->fps);
+    return fits ? (unit_mm < 1.0 ? 2 : 1) : 0;
+}
+
+/* A mode of the size of the depths; as many bits and frames as there are. */
+static int rank_grey(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
+{
+    const OniVideoMode *depth = context;
+    (void)now;
+    if (mode->resolutionX != depth->resolutionX || mode->resolutionY != depth->resolutionY) {
+        return 0;
+    }
+    const int same_rate = mode->fps == depth->fps ? 4 : 0;
+    switch (mode->pixelFormat) {
+    case ONI_PIXEL_FORMAT_GRAY16:
+        return same_rate + 3;
+    case ONI_PIXEL_FORMAT_GRAY8:
+        return same_rate + 2;
+    case ONI_PIXEL_FORMAT_RGB888:
+        return same_rate + 1;
+    default:
+        return 0;
+    }
+}
+
+/* Has the device move the depths to where the colour camera sees them. */
+static int register_to_color(const struct iso__openni2_session *session, struct iso_fault *fault)
+{
+    const OniImageRegistrationMode mode = ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
+    if (session->file) {
+        return iso_fault_set(fault, -EINVAL,
+                             "%s: %s: a file does not say whether its colours are registered",
+                             owner, session->info.uri);
+    }
+    if (!oniDeviceIsImageRegistrationModeSupported(session->device, mode) ||
+        oniDeviceSetProperty(session->device, ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION, &mode,
+                             sizeof mode) != ONI_STATUS_OK) {
+        return iso_fault_set(fault, -EINVAL, "%s: %s: cannot register depths to colours", owner,
+                             session->info.uri);
+    }
+    (void)oniDeviceEnableDepthColorSync(session->device); /* without it they are paired by time */
+    return 0;
+}
+
+static int open_grey(struct iso__openni2_session *session, enum iso__openni2_grey grey,
+                     struct iso_fault *fault)
+{
+    int error = grey == ISO__OPENNI2_COLOR ? register_to_color(session, fault) : 0;
+    if (!error) {
+        error = claim_stream(session, grey == ISO__OPENNI2_IR ? ONI_SENSOR_IR : ONI_SENSOR_COLOR,
+                             rank_grey, &session->depth.mode, &session->grey, fault);
+    }
+    if (!error) {
+        int top = 0;
+        const bool wide = session->grey.mode.pixelFormat == ONI_PIXEL_FORMAT_GRAY16;
+        const bool told = wide &&
+                          get(session->grey.handle, ONI_STREAM_PROPERTY_MAX_VALUE, &top,
+                              sizeof top) == 0 &&
+                          top > 0 && top <= UINT16_MAX;
+        session->grey.full_scale = told ? top : wide ? UINT16_MAX : UINT8_MAX;
+    }
+    return error;
+}
+
+/* The camera of the depths; registered ones are seen by the colour camera. */
+static int find_camera(struct iso__openni2_session *session, enum iso__openni2_grey grey,
+                       struct iso_fault *fault)
+{
+    const OniStreamHandle eye = grey == ISO__OPENNI2_COLOR ? session->grey.handle
+                                                           : session->depth.handle;
+    const OniVideoMode *mode = &session->depth.mode;
+    const char *what = NULL;
+    float x_rad = 0, y_rad = 0;
+    if (get(eye, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &x_rad, sizeof x_rad) ||
+        get(eye, ONI_STREAM_PROPERTY_VERTICAL_FOV, &y_rad, sizeof y_rad)) {
+        return iso_fault_set(fault, -EIO, "%s: %s: does not tell its field of view", owner,
+                             session->info.uri);
+    }
+    session->camera = iso__openni2_camera(mode->resolutionX, mode->resolutionY, (double)x_rad,
+                                          (double)y_rad);
+    if (iso_camera_check(&session->camera, &what)) {
+        return iso_fault_set(fault, -EIO, "%s: %s: view of %g x %g rad: %s", owner,
+                             session->info.uri, (double)x_rad, (double)y_rad, what);
+    }
+    return 0;
+}
+
+/* ---- opening and closing ---------------------------------------------------- */
+
+/* Of a file: frames one by one as they are asked for, and the end. */
+static int set_playback(const struct iso__openni2_session *session, bool loop,
+                        struct iso_fault *fault)
+{
+    const float on_demand = -1.0F;
+    const OniBool repeat = loop;
+    OniStatus status = oniDeviceSetProperty(session->device, ONI_DEVICE_PROPERTY_PLAYBACK_SPEED,
+                                            &on_demand, sizeof on_demand);
+    if (status == ONI_STATUS_OK) {
+        status = oniDeviceSetProperty(session->device, ONI_DEVICE_PROPERTY_PLAYBACK_REPEAT_ENABLED,
+                                      &repeat, sizeof repeat);
+    }
+    return status == ONI_STATUS_OK ? 0 : refuse(status, "cannot be played", fault);
+}
+
+static int open_device(struct iso__openni2_session *session, const struct iso__openni2_wish *wish,
+                       struct iso_fault *fault)
+{
+    const OniStatus status = oniDeviceOpen(session->info.uri, &session->device);
+    if (status != ONI_STATUS_OK) {
+        session->device = NULL;
+        return refuse(status, session->info.uri, fault);
+    }
+    (void)oniDeviceGetInfo(session->device, &session->info);
+    read_serial(session->device, session->serial);
+    int error = session->file ? set_playback(session, wish->loop, fault) : 0;
+    if (!error) {
+        error = claim_stream(session, ONI_SENSOR_DEPTH, rank_depth, wish, &session->depth, fault);
+    }
+    if (!error && wish->grey != ISO__OPENNI2_NO_GREY) {
+        error = open_grey(session, wish->grey, fault);
+    }
+    return error ? error : find_camera(session, wish->grey, fault);
+}
+
+int iso__openni2_session_open(struct iso__openni2_session *session,
+                              const struct iso__openni2_wish *wish, struct iso_fault *fault)
+{
+    memset(session, 0, sizeof *session);
+    int error = start_runtime(fault);
+    if (error) {
+        return error;
+    }
+    session->running = true;
+    error = wish->path ? find_file(session, wish->path, fault)
+                       : find_device(session, wish->device, fault);
+    error = error ? error : watch(session, fault);
+    error = error ? error : open_device(session, wish, fault);
+    if (error) {
+        iso__openni2_session_close(session);
+    }
+    return error;
+}
+
+void iso__openni2_session_close(struct iso__openni2_session *session)
+{
+    iso__openni2_session_stop(session);
+    if (session->grey.handle) {
+        oniStreamDestroy(session->grey.handle);
+    }
+    if (session->depth.handle) {
+        oniStreamDestroy(session->depth.handle);
+    }
+    if (session->device) {
+        (void)oniDeviceClose(session->device);
+    }
+    if (session->watch) {
+        oniUnregisterDeviceCallbacks(session->watch);
+    }
+    if (session->running) {
+        oniShutdown();
+    }
+    memset(session, 0, sizeof *session);
+}
+
+/* ---- streaming -------------------------------------------------------------- */
+
+static int start_recorder(struct iso__openni2_session *session, const char *record,
+                          struct iso_fault *fault)
+{
+    OniStatus status = oniCreateRecorder(record, &session->recorder);
+    if (status != ONI_STATUS_OK) {
+        session->recorder = NULL;
+        return refuse(status, record, fault);
+    }
+    status = oniRecorderAttachStream(session->recorder, session->depth.handle, FALSE);
+    if (status == ONI_STATUS_OK && session->grey.handle) {
+        status = oniRecorderAttachStream(session->recorder, session->grey.handle, FALSE);
+    }
+    if (status == ONI_STATUS_OK) {
+        status = oniRecorderStart(session->recorder);
+    }
+    return status == ONI_STATUS_OK ? 0 : refuse(status, record, fault);
+}
+
+int iso__openni2_session_start(struct iso__openni2_session *session, const char *record,
+                               struct iso_fault *fault)
+{
+    atomic_store(&session->state, ONI_DEVICE_STATE_OK);
+    int error = record ? start_recorder(session, record, fault) : 0;
+    if (!error) {
+        OniStatus status = oniStreamStart(session->depth.handle);
+        if (status == ONI_STATUS_OK && session->grey.handle) {
+            status = oniStreamStart(session->grey.handle);
+        }
+        error = status == ONI_STATUS_OK ? 0 : refuse(status, "does not start", fault);
+    }
+    if (atomic_load(&session->gone)) { /* the runtime starts what is not there without a word */
+        error = iso_fault_set(fault, -ENODEV, "%s: %s: the device is gone", owner,
+                              session->info.uri);
+    }
+    if (error) {
+        iso__openni2_session_stop(session);
+    }
+    return error;
+}
+
+void iso__openni2_session_stop(struct iso__openni2_session *session)
+{
+    if (session->recorder) {
+        oniRecorderStop(session->recorder);
+        (void)oniRecorderDestroy(&session->recorder);
+        session->recorder = NULL;
+    }
+    if (session->grey.handle) {
+        oniStreamStop(session->grey.handle);
+    }
+    if (session->depth.handle) {
+        oniStreamStop(session->depth.handle);
+    }
+}
+
+int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_ms,
+                              OniFrame **frame, struct iso_fault *fault)
+{
+    OniStreamHandle streams[] = {session->depth.handle, session->grey.handle};
+    const int n = session->grey.handle ? 2 : 1;
+    int which = 0;
+    if (atomic_load(&session->gone)) {
+        return iso_fault_set(fault, -ENODEV, "%s: %s: the device is gone", owner,
+                             session->info.uri);
+    }
+    const OniStatus status = oniWaitForAnyStream(streams, n, &which, timeout_ms);
+    if (status == ONI_STATUS_TIME_OUT) {
+        return -ETIMEDOUT;
+    }
+    if (status != ONI_STATUS_OK) {
+        return refuse(status, "waiting", fault);
+    }
+    const OniStatus read = oniStreamReadFrame(streams[which], frame);
+    return read == ONI_STATUS_OK ? 0 : refuse(read, "reading a frame", fault);
+}
+
+/* ---- what there is ---------------------------------------------------------- */
+
+int iso__openni2_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
+{
+    OniDeviceInfo *devices = NULL;
+    int n = 0, error = start_runtime(fault);
+    if (error) {
+        return error;
+    }
+    const OniStatus status = oniGetDeviceList(&devices, &n);
+    if (status != ONI_STATUS_OK) {
+        error = refuse(status, "devices cannot be listed", fault);
+    }
+    for (int i = 0; !error && i < n; i++) {
+        struct iso_sensor_device device;
+        (void)snprintf(device.id, sizeof device.id, "%s", devices[i].uri);
+        (void)snprintf(device.label, sizeof device.label, "%.60s %.60s", devices[i].vendor,
+                       devices[i].name);
+        visit(&device, context);
+    }
+    if (devices) {
+        (void)oniReleaseDeviceList(devices);
+    }
+    oniShutdown();
+    return error;
+}
