@@ -5,10 +5,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 
 #include "drivers/sensor/openni2_frame.h"
 
 static const char owner[] = "sensor openni2";
+
+enum {
+    PLAYER_MS = 2000, /* a file that gives no frame for so long is stuck */
+    RECORDER_LOOK_MS = 20,
+    RECORDER_STILL = 3,  /* looks without a change that mean that it waits for frames */
+    RECORDER_LOOKS = 50, /* at most */
+};
 
 /* ---- failures --------------------------------------------------------------- */
 
@@ -175,6 +184,19 @@ static void unmirror(const struct iso__openni2_session *session, struct iso__ope
                        mirroring;
 }
 
+/* How many frames a stream of a file has. Its end is known by that: the runtime tells of it too,
+ * but from another thread and at its own time. */
+static int count_frames(const struct iso__openni2_session *session,
+                        struct iso__openni2_stream *stream, struct iso_fault *fault)
+{
+    if (get(stream->handle, ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES, &stream->n_frames,
+            sizeof stream->n_frames)) {
+        return iso_fault_set(fault, -EIO, "%s: %s: does not tell how many frames it has", owner,
+                             session->info.uri);
+    }
+    return 0;
+}
+
 static bool modes_equal(const OniVideoMode *a, const OniVideoMode *b)
 {
     return a->pixelFormat == b->pixelFormat && a->resolutionX == b->resolutionX &&
@@ -229,7 +251,7 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
                                    sizeof whole);
     }
     unmirror(session, stream);
-    return 0;
+    return session->file ? count_frames(session, stream, fault) : 0;
 }
 
 /* A mode of the wanted size and rate, or of those that it has now; the finer unit first. */
@@ -330,12 +352,11 @@ static int find_camera(struct iso__openni2_session *session, enum iso__openni2_g
 
 /* ---- opening and closing ---------------------------------------------------- */
 
-/* Of a file: frames one by one as they are asked for, and the end. */
-static int set_playback(const struct iso__openni2_session *session, bool loop,
-                        struct iso_fault *fault)
+/* Of a file: frames one by one as they are asked for. */
+static int set_playback(const struct iso__openni2_session *session, struct iso_fault *fault)
 {
     const float on_demand = -1.0F;
-    const OniBool repeat = loop;
+    const OniBool repeat = session->loop;
     OniStatus status = oniDeviceSetProperty(session->device, ONI_DEVICE_PROPERTY_PLAYBACK_SPEED,
                                             &on_demand, sizeof on_demand);
     if (status == ONI_STATUS_OK) {
@@ -355,7 +376,7 @@ static int open_device(struct iso__openni2_session *session, const struct iso__o
     }
     (void)oniDeviceGetInfo(session->device, &session->info);
     read_serial(session->device, session->serial);
-    int error = session->file ? set_playback(session, wish->loop, fault) : 0;
+    int error = session->file ? set_playback(session, fault) : 0;
     if (!error) {
         error = claim_stream(session, ONI_SENSOR_DEPTH, rank_depth, wish, &session->depth, fault);
     }
@@ -374,6 +395,7 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
         return error;
     }
     session->running = true;
+    session->loop = wish->loop;
     error = wish->path ? find_file(session, wish->path, fault)
                        : find_device(session, wish->device, fault);
     error = error ? error : watch(session, fault);
@@ -407,6 +429,23 @@ void iso__openni2_session_close(struct iso__openni2_session *session)
 
 /* ---- streaming -------------------------------------------------------------- */
 
+/* The recorder starts in a thread of its own and throws away what comes before, without a word. It
+ * writes the streams' properties first: when its file has stopped growing, it has started. */
+static void wait_for_recorder(const char *record)
+{
+    const struct timespec look = {0, RECORDER_LOOK_MS * 1000000};
+    off_t size = 0;
+    for (int looks = 0, still = 0; looks < RECORDER_LOOKS && still < RECORDER_STILL; looks++) {
+        struct stat status = {.st_size = 0};
+        (void)nanosleep(&look, NULL);
+        (void)stat(record, &status);
+        still = status.st_size > 0 && status.st_size == size ? still + 1 : 0;
+        size = status.st_size;
+    }
+}
+
+/* Begins when the streams run: a recorder counts the time of each from its own first frame, so that
+ * those of depth and intensity have to be of one exposure. */
 static int start_recorder(struct iso__openni2_session *session, const char *record,
                           struct iso_fault *fault)
 {
@@ -422,20 +461,24 @@ static int start_recorder(struct iso__openni2_session *session, const char *reco
     if (status == ONI_STATUS_OK) {
         status = oniRecorderStart(session->recorder);
     }
-    return status == ONI_STATUS_OK ? 0 : refuse(status, record, fault);
+    if (status != ONI_STATUS_OK) {
+        return refuse(status, record, fault);
+    }
+    wait_for_recorder(record);
+    return 0;
 }
 
 int iso__openni2_session_start(struct iso__openni2_session *session, const char *record,
                                struct iso_fault *fault)
 {
     atomic_store(&session->state, ONI_DEVICE_STATE_OK);
-    int error = record ? start_recorder(session, record, fault) : 0;
-    if (!error) {
-        OniStatus status = oniStreamStart(session->depth.handle);
-        if (status == ONI_STATUS_OK && session->grey.handle) {
-            status = oniStreamStart(session->grey.handle);
-        }
-        error = status == ONI_STATUS_OK ? 0 : refuse(status, "does not start", fault);
+    OniStatus status = oniStreamStart(session->depth.handle);
+    if (status == ONI_STATUS_OK && session->grey.handle) {
+        status = oniStreamStart(session->grey.handle);
+    }
+    int error = status == ONI_STATUS_OK ? 0 : refuse(status, "does not start", fault);
+    if (!error && record) {
+        error = start_recorder(session, record, fault);
     }
     if (atomic_load(&session->gone)) { /* the runtime starts what is not there without a word */
         error = iso_fault_set(fault, -ENODEV, "%s: %s: the device is gone", owner,
@@ -462,25 +505,53 @@ void iso__openni2_session_stop(struct iso__openni2_session *session)
     }
 }
 
+bool iso__openni2_session_ended(const struct iso__openni2_session *session)
+{
+    return session->file && !session->loop && session->depth.taken >= session->depth.n_frames &&
+           (!session->grey.handle || session->grey.taken >= session->grey.n_frames);
+}
+
+/* Each look of the runtime's for a frame has the player read one, and one that is not fetched is
+ * overwritten by the next: it must look once. A frame that came while nobody waited has left the
+ * thread's event set, which would let it look twice. Waiting for no stream clears that. */
+static void forget_old_news(void)
+{
+    OniStreamHandle none[] = {NULL};
+    int which = 0;
+    (void)oniWaitForAnyStream(none, 1, &which, ONI_TIMEOUT_NONE);
+}
+
 int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_ms,
                               OniFrame **frame, struct iso_fault *fault)
 {
-    OniStreamHandle streams[] = {session->depth.handle, session->grey.handle};
-    const int n = session->grey.handle ? 2 : 1;
+    struct iso__openni2_stream *streams[] = {&session->depth, &session->grey};
+    OniStreamHandle handles[] = {session->depth.handle, session->grey.handle};
     int which = 0;
     if (atomic_load(&session->gone)) {
         return iso_fault_set(fault, -ENODEV, "%s: %s: the device is gone", owner,
                              session->info.uri);
     }
-    const OniStatus status = oniWaitForAnyStream(streams, n, &which, timeout_ms);
-    if (status == ONI_STATUS_TIME_OUT) {
+    if (iso__openni2_session_ended(session)) {
         return -ETIMEDOUT;
     }
-    if (status != ONI_STATUS_OK) {
-        return refuse(status, "waiting", fault);
+    if (session->file) {
+        forget_old_news();
     }
-    const OniStatus read = oniStreamReadFrame(streams[which], frame);
-    return read == ONI_STATUS_OK ? 0 : refuse(read, "reading a frame", fault);
+    OniStatus status = oniWaitForAnyStream(handles, session->grey.handle ? 2 : 1, &which,
+                                           session->file ? PLAYER_MS : timeout_ms);
+    if (status == ONI_STATUS_TIME_OUT) {
+        return session->file ? iso_fault_set(fault, -EIO, "%s: %s: neither a frame nor the end",
+                                             owner, session->info.uri)
+                             : -ETIMEDOUT;
+    }
+    if (status == ONI_STATUS_OK) {
+        status = oniStreamReadFrame(handles[which], frame);
+    }
+    if (status != ONI_STATUS_OK) {
+        return refuse(status, "reading a frame", fault);
+    }
+    streams[which]->taken++;
+    return 0;
 }
 
 /* ---- what there is ---------------------------------------------------------- */

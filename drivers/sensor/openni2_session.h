@@ -28,11 +28,13 @@ struct iso__openni2_stream {
     OniVideoMode mode;
     bool mirrored;     /* the frames are: it could not be turned off */
     double full_scale; /* grey only */
+    int n_frames;      /* of a file: that it has */
+    int taken;         /* of a file: that have been taken */
 };
 
 struct iso__openni2_session {
     bool running; /* the runtime */
-    bool file;
+    bool file, loop;
     OniCallbackHandle watch;
     OniDeviceHandle device;
     OniDeviceInfo info;
@@ -61,11 +63,15 @@ int iso__openni2_session_start(struct iso__openni2_session *session, const char 
                                struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso__openni2_session_stop(struct iso__openni2_session *session);
 
-/* Waits for a frame of either stream; the caller releases it (oniFrameRelease). -ETIMEDOUT, -ENODEV
- * the device is gone, -EIO. */
+/* Waits for a frame of either stream; the caller releases it (oniFrameRelease). Of a file, it takes
+ * as long as it takes to read it, whatever the timeout. -ETIMEDOUT also at the end of a file,
+ * -ENODEV the device is gone, -EIO. */
 int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_ms,
                               OniFrame **frame, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Whether a file that is not to be looped has no more frames. */
+bool iso__openni2_session_ended(const struct iso__openni2_session *session);
 
 /* Tells of the devices that the runtime sees. -EIO. */
 int iso__openni2_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)

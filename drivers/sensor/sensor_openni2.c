@@ -14,7 +14,6 @@ static const char owner[] = "sensor openni2";
 
 enum {
     SLICE_MS = 20,     /* longest sleep between two looks at whether the device is there */
-    PLAYER_MS = 2000,  /* a file that gives neither frame nor end for so long is stuck */
     AFTER_END_MS = 50, /* when to look at a file again that has ended */
     NS_PER_MS = 1000000,
     LOOP_GAP_NS = 33333333, /* from the last frame of a file to its first */
@@ -316,30 +315,14 @@ static int fetch_live(struct openni2 *sensor, int64_t deadline_ns, struct iso_fa
     return 0;
 }
 
-static bool has_ended(struct openni2 *sensor)
-{
-    return !sensor->wish.loop && atomic_load(&sensor->session.state) == ONI_DEVICE_STATE_EOF;
-}
-
 /* Of a file: fetches the next frame, which takes the player no more than it takes to read it. */
 static int fetch_file(struct openni2 *sensor, struct iso_fault *fault)
 {
-    for (int waited_ms = 0; !is_complete(sensor);) {
-        const bool ended = has_ended(sensor);
-        const int error = take_one(sensor, ended ? 0 : SLICE_MS, fault);
-        if (error && error != -ETIMEDOUT) {
-            return error;
-        }
-        if (error && ended) {
-            return -ETIMEDOUT;
-        }
-        waited_ms = error ? waited_ms + SLICE_MS : 0;
-        if (waited_ms > PLAYER_MS) {
-            return iso_fault_set(fault, -EIO, "%s: %s: neither a frame nor the end", owner,
-                                 sensor->session.info.uri);
-        }
+    int error = 0;
+    while (!error && !is_complete(sensor)) {
+        error = take_one(sensor, 0, fault);
     }
-    return 0;
+    return error;
 }
 
 /* ---- handing up ------------------------------------------------------------- */
@@ -429,7 +412,8 @@ static int openni2_next_due_ns(void *self, int64_t *out)
     if (sensor->depth && sensor->last_ns > now_ns) {
         *out = sensor->last_ns;
     } else {
-        *out = has_ended(sensor) ? now_ns + (int64_t)AFTER_END_MS * NS_PER_MS : now_ns;
+        const bool ended = iso__openni2_session_ended(&sensor->session);
+        *out = ended ? now_ns + (int64_t)AFTER_END_MS * NS_PER_MS : now_ns;
     }
     return 0;
 }
@@ -473,7 +457,8 @@ static int openni2_describe(void *self, struct iso_sensor_description *out)
 static void openni2_health(void *self, struct iso_sensor_device_health *out)
 {
     struct openni2 *sensor = self;
-    static const char *const words[] = {"", "error", "not ready", "at its end"};
+    static const char *const words[] = {"", "error", "not ready",
+                                        "" /* a file's end is no fault */};
     const int state = atomic_load(&sensor->session.state);
     const bool known = state >= 0 && state < (int)(sizeof words / sizeof *words);
     const char *word = atomic_load(&sensor->session.gone) ? "unplugged" : "unknown state";

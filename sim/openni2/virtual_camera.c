@@ -37,9 +37,11 @@ struct sim_virtual_camera {
     pthread_t thread;
     bool running;
     atomic_bool streaming;
+    atomic_uint takes; /* counts the starts: one right after a stop is one too */
 
     /* Of the thread alone. */
     bool plugged, was_streaming;
+    unsigned take;
     int index;
     int64_t due_ns;
 };
@@ -151,6 +153,9 @@ const struct iso_recording_meta *sim_virtual_camera_meta(const struct sim_virtua
 
 void sim_virtual_camera_stream(struct sim_virtual_camera *camera, bool on)
 {
+    if (on && !atomic_load(&camera->streaming)) {
+        (void)atomic_fetch_add(&camera->takes, 1);
+    }
     atomic_store(&camera->streaming, on);
 }
 
@@ -169,16 +174,19 @@ static void look_at_cable(struct sim_virtual_camera *camera)
 static void look_at_stream(struct sim_virtual_camera *camera)
 {
     const bool streaming = atomic_load(&camera->streaming) && camera->plugged;
+    const unsigned take = atomic_load(&camera->takes);
     struct iso_fault fault = {""};
-    if (streaming == camera->was_streaming) {
+    if (streaming == camera->was_streaming && take == camera->take) {
         return;
     }
-    camera->was_streaming = streaming;
-    if (!streaming) {
+    if (camera->was_streaming) {
         (void)iso_sensor_stop(camera->scene, NULL);
-    } else if (iso_sensor_start(camera->scene, &fault)) {
+    }
+    if (streaming && iso_sensor_start(camera->scene, &fault)) {
         camera->events.fault(camera->events.context, fault.text);
     }
+    camera->was_streaming = streaming;
+    camera->take = take;
     camera->due_ns = monotonic_ns(NULL);
 }
 
