@@ -1,47 +1,22 @@
 #include "drivers/sensor/openni2_session.h"
 
 #include <errno.h>
-#include <limits.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 
 #include "drivers/sensor/openni2_frame.h"
+#include "drivers/sensor/openni2_runtime.h"
 
 static const char owner[] = "sensor openni2";
 
 enum {
     PLAYER_MS = 2000, /* a file that gives no frame for so long is stuck */
+    PLAYER_NAP_MS = 3,
     RECORDER_LOOK_MS = 20,
     RECORDER_STILL = 3,  /* looks without a change that mean that it waits for frames */
     RECORDER_LOOKS = 50, /* at most */
 };
-
-/* ---- failures --------------------------------------------------------------- */
-
-/* A status as an errno, with the runtime's own words on one line. */
-static int refuse(OniStatus status, const char *what, struct iso_fault *fault)
-{
-    char words[160];
-    const int error = status == ONI_STATUS_NO_DEVICE ? -ENODEV : -EIO;
-    (void)snprintf(words, sizeof words, "%s", oniGetExtendedError());
-    for (char *c = words; *c; c++) {
-        *c = *c < ' ' ? ' ' : *c;
-    }
-    for (size_t n = strlen(words); n > 0 && words[n - 1] == ' '; n--) {
-        words[n - 1] = '\0';
-    }
-    return iso_fault_set(fault, error, "%s: %s: %s", owner, what,
-                         words[0] ? words : "no reason given");
-}
-
-static int start_runtime(struct iso_fault *fault)
-{
-    const OniStatus status = oniInitialize(ONI_API_VERSION);
-    return status == ONI_STATUS_OK ? 0 : refuse(status, "the runtime does not start", fault);
-}
 
 /* ---- what happens to the device --------------------------------------------- */
 
@@ -73,95 +48,7 @@ static int watch(struct iso__openni2_session *session, struct iso_fault *fault)
         .deviceStateChanged = on_state,
     };
     const OniStatus status = oniRegisterDeviceCallbacks(&callbacks, session, &session->watch);
-    return status == ONI_STATUS_OK ? 0 : refuse(status, "cannot be watched", fault);
-}
-
-/* ---- finding it ------------------------------------------------------------- */
-
-static void read_serial(OniDeviceHandle device, char serial[64])
-{
-    char text[ONI_MAX_STR] = "";
-    int size = sizeof text - 1;
-    serial[0] = '\0';
-    if (oniDeviceIsPropertySupported(device, ONI_DEVICE_PROPERTY_SERIAL_NUMBER) &&
-        oniDeviceGetProperty(device, ONI_DEVICE_PROPERTY_SERIAL_NUMBER, text, &size) ==
-            ONI_STATUS_OK) {
-        (void)snprintf(serial, 64, "%s", text);
-    }
-}
-
-static bool has_serial(const OniDeviceInfo *info, const char *wanted)
-{
-    OniDeviceHandle device = NULL;
-    char serial[64];
-    if (oniDeviceOpen(info->uri, &device) != ONI_STATUS_OK) {
-        return false;
-    }
-    read_serial(device, serial);
-    (void)oniDeviceClose(device);
-    return strcmp(serial, wanted) == 0;
-}
-
-static const OniDeviceInfo *choose(const OniDeviceInfo *devices, int n, const char *wanted)
-{
-    for (int i = 0; i < n; i++) {
-        if (!wanted || strcmp(devices[i].uri, wanted) == 0) {
-            return &devices[i];
-        }
-    }
-    for (int i = 0; i < n; i++) {
-        if (has_serial(&devices[i], wanted)) {
-            return &devices[i];
-        }
-    }
-    return NULL;
-}
-
-static int none_such(const OniDeviceInfo *devices, int n, const char *wanted,
-                     struct iso_fault *fault)
-{
-    char seen[160] = "";
-    size_t used = 0;
-    for (int i = 0; i < n && used < sizeof seen; i++) {
-        const int length = snprintf(seen + used, sizeof seen - used, " %s", devices[i].uri);
-        used += length > 0 ? (size_t)length : 0;
-    }
-    return iso_fault_set(fault, -ENODEV, "%s: no device%s%s; OpenNI2 sees:%s", owner,
-                         wanted ? " " : "", wanted ? wanted : "", n > 0 ? seen : " none");
-}
-
-static int find_device(struct iso__openni2_session *session, const char *wanted,
-                       struct iso_fault *fault)
-{
-    OniDeviceInfo *devices = NULL;
-    int n = 0;
-    const OniStatus status = oniGetDeviceList(&devices, &n);
-    if (status != ONI_STATUS_OK) {
-        return refuse(status, "devices cannot be listed", fault);
-    }
-    const OniDeviceInfo *found = choose(devices, n, wanted);
-    if (found) {
-        session->info = *found;
-    }
-    const int error = found ? 0 : none_such(devices, n, wanted, fault);
-    (void)oniReleaseDeviceList(devices);
-    return error;
-}
-
-/* By its full name: the runtime changes the working directory at times. */
-static int find_file(struct iso__openni2_session *session, const char *path,
-                     struct iso_fault *fault)
-{
-    char full[PATH_MAX];
-    if (!realpath(path, full)) {
-        return iso_fault_set(fault, errno == EACCES ? -EACCES : -ENODEV, "%s: %s: %m", owner, path);
-    }
-    if (strlen(full) >= sizeof session->info.uri) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s: name too long for OpenNI2", owner, path);
-    }
-    (void)strcpy(session->info.uri, full);
-    session->file = true;
-    return 0;
+    return status == ONI_STATUS_OK ? 0 : iso__openni2_refuse(status, "cannot be watched", fault);
 }
 
 /* ---- streams ---------------------------------------------------------------- */
@@ -223,7 +110,7 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
     }
     const OniSensorInfo *sensor = oniStreamGetSensorInfo(stream->handle);
     if (!sensor || get(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &now, sizeof now)) {
-        return refuse(ONI_STATUS_ERROR, "video modes cannot be read", fault);
+        return iso__openni2_refuse(ONI_STATUS_ERROR, "video modes cannot be read", fault);
     }
     for (int i = 0; i < sensor->numSupportedVideoModes; i++) {
         const int value = rank(&sensor->pSupportedVideoModes[i], &now, context);
@@ -242,7 +129,7 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
         status = oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &best,
                                       sizeof best);
         if (status != ONI_STATUS_OK) {
-            return refuse(status, "video mode is refused", fault);
+            return iso__openni2_refuse(status, "video mode is refused", fault);
         }
     }
     stream->mode = best;
@@ -363,7 +250,7 @@ static int set_playback(const struct iso__openni2_session *session, struct iso_f
         status = oniDeviceSetProperty(session->device, ONI_DEVICE_PROPERTY_PLAYBACK_REPEAT_ENABLED,
                                       &repeat, sizeof repeat);
     }
-    return status == ONI_STATUS_OK ? 0 : refuse(status, "cannot be played", fault);
+    return status == ONI_STATUS_OK ? 0 : iso__openni2_refuse(status, "cannot be played", fault);
 }
 
 static int open_device(struct iso__openni2_session *session, const struct iso__openni2_wish *wish,
@@ -372,10 +259,10 @@ static int open_device(struct iso__openni2_session *session, const struct iso__o
     const OniStatus status = oniDeviceOpen(session->info.uri, &session->device);
     if (status != ONI_STATUS_OK) {
         session->device = NULL;
-        return refuse(status, session->info.uri, fault);
+        return iso__openni2_refuse(status, session->info.uri, fault);
     }
     (void)oniDeviceGetInfo(session->device, &session->info);
-    read_serial(session->device, session->serial);
+    iso__openni2_read_serial(session->device, session->serial);
     int error = session->file ? set_playback(session, fault) : 0;
     if (!error) {
         error = claim_stream(session, ONI_SENSOR_DEPTH, rank_depth, wish, &session->depth, fault);
@@ -390,14 +277,15 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
                               const struct iso__openni2_wish *wish, struct iso_fault *fault)
 {
     memset(session, 0, sizeof *session);
-    int error = start_runtime(fault);
+    int error = iso__openni2_start_runtime(fault);
     if (error) {
         return error;
     }
     session->running = true;
     session->loop = wish->loop;
-    error = wish->path ? find_file(session, wish->path, fault)
-                       : find_device(session, wish->device, fault);
+    session->file = wish->path != NULL;
+    error = session->file ? iso__openni2_find_file(wish->path, &session->info, fault)
+                          : iso__openni2_find_device(wish->device, &session->info, fault);
     error = error ? error : watch(session, fault);
     error = error ? error : open_device(session, wish, fault);
     if (error) {
@@ -406,9 +294,21 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
     return error;
 }
 
+/* The player's thread goes through the list of its streams without a lock: over and over at the end
+ * of a file, and once in 10 ms while they are stopped. Destroying them then is seen to crash. A
+ * short while after the stop, it sleeps. */
+static void let_player_sleep(void)
+{
+    const struct timespec while_ns = {0, PLAYER_NAP_MS * 1000000};
+    (void)nanosleep(&while_ns, NULL);
+}
+
 void iso__openni2_session_close(struct iso__openni2_session *session)
 {
     iso__openni2_session_stop(session);
+    if (session->file && session->depth.handle) {
+        let_player_sleep();
+    }
     if (session->grey.handle) {
         oniStreamDestroy(session->grey.handle);
     }
@@ -452,7 +352,7 @@ static int start_recorder(struct iso__openni2_session *session, const char *reco
     OniStatus status = oniCreateRecorder(record, &session->recorder);
     if (status != ONI_STATUS_OK) {
         session->recorder = NULL;
-        return refuse(status, record, fault);
+        return iso__openni2_refuse(status, record, fault);
     }
     status = oniRecorderAttachStream(session->recorder, session->depth.handle, FALSE);
     if (status == ONI_STATUS_OK && session->grey.handle) {
@@ -462,7 +362,7 @@ static int start_recorder(struct iso__openni2_session *session, const char *reco
         status = oniRecorderStart(session->recorder);
     }
     if (status != ONI_STATUS_OK) {
-        return refuse(status, record, fault);
+        return iso__openni2_refuse(status, record, fault);
     }
     wait_for_recorder(record);
     return 0;
@@ -476,7 +376,7 @@ int iso__openni2_session_start(struct iso__openni2_session *session, const char 
     if (status == ONI_STATUS_OK && session->grey.handle) {
         status = oniStreamStart(session->grey.handle);
     }
-    int error = status == ONI_STATUS_OK ? 0 : refuse(status, "does not start", fault);
+    int error = status == ONI_STATUS_OK ? 0 : iso__openni2_refuse(status, "does not start", fault);
     if (!error && record) {
         error = start_recorder(session, record, fault);
     }
@@ -490,6 +390,16 @@ int iso__openni2_session_start(struct iso__openni2_session *session, const char 
     return error;
 }
 
+static void stop_streams(struct iso__openni2_session *session)
+{
+    if (session->grey.handle) {
+        oniStreamStop(session->grey.handle);
+    }
+    if (session->depth.handle) {
+        oniStreamStop(session->depth.handle);
+    }
+}
+
 void iso__openni2_session_stop(struct iso__openni2_session *session)
 {
     if (session->recorder) {
@@ -497,12 +407,7 @@ void iso__openni2_session_stop(struct iso__openni2_session *session)
         (void)oniRecorderDestroy(&session->recorder);
         session->recorder = NULL;
     }
-    if (session->grey.handle) {
-        oniStreamStop(session->grey.handle);
-    }
-    if (session->depth.handle) {
-        oniStreamStop(session->depth.handle);
-    }
+    stop_streams(session);
 }
 
 bool iso__openni2_session_ended(const struct iso__openni2_session *session)
@@ -548,35 +453,11 @@ int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_
         status = oniStreamReadFrame(handles[which], frame);
     }
     if (status != ONI_STATUS_OK) {
-        return refuse(status, "reading a frame", fault);
+        return iso__openni2_refuse(status, "reading a frame", fault);
     }
     streams[which]->taken++;
+    if (iso__openni2_session_ended(session)) {
+        stop_streams(session); /* or else the player turns round and round at the end */
+    }
     return 0;
-}
-
-/* ---- what there is ---------------------------------------------------------- */
-
-int iso__openni2_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
-{
-    OniDeviceInfo *devices = NULL;
-    int n = 0, error = start_runtime(fault);
-    if (error) {
-        return error;
-    }
-    const OniStatus status = oniGetDeviceList(&devices, &n);
-    if (status != ONI_STATUS_OK) {
-        error = refuse(status, "devices cannot be listed", fault);
-    }
-    for (int i = 0; !error && i < n; i++) {
-        struct iso_sensor_device device;
-        (void)snprintf(device.id, sizeof device.id, "%s", devices[i].uri);
-        (void)snprintf(device.label, sizeof device.label, "%.60s %.60s", devices[i].vendor,
-                       devices[i].name);
-        visit(&device, context);
-    }
-    if (devices) {
-        (void)oniReleaseDeviceList(devices);
-    }
-    oniShutdown();
-    return error;
 }

@@ -9,7 +9,6 @@
 #include "core/fault.h"
 #include "core/frame/camera.h"
 #include "drivers/sensor/openni2_api.h"
-#include "drivers/sensor/sensor.h"
 
 enum iso__openni2_grey { ISO__OPENNI2_NO_GREY, ISO__OPENNI2_IR, ISO__OPENNI2_COLOR };
 
@@ -72,9 +71,5 @@ int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_
 
 /* Whether a file that is not to be looped has no more frames. */
 bool iso__openni2_session_ended(const struct iso__openni2_session *session);
-
-/* Tells of the devices that the runtime sees. -EIO. */
-int iso__openni2_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
 
 #endif

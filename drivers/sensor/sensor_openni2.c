@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "drivers/sensor/openni2_frame.h"
+#include "drivers/sensor/openni2_runtime.h"
 #include "drivers/sensor/openni2_session.h"
 #include "drivers/sensor/timeline.h"
 
