@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "sim/record/tape.h"
 #include "sim/recording/recording_writer.h"
 
 enum { PNG_LEVEL = 1 }; /* the camera does not wait for the disk */
@@ -33,9 +34,16 @@ static int fetch(struct iso_sensor *sensor, const struct iso_clock *clock, int64
     }
 }
 
+/* What is being written. */
+struct output {
+    struct sim_recording_writer *writer; /* NULL: nothing */
+    struct sim_tape *tape;
+    int64_t first_ns;
+};
+
 /* Begins the recording with what its first frame says. */
 static int begin(struct iso_sensor *sensor, const char *directory, const struct iso_frame *frame,
-                 struct sim_recording_writer **writer, struct iso_fault *fault)
+                 struct output *output, struct iso_fault *fault)
 {
     struct iso_sensor_description description = {.unit_mm = 0.0};
     struct iso_recording_meta meta = {.camera = sim_recording_camera(frame)};
@@ -44,27 +52,24 @@ static int begin(struct iso_sensor *sensor, const char *directory, const struct 
                    described ? description.model : iso_sensor_name(sensor));
     meta.unit_mm = description.unit_mm > 0.0 ? description.unit_mm
                                              : SIM_RECORD_DEFAULT_UNIT_UM / 1000.0;
-    return sim_recording_writer_create(directory, &meta, PNG_LEVEL, writer, fault);
+    const int error = sim_recording_writer_create(directory, &meta, PNG_LEVEL, &output->writer,
+                                                  fault);
+    return error ? error : sim_tape_new(output->writer, frame, &output->tape, fault);
 }
 
-struct tape {
-    struct sim_recording_writer *writer;
-    int64_t first_ns;
-};
-
-static int put(struct tape *tape, struct iso_sensor *sensor, const char *directory,
+static int put(struct output *output, struct iso_sensor *sensor, const char *directory,
                const struct iso_frame *frame, struct sim_record_result *result,
                struct iso_fault *fault)
 {
     struct iso_frame stamped = *frame;
     int error = 0;
     if (result->frames == 0) {
-        tape->first_ns = frame->t_ns;
-        error = directory ? begin(sensor, directory, frame, &tape->writer, fault) : 0;
+        output->first_ns = frame->t_ns;
+        error = directory ? begin(sensor, directory, frame, output, fault) : 0;
     }
-    stamped.t_ns -= tape->first_ns;
-    if (!error && tape->writer) {
-        error = sim_recording_writer_append(tape->writer, &stamped, fault);
+    stamped.t_ns -= output->first_ns;
+    if (!error && output->tape) {
+        error = sim_tape_put(output->tape, &stamped, fault);
     }
     if (!error) {
         result->frames++;
@@ -73,11 +78,22 @@ static int put(struct tape *tape, struct iso_sensor *sensor, const char *directo
     return error;
 }
 
+static int finish(struct output *output, struct iso_fault *fault)
+{
+    int error = sim_tape_finish(output->tape, fault);
+    if (output->writer) {
+        const int closed = sim_recording_writer_finish(output->writer, error ? NULL : fault);
+        error = error ? error : closed;
+    }
+    sim_recording_writer_free(output->writer);
+    return error;
+}
+
 int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
                const struct sim_record_options *options, struct sim_record_result *result,
                struct iso_fault *fault)
 {
-    struct tape tape = {NULL, 0};
+    struct output output = {NULL, NULL, 0};
     int error = 0;
     memset(result, 0, sizeof *result);
     while (!error && result->frames < options->frames) {
@@ -87,14 +103,10 @@ int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
             result->damaged++;
             error = 0;
         } else if (!error) {
-            error = put(&tape, sensor, options->directory, frame, result, fault);
+            error = put(&output, sensor, options->directory, frame, result, fault);
         }
     }
     result->health = iso_sensor_health(sensor);
-    if (tape.writer) {
-        const int finished = sim_recording_writer_finish(tape.writer, error ? NULL : fault);
-        error = error ? error : finished;
-    }
-    sim_recording_writer_free(tape.writer);
-    return error;
+    const int finished = finish(&output, error ? NULL : fault);
+    return error ? error : finished;
 }
