@@ -40,14 +40,14 @@ static int setup(void **state)
     return error;
 }
 
-/* Records from the sensor replay. */
+/* Records from the sensor replay, in real time: intensities are found by their time stamps. */
 static int record(void **state, size_t frames, struct sim_record_result *result,
                   struct iso_fault *fault)
 {
-    const struct iso_option options[] = {{"path", scratch_path(*state, "seen")}, {"pace", "asap"}};
-    const struct sim_record_options wish = {scratch_path(*state, "made"), frames, 20 * MS};
+    const struct iso_option options[] = {{"path", scratch_path(*state, "seen")}};
+    const struct sim_record_options wish = {scratch_path(*state, "made"), frames, 400 * MS};
     struct iso_sensor *sensor = NULL;
-    assert_int_equal(iso_sensor_open("replay", options, 2, &real_clock, &sensor, NULL), 0);
+    assert_int_equal(iso_sensor_open("replay", options, 1, &real_clock, &sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
     const int error = sim_record(sensor, &real_clock, &wish, result, fault);
     iso_sensor_close(sensor);
@@ -108,7 +108,7 @@ static void keeps_what_it_has_when_no_more_comes(void **state)
     struct sim_record_result result;
     struct iso_fault fault = {""};
     assert_int_equal(record(state, 99, &result, &fault), -ETIMEDOUT);
-    assert_string_equal(fault.text, "sensor replay: no frame for 20 ms");
+    assert_string_equal(fault.text, "sensor replay: no frame for 400 ms");
     assert_int_equal(result.frames, FRAMES);
     assert_int_equal(count_made(state), FRAMES);
 }
