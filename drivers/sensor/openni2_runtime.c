@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,6 +33,22 @@ int iso__openni2_start_runtime(struct iso_fault *fault)
     return status == ONI_STATUS_OK
                ? 0
                : iso__openni2_refuse(status, "the runtime does not start", fault);
+}
+
+static atomic_bool staying;
+
+void iso__openni2_stay(void)
+{
+    if (!atomic_exchange(&staying, true) && oniInitialize(ONI_API_VERSION) != ONI_STATUS_OK) {
+        atomic_store(&staying, false);
+    }
+}
+
+void iso__openni2_leave(void)
+{
+    if (atomic_exchange(&staying, false)) {
+        oniShutdown();
+    }
 }
 
 /* ---- finding it ------------------------------------------------------------- */

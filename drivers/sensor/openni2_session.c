@@ -288,6 +288,10 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
                           : iso__openni2_find_device(wish->device, &session->info, fault);
     error = error ? error : watch(session, fault);
     error = error ? error : open_device(session, wish, fault);
+    session->opened = !error;
+    if (error == -ENODEV) {
+        iso__openni2_stay();
+    }
     if (error) {
         iso__openni2_session_close(session);
     }
@@ -320,6 +324,9 @@ void iso__openni2_session_close(struct iso__openni2_session *session)
     }
     if (session->watch) {
         oniUnregisterDeviceCallbacks(session->watch);
+    }
+    if (session->opened) {
+        iso__openni2_leave();
     }
     if (session->running) {
         oniShutdown();

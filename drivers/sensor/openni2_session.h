@@ -33,6 +33,7 @@ struct iso__openni2_stream {
 
 struct iso__openni2_session {
     bool running; /* the runtime */
+    bool opened;  /* whole */
     bool file, loop;
     OniCallbackHandle watch;
     OniDeviceHandle device;
@@ -48,7 +49,8 @@ struct iso__openni2_session {
 };
 
 /* Opens what is wanted; *session stays where it is until it is closed. -EINVAL the device cannot do
- * it, -ENODEV there is none such, -EIO. On failure it is closed. */
+ * it, -ENODEV there is none such, -EIO. On failure it is closed, and the runtime stays on until a
+ * session has been opened and closed (openni2_runtime.h). */
 int iso__openni2_session_open(struct iso__openni2_session *session,
                               const struct iso__openni2_wish *wish, struct iso_fault *fault)
     __attribute__((warn_unused_result));

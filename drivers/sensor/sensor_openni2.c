@@ -468,6 +468,11 @@ static void openni2_health(void *self, struct iso_sensor_device_health *out)
                    known && !atomic_load(&sensor->session.gone) ? words[state] : word);
 }
 
+void iso_sensor_openni2_forget(void)
+{
+    iso__openni2_leave();
+}
+
 const struct iso_sensor_ops iso_sensor_openni2_ops = {
     .name = "openni2",
     .probe = iso__openni2_probe,

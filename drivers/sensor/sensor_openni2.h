@@ -22,13 +22,18 @@
  * A file is played frame by frame and never waited for in real time: it has next_due_ns, and from
  * the end on it has nothing to come. A start begins it anew.
  *
- * The runtime has threads of its own. It looks for its drivers beside the path that it was loaded
- * from, and changes the working directory for a moment when it starts. */
+ * The runtime has threads of its own, and runs as long as a sensor is open, or has been looked for
+ * in vain and is not found yet. It looks for its drivers beside the path that it was loaded from,
+ * and changes the working directory for a moment when it starts. */
 #ifndef ISO_DRIVERS_SENSOR_SENSOR_OPENNI2_H
 #define ISO_DRIVERS_SENSOR_SENSOR_OPENNI2_H
 
 #include "drivers/sensor/sensor.h"
 
 extern const struct iso_sensor_ops iso_sensor_openni2_ops;
+
+/* Ends a runtime that has stayed on because no device was found. Not needed before the end of a
+ * process. */
+void iso_sensor_openni2_forget(void);
 
 #endif

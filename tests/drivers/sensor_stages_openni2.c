@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "drivers/sensor/sensor_openni2.h"
 #include "tests/drivers/sensor_contract.h"
 #include "tests/support/camera_bench.h"
 #include "tests/support/manual_clock.h"
@@ -48,6 +49,7 @@ static void set_up_ir(struct sensor_scene *scene)
 
 static void leave(struct sensor_scene *scene)
 {
+    iso_sensor_openni2_forget(); /* the runtime knows one bench from its start to its end */
     camera_bench_leave(scene->shutter_fd);
 }
 

@@ -409,6 +409,20 @@ static void expect_lost(struct set *set)
     assert_int_equal(iso_sensor_start(set->sensor, NULL), -ENODEV);
 }
 
+/* Opens it as soon as the system has noticed that it is there again. */
+static void open_when_there(struct set *set)
+{
+    const int64_t end_ns = real_ns() + 10000 * MS;
+    struct iso_fault fault = {""};
+    int error = -ENODEV;
+    while (error == -ENODEV && real_ns() < end_ns) {
+        error = open_again(set, &fault);
+    }
+    if (error) {
+        fail_msg("%s: %s", set->stage->name, fault.text);
+    }
+}
+
 static void pull_the_cable(struct set *set)
 {
     struct iso_fault fault = {""};
@@ -423,7 +437,7 @@ static void pull_the_cable(struct set *set)
         assert_true(strlen(fault.text) > 0);
         assert_null(set->sensor);
         set->stage->plug(&set->scene, true);
-        assert_int_equal(open_again(set, &fault), 0);
+        open_when_there(set);
         start(set);
         expect_frame(set, next(set), 0);
         expect_frame(set, next(set), 1);

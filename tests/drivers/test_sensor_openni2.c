@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "drivers/sensor/sensor.h"
+#include "drivers/sensor/sensor_openni2.h"
 #include "tests/support/camera_bench.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/scratch.h"
@@ -39,6 +40,7 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
+    iso_sensor_openni2_forget(); /* the runtime knows one bench from its start to its end */
     camera_bench_leave(shutter_fd);
     return scratch_teardown(state);
 }
