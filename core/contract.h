@@ -38,7 +38,8 @@
  *   DoorChanged(s state, s cause)        words of firmware/door.h
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
- * "sensor-state" s ("started", "lost"), "sensor-fault" s, "door" s (back end), "door-state" s,
+ * "sensor-state" s ("started", "lost"), "sensor-fault" s, "sensor-devices" s (what the back end
+ * sees while it is started, "" if it cannot tell), "door" s (back end), "door-state" s,
  * "door-fault" s ("" while its lines work),
  * "mode" s ("watch", "claimed", "enroll", "verify", "identify"), "people" u, "templates" u (of
  * which the running algorithm can use "templates-usable" u), "capacity" u, "frames" t,

@@ -53,6 +53,16 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
                       "keeps trying");
 }
 
+/* What the daemon's driver sees, if it can tell. */
+static void judge_devices(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *devices = cli_state_text(state, "sensor-devices");
+
+    if (devices && *devices) {
+        cli_diagnosis_add(diagnosis, "devices", CLI_CHECK_GOOD, devices, NULL);
+    }
+}
+
 static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     static const struct {
@@ -161,6 +171,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     judge_version(diagnosis, state);
     judge_sensor(diagnosis, state);
+    judge_devices(diagnosis, state);
     judge_door(diagnosis, state);
     judge_lines(diagnosis, state);
     judge_model(diagnosis, state);

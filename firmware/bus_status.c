@@ -1,8 +1,10 @@
 /* GetStatus: the appliance in words and numbers. */
 #include <inttypes.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "drivers/sensor/sensor.h"
 #include "firmware/bus_state.h"
 #include "firmware/utf8.h"
 
@@ -30,6 +32,32 @@ static int append_text(sd_bus_message *reply, const char *key, const char *value
     char clean[300];
     clean_copy(clean, sizeof clean, value);
     return sd_bus_message_append(reply, "{sv}", key, "s", clean);
+}
+
+struct device_list {
+    char text[256];
+    size_t used;
+};
+
+static void list_device(const struct iso_sensor_device *device, void *context)
+{
+    struct device_list *list = context;
+    const size_t room = sizeof list->text - list->used;
+    const int length = snprintf(list->text + list->used, room, "%s%s (%s)",
+                                list->used > 0 ? "; " : "", device->id, device->label);
+    list->used += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
+}
+
+/* What the sensor's driver sees. Not while the sensor is lost: to look for devices anew takes a
+ * driver too long to keep the door waiting, and the fault then says what there is. */
+static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool sensor_runs)
+{
+    struct device_list list = {.text = ""};
+    const char *back_end = bus->parts->config->sensor.backend;
+    if (sensor_runs && iso_sensor_probe(back_end, list_device, &list, NULL)) {
+        list.text[0] = '\0'; /* it cannot tell */
+    }
+    return append_text(reply, "sensor-devices", list.text);
 }
 
 static int append_checksum(sd_bus_message *reply, const char *key, uint32_t value)
@@ -103,6 +131,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     const struct iso_appliance_status status = iso_appliance_status(bus->appliance);
     int r = sd_bus_message_open_container(reply, 'a', "{sv}");
     r = r < 0 ? r : append_texts(reply, bus, &status);
+    r = r < 0 ? r : append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
     r = r < 0 ? r : append_gallery(reply, bus);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
     r = r < 0 ? r : append_checksum(reply, "model", status.model);

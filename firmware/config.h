@@ -21,6 +21,8 @@ enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 32, ISO_CONFIG_KEYS_
 struct iso_config_sensor {
     char backend[ISO_CONFIG_TEXT_SIZE];
     char path[ISO_CONFIG_TEXT_SIZE], pace[ISO_CONFIG_TEXT_SIZE], loop[ISO_CONFIG_TEXT_SIZE];
+    char device[ISO_CONFIG_TEXT_SIZE], mode[ISO_CONFIG_TEXT_SIZE], unit[ISO_CONFIG_TEXT_SIZE];
+    char intensity[ISO_CONFIG_TEXT_SIZE], intrinsics[ISO_CONFIG_TEXT_SIZE];
     double distance_min_mm, distance_max_mm;
     int silence_ms, retry_ms, retry_max_ms;
 };

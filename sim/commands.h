@@ -18,6 +18,7 @@ int sim_cmd_eval(int argc, char **argv);
 int sim_cmd_landmarks(int argc, char **argv);
 int sim_cmd_show(int argc, char **argv);
 int sim_cmd_replay(int argc, char **argv);
+int sim_cmd_record(int argc, char **argv);
 int sim_cmd_visit(int argc, char **argv);
 
 #endif

@@ -15,6 +15,7 @@ static const struct command {
      sim_cmd_landmarks},
     {"show", "draw a frame and what is made of it", sim_cmd_show},
     {"replay", "play a corpus to the appliance itself, on a virtual clock", sim_cmd_replay},
+    {"record", "record what a sensor sees", sim_cmd_record},
     {"visit", "play the people of a corpus at the door of a running daemon", sim_cmd_visit},
 };
 

@@ -5,14 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sensor/sensor_replay.h"
-
-static const struct iso_sensor_ops *const back_ends[] = {
-    &iso_sensor_replay_ops,
-};
-
-enum { BACK_ENDS = sizeof back_ends / sizeof back_ends[0] };
-
 struct iso_sensor {
     const struct iso_sensor_ops *ops;
     void *self;
@@ -22,11 +14,6 @@ struct iso_sensor {
     uint64_t sequence;
     int64_t t_ns;
 };
-
-const char *iso_sensor_registered(size_t i)
-{
-    return i < BACK_ENDS ? back_ends[i]->name : NULL;
-}
 
 const char *iso_sensor_state_name(enum iso_sensor_state state)
 {
@@ -66,28 +53,6 @@ static int require(const struct iso_sensor *sensor, enum iso_sensor_state state,
 }
 
 /* ---- opening and closing ---------------------------------------------------- */
-
-static int unknown_back_end(const char *name, struct iso_fault *fault)
-{
-    char known[128] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < BACK_ENDS && used < sizeof known; i++) {
-        int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
-        used += length > 0 ? (size_t)length : 0;
-    }
-    return iso_fault_set(fault, -ENOENT, "no sensor '%s'; there are:%s", name, known);
-}
-
-int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
-                    const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
-{
-    for (size_t i = 0; i < BACK_ENDS; i++) {
-        if (strcmp(back_ends[i]->name, name) == 0) {
-            return iso_sensor_open_ops(back_ends[i], options, n_options, clock, out, fault);
-        }
-    }
-    return unknown_back_end(name, fault);
-}
 
 int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,
                         size_t n_options, const struct iso_clock *clock, struct iso_sensor **out,
@@ -230,7 +195,11 @@ int iso_sensor_describe(struct iso_sensor *sensor, struct iso_sensor_description
 
 struct iso_sensor_health iso_sensor_health(const struct iso_sensor *sensor)
 {
-    return sensor->health;
+    struct iso_sensor_health health = sensor->health;
+    if (sensor->ops->health) {
+        sensor->ops->health(sensor->self, &health.device);
+    }
+    return health;
 }
 
 const char *iso_sensor_name(const struct iso_sensor *sensor)

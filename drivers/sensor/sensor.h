@@ -21,17 +21,40 @@
 #include "core/frame/frame.h"
 #include "drivers/option.h"
 
-/* What is known of the device behind a sensor. */
+/* What is known of the device behind a sensor, and what it can do. */
 struct iso_sensor_description {
     char model[32];          /* the kind of sensor, as in a recording's `sensor` and in templates */
     char serial[64];         /* "" if it has none */
     int width_px, height_px; /* of the depth plane */
     bool intensity;          /* frames carry one */
+    double unit_mm;          /* depths are whole multiples of this; 0 if they are not */
+    double rate_hz;          /* frames a second when all is well; 0 if that is not fixed */
+};
+
+/* A device that a back end could open. */
+struct iso_sensor_device {
+    char id[256];    /* what the back end's options call it */
+    char label[128]; /* maker and model, for people */
+};
+
+/* Is told of one device; what it points to is valid during the call. */
+typedef void iso_sensor_visitor(const struct iso_sensor_device *device, void *context);
+
+/* What a device says of itself while it works. */
+struct iso_sensor_device_health {
+    uint64_t dropped; /* frames that arrived and were given up: nobody fetched them in time, or a
+                         part of them was missing. They are gaps in the sequence as well */
+    char state[64];   /* "" well, else in words */
 };
 
 /* What an operation of a back end may and must do. `self` is the back end's own object. */
 struct iso_sensor_ops {
     const char *name; /* as in the configuration */
+
+    /* OPTIONAL. Tells the visitor of every device there is, opening none. Needs no open sensor and
+     * may be called while there are some. May block for a second. 0 also if there is no device;
+     * -EIO the bus or the driver cannot be asked. */
+    int (*probe)(iso_sensor_visitor *visit, void *context, struct iso_fault *fault);
 
     /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds. The
      * options and the clock's struct are copied or read during the call; unknown keys are refused
@@ -61,8 +84,13 @@ struct iso_sensor_ops {
      * the same from start to stop. Negative errno if there is none now. */
     int (*poll_fd)(void *self);
 
-    /* OPTIONAL. Fills in the description. -ENODATA while it is not known. Does not block. */
+    /* OPTIONAL. Fills in the description: model and capabilities. -ENODATA while it is not known.
+     * Does not block. */
     int (*describe)(void *self, struct iso_sensor_description *out);
+
+    /* OPTIONAL. Fills in what the device says of itself; the wrapper counts the rest. Does not
+     * block or fail. */
+    void (*health)(void *self, struct iso_sensor_device_health *out);
 
     /* REQUIRED. Stops streaming; frames not yet fetched are dropped. May block for a second. Leaves
      * the sensor stopped even if it reports -EIO or -ENODEV. */
@@ -74,9 +102,9 @@ struct iso_sensor_ops {
 
 struct iso_sensor;
 
-/* Opens a sensor by the name of its back end. -ENOENT unknown name (the fault lists those there
- * are), else the errors of ops->open. Options and clock need not outlive the call; what the clock's
- * context points to must outlive the sensor. */
+/* Opens a sensor by the name of its back end (sensor_registry.c has the table). -ENOENT unknown
+ * name (the fault lists those there are), else the errors of ops->open. Options and clock need not
+ * outlive the call; what the clock's context points to must outlive the sensor. */
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -119,12 +147,13 @@ const char *iso_sensor_state_name(enum iso_sensor_state state);
 /* Counted since open. */
 struct iso_sensor_health {
     enum iso_sensor_state state;
-    uint64_t frames;       /* handed up */
-    uint64_t lost;         /* gaps in the sequence */
-    uint64_t refused;      /* failed the check here */
-    uint64_t faults;       /* other failures of wait, time-outs not among them */
-    int64_t last_frame_ns; /* clock time of the last frame; 0 before the first */
-    char last_fault[256];  /* "" if there was none */
+    uint64_t frames;                        /* handed up */
+    uint64_t lost;                          /* gaps in the sequence */
+    uint64_t refused;                       /* failed the check here */
+    uint64_t faults;                        /* other failures of wait, time-outs not among them */
+    int64_t last_frame_ns;                  /* clock time of the last frame; 0 before the first */
+    char last_fault[256];                   /* "" if there was none */
+    struct iso_sensor_device_health device; /* zero if the back end does not tell */
 };
 
 struct iso_sensor_health iso_sensor_health(const struct iso_sensor *sensor);
@@ -134,5 +163,10 @@ const char *iso_sensor_name(const struct iso_sensor *sensor);
 
 /* The registered back ends: name number i, or NULL from the end on. */
 const char *iso_sensor_registered(size_t i);
+
+/* Tells the visitor of every device that a registered back end could open. -ENOENT unknown name,
+ * -ENOSYS the back end cannot tell, else the errors of ops->probe. */
+int iso_sensor_probe(const char *name, iso_sensor_visitor *visit, void *context,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

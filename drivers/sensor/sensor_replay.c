@@ -280,6 +280,7 @@ static int replay_describe(void *self, struct iso_sensor_description *out)
         .width_px = meta->camera.width_px,
         .height_px = meta->camera.height_px,
         .intensity = iso_recording_has_intensity(replay->recording),
+        .unit_mm = meta->unit_mm,
     };
     (void)snprintf(out->model, sizeof out->model, "%s", meta->sensor);
     return 0;

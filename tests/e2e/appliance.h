@@ -18,6 +18,9 @@ struct appliance {
     struct private_bus bus;
     char *directory; /* of its own, removed at the end */
     char slot[128], configuration[128];
+    char bench[128];       /* of the virtual camera; "" without one */
+    const char *gap_ms;    /* who is not seen for so long has left */
+    const char *settle_ms; /* of appliance_visit(): longer than that */
     struct run daemon;
     int notify_fd; /* what the daemon tells its service manager */
 };
@@ -29,6 +32,9 @@ bool appliance_find(void);
 /* cmocka set-up and tear-down of a group of tests: *state becomes the appliance, running. */
 int appliance_setup(void **state);
 int appliance_teardown(void **state);
+
+/* The same with the virtual camera behind OpenNI2's runtime in place of the sensor replay. */
+int appliance_setup_openni2(void **state);
 
 /* Starts the daemon and waits until it says that it is ready. */
 void appliance_start_daemon(struct appliance *appliance);

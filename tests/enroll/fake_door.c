@@ -281,9 +281,11 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
         templates += script->people[i].templates;
     }
     return sd_bus_reply_method_return(
-        call, "a{sv}", 12, "version", "s", script->version ? script->version : ISOTHERM_VERSION,
-        "sensor-state", "s", script->sensor_state ? script->sensor_state : "started", "door-state",
-        "s", script->door_state ? script->door_state : "locked", "model", "s",
+        call, "a{sv}", 13, "sensor-devices", "s",
+        script->sensor_devices ? script->sensor_devices : "", "version", "s",
+        script->version ? script->version : ISOTHERM_VERSION, "sensor-state", "s",
+        script->sensor_state ? script->sensor_state : "started", "door-state", "s",
+        script->door_state ? script->door_state : "locked", "model", "s",
         script->model ? script->model : "00c0ffee", "people", "u", (uint32_t)script->n_people,
         "templates", "u", templates + 3, "templates-usable", "u", templates, "threshold", "d", 1.25,
         "door", "s", script->door ? script->door : "gpiod", "door-fault", "s",

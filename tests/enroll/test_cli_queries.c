@@ -178,6 +178,16 @@ static void doctor_finds_nothing_wrong(void **state)
     assert_non_null(strstr(result.calls, "GetStatus;Release")); /* and no claim */
 }
 
+static void doctor_lists_the_devices_that_the_driver_sees(void **state)
+{
+    const struct fake_script script = {.sensor_devices = "1d27/0600@1/4 (Maker Eye)"};
+    const struct cli_result result = cli_run(&script, "doctor");
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    assert_non_null(strstr(result.out, "ok       devices     1d27/0600@1/4 (Maker Eye)\n"));
+}
+
 static void doctor_names_each_fault_and_its_remedy(void **state)
 {
     static const struct {
@@ -348,6 +358,7 @@ int main(void)
         cmocka_unit_test(log_of_nothing),
         cmocka_unit_test(following_the_log_ends_with_an_interrupt),
         cmocka_unit_test(doctor_finds_nothing_wrong),
+        cmocka_unit_test(doctor_lists_the_devices_that_the_driver_sees),
         cmocka_unit_test(doctor_names_each_fault_and_its_remedy),
         cmocka_unit_test(doctor_without_a_daemon),
         cmocka_unit_test(every_command_fails_clearly_without_a_daemon),

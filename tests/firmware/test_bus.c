@@ -254,6 +254,7 @@ static void tells_its_state(void **state)
         {"sensor-model", "s puppet9"},
         {"sensor-state", "s started"},
         {"sensor-fault", "s "},
+        {"sensor-devices", "s "},
         {"door", "s null"},
         {"door-state", "s unlocked"},
         {"mode", "s watch"},

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -26,33 +27,61 @@ const char stored_ini[] = "[recording]\n"
                           "k1 = -0.01\n"
                           "unit_mm = 0.5\n";
 
-static void write_depth(const char *path, int frame)
+/* Writes a plane whose count at (column, row) is first + row_step * row + column; one of depth does
+ * not measure pixel (0, 0). */
+static void write_plane(const char *path, int first, int row_step, bool depth)
 {
     uint16_t counts[STORED_HEIGHT][STORED_WIDTH];
     struct iso_image image = {STORED_WIDTH, STORED_HEIGHT, ISO_PIXEL_GREY16, counts, 0};
     for (int row = 0; row < STORED_HEIGHT; row++) {
         for (int column = 0; column < STORED_WIDTH; column++) {
-            counts[row][column] = (uint16_t)(1000 + 100 * frame + 10 * row + column);
+            counts[row][column] = (uint16_t)(first + row_step * row + column);
         }
     }
-    counts[0][0] = 0;
+    counts[0][0] = depth ? 0 : counts[0][0];
     assert_int_equal(iso_png_write(path, &image, 6, NULL), 0);
+}
+
+/* Writes the planes and the list of one kind: depth or ir. */
+static void write_planes(const char *directory, const char *kind, int n_frames)
+{
+    const bool depth = kind[0] == 'd';
+    char list[4096] = "# timestamp_s filename\n", name[32];
+    size_t used = strlen(list);
+    scratch_mkdir(scratch_path(directory, kind));
+    for (int f = 0; f < n_frames; f++) {
+        (void)snprintf(name, sizeof name, "%s/%06d.png", kind, f);
+        write_plane(scratch_path(directory, name), depth ? 1000 + 100 * f : 3000 + 500 * f,
+                    depth ? 10 : 70, depth);
+        used += (size_t)snprintf(list + used, sizeof list - used, "%.3f %s\n", 10.0 + f / 8.0,
+                                 name);
+    }
+    (void)snprintf(name, sizeof name, "%s.txt", kind);
+    scratch_write_text(scratch_path(directory, name), list);
 }
 
 void stored_frames_write(const char *directory, int n_frames)
 {
-    char list[4096] = "# timestamp_s filename\n", name[32];
-    size_t used = 23;
     scratch_mkdir(directory);
-    scratch_mkdir(scratch_path(directory, "depth"));
     scratch_write_text(scratch_path(directory, "recording.ini"), stored_ini);
-    for (int f = 0; f < n_frames; f++) {
-        (void)snprintf(name, sizeof name, "depth/%06d.png", f);
-        write_depth(scratch_path(directory, name), f);
-        used += (size_t)snprintf(list + used, sizeof list - used, "%.3f %s\n", 10.0 + f / 8.0,
-                                 name);
+    write_planes(directory, "depth", n_frames);
+}
+
+void stored_frames_write_plain(const char *directory, int n_frames, double unit_mm, bool with_ir)
+{
+    char ini[512];
+    (void)snprintf(ini, sizeof ini,
+                   "[recording]\nformat = 1\nsensor = astra\n[depth]\nprojection = pinhole\n"
+                   "width_px = %d\nheight_px = %d\nfx_px = 570.5\nfy_px = 571.25\n"
+                   "cx_px = %.1f\ncy_px = %.1f\nunit_mm = %g\n",
+                   STORED_WIDTH, STORED_HEIGHT, (STORED_WIDTH - 1) / 2.0, (STORED_HEIGHT - 1) / 2.0,
+                   unit_mm);
+    scratch_mkdir(directory);
+    scratch_write_text(scratch_path(directory, "recording.ini"), ini);
+    write_planes(directory, "depth", n_frames);
+    if (with_ir) {
+        write_planes(directory, "ir", n_frames);
     }
-    scratch_write_text(scratch_path(directory, "depth.txt"), list);
 }
 
 void stored_plane_write(const char *path, int width, int height, int bits, int channels,

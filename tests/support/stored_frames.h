@@ -4,12 +4,19 @@
 #ifndef TESTS_SUPPORT_STORED_FRAMES_H
 #define TESTS_SUPPORT_STORED_FRAMES_H
 
+#include <stdbool.h>
+
 enum { STORED_WIDTH = 7, STORED_HEIGHT = 5 };
 
 extern const char stored_ini[];
 
 /* Writes the recording; the directory is made. */
 void stored_frames_write(const char *directory, int n_frames);
+
+/* The same frames as a camera of OpenNI 2 can make them: another unit, no distortion, the principal
+ * point in the middle; on demand with ir/, the 16-bit count at (column, row) of frame f being
+ * 3000 + 500 f + 70 row + column. */
+void stored_frames_write_plain(const char *directory, int n_frames, double unit_mm, bool with_ir);
 
 /* Writes one plane of constant samples: `bits` 8 or 16, `channels` 1 or 3. */
 void stored_plane_write(const char *path, int width, int height, int bits, int channels,

@@ -1,0 +1,31 @@
+/* From OpenNI2's frames to ours. Pure: no device is asked. */
+#ifndef ISO_DRIVERS_SENSOR_OPENNI2_FRAME_H
+#define ISO_DRIVERS_SENSOR_OPENNI2_FRAME_H
+
+#include <stdbool.h>
+
+#include "core/frame/camera.h"
+#include "core/frame/frame.h"
+#include "drivers/sensor/openni2_api.h"
+
+/* Millimetres per count of a depth format; 0 for one that holds no lengths. */
+double iso__openni2_unit_mm(OniPixelFormat format);
+
+/* The camera that sees width x height pixels under these angles: focal length
+ * (size / 2) / tan(view / 2), principal point in the middle, which is between the pixels of an even
+ * size. OpenNI2's own conversion has it half a pixel further, at pixel size / 2. */
+struct iso_camera iso__openni2_camera(int width_px, int height_px, double view_x_rad,
+                                      double view_y_rad);
+
+/* Writes depths, size and crop of `in` into *out, which has planes of its camera's size. `mirrored`
+ * turns it back. Pixels beyond the crop are not in the frame. 0, or -EBADMSG with *what set to a
+ * static text, and *out as it was. */
+int iso__openni2_read_depth(const OniFrame *in, bool mirrored, struct iso_frame *out,
+                            const char **what);
+
+/* The same for the intensity, of a frame that read_depth has filled: `full_scale` counts are 1,
+ * colours are weighed by Rec. 709 luma. -EBADMSG also if it does not cover the same pixels. */
+int iso__openni2_read_intensity(const OniFrame *in, bool mirrored, double full_scale,
+                                struct iso_frame *out, const char **what);
+
+#endif

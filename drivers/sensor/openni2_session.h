@@ -1,0 +1,77 @@
+/* An OpenNI2 device, opened: the runtime, the device, its streams and what happens to it. For
+ * sensor_openni2.c. The runtime counts its users, so several sessions may be open in a process. */
+#ifndef ISO_DRIVERS_SENSOR_OPENNI2_SESSION_H
+#define ISO_DRIVERS_SENSOR_OPENNI2_SESSION_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include "core/fault.h"
+#include "core/frame/camera.h"
+#include "drivers/sensor/openni2_api.h"
+
+enum iso__openni2_grey { ISO__OPENNI2_NO_GREY, ISO__OPENNI2_IR, ISO__OPENNI2_COLOR };
+
+/* What is wanted; see sensor_openni2.h. */
+struct iso__openni2_wish {
+    const char *path;             /* an .oni file; NULL: a device */
+    const char *device;           /* its URI or serial number; NULL: any */
+    int width_px, height_px, fps; /* 0: as the device has it */
+    int unit_um;                  /* 0: the finest there is */
+    bool loop;                    /* of a file */
+    enum iso__openni2_grey grey;
+};
+
+struct iso__openni2_stream {
+    OniStreamHandle handle; /* NULL: there is none */
+    OniVideoMode mode;
+    bool mirrored;     /* the frames are: it could not be turned off */
+    double full_scale; /* grey only */
+    int n_frames;      /* of a file: that it has */
+    int taken;         /* of a file: that have been taken */
+};
+
+struct iso__openni2_session {
+    bool running; /* the runtime */
+    bool opened;  /* whole */
+    bool file, loop;
+    OniCallbackHandle watch;
+    OniDeviceHandle device;
+    OniDeviceInfo info;
+    char serial[64];
+    struct iso__openni2_stream depth, grey;
+    struct iso_camera camera;
+    OniRecorderHandle recorder;
+
+    /* Set by the runtime's threads. */
+    atomic_bool gone;
+    atomic_int state; /* OniDeviceState */
+};
+
+/* Opens what is wanted; *session stays where it is until it is closed. -EINVAL the device cannot do
+ * it, -ENODEV there is none such, -EIO. On failure it is closed, and the runtime stays on until a
+ * session has been opened and closed (openni2_runtime.h). */
+int iso__openni2_session_open(struct iso__openni2_session *session,
+                              const struct iso__openni2_wish *wish, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* All-zero is fine, and is what remains. */
+void iso__openni2_session_close(struct iso__openni2_session *session);
+
+/* Starts the streams; and records them into the .oni file `record`, from its beginning, if that is
+ * not NULL. -ENODEV, -EIO. */
+int iso__openni2_session_start(struct iso__openni2_session *session, const char *record,
+                               struct iso_fault *fault) __attribute__((warn_unused_result));
+void iso__openni2_session_stop(struct iso__openni2_session *session);
+
+/* Waits for a frame of either stream; the caller releases it (oniFrameRelease). Of a file, it takes
+ * as long as it takes to read it, whatever the timeout. -ETIMEDOUT also at the end of a file,
+ * -ENODEV the device is gone, -EIO. */
+int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_ms,
+                              OniFrame **frame, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Whether a file that is not to be looped has no more frames. */
+bool iso__openni2_session_ended(const struct iso__openni2_session *session);
+
+#endif

@@ -1,0 +1,30 @@
+/* From a device's own count and clock to the sequence and time of the sensor class.
+ *
+ * Device time plus an offset is clock time. The offset is the least delay seen between exposure and
+ * arrival (Cristian 1989, the same bound): late arrivals do not move it, and no frame lies in the
+ * future. As the two clocks drift, the offset may rise by DRIFT_PPM of the time that passes. A
+ * count or a time that goes back is a device that began anew: no gap is known there. */
+#ifndef ISO_DRIVERS_SENSOR_TIMELINE_H
+#define ISO_DRIVERS_SENSOR_TIMELINE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { ISO_TIMELINE_DRIFT_PPM = 200 };
+
+/* All zero before the first frame; then of the last one. */
+struct iso_timeline {
+    bool begun, anew;
+    int64_t index, device_ns, offset_ns;
+    uint64_t sequence; /* rises from frame to frame, by more than 1 over a gap */
+    int64_t t_ns;      /* rises from frame to frame */
+};
+
+/* Takes the next frame: number `index` and time device_ns by the device, seen at now_ns. */
+void iso_timeline_advance(struct iso_timeline *timeline, int64_t index, int64_t device_ns,
+                          int64_t now_ns);
+
+/* The next frame begins anew, whatever its number and time. */
+void iso_timeline_restart(struct iso_timeline *timeline);
+
+#endif

@@ -1,0 +1,37 @@
+/* Records what a sensor sees, as a recording (drivers/recording/recording.h). */
+#ifndef SIM_RECORD_RECORD_H
+#define SIM_RECORD_RECORD_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/clock.h"
+#include "core/fault.h"
+#include "drivers/sensor/sensor.h"
+
+enum { SIM_RECORD_DEFAULT_UNIT_UM = 100 };
+
+struct sim_record_options {
+    const char *directory; /* NULL: frames are fetched and written nowhere */
+    size_t frames;
+    int64_t patience_ns; /* longest wait for a frame */
+};
+
+/* What came of it. */
+struct sim_record_result {
+    size_t frames;  /* recorded */
+    size_t damaged; /* reported as -EBADMSG */
+    struct iso_sensor_health health;
+    int64_t span_ns; /* from the first frame to the last, by their time stamps */
+};
+
+/* Fetches frames from a started sensor, sleeping by `clock`, which must be CLOCK_MONOTONIC's and
+ * the sensor's own. Time stamps begin at 0. Counts are of the sensor's unit, or of 0.1 mm if it has
+ * none. *result is filled in failure too, the frames written so far being a sound recording.
+ * -ETIMEDOUT no frame came for so long, else the errors of iso_sensor_wait but -EBADMSG, and of
+ * sim_recording_writer_create and _append. */
+int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
+               const struct sim_record_options *options, struct sim_record_result *result,
+               struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,31 @@
+/* A sensor in one word of the command line: TYPE, or TYPE:KEY=VALUE,KEY=VALUE... with the options
+ * of that back end (drivers/sensor/). Values hold no commas. */
+#ifndef SIM_RECORD_SENSOR_WORD_H
+#define SIM_RECORD_SENSOR_WORD_H
+
+#include <stddef.h>
+
+#include "core/fault.h"
+#include "drivers/option.h"
+
+enum { SIM_SENSOR_WORD_OPTIONS = 16 };
+
+struct sim_sensor_word {
+    char *text; /* what the rest points into */
+    const char *type;
+    size_t n_options;
+    struct iso_option options[SIM_SENSOR_WORD_OPTIONS];
+};
+
+/* -EINVAL for an empty type, an option without '=' or too many, -ENOMEM. */
+int sim_sensor_word_parse(const char *word, struct sim_sensor_word *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Adds an option; the texts are kept, not copied. -EINVAL if there is no room. */
+int sim_sensor_word_add(struct sim_sensor_word *word, const char *key, const char *value,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* All-zero is fine. */
+void sim_sensor_word_done(struct sim_sensor_word *word);
+
+#endif

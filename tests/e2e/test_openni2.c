@@ -1,0 +1,152 @@
+/* The whole product behind a camera: the daemon opens the virtual camera through OpenNI2's own
+ * runtime. The tests are one story and run in this order. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/e2e/appliance.h"
+#include "tests/support/camera_bench.h"
+#include "tests/support/scratch.h"
+
+static const char *text_of(const json_t *object, const char *name)
+{
+    const char *text = json_string_value(json_object_get(object, name));
+
+    return text ? text : "(none)";
+}
+
+static void expect_status(const struct appliance *appliance, const char *key, const char *wanted)
+{
+    json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+
+    assert_string_equal(text_of(status, key), wanted);
+    json_decref(status);
+}
+
+static void the_camera_is_seen_and_runs(void **state)
+{
+    const struct appliance *appliance = *state;
+    char devices[256];
+
+    (void)snprintf(devices, sizeof devices, "bench:%s (Isotherm astra)", appliance->bench);
+    expect_status(appliance, "sensor", "openni2");
+    expect_status(appliance, "sensor-state", "started");
+    expect_status(appliance, "sensor-devices", devices);
+    const struct appliance_result *doctor = appliance_run(appliance, "doctor", NULL);
+    assert_int_equal(doctor->exit, 0);
+    assert_non_null(strstr(doctor->out, devices));
+}
+
+static void people_are_enrolled(void **state)
+{
+    assert_int_equal(appliance_run(*state, "enroll p01", "p01-enrol")->exit, 0);
+    assert_int_equal(appliance_run(*state, "enroll p02", "p02-enrol")->exit, 0);
+    expect_status(*state, "sensor-model", "astra");
+}
+
+static void people_are_identified(void **state)
+{
+    json_t *document = appliance_run_json(*state, "identify", "p02-v1", 0);
+
+    assert_string_equal(text_of(document, "person"), "p02");
+    json_decref(document);
+    assert_int_equal(appliance_run(*state, "identify", "x02-v1")->exit, 1);
+}
+
+/* One line of visits.csv: who came, the verdict, and whom the door took it for. */
+static void expect_visit(const char *csv, const char *recording, const char *verdict,
+                         const char *person)
+{
+    char begin[64], decided[64];
+
+    (void)snprintf(begin, sizeof begin, "\n%s,", recording);
+    (void)snprintf(decided, sizeof decided, ",%s,%s,", verdict, person);
+    const char *line = strstr(csv, begin);
+    assert_non_null(line);
+    line++;
+    const char *found = strstr(line, decided);
+    if (!found || found > strchrnul(line, '\n')) {
+        fail_msg("%s is not '%s': %.*s", recording, decided, (int)strcspn(line, "\n"), line);
+    }
+}
+
+static char *visit(const struct appliance *appliance, const char *const recordings[])
+{
+    const struct appliance_result *result = appliance_visit(appliance, recordings);
+    size_t size;
+
+    if (result->exit != 0) {
+        fail_msg("exit %d: %s%s", result->exit, result->out, result->err);
+    }
+    char *csv = scratch_read(scratch_path(appliance->directory, "visits.csv"), &size);
+    char *text = strndup(csv, size);
+    free(csv);
+    return text;
+}
+
+static void the_door_opens_to_the_enrolled_and_to_no_stranger(void **state)
+{
+    static const char *const recordings[] = {"p01-v1", "x01-v1", "p02-v1", "x02-v2", NULL};
+    char *csv = visit(*state, recordings);
+
+    expect_visit(csv, "p01-v1", "allow", "p01");
+    expect_visit(csv, "p02-v1", "allow", "p02");
+    expect_visit(csv, "x01-v1", "deny", "");
+    expect_visit(csv, "x02-v2", "deny", "");
+    free(csv);
+}
+
+/* Asks until the sensor is in this state. */
+static void await_sensor(const struct appliance *appliance, const char *wanted)
+{
+    for (int tries = 0; tries < 1000; tries++) {
+        json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+        const bool there = strcmp(text_of(status, "sensor-state"), wanted) == 0;
+        json_decref(status);
+        if (there) {
+            return;
+        }
+    }
+    fail_msg("the sensor does not become '%s'", wanted);
+}
+
+static void a_pulled_cable_is_told_and_survived(void **state)
+{
+    static const char *const recordings[] = {"p01-v2", NULL};
+    const struct appliance *appliance = *state;
+
+    camera_bench_plug(appliance->bench, false);
+    await_sensor(appliance, "lost");
+    const struct appliance_result *doctor = appliance_run(appliance, "doctor", NULL);
+    assert_int_equal(doctor->exit, 4);
+    assert_non_null(strstr(doctor->out, "fault    sensor"));
+    assert_non_null(strstr(doctor->out, "sensor openni2: "));
+    assert_int_equal(appliance_run(appliance, "identify --timeout 0.5", NULL)->exit, 4);
+    camera_bench_plug(appliance->bench, true);
+    await_sensor(appliance, "started");
+    char *csv = visit(appliance, recordings);
+    expect_visit(csv, "p01-v2", "allow", "p01");
+    free(csv);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_camera_is_seen_and_runs),
+        cmocka_unit_test(people_are_enrolled),
+        cmocka_unit_test(people_are_identified),
+        cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_no_stranger),
+        cmocka_unit_test(a_pulled_cable_is_told_and_survived),
+    };
+
+    return appliance_find()
+               ? cmocka_run_group_tests(tests, appliance_setup_openni2, appliance_teardown)
+               : TEST_SKIPPED;
+}
