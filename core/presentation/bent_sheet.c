@@ -7,87 +7,78 @@
 #include "core/landmark/meeting.h"
 #include "core/math/solve.h"
 
-enum { POINTS_MIN = 24, KNOTS_MAX = 28, UNKNOWNS_MAX = KNOTS_MAX + 1, ANGLES = 12, PLANE = 3 };
+enum { POINTS_MIN = 24, KNOTS_MAX = 28, UNKNOWNS_MAX = KNOTS_MAX + 1, ANGLES = 10, PLANE = 3 };
 
 /* Knots of the profile are no closer: a nose's width would be followed by anything finer. */
 static const double knot_mm = 12.0;
 /* Couples neighbouring knots, weakly: some may have no points. In points. */
 static const double stiffness = 0.05;
-/* Cut-offs of Tukey's weight, in units of the limit. */
+/* Cut-offs of Tukey's weight, in units of the limit, after a step without one. The directions are
+ * compared after the first of them. */
 static const double cutoffs[] = {8.0, 4.0, 2.0, 1.0};
 
-enum { STEPS = sizeof cutoffs / sizeof cutoffs[0] };
+enum { STEPS = sizeof cutoffs / sizeof cutoffs[0], STEPS_COMPARED = 2 };
 
-/* A sheet ruled along one direction. */
+/* Points as a sheet ruled along one direction sees them, and the sheet. */
 struct sheet {
-    double cosine, sine, first_mm, spacing_mm;
-    int n_knots;
+    int n, n_knots;
     double x[UNKNOWNS_MAX]; /* heights of the knots, then the slope along the rulings */
+    int below[ISO_SHEET_POINTS_MAX];      /* the knot below the point */
+    double part[ISO_SHEET_POINTS_MAX];    /* how far it is to the next one, 0..1 */
+    double along_mm[ISO_SHEET_POINTS_MAX]; /* the rulings */
+    double z_mm[ISO_SHEET_POINTS_MAX];
 };
 
-static double across(const struct sheet *s, struct iso_vec3 p)
+static void lay_out(const struct iso_vec3 *p, int n, double angle_rad, struct sheet *s)
 {
-    return p.x * s->cosine + p.y * s->sine;
-}
-
-static double along(const struct sheet *s, struct iso_vec3 p)
-{
-    return p.y * s->cosine - p.x * s->sine;
-}
-
-/* The knot below a point; *part is how far it is to the next one, 0..1. */
-static int knot_below(const struct sheet *s, struct iso_vec3 p, double *part)
-{
-    double at = (across(s, p) - s->first_mm) / s->spacing_mm;
-    int k = (int)fmin(fmax(floor(at), 0.0), s->n_knots - 2.0);
-    *part = at - k;
-    return k;
-}
-
-static double above_sheet(const struct sheet *s, struct iso_vec3 p)
-{
-    double part;
-    int k = knot_below(s, p, &part);
-    return p.z - (1.0 - part) * s->x[k] - part * s->x[k + 1] - along(s, p) * s->x[s->n_knots];
-}
-
-static struct sheet lay_out(const struct iso_vec3 *p, int n, double angle_rad)
-{
-    struct sheet s = {.cosine = cos(angle_rad), .sine = sin(angle_rad)};
-    double low = INFINITY, high = -INFINITY;
+    double cosine = cos(angle_rad), sine = sin(angle_rad), low = INFINITY, high = -INFINITY;
     for (int i = 0; i < n; i++) {
-        double t = across(&s, p[i]);
-        low = fmin(low, t);
-        high = fmax(high, t);
+        double t = p[i].x * cosine + p[i].y * sine;
+        s->part[i] = t;
+        s->along_mm[i] = p[i].y * cosine - p[i].x * sine;
+        s->z_mm[i] = p[i].z;
+        low = t < low ? t : low;
+        high = t > high ? t : high;
     }
-    int gaps = (int)fmin(fmax(floor((high - low) / knot_mm), 1.0), KNOTS_MAX - 1.0);
-    s.first_mm = low;
-    s.spacing_mm = fmax((high - low) / gaps, 1e-6);
-    s.n_knots = gaps + 1;
-    return s;
+    double gaps = fmin(fmax(floor((high - low) / knot_mm), 1.0), KNOTS_MAX - 1.0);
+    double spacing_mm = fmax((high - low) / gaps, 1e-6);
+    s->n = n;
+    s->n_knots = (int)gaps + 1;
+    for (int i = 0; i < n; i++) {
+        double at = (s->part[i] - low) / spacing_mm;
+        int k = (int)at < s->n_knots - 2 ? (int)at : s->n_knots - 2;
+        s->below[i] = k;
+        s->part[i] = at - k;
+    }
+}
+
+static double above_sheet(const struct sheet *s, int i)
+{
+    int k = s->below[i];
+    return s->z_mm[i] - s->x[k] - s->part[i] * (s->x[k + 1] - s->x[k]) -
+           s->along_mm[i] * s->x[s->n_knots];
 }
 
 /* One weighted least-squares step; `cutoff_mm` 0: all weights 1. */
-static int solve_sheet(struct sheet *s, const struct iso_vec3 *p, int n, double cutoff_mm)
+static int solve_sheet(struct sheet *s, double cutoff_mm)
 {
-    double h[UNKNOWNS_MAX * UNKNOWNS_MAX] = {0}, g[UNKNOWNS_MAX] = {0};
+    double h[UNKNOWNS_MAX * UNKNOWNS_MAX], g[UNKNOWNS_MAX] = {0};
     int m = s->n_knots + 1, slope = s->n_knots;
-    for (int i = 0; i < n; i++) {
-        double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, p[i]), cutoff_mm) : 1.0, part;
-        if (!(w > 0.0)) {
-            continue;
-        }
-        int k = knot_below(s, p[i], &part);
-        double a = 1.0 - part, b = part, c = along(s, p[i]);
-        h[k * m + k] += w * a * a;
-        h[(k + 1) * m + k] += w * a * b;
-        h[(k + 1) * m + k + 1] += w * b * b;
-        h[slope * m + k] += w * a * c;
-        h[slope * m + k + 1] += w * b * c;
+    memset(h, 0, (size_t)(m * m) * sizeof *h);
+    for (int i = 0; i < s->n; i++) {
+        double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, i), cutoff_mm) : 1.0;
+        int k = s->below[i];
+        double b = w * s->part[i], a = w - b, c = s->along_mm[i], z = s->z_mm[i];
+        double *row = &h[k * m + k];
+        row[0] += a * (1.0 - s->part[i]);
+        row[m] += a * s->part[i];
+        row[m + 1] += b * s->part[i];
+        h[slope * m + k] += a * c;
+        h[slope * m + k + 1] += b * c;
         h[slope * m + slope] += w * c * c;
-        g[k] += w * a * p[i].z;
-        g[k + 1] += w * b * p[i].z;
-        g[slope] += w * c * p[i].z;
+        g[k] += a * z;
+        g[k + 1] += b * z;
+        g[slope] += w * c * z;
     }
     for (int k = 0; k + 1 < s->n_knots; k++) {
         h[k * m + k] += stiffness;
@@ -105,8 +96,9 @@ static int solve_sheet(struct sheet *s, const struct iso_vec3 *p, int n, double 
 /* Adds one residual to the figures of a fit. */
 static void tally(struct iso_sheet_fit *fit, double r, double limit_mm)
 {
-    fit->rms_mm += fmin(r * r, limit_mm * limit_mm);
-    fit->inlier_share += fabs(r) < 0.5 * limit_mm ? 1.0 : 0.0;
+    double size = fabs(r);
+    fit->rms_mm += size < limit_mm ? r * r : limit_mm * limit_mm;
+    fit->inlier_share += size < 0.5 * limit_mm ? 1.0 : 0.0;
 }
 
 static void finish(struct iso_sheet_fit *fit, int n)
@@ -127,24 +119,42 @@ static double bend_of(const struct sheet *s)
     return high - low;
 }
 
+/* The sheet ruled across one angle after so many reweighted steps. */
 static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double angle_rad,
-                        struct iso_sheet_fit *out)
+                        int steps, struct iso_sheet_fit *out)
 {
-    struct sheet sheet = lay_out(p, n, angle_rad);
-    int error = solve_sheet(&sheet, p, n, 0.0);
-    for (int i = 0; i < STEPS && !error; i++) {
-        error = solve_sheet(&sheet, p, n, cutoffs[i] * limit_mm);
+    struct sheet sheet;
+    lay_out(p, n, angle_rad, &sheet);
+    int error = solve_sheet(&sheet, 0.0);
+    for (int i = 0; i < steps && !error; i++) {
+        error = solve_sheet(&sheet, cutoffs[i] * limit_mm);
     }
     if (error) {
         return error;
     }
     struct iso_sheet_fit fit = {.angle_rad = angle_rad, .bend_mm = bend_of(&sheet)};
+    double limit = steps < STEPS ? cutoffs[steps] * limit_mm : limit_mm;
     for (int i = 0; i < n; i++) {
-        tally(&fit, above_sheet(&sheet, p[i]), limit_mm);
+        tally(&fit, above_sheet(&sheet, i), limit);
     }
     finish(&fit, n);
     *out = fit;
     return 0;
+}
+
+/* Turns the angle by up to `turn` to either side if that fits better. */
+static void refine(const struct iso_vec3 *points_mm, int n, double limit_mm, double turn,
+                   struct iso_sheet_fit *best)
+{
+    double middle = best->angle_rad;
+    for (int side = -1; side <= 1; side += 2) {
+        struct iso_sheet_fit fit;
+        double angle = fmod(middle + side * turn + M_PI, M_PI);
+        if (!fit_at_angle(points_mm, n, limit_mm, angle, STEPS, &fit) &&
+            fit.rms_mm < best->rms_mm) {
+            *best = fit;
+        }
+    }
 }
 
 int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,
@@ -155,23 +165,18 @@ int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,
         return -ENODATA;
     }
     for (int k = 0; k < ANGLES; k++) {
-        if (!fit_at_angle(points_mm, n, limit_mm, M_PI * k / ANGLES, &fit) &&
+        if (!fit_at_angle(points_mm, n, limit_mm, M_PI * k / ANGLES, STEPS_COMPARED, &fit) &&
             fit.rms_mm < best.rms_mm) {
             best = fit;
         }
     }
+    if (!isfinite(best.rms_mm) ||
+        fit_at_angle(points_mm, n, limit_mm, best.angle_rad, STEPS, &best)) {
+        return -ENODATA;
+    }
     /* A roll of 60 mm that is met 7 degrees off is missed by millimetres: down to 1 degree. */
     for (double turn = 0.5 * M_PI / ANGLES; turn > 0.015; turn *= 0.5) {
-        double middle = best.angle_rad;
-        for (int side = -1; side <= 1; side += 2) {
-            double angle = fmod(middle + side * turn + M_PI, M_PI);
-            if (!fit_at_angle(points_mm, n, limit_mm, angle, &fit) && fit.rms_mm < best.rms_mm) {
-                best = fit;
-            }
-        }
-    }
-    if (!isfinite(best.rms_mm)) {
-        return -ENODATA;
+        refine(points_mm, n, limit_mm, turn, &best);
     }
     *out = best;
     return 0;
@@ -187,8 +192,9 @@ int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, doub
     for (int step = -1; step < STEPS; step++) {
         double h[PLANE * PLANE] = {0}, g[PLANE] = {0};
         for (int i = 0; i < n; i++) {
-            double w = step < 0 ? 1.0 : iso_tukey(iso_above_plane(x, points_mm[i]),
-                                                  cutoffs[step] * limit_mm);
+            double w = step < 0 ? 1.0
+                                : iso_tukey(iso_above_plane(x, points_mm[i]),
+                                            cutoffs[step] * limit_mm);
             const double j[PLANE] = {1.0, points_mm[i].x, points_mm[i].y};
             for (int a = 0; a < PLANE; a++) {
                 for (int b = 0; b <= a; b++) {

@@ -13,7 +13,7 @@ struct iso_relief {
 };
 
 /* A residual counts for no more than this. */
-#define ISO_RELIEF_LIMIT_MM 12.0
+#define ISO_RELIEF_LIMIT_MM 4.0
 
 /* Looks at the disc of 48 mm about the face frame's origin. The frame is a cleaned one, or any
  * other without flying pixels. Means over cells take the sensor's noise down to a few tenths of a

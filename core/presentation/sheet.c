@@ -181,7 +181,7 @@ static int describe(struct iso_sheet_finder *f, const struct iso_frame *frame,
     double plane[3], farther = part->mean_mm / limit_at_mm;
     struct iso_sheet sheet = {.area_mm2 = part->area_mm2,
                               .distance_mm = part->mean_mm,
-                              .limit_mm = limit_mm * fmax(1.0, farther * farther)};
+                              .limit_mm = limit_mm * fmax(1.0, farther)};
     int n = sample(f, frame, part, points);
     int error = iso_plane_fit(points, n, sheet.limit_mm, plane, &sheet.flat);
     error = error ? error : iso_bent_sheet_fit(points, n, sheet.limit_mm, &sheet.bent);
