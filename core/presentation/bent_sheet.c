@@ -22,9 +22,9 @@ enum { STEPS = sizeof cutoffs / sizeof cutoffs[0], STEPS_COMPARED = 2 };
 /* Points as a sheet ruled along one direction sees them, and the sheet. */
 struct sheet {
     int n, n_knots;
-    double x[UNKNOWNS_MAX]; /* heights of the knots, then the slope along the rulings */
-    int below[ISO_SHEET_POINTS_MAX];      /* the knot below the point */
-    double part[ISO_SHEET_POINTS_MAX];    /* how far it is to the next one, 0..1 */
+    double x[UNKNOWNS_MAX];            /* heights of the knots, then the slope along the rulings */
+    int below[ISO_SHEET_POINTS_MAX];   /* the knot below the point */
+    double part[ISO_SHEET_POINTS_MAX]; /* how far it is to the next one, 0..1 */
     double along_mm[ISO_SHEET_POINTS_MAX]; /* the rulings */
     double z_mm[ISO_SHEET_POINTS_MAX];
 };
@@ -192,9 +192,9 @@ int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, doub
     for (int step = -1; step < STEPS; step++) {
         double h[PLANE * PLANE] = {0}, g[PLANE] = {0};
         for (int i = 0; i < n; i++) {
-            double w = step < 0 ? 1.0
-                                : iso_tukey(iso_above_plane(x, points_mm[i]),
-                                            cutoffs[step] * limit_mm);
+            double w = step < 0
+                           ? 1.0
+                           : iso_tukey(iso_above_plane(x, points_mm[i]), cutoffs[step] * limit_mm);
             const double j[PLANE] = {1.0, points_mm[i].x, points_mm[i].y};
             for (int a = 0; a < PLANE; a++) {
                 for (int b = 0; b <= a; b++) {

@@ -22,10 +22,10 @@ struct iso_sheet_fit {
     double angle_rad;    /* a, 0..pi; 0 for a plane */
 };
 
-/* The plane z = a + b x + c y (plane = {a, b, c}), and the bent sheet, by iteratively reweighted least squares with
- * Tukey's biweight, so that a finger before the sheet does not matter. Residuals are lengths along
- * z. `n` points, at most ISO_SHEET_POINTS_MAX; -ENODATA if there are fewer than 24 or they do not
- * span a surface. */
+/* The plane z = a + b x + c y (plane = {a, b, c}), and the bent sheet, by iteratively reweighted
+ * least squares with Tukey's biweight, so that a finger before the sheet does not matter. Residuals
+ * are lengths along z. `n` points, at most ISO_SHEET_POINTS_MAX; -ENODATA if there are fewer than
+ * 24 or they do not span a surface. */
 int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, double plane[3],
                   struct iso_sheet_fit *out) __attribute__((warn_unused_result));
 int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,

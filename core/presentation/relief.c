@@ -79,7 +79,7 @@ int iso_relief_measure(const struct iso_frame *frame, const struct iso_rigid *ca
             n_tip++;
         }
     }
-    if (n < CELLS_MIN || n_tip == 0) {
+    if (n < CELLS_MIN) {
         return -ENODATA;
     }
     struct iso_relief relief = {.n_cells = n};
@@ -87,7 +87,7 @@ int iso_relief_measure(const struct iso_frame *frame, const struct iso_rigid *ca
     double plane[3];
     int error = iso_plane_fit(ring, n_ring, ISO_RELIEF_LIMIT_MM, plane, &beside);
     if (!error) {
-        relief.nose_mm = iso_above_plane(plane, iso_scale(1.0 / n_tip, tip));
+        relief.nose_mm = n_tip > 0 ? iso_above_plane(plane, iso_scale(1.0 / n_tip, tip)) : 0.0;
         error = iso_plane_fit(points, n, ISO_RELIEF_LIMIT_MM, plane, &relief.flat);
     }
     error = error ? error : iso_bent_sheet_fit(points, n, ISO_RELIEF_LIMIT_MM, &relief.bent);

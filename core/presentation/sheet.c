@@ -16,8 +16,8 @@ enum { SAMPLES = 500 };
 
 struct iso_sheet_finder {
     size_t capacity_px;
-    int32_t *label; /* of each pixel, -1 for none */
-    int32_t *queue; /* flood fill */
+    int32_t *label;                /* of each pixel, -1 for none */
+    int32_t *queue;                /* flood fill */
     int32_t *first_row, *last_row; /* of the part in each column */
 };
 

@@ -1,8 +1,8 @@
 /* The nearest thing of a scene, and whether it is a sheet or a plate that somebody holds up.
  *
  * A photograph or a display rarely gets as far as a fitted face: where no face is found, this says
- * that a picture may have been meant for one. The thing is a connected part of a coarse frame (steps
- * of depth end it, holes do not: a display is often measured at its rim alone). */
+ * that a picture may have been meant for one. The thing is a connected part of a coarse frame
+ * (steps of depth end it, holes do not: a display is often measured at its rim alone). */
 #ifndef ISO_CORE_PRESENTATION_SHEET_H
 #define ISO_CORE_PRESENTATION_SHEET_H
 
@@ -10,12 +10,12 @@
 #include "core/presentation/bent_sheet.h"
 
 struct iso_sheet {
-    double area_mm2;    /* that was measured, as seen */
-    double distance_mm; /* mean */
+    double area_mm2;     /* that was measured, as seen */
+    double distance_mm;  /* mean */
     double border_share; /* of its outermost pixels in rows and columns, that lie on the image's
                             border */
-    double hole_share; /* of the pixels between its pixels, in row and column, not measured */
-    double limit_mm;   /* of the residuals: grows with distance, as noise does */
+    double hole_share;   /* of the pixels between its pixels, in row and column, not measured */
+    double limit_mm;     /* of the residuals: grows with distance, as noise does */
     struct iso_sheet_fit flat, bent;
 };
 

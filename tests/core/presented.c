@@ -127,8 +127,8 @@ static void draw_cut(struct presented *p)
     enum { PIECES = 8 };
     struct iso_vec3 eye[2][EYE_CORNERS];
     for (int k = 0; k < 2 * EYE_CORNERS; k++) {
-        eye[k / EYE_CORNERS][k % EYE_CORNERS] =
-            iso_head_point_on(p->model, p->moved_mm, p->model->landmarks[EYE + k]);
+        eye[k / EYE_CORNERS][k % EYE_CORNERS] = iso_head_point_on(p->model, p->moved_mm,
+                                                                  p->model->landmarks[EYE + k]);
     }
     static const uint32_t one[1][3] = {{0, 1, 2}};
     for (uint32_t t = 0; t < p->model->n_triangles; t++) {
@@ -147,8 +147,8 @@ static void draw_cut(struct presented *p)
                     small[1] = iso_add(q, u);
                     small[2] = iso_add(iso_add(q, u), v);
                 }
-                struct iso_vec3 middle = iso_scale(
-                    1.0 / 3.0, iso_add(small[0], iso_add(small[1], small[2])));
+                struct iso_vec3 middle = iso_scale(1.0 / 3.0,
+                                                   iso_add(small[0], iso_add(small[1], small[2])));
                 /* The mesh is in the camera frame by now, seen much as from the front. */
                 if (!in_eye(eye[0], middle) && !in_eye(eye[1], middle)) {
                     assert_int_equal(sim_view_draw(p->view, small, one, 1, SIM_PAPER), 0);
@@ -167,8 +167,7 @@ void presented_head(struct presented *p, const struct iso_rigid *pose, double si
         draw_cut(p);
         return;
     }
-    assert_int_equal(sim_view_draw(p->view, p->moved_mm,
-                                   (const uint32_t(*)[3])p->model->triangles,
+    assert_int_equal(sim_view_draw(p->view, p->moved_mm, (const uint32_t(*)[3])p->model->triangles,
                                    p->model->n_triangles, SIM_SKIN),
                      0);
 }
@@ -192,8 +191,8 @@ struct presented_sheet presented_draw_sheet(struct presented *p, enum presented_
 {
     struct sim_random *r = &p->random;
     double size = sim_random_between(r, 0.75, 1.5); /* of a sheet of A5 to A3 */
-    struct presented_sheet sheet = {.width_mm = 190.0 * size, .height_mm = 265.0 * size,
-                                    .bend = bend};
+    struct presented_sheet sheet = {
+        .width_mm = 190.0 * size, .height_mm = 265.0 * size, .bend = bend};
     sheet.radius_mm = sim_random_between(r, 60.0, 300.0);
     sheet.crease_rad = sim_random_between(r, DEGREES(15.0), DEGREES(50.0));
     sheet.axis_rad = sim_random_unit(r) < 0.5 ? 0.0 : sim_random_between(r, 0.0, DEGREES(180.0));

@@ -16,7 +16,7 @@ struct presented {
     const struct iso_head_model *model;
     struct sim_view *view;
     struct sim_sensor_workspace *workspace;
-    struct iso_frame *frame; /* what the sensor reports, after presented_measure */
+    struct iso_frame *frame;              /* what the sensor reports, after presented_measure */
     struct iso_vec3 *shape_mm, *moved_mm; /* [model->n_vertices] the last head; scratch */
     double noise_scale;
     struct sim_random random;
@@ -50,7 +50,7 @@ enum presented_bend { PRESENTED_FLAT, PRESENTED_ROLLED, PRESENTED_WAVY, PRESENTE
 struct presented_sheet {
     double width_mm, height_mm;
     enum presented_bend bend;
-    double radius_mm; /* of the roll; of the wave at its crests */
+    double radius_mm;  /* of the roll; of the wave at its crests */
     double crease_rad; /* of each of the creases */
     double axis_rad;   /* of the bend in the sheet: 0: about the vertical */
     bool oval;         /* cut out along the outline of a face */
