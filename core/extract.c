@@ -48,6 +48,19 @@ static int coarse_factor(const struct iso_frame *frame)
     return factor;
 }
 
+/* What a frame without a face holds instead. */
+static enum iso_capture name_what_is_shown(struct iso_extractor *x,
+                                           const struct iso_candidate_options *range,
+                                           enum iso_capture otherwise)
+{
+    const struct iso_presentation_options bounds = iso_presentation_options_default();
+    struct iso_presentation_cues cues;
+    iso_presentation_measure_scene(x->presentation, &x->coarse, range->near_mm,
+                                   x->options.distance_max_mm, &cues);
+    enum iso_capture outcome = iso_presentation_judge(&cues, &bounds);
+    return outcome == ISO_CAPTURE_OK ? otherwise : outcome;
+}
+
 /* Finds the face roughly in the frame shrunk to the coarse pitch. */
 static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
                      struct iso_pose_fit *fit, struct iso_extraction *out)
@@ -78,7 +91,8 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
         .coverage_min = search_coverage_min,
     };
     if (iso_pose_search(&search, candidates, n_candidates, fit)) {
-        out->outcome = n_candidates > 0 ? ISO_CAPTURE_NOT_A_FACE : ISO_CAPTURE_NO_FACE;
+        out->outcome = name_what_is_shown(
+            x, &range, n_candidates > 0 ? ISO_CAPTURE_NOT_A_FACE : ISO_CAPTURE_NO_FACE);
         return 0;
     }
     out->outcome = ISO_CAPTURE_OK;
@@ -151,9 +165,22 @@ static void describe_fit(const struct iso_shape_fit *head, struct iso_extraction
     }
 }
 
+/* Whether the fitted face is one that is alive, as far as a single frame says. */
+static enum iso_capture judge_presentation(const struct iso_extractor *x,
+                                           const struct iso_frame *frame,
+                                           const struct iso_frame *cleaned)
+{
+    const struct iso_presentation_options bounds = iso_presentation_options_default();
+    const struct iso_shape_residuals head = iso_shape_fitter_residuals(x->fitter);
+    struct iso_presentation_cues cues;
+    iso_presentation_measure_face(x->presentation, frame, cleaned, &x->head, &head, &cues);
+    return iso_presentation_judge(&cues, &bounds);
+}
+
 /* Fits the head model to the cleaned frame. */
-static int fit_head(struct iso_extractor *x, const struct iso_frame *cleaned,
-                    struct iso_pose_fit *fit, struct iso_extraction *out)
+static int fit_head(struct iso_extractor *x, const struct iso_frame *frame,
+                    const struct iso_frame *cleaned, struct iso_pose_fit *fit,
+                    struct iso_extraction *out)
 {
     struct iso_rigid start = fit->camera_from_face;
     int error = iso_shape_fit(x->fitter, cleaned, &start, &x->head);
@@ -166,6 +193,8 @@ static int fit_head(struct iso_extractor *x, const struct iso_frame *cleaned,
         out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
     } else if (fit->cost_mm2 > fit_cost_max_mm2) {
         out->outcome = ISO_CAPTURE_NOT_A_FACE;
+    } else {
+        out->outcome = judge_presentation(x, frame, cleaned);
     }
     return 0;
 }
@@ -270,7 +299,7 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_
                               ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned);
             break;
         case ISO_STAGE_FIT:
-            error = fit_head(x, cleaned, &fit, out);
+            error = fit_head(x, frame, cleaned, &fit, out);
             break;
         case ISO_STAGE_PATCH:
             error = make_patch(x, cleaned, out);

@@ -114,6 +114,9 @@ static int new_find(struct iso_extractor *x)
     if (!error) {
         error = iso_shape_fitter_new(x->model, &x->options.fit, &x->fitter);
     }
+    if (!error) {
+        error = iso_presentation_new(x->model, ISO_EXTRACT_COARSE_PX_MAX, &x->presentation);
+    }
     return error;
 }
 
@@ -236,6 +239,7 @@ void iso_extractor_free(struct iso_extractor *extractor)
     iso_pose_vertices_free(x->search_vertices);
     iso_shape_fitter_free(x->search_fitter);
     iso_shape_fitter_free(x->fitter);
+    iso_presentation_free(x->presentation);
     iso_cleaner_free(x->cleaner);
     iso_triangulator_free(x->triangulator);
     iso_mesh_free(x->surface);

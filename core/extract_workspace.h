@@ -10,6 +10,7 @@
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
 #include "core/landmark/pose_fit.h"
+#include "core/presentation/presentation.h"
 #include "core/surface/clean.h"
 #include "core/surface/face_patch.h"
 #include "core/surface/triangulate.h"
@@ -41,6 +42,7 @@ struct iso_extractor {
     struct iso_candidate_finder *finder;
     struct iso_pose_vertices *search_vertices;
     struct iso_shape_fitter *search_fitter;
+    struct iso_presentation *presentation;
 
     /* surface of the cleaned frame, the head model fitted to it */
     struct iso_cleaner *cleaner;

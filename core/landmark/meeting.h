@@ -1,5 +1,5 @@
 /* How a point of the head model meets the measurement: projective association, point to plane.
- * Internal to core/landmark. */
+ * Internal to core. */
 #ifndef ISO_CORE_LANDMARK_MEETING_H
 #define ISO_CORE_LANDMARK_MEETING_H
 

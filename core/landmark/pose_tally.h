@@ -1,5 +1,5 @@
 /* The figures by which fits are judged, summed over the vertices of a model. Internal to
- * core/landmark. */
+ * core. */
 #ifndef ISO_CORE_LANDMARK_POSE_TALLY_H
 #define ISO_CORE_LANDMARK_POSE_TALLY_H
 

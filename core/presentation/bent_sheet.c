@@ -1,0 +1,220 @@
+#include "core/presentation/bent_sheet.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "core/landmark/meeting.h"
+#include "core/math/solve.h"
+
+enum { POINTS_MIN = 24, KNOTS_MAX = 28, UNKNOWNS_MAX = KNOTS_MAX + 1, ANGLES = 10, PLANE = 3 };
+
+/* Knots of the profile are no closer: a nose's width would be followed by anything finer. */
+static const double knot_mm = 12.0;
+/* Couples neighbouring knots, weakly: some may have no points. In points. */
+static const double stiffness = 0.05;
+/* Cut-offs of Tukey's weight, in units of the limit, after a step without one. The directions are
+ * compared after the first of them. */
+static const double cutoffs[] = {8.0, 4.0, 2.0, 1.0};
+
+enum { STEPS = sizeof cutoffs / sizeof cutoffs[0], STEPS_COMPARED = 2 };
+
+/* Points as a sheet ruled along one direction sees them, and the sheet. */
+struct sheet {
+    int n, n_knots;
+    double x[UNKNOWNS_MAX];            /* heights of the knots, then the slope along the rulings */
+    int below[ISO_SHEET_POINTS_MAX];   /* the knot below the point */
+    double part[ISO_SHEET_POINTS_MAX]; /* how far it is to the next one, 0..1 */
+    double along_mm[ISO_SHEET_POINTS_MAX]; /* the rulings */
+    double z_mm[ISO_SHEET_POINTS_MAX];
+};
+
+static void lay_out(const struct iso_vec3 *p, int n, double angle_rad, struct sheet *s)
+{
+    double cosine = cos(angle_rad), sine = sin(angle_rad), low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < n; i++) {
+        double t = p[i].x * cosine + p[i].y * sine;
+        s->part[i] = t;
+        s->along_mm[i] = p[i].y * cosine - p[i].x * sine;
+        s->z_mm[i] = p[i].z;
+        low = t < low ? t : low;
+        high = t > high ? t : high;
+    }
+    double gaps = fmin(fmax(floor((high - low) / knot_mm), 1.0), KNOTS_MAX - 1.0);
+    double spacing_mm = fmax((high - low) / gaps, 1e-6);
+    s->n = n;
+    s->n_knots = (int)gaps + 1;
+    for (int i = 0; i < n; i++) {
+        double at = (s->part[i] - low) / spacing_mm;
+        int k = (int)at < s->n_knots - 2 ? (int)at : s->n_knots - 2;
+        s->below[i] = k;
+        s->part[i] = at - k;
+    }
+}
+
+static double above_sheet(const struct sheet *s, int i)
+{
+    int k = s->below[i];
+    return s->z_mm[i] - s->x[k] - s->part[i] * (s->x[k + 1] - s->x[k]) -
+           s->along_mm[i] * s->x[s->n_knots];
+}
+
+/* One weighted least-squares step; `cutoff_mm` 0: all weights 1. */
+static int solve_sheet(struct sheet *s, double cutoff_mm)
+{
+    double h[UNKNOWNS_MAX * UNKNOWNS_MAX], g[UNKNOWNS_MAX] = {0};
+    int m = s->n_knots + 1, slope = s->n_knots;
+    memset(h, 0, (size_t)(m * m) * sizeof *h);
+    for (int i = 0; i < s->n; i++) {
+        double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, i), cutoff_mm) : 1.0;
+        int k = s->below[i];
+        double b = w * s->part[i], a = w - b, c = s->along_mm[i], z = s->z_mm[i];
+        double *row = &h[k * m + k];
+        row[0] += a * (1.0 - s->part[i]);
+        row[m] += a * s->part[i];
+        row[m + 1] += b * s->part[i];
+        h[slope * m + k] += a * c;
+        h[slope * m + k + 1] += b * c;
+        h[slope * m + slope] += w * c * c;
+        g[k] += a * z;
+        g[k + 1] += b * z;
+        g[slope] += w * c * z;
+    }
+    for (int k = 0; k + 1 < s->n_knots; k++) {
+        h[k * m + k] += stiffness;
+        h[(k + 1) * m + k + 1] += stiffness;
+        h[(k + 1) * m + k] -= stiffness;
+    }
+    if (iso_cholesky_factorise(h, m)) {
+        return -ENODATA;
+    }
+    iso_cholesky_solve(h, m, g);
+    memcpy(s->x, g, (size_t)m * sizeof *g);
+    return 0;
+}
+
+/* Adds one residual to the figures of a fit. */
+static void tally(struct iso_sheet_fit *fit, double r, double limit_mm)
+{
+    double size = fabs(r);
+    fit->rms_mm += size < limit_mm ? r * r : limit_mm * limit_mm;
+    fit->inlier_share += size < 0.5 * limit_mm ? 1.0 : 0.0;
+}
+
+static void finish(struct iso_sheet_fit *fit, int n)
+{
+    fit->rms_mm = sqrt(fit->rms_mm / n);
+    fit->inlier_share /= n;
+}
+
+/* How far the profile leaves the straight line through its ends. */
+static double bend_of(const struct sheet *s)
+{
+    double low = 0.0, high = 0.0, rise = s->x[s->n_knots - 1] - s->x[0];
+    for (int k = 0; k < s->n_knots; k++) {
+        double off = s->x[k] - s->x[0] - rise * k / (s->n_knots - 1);
+        low = fmin(low, off);
+        high = fmax(high, off);
+    }
+    return high - low;
+}
+
+/* The sheet ruled across one angle after so many reweighted steps. */
+static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double angle_rad,
+                        int steps, struct iso_sheet_fit *out)
+{
+    struct sheet sheet;
+    lay_out(p, n, angle_rad, &sheet);
+    int error = solve_sheet(&sheet, 0.0);
+    for (int i = 0; i < steps && !error; i++) {
+        error = solve_sheet(&sheet, cutoffs[i] * limit_mm);
+    }
+    if (error) {
+        return error;
+    }
+    struct iso_sheet_fit fit = {.angle_rad = angle_rad, .bend_mm = bend_of(&sheet)};
+    double limit = steps < STEPS ? cutoffs[steps] * limit_mm : limit_mm;
+    for (int i = 0; i < n; i++) {
+        tally(&fit, above_sheet(&sheet, i), limit);
+    }
+    finish(&fit, n);
+    *out = fit;
+    return 0;
+}
+
+/* Turns the angle by up to `turn` to either side if that fits better. */
+static void refine(const struct iso_vec3 *points_mm, int n, double limit_mm, double turn,
+                   struct iso_sheet_fit *best)
+{
+    double middle = best->angle_rad;
+    for (int side = -1; side <= 1; side += 2) {
+        struct iso_sheet_fit fit;
+        double angle = fmod(middle + side * turn + M_PI, M_PI);
+        if (!fit_at_angle(points_mm, n, limit_mm, angle, STEPS, &fit) &&
+            fit.rms_mm < best->rms_mm) {
+            *best = fit;
+        }
+    }
+}
+
+int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,
+                       struct iso_sheet_fit *out)
+{
+    struct iso_sheet_fit best = {.rms_mm = INFINITY}, fit;
+    if (n < POINTS_MIN || n > ISO_SHEET_POINTS_MAX) {
+        return -ENODATA;
+    }
+    for (int k = 0; k < ANGLES; k++) {
+        if (!fit_at_angle(points_mm, n, limit_mm, M_PI * k / ANGLES, STEPS_COMPARED, &fit) &&
+            fit.rms_mm < best.rms_mm) {
+            best = fit;
+        }
+    }
+    if (!isfinite(best.rms_mm) ||
+        fit_at_angle(points_mm, n, limit_mm, best.angle_rad, STEPS, &best)) {
+        return -ENODATA;
+    }
+    /* A roll of 60 mm that is met 7 degrees off is missed by millimetres: down to 1 degree. */
+    for (double turn = 0.5 * M_PI / ANGLES; turn > 0.015; turn *= 0.5) {
+        refine(points_mm, n, limit_mm, turn, &best);
+    }
+    *out = best;
+    return 0;
+}
+
+int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, double plane[3],
+                  struct iso_sheet_fit *out)
+{
+    double x[PLANE] = {0};
+    if (n < POINTS_MIN || n > ISO_SHEET_POINTS_MAX) {
+        return -ENODATA;
+    }
+    for (int step = -1; step < STEPS; step++) {
+        double h[PLANE * PLANE] = {0}, g[PLANE] = {0};
+        for (int i = 0; i < n; i++) {
+            double w = step < 0
+                           ? 1.0
+                           : iso_tukey(iso_above_plane(x, points_mm[i]), cutoffs[step] * limit_mm);
+            const double j[PLANE] = {1.0, points_mm[i].x, points_mm[i].y};
+            for (int a = 0; a < PLANE; a++) {
+                for (int b = 0; b <= a; b++) {
+                    h[a * PLANE + b] += w * j[a] * j[b];
+                }
+                g[a] += w * j[a] * points_mm[i].z;
+            }
+        }
+        if (iso_cholesky_factorise(h, PLANE)) {
+            return -ENODATA;
+        }
+        iso_cholesky_solve(h, PLANE, g);
+        memcpy(x, g, sizeof x);
+    }
+    struct iso_sheet_fit fit = {0};
+    for (int i = 0; i < n; i++) {
+        tally(&fit, iso_above_plane(x, points_mm[i]), limit_mm);
+    }
+    finish(&fit, n);
+    memcpy(plane, x, sizeof x);
+    *out = fit;
+    return 0;
+}

@@ -1,0 +1,80 @@
+/* Whether what is shown moves as the living do, over the frames of a visit.
+ *
+ * Nobody stands still: the head of a standing adult travels 368 +- 80 mm a minute, mostly at 0.3 to
+ * 0.4 Hz (20 healthy adults, a light on a helmet: "Head movement recording and significance", a
+ * study of head movement as a righting reflex), that is 6 mm a second, and the best of a
+ * championship of standing still for 7 minutes managed 4.7 mm/s on average (University of Oslo,
+ * Nordic Championship of Standstill, 2019). A print on a stand does not move; but its measured pose
+ * does, by noise. Noise is not known beforehand, yet differs from sway in that it has no memory:
+ * von Neumann's ratio (1941) of the mean square of successive differences, halved, to the variance
+ * is 1 +- 1/sqrt(n) for n independent values, and near 0 for slow motion.
+ *
+ *   NOT_YET -> ALIVE      something moved, in one of the six coordinates of the pose
+ *   NOT_YET -> STILL      nothing did for `still_ns`; or frames that are the same to the bit
+ *   ALIVE  <-> STILL      the same, judged anew over the last frames
+ *   any    -> NOT_YET     a gap in time, or iso_liveness_init
+ *
+ * A visit that ends before it could be said stays NOT_YET: it is for the caller's policy whether
+ * that is enough. A print in a hand moves: this is no proof of life. Pure: the time is an argument.
+ */
+#ifndef ISO_CORE_PRESENTATION_LIVENESS_H
+#define ISO_CORE_PRESENTATION_LIVENESS_H
+
+#include <stdint.h>
+
+#include "core/frame/frame.h"
+
+enum { ISO_LIVENESS_FRAMES = 64, ISO_LIVENESS_COORDINATES = 6 };
+
+enum iso_liveness_answer {
+    ISO_LIVENESS_NOT_YET = 0,
+    ISO_LIVENESS_ALIVE,
+    ISO_LIVENESS_STILL,
+};
+
+struct iso_liveness_options {
+    int64_t still_ns;  /* for so long nobody stands still */
+    int64_t gap_ns;    /* frames further apart are not of one visit */
+    int frames_min;    /* fewer say nothing, 8..ISO_LIVENESS_FRAMES */
+    int frozen_frames; /* so many in a row, the same to the bit, were not measured: >= 2 */
+    double moved_mm;   /* standard deviation, noise taken off, that is motion */
+    double doubt;      /* how many standard deviations von Neumann's ratio is to be off 1 */
+};
+
+/* 1.2 s, 0.5 s, 20 frames, 3 frozen, 0.12 mm, 3.5. */
+struct iso_liveness_options iso_liveness_options_default(void);
+
+/* A frame in which a face was fitted. */
+struct iso_liveness_frame {
+    int64_t t_ns;
+    struct iso_rigid camera_from_face;
+    double
+        sigma_mm; /* of the pose: frames worse than 3 mm are counted for nothing but their digest */
+    uint32_t digest; /* iso_liveness_digest */
+};
+
+struct iso_liveness {
+    struct iso_liveness_options options;
+    int n, next; /* frames held, and where the next one goes */
+    int64_t t_ns[ISO_LIVENESS_FRAMES];
+    double x_mm[ISO_LIVENESS_FRAMES][ISO_LIVENESS_COORDINATES]; /* shift, and turn at 80 mm */
+    struct iso_rigid first; /* turns are counted from its attitude */
+    int64_t last_ns;
+    uint32_t digest;
+    int repeated; /* frames in a row like the one before them */
+    enum iso_liveness_answer answer;
+};
+
+/* A value of its own: copied freely, nothing to be freed. */
+void iso_liveness_init(const struct iso_liveness_options *options, struct iso_liveness *out);
+
+/* Takes the next frame into account and says what is known now. Times must rise; one that does not
+ * begins anew. */
+enum iso_liveness_answer iso_liveness_feed(struct iso_liveness *liveness,
+                                           const struct iso_liveness_frame *frame);
+
+/* Checksum of the depths about a face, 80 mm to each side, every fourth row of the frame as it
+ * came: a sensor's noise makes two frames of the same scene differ. */
+uint32_t iso_liveness_digest(const struct iso_frame *frame, struct iso_vec3 nose_mm);
+
+#endif

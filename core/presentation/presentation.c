@@ -1,0 +1,143 @@
+#include "core/presentation/presentation.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+struct iso_presentation {
+    const struct iso_head_model *model;
+    struct iso_sizer *sizer;
+    struct iso_sheet_finder *finder;
+};
+
+/* Mean of what both measures of scale say of people, and of their identity's norm. */
+static const double people_scale = 0.99, people_norm = 0.34;
+static const double norm_weight = 0.3;
+/* Of the places about an eye, for the eye to be judged. */
+static const double around_min = 0.5, measured_min = 0.5;
+
+struct iso_presentation_options iso_presentation_options_default(void)
+{
+    return (struct iso_presentation_options){
+        .sheet_share = 0.83,
+        .too_small = 0.19,
+        .too_large = 0.15,
+        .eye_behind_mm = 3.5,
+        .eye_hole_share = 0.9,
+        .held_flat_share = 0.55,
+        .held_bent_share = 0.8,
+        .held_area_max_mm2 = 130000.0,
+        .screen_hole_share = 0.08,
+    };
+}
+
+/* The logarithm of the scale, away from people's. */
+static double log_scale(const struct iso_presentation_cues *cues)
+{
+    return 0.5 * log(cues->size.scale * cues->fitted_scale / (people_scale * people_scale));
+}
+
+double iso_presentation_oversize(const struct iso_presentation_cues *cues)
+{
+    double over = log_scale(cues), odd = norm_weight * (cues->identity_norm - people_norm);
+    return over > 0.0 ? fmax(over + odd, 0.0) : fmin(over - odd, 0.0);
+}
+
+static bool cut_out(const struct iso_eye *eye, const struct iso_presentation_options *o)
+{
+    bool behind = eye->hole_share <= 1.0 - measured_min && eye->depth_mm >= o->eye_behind_mm;
+    return eye->around_share >= around_min && (behind || eye->hole_share >= o->eye_hole_share);
+}
+
+static enum iso_capture judge_sheet(const struct iso_sheet *sheet,
+                                    const struct iso_presentation_options *o)
+{
+    if (sheet->area_mm2 > o->held_area_max_mm2) {
+        return ISO_CAPTURE_OK;
+    }
+    bool flat = sheet->flat.inlier_share >= o->held_flat_share;
+    if (flat && sheet->hole_share >= o->screen_hole_share) {
+        return ISO_CAPTURE_SCREEN;
+    }
+    if (flat) {
+        return ISO_CAPTURE_FLAT;
+    }
+    return sheet->bent.inlier_share >= o->held_bent_share ? ISO_CAPTURE_BENT : ISO_CAPTURE_OK;
+}
+
+enum iso_capture iso_presentation_judge(const struct iso_presentation_cues *cues,
+                                        const struct iso_presentation_options *options)
+{
+    if (cues->has_relief && cues->relief.flat.inlier_share >= options->sheet_share) {
+        return ISO_CAPTURE_FLAT;
+    }
+    if (cues->has_relief && cues->relief.bent.inlier_share >= options->sheet_share) {
+        return ISO_CAPTURE_BENT;
+    }
+    if (cues->has_size) {
+        double over = iso_presentation_oversize(cues);
+        if (over > options->too_large || over < -options->too_small) {
+            return ISO_CAPTURE_WRONG_SIZE;
+        }
+    }
+    if (cues->has_eyes && cut_out(&cues->eyes[ISO_EYE_R], options) &&
+        cut_out(&cues->eyes[ISO_EYE_L], options)) {
+        return ISO_CAPTURE_EYES_CUT;
+    }
+    bool face = cues->has_relief || cues->has_size || cues->has_eyes;
+    return cues->has_sheet && !face ? judge_sheet(&cues->sheet, options) : ISO_CAPTURE_OK;
+}
+
+int iso_presentation_new(const struct iso_head_model *model, size_t capacity_px,
+                         struct iso_presentation **out)
+{
+    struct iso_presentation *p = calloc(1, sizeof *p);
+    if (!p) {
+        return -ENOMEM;
+    }
+    p->model = model;
+    int error = iso_sizer_new(model, &p->sizer);
+    if (!error) {
+        error = iso_sheet_finder_new(capacity_px, &p->finder);
+    }
+    if (error) {
+        iso_presentation_free(p);
+        return error;
+    }
+    *out = p;
+    return 0;
+}
+
+void iso_presentation_free(struct iso_presentation *presentation)
+{
+    if (presentation) {
+        iso_sizer_free(presentation->sizer);
+        iso_sheet_finder_free(presentation->finder);
+        free(presentation);
+    }
+}
+
+void iso_presentation_measure_face(const struct iso_presentation *presentation,
+                                   const struct iso_frame *frame, const struct iso_frame *cleaned,
+                                   const struct iso_shape_fit *fit,
+                                   const struct iso_shape_residuals *head,
+                                   struct iso_presentation_cues *out)
+{
+    const struct iso_rigid *pose = &fit->pose.camera_from_face;
+    struct iso_presentation_cues cues = {.identity_norm = fit->identity_norm};
+    cues.fitted_scale = iso_size_of_fit(presentation->model, head->vertex_mm);
+    cues.has_relief = iso_relief_measure(cleaned, pose, &cues.relief) == 0;
+    cues.has_size = iso_size_measure(presentation->sizer, cleaned, pose, &cues.size) == 0;
+    iso_eyes_measure(frame, fit, cues.eyes);
+    cues.has_eyes = true;
+    *out = cues;
+}
+
+void iso_presentation_measure_scene(struct iso_presentation *presentation,
+                                    const struct iso_frame *coarse, double near_mm, double far_mm,
+                                    struct iso_presentation_cues *out)
+{
+    struct iso_presentation_cues cues = {0};
+    cues.has_sheet = iso_sheet_find(presentation->finder, coarse, near_mm, far_mm, &cues.sheet) ==
+                     0;
+    *out = cues;
+}

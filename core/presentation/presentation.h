@@ -1,0 +1,82 @@
+/* Cues of a presentation attack (ISO/IEC 30107-1) that one depth frame gives for nothing.
+ *
+ *   relief   a picture of a face has no nose             -> flat, bent
+ *   size     a print that is too small or too large      -> wrong-size
+ *   eyes     a print with its eyes cut out               -> eyes-cut
+ *   sheet    where no face was found: what was held up   -> flat, bent, screen
+ *
+ * What only several frames show is in liveness.h. A print of true size that somebody wears, its
+ * eyes whole, is met by none of them.
+ *
+ * The bounds were chosen on rendered presentations (sim/generate: people of the ICT space, mild and
+ * strong expressions, sensors astra, kinect2, d435) and looked at on 370 real frames of Kinect v2.
+ * Each says the worst genuine and the worst attack that was measured. */
+#ifndef ISO_CORE_PRESENTATION_PRESENTATION_H
+#define ISO_CORE_PRESENTATION_PRESENTATION_H
+
+#include <stdbool.h>
+
+#include "core/capture.h"
+#include "core/presentation/eyes.h"
+#include "core/presentation/relief.h"
+#include "core/presentation/sheet.h"
+#include "core/presentation/size.h"
+
+/* What was measured; a cue that could not be is not there, and counts for nothing. */
+struct iso_presentation_cues {
+    bool has_relief, has_size, has_eyes, has_sheet;
+    struct iso_relief relief;
+    struct iso_size size;
+    double fitted_scale;  /* iso_size_of_fit */
+    double identity_norm; /* of the fit: how far the head had to leave the mean */
+    struct iso_eye eyes[ISO_EYES];
+    struct iso_sheet sheet;
+};
+
+struct iso_presentation_options {
+    double sheet_share;          /* of the relief on one sheet: no face. 0.83 */
+    double too_small, too_large; /* iso_presentation_oversize below and above. 0.19, 0.15 */
+    double eye_behind_mm;        /* both eyes. 3.5 */
+    double eye_hole_share;    /* both eyes without a measurement; above 1: a sensor that loses eyes
+                                 (active stereo often does) is not held against them. 0.9 */
+    double held_flat_share;   /* of a thing on one plane, for it to be a picture. 0.55 */
+    double held_bent_share;   /* on one bent sheet. 0.8 */
+    double held_area_max_mm2; /* larger than A3 is a wall, a table or a chair. 130000 */
+    double screen_hole_share; /* of a plate: its glass does not come back. 0.08 */
+};
+
+struct iso_presentation_options iso_presentation_options_default(void);
+
+/* A face too large: > 0, too small: < 0, in logarithms of size, roughly: the mean of both measures
+ * of scale, away from people's mean, and 0.3 times what the identity is out of the ordinary, since
+ * a print of another size is not one of the shapes that people have at that size. */
+double iso_presentation_oversize(const struct iso_presentation_cues *cues);
+
+/* ISO_CAPTURE_OK if nothing speaks against it, else what does. Of the relief, size and eyes the
+ * first in this order; the sheet only if neither of them is there. */
+enum iso_capture iso_presentation_judge(const struct iso_presentation_cues *cues,
+                                        const struct iso_presentation_options *options);
+
+/* Workspace of the measures. Belongs to one thread. */
+struct iso_presentation;
+
+/* For scenes (coarse frames) of at most capacity_px pixels. The model must outlive it. -EINVAL,
+ * -ENOMEM. */
+int iso_presentation_new(const struct iso_head_model *model, size_t capacity_px,
+                         struct iso_presentation **out) __attribute__((warn_unused_result));
+void iso_presentation_free(struct iso_presentation *presentation);
+
+/* Where a head was fitted: relief, size and eyes. `frame` as it came, `cleaned` the part about the
+ * face that was fitted to, `fit` and `head` what came of it. */
+void iso_presentation_measure_face(const struct iso_presentation *presentation,
+                                   const struct iso_frame *frame, const struct iso_frame *cleaned,
+                                   const struct iso_shape_fit *fit,
+                                   const struct iso_shape_residuals *head,
+                                   struct iso_presentation_cues *out);
+
+/* Where no face was found: the nearest thing between two depths. */
+void iso_presentation_measure_scene(struct iso_presentation *presentation,
+                                    const struct iso_frame *coarse, double near_mm, double far_mm,
+                                    struct iso_presentation_cues *out);
+
+#endif

@@ -1,0 +1,99 @@
+#include "core/presentation/relief.h"
+
+#include <errno.h>
+
+enum { SIDE = 17, CELLS = SIDE * SIDE, CELLS_MIN = 60, PER_CELL = 9 };
+
+static const double cell_mm = 6.0;
+static const double radius_mm = 48.0;
+/* Points further before or behind the origin are of something else. */
+static const double depth_mm = 70.0;
+/* The nose's tip is in the middle; the ring lies beyond its wings. */
+static const double tip_mm = 8.0, ring_mm = 30.0;
+
+struct cell {
+    struct iso_vec3 sum;
+    int n;
+};
+
+/* Pixels from one looked at to the next: several a cell are enough. */
+static int stride_of(const struct iso_frame *frame, double z_mm)
+{
+    double pixel = iso_camera_pixel_mm(&frame->camera, z_mm);
+    return (int)fmin(fmax(cell_mm / (PER_CELL * pixel) + 0.5, 1.0), 16.0);
+}
+
+static void collect(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
+                    struct cell cells[CELLS])
+{
+    const struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
+    struct iso_vec3 middle = camera_from_face->translation_mm;
+    double u, v;
+    if (!iso_camera_project(&frame->camera, middle, &u, &v)) {
+        return;
+    }
+    int stride = stride_of(frame, middle.z);
+    double reach = 1.2 * radius_mm / iso_camera_pixel_mm(&frame->camera, middle.z);
+    u -= frame->crop_x_px;
+    v -= frame->crop_y_px;
+    int left = (int)fmax(u - reach, 0.0), right = (int)fmin(u + reach, frame->width_px - 1.0);
+    int top = (int)fmax(v - reach, 0.0), bottom = (int)fmin(v + reach, frame->height_px - 1.0);
+    for (int row = top; row <= bottom; row += stride) {
+        for (int column = left; column <= right; column += stride) {
+            if (!(iso_frame_depth_at(frame, column, row) > 0.0f)) {
+                continue;
+            }
+            struct iso_vec3 p = iso_rigid_apply(&face_from_camera,
+                                                iso_frame_point_at(frame, column, row));
+            if (p.x * p.x + p.y * p.y > radius_mm * radius_mm || fabs(p.z) > depth_mm) {
+                continue;
+            }
+            int i = (int)floor(p.x / cell_mm + 0.5) + SIDE / 2;
+            int j = (int)floor(p.y / cell_mm + 0.5) + SIDE / 2;
+            struct cell *cell = &cells[j * SIDE + i];
+            cell->sum = iso_add(cell->sum, p);
+            cell->n++;
+        }
+    }
+}
+
+int iso_relief_measure(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
+                       struct iso_relief *out)
+{
+    struct cell cells[CELLS] = {0};
+    struct iso_vec3 points[CELLS], ring[CELLS];
+    struct iso_vec3 tip = {0, 0, 0};
+    int n = 0, n_ring = 0, n_tip = 0;
+    collect(frame, camera_from_face, cells);
+    for (int i = 0; i < CELLS; i++) {
+        if (cells[i].n == 0) {
+            continue;
+        }
+        struct iso_vec3 p = iso_scale(1.0 / cells[i].n, cells[i].sum);
+        double r = hypot(p.x, p.y);
+        points[n++] = p;
+        if (r > ring_mm) {
+            ring[n_ring++] = p;
+        } else if (r < tip_mm) {
+            tip = iso_add(tip, p);
+            n_tip++;
+        }
+    }
+    if (n < CELLS_MIN) {
+        return -ENODATA;
+    }
+    struct iso_relief relief = {.n_cells = n};
+    struct iso_sheet_fit beside;
+    double plane[3];
+    int error = iso_plane_fit(ring, n_ring, ISO_RELIEF_LIMIT_MM, plane, &beside);
+    if (!error) {
+        relief.nose_mm = n_tip > 0 ? iso_above_plane(plane, iso_scale(1.0 / n_tip, tip)) : 0.0;
+        error = iso_plane_fit(points, n, ISO_RELIEF_LIMIT_MM, plane, &relief.flat);
+    }
+    error = error ? error : iso_bent_sheet_fit(points, n, ISO_RELIEF_LIMIT_MM, &relief.bent);
+    if (error) {
+        return error;
+    }
+    *out = relief;
+    return 0;
+}

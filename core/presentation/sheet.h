@@ -1,0 +1,34 @@
+/* The nearest thing of a scene, and whether it is a sheet or a plate that somebody holds up.
+ *
+ * A photograph or a display rarely gets as far as a fitted face: where no face is found, this says
+ * that a picture may have been meant for one. The thing is a connected part of a coarse frame
+ * (steps of depth end it, holes do not: a display is often measured at its rim alone). */
+#ifndef ISO_CORE_PRESENTATION_SHEET_H
+#define ISO_CORE_PRESENTATION_SHEET_H
+
+#include "core/frame/frame.h"
+#include "core/presentation/bent_sheet.h"
+
+struct iso_sheet {
+    double area_mm2;     /* that was measured, as seen */
+    double distance_mm;  /* mean */
+    double border_share; /* of its outermost pixels in rows and columns, that lie on the image's
+                            border */
+    double hole_share;   /* of the pixels between its pixels, in row and column, not measured */
+    double limit_mm;     /* of the residuals: grows with distance, as noise does */
+    struct iso_sheet_fit flat, bent;
+};
+
+struct iso_sheet_finder;
+
+/* Works on frames of at most capacity_px pixels. -EINVAL, -ENOMEM. */
+int iso_sheet_finder_new(size_t capacity_px, struct iso_sheet_finder **out)
+    __attribute__((warn_unused_result));
+void iso_sheet_finder_free(struct iso_sheet_finder *finder);
+
+/* The part with the least mean depth of those of at least 60 cm^2, between two depths. -ENOENT if
+ * there is none, -ENOSPC over the finder's capacity. */
+int iso_sheet_find(struct iso_sheet_finder *finder, const struct iso_frame *coarse, double near_mm,
+                   double far_mm, struct iso_sheet *out) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,267 @@
+#include "core/presentation/size.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/landmark/normals.h"
+#include "core/landmark/pose_tally.h"
+#include "core/math/solve.h"
+
+enum {
+    SIMILARITY = 7,
+    MODES_MAX = 16,
+    UNKNOWNS_MAX = SIMILARITY + MODES_MAX,
+    VERTICES = 200,
+    VERTICES_MIN = 60,
+    MEASURED_MIN = 30,
+    STEPS = 6,
+    STEPS_SHAPED = 4,
+};
+
+static const double cutoff_first_mm = 14.0, cutoff_last_mm = 6.0;
+/* A surface of quite another size is not followed from the size of people. */
+static const double starts[] = {1.0, 0.72, 1.35};
+static const double scale_min = 0.3, scale_max = 2.2;
+/* Of the modes' prior, beside a vertex's squared residual. */
+static const double stiffness_mm2 = 4.0;
+
+struct iso_sizer {
+    int n, n_modes;
+    struct iso_vec3 *point_mm; /* [n], face frame */
+    struct iso_vec3 *normal;   /* [n] */
+    struct iso_vec3 *mode_mm;  /* [n][n_modes], without what is scale */
+};
+
+struct state {
+    struct iso_rigid pose;
+    double scale, coefficient[MODES_MAX];
+};
+
+/* Every so many of the rigid vertices. */
+static int choose(const struct iso_head_model *model, uint32_t vertex[VERTICES])
+{
+    int rigid = 0, n = 0, seen = 0;
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        rigid += (model->region[i] & ISO_HEAD_RIGID) != 0;
+    }
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        if (model->region[i] & ISO_HEAD_RIGID) {
+            /* Bresenham: evenly, VERTICES of them at most. */
+            int before = seen * VERTICES / rigid, after = (seen + 1) * VERTICES / rigid;
+            seen++;
+            if (rigid <= VERTICES || after > before) {
+                vertex[n++] = i;
+            }
+        }
+    }
+    return n;
+}
+
+/* Takes the part of a mode that is a change of scale about the middle out of it. */
+static void take_out_scale(struct iso_sizer *s, int mode)
+{
+    struct iso_vec3 middle = {0, 0, 0};
+    double size = 0.0, along = 0.0;
+    for (int i = 0; i < s->n; i++) {
+        middle = iso_madd(middle, 1.0 / s->n, s->point_mm[i]);
+    }
+    for (int i = 0; i < s->n; i++) {
+        struct iso_vec3 arm = iso_sub(s->point_mm[i], middle);
+        size += iso_dot(arm, arm);
+        along += iso_dot(arm, s->mode_mm[i * s->n_modes + mode]);
+    }
+    for (int i = 0; i < s->n; i++) {
+        struct iso_vec3 *m = &s->mode_mm[i * s->n_modes + mode];
+        *m = iso_madd(*m, -along / size, iso_sub(s->point_mm[i], middle));
+    }
+}
+
+static void fill(struct iso_sizer *s, const struct iso_head_model *model, const uint32_t *vertex,
+                 const struct iso_vec3 *normals)
+{
+    for (int i = 0; i < s->n; i++) {
+        s->point_mm[i] = model->mean_mm[vertex[i]];
+        s->normal[i] = normals[vertex[i]];
+        for (int k = 0; k < s->n_modes; k++) {
+            const float *m = &model->identity_mm[3 * ((size_t)k * model->n_vertices + vertex[i])];
+            s->mode_mm[i * s->n_modes + k] = iso_vec3((double)m[0], (double)m[1], (double)m[2]);
+        }
+    }
+    for (int k = 0; k < s->n_modes; k++) {
+        take_out_scale(s, k);
+    }
+}
+
+int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
+{
+    uint32_t vertex[VERTICES];
+    int n = choose(model, vertex);
+    if (n < VERTICES_MIN) {
+        return -EINVAL;
+    }
+    struct iso_vec3 *normals = calloc(model->n_vertices, sizeof *normals);
+    struct iso_sizer *s = calloc(1, sizeof *s);
+    if (s) {
+        s->n = n;
+        s->n_modes = model->n_identity < MODES_MAX ? (int)model->n_identity : MODES_MAX;
+        s->point_mm = calloc((size_t)n, sizeof *s->point_mm);
+        s->normal = calloc((size_t)n, sizeof *s->normal);
+        s->mode_mm = calloc((size_t)n * MODES_MAX, sizeof *s->mode_mm);
+    }
+    if (!normals || !s || !s->point_mm || !s->normal || !s->mode_mm) {
+        free(normals);
+        iso_sizer_free(s);
+        return -ENOMEM;
+    }
+    iso_head_normals(model, model->mean_mm, normals);
+    fill(s, model, vertex, normals);
+    free(normals);
+    *out = s;
+    return 0;
+}
+
+void iso_sizer_free(struct iso_sizer *sizer)
+{
+    if (sizer) {
+        free(sizer->point_mm);
+        free(sizer->normal);
+        free(sizer->mode_mm);
+        free(sizer);
+    }
+}
+
+/* A vertex of the scaled, shaped mean face about its origin, face frame. */
+static struct iso_vec3 vertex_of(const struct iso_sizer *s, const struct state *state, int i,
+                                 int n_modes)
+{
+    struct iso_vec3 p = s->point_mm[i];
+    for (int k = 0; k < n_modes; k++) {
+        p = iso_madd(p, state->coefficient[k], s->mode_mm[i * s->n_modes + k]);
+    }
+    return iso_scale(state->scale, p);
+}
+
+static void apply(const double *g, int n_modes, struct state *state)
+{
+    struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(g[0], g[1], g[2]));
+    state->pose.rotation = iso_mat3_mul(&turn, &state->pose.rotation);
+    state->pose.translation_mm = iso_add(state->pose.translation_mm, iso_vec3(g[3], g[4], g[5]));
+    state->scale *= exp(fmin(fmax(g[6], -0.2), 0.2));
+    for (int k = 0; k < n_modes; k++) {
+        state->coefficient[k] += g[SIMILARITY + k];
+    }
+}
+
+static int step(const struct iso_sizer *s, const struct iso_frame *frame, double cutoff_mm,
+                int n_modes, struct state *state)
+{
+    double h[UNKNOWNS_MAX * UNKNOWNS_MAX] = {0}, g[UNKNOWNS_MAX] = {0};
+    int measured = 0, n = SIMILARITY + n_modes;
+    for (int i = 0; i < s->n; i++) {
+        struct iso_vec3 normal = iso_mat3_apply(&state->pose.rotation, s->normal[i]);
+        struct iso_vec3 arm = iso_mat3_apply(&state->pose.rotation,
+                                             vertex_of(s, state, i, n_modes));
+        double r;
+        if (iso_meet(frame, iso_add(arm, state->pose.translation_mm), normal, &r) !=
+            ISO_MEETING_MEASURED) {
+            continue;
+        }
+        measured++;
+        double w = iso_tukey(r, cutoff_mm);
+        if (!(w > 0.0)) {
+            continue;
+        }
+        struct iso_vec3 turn = iso_cross(arm, normal);
+        /* The scale by its logarithm: d(s p) = s p d(ln s). */
+        double j[UNKNOWNS_MAX] = {
+            turn.x, turn.y, turn.z, normal.x, normal.y, normal.z, iso_dot(arm, normal)};
+        for (int k = 0; k < n_modes; k++) {
+            j[SIMILARITY + k] = state->scale *
+                                iso_dot(s->normal[i], s->mode_mm[i * s->n_modes + k]);
+        }
+        for (int a = 0; a < n; a++) {
+            double wj = w * j[a];
+            for (int b = 0; b <= a; b++) {
+                h[a * n + b] += wj * j[b];
+            }
+            g[a] -= wj * r;
+        }
+    }
+    for (int k = 0; k < n_modes; k++) {
+        h[(SIMILARITY + k) * (n + 1)] += stiffness_mm2;
+        g[SIMILARITY + k] -= stiffness_mm2 * state->coefficient[k];
+    }
+    if (measured < MEASURED_MIN || iso_cholesky_factorise(h, n)) {
+        return -ENODATA;
+    }
+    iso_cholesky_solve(h, n, g);
+    apply(g, n_modes, state);
+    return state->scale > scale_min && state->scale < scale_max ? 0 : -ENODATA;
+}
+
+static double cost_of(const struct iso_sizer *s, const struct iso_frame *frame,
+                      const struct state *state, int n_modes)
+{
+    struct iso_pose_tally tally = {0};
+    struct iso_pose_fit fit;
+    for (int i = 0; i < s->n; i++) {
+        struct iso_vec3 place = iso_rigid_apply(&state->pose, vertex_of(s, state, i, n_modes));
+        double r = 0.0;
+        enum iso_meeting meeting = iso_meet(
+            frame, place, iso_mat3_apply(&state->pose.rotation, s->normal[i]), &r);
+        iso_pose_tally_add(&tally, meeting, r);
+    }
+    iso_pose_tally_finish(&tally, &fit);
+    return fit.cost_mm2;
+}
+
+int iso_size_measure(const struct iso_sizer *sizer, const struct iso_frame *frame,
+                     const struct iso_rigid *camera_from_face, struct iso_size *out)
+{
+    struct state best = {.scale = 0.0};
+    double least = INFINITY, fall = pow(cutoff_last_mm / cutoff_first_mm, 1.0 / (STEPS - 1));
+    int error = 0;
+    for (size_t k = 0; k < sizeof starts / sizeof starts[0]; k++) {
+        struct state state = {.pose = *camera_from_face, .scale = starts[k]};
+        double cutoff = cutoff_first_mm;
+        error = 0;
+        for (int i = 0; i < STEPS && !error; i++, cutoff *= fall) {
+            error = step(sizer, frame, cutoff, 0, &state);
+        }
+        double cost = error ? INFINITY : cost_of(sizer, frame, &state, 0);
+        if (cost < least) {
+            best = state;
+            least = cost;
+        }
+    }
+    error = isfinite(least) ? 0 : -ENODATA;
+    for (int i = 0; i < STEPS_SHAPED && !error; i++) {
+        error = step(sizer, frame, cutoff_last_mm, sizer->n_modes, &best);
+    }
+    if (!error) {
+        *out = (struct iso_size){best.scale, cost_of(sizer, frame, &best, sizer->n_modes)};
+    }
+    return error;
+}
+
+/* Sum of squared distances of the rigid vertices from their middle. */
+static double spread(const struct iso_head_model *model, const struct iso_vec3 *vertex_mm)
+{
+    struct iso_vec3 sum = {0, 0, 0};
+    double squares = 0.0;
+    int n = 0;
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        if (model->region[i] & ISO_HEAD_RIGID) {
+            sum = iso_add(sum, vertex_mm[i]);
+            squares += iso_dot(vertex_mm[i], vertex_mm[i]);
+            n++;
+        }
+    }
+    return n > 0 ? squares - iso_dot(sum, sum) / n : 0.0;
+}
+
+double iso_size_of_fit(const struct iso_head_model *model, const struct iso_vec3 *vertex_mm)
+{
+    return sqrt(spread(model, vertex_mm) / spread(model, model->mean_mm));
+}

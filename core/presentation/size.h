@@ -1,0 +1,38 @@
+/* How large a face is beside the people that the head model was trained on.
+ *
+ * The fitted head follows a face that is too small or too large as far as its modes go: it hides
+ * the size in its identity, up to a point. So the mean face is registered with a free scale, point
+ * to plane with projective association as in pose_fit.h, over seven unknowns (rigid motion and the
+ * logarithm of the scale). Then the leading modes of identity are let go as well, from each of
+ * which the part that is a change of scale was taken: how people differ in shape no longer spreads
+ * what is found of their size. */
+#ifndef ISO_CORE_PRESENTATION_SIZE_H
+#define ISO_CORE_PRESENTATION_SIZE_H
+
+#include "core/frame/frame.h"
+#include "core/landmark/head_model.h"
+
+struct iso_size {
+    double scale;    /* of the measured face over the mean face */
+    double cost_mm2; /* mean of min(r^2, 36) there, as of iso_pose_fit */
+};
+
+struct iso_sizer;
+
+/* What is compared, taken from the model, which is not needed further. -EINVAL if its rigid region
+ * has fewer than 60 vertices, -ENOMEM. */
+int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
+    __attribute__((warn_unused_result));
+void iso_sizer_free(struct iso_sizer *sizer);
+
+/* `camera_from_face` where the head model was fitted in this frame, the cleaned one. Changes
+ * nothing in the sizer. -ENODATA if too little is measured to fix the scale. */
+int iso_size_measure(const struct iso_sizer *sizer, const struct iso_frame *frame,
+                     const struct iso_rigid *camera_from_face, struct iso_size *out)
+    __attribute__((warn_unused_result));
+
+/* Centroid size (Bookstein 1991) of a fitted head's rigid region over the mean head's: what the fit
+ * says of the scale, held back by the modes' prior. `vertex_mm` has the model's vertices. */
+double iso_size_of_fit(const struct iso_head_model *model, const struct iso_vec3 *vertex_mm);
+
+#endif
