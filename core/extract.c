@@ -6,17 +6,20 @@
 
 #include "core/extract_workspace.h"
 
-/* Gates. A mean face that fits worse than this, rms-like with residuals limited to 6 mm, sits on
- * something that is no face: measured on rendered frames of faces and of other things. */
+/* A mean face that fits worse than this, rms-like with residuals limited to 6 mm, sits on something
+ * that is no face; in the coarse frame. */
 static const double search_cost_max_mm2 = 14.0;
 static const double search_coverage_min = 0.5;
-static const double fit_cost_max_mm2 = 10.0;
-static const double fit_coverage_min = 0.5;
-static const double in_image_min = 0.9;
+
+/* Of the face patch. */
 static const double patch_coverage_min = 0.45;
 
 /* People are found beyond the range in which they are recognised, to be told to come closer. */
 static const double too_near_share = 0.6, too_far_share = 1.4;
+
+/* A face is followed from frame to frame for so long before it is looked for again. */
+enum { TRACK_FRAMES = 10 };
+static const int64_t track_age_max_ns = 250000000;
 
 /* The cut-out about the nose reaches this much further than the patch. */
 static const double clean_margin_mm = 20.0;
@@ -48,19 +51,6 @@ static int coarse_factor(const struct iso_frame *frame)
     return factor;
 }
 
-/* What a frame without a face holds instead. */
-static enum iso_capture name_what_is_shown(struct iso_extractor *x,
-                                           const struct iso_candidate_options *range,
-                                           enum iso_capture otherwise)
-{
-    const struct iso_presentation_options bounds = iso_presentation_options_default();
-    struct iso_presentation_cues cues;
-    iso_presentation_measure_scene(x->presentation, &x->coarse, range->near_mm,
-                                   x->options.distance_max_mm, &cues);
-    enum iso_capture outcome = iso_presentation_judge(&cues, &bounds);
-    return outcome == ISO_CAPTURE_OK ? otherwise : outcome;
-}
-
 /* Finds the face roughly in the frame shrunk to the coarse pitch. */
 static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
                      struct iso_pose_fit *fit, struct iso_extraction *out)
@@ -90,12 +80,13 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
         .cost_max_mm2 = search_cost_max_mm2,
         .coverage_min = search_coverage_min,
     };
-    if (iso_pose_search(&search, candidates, n_candidates, fit)) {
-        out->outcome = name_what_is_shown(
+    bool several;
+    if (iso_pose_search(&search, candidates, n_candidates, fit, &several)) {
+        out->outcome = iso__extract_judge_scene(
             x, &range, n_candidates > 0 ? ISO_CAPTURE_NOT_A_FACE : ISO_CAPTURE_NO_FACE);
         return 0;
     }
-    out->outcome = ISO_CAPTURE_OK;
+    out->outcome = several ? ISO_CAPTURE_SEVERAL_FACES : ISO_CAPTURE_OK;
     return 0;
 }
 
@@ -111,48 +102,14 @@ static void describe_pose(const struct iso_pose_fit *fit, struct iso_extraction 
     out->residual_mm = sqrt(fit->cost_mm2);
 }
 
-/* The way a face that is cut by the image border should go, as the subject sees it, whose left is
- * the image's right. */
-static enum iso_capture way_to_the_middle(const struct iso_frame *frame, struct iso_vec3 nose_mm)
-{
-    double u = 0.0, v = 0.0;
-    (void)iso_camera_project(&frame->camera, nose_mm, &u, &v);
-    double right = (u - frame->crop_x_px) / frame->width_px - 0.5;
-    double down = (v - frame->crop_y_px) / frame->height_px - 0.5;
-    if (fabs(right) > fabs(down)) {
-        return right > 0.0 ? ISO_CAPTURE_MOVE_RIGHT : ISO_CAPTURE_MOVE_LEFT;
-    }
-    return down > 0.0 ? ISO_CAPTURE_MOVE_UP : ISO_CAPTURE_MOVE_DOWN;
-}
-
-/* Whether a face stands where it can be used, and if not, what would help. */
-static enum iso_capture judge_pose(const struct iso_extractor *x, const struct iso_frame *frame,
-                                   const struct iso_pose_fit *fit, const struct iso_extraction *out)
-{
-    bool pinhole = frame->camera.projection == ISO_PINHOLE;
-    if (pinhole && out->distance_mm > x->options.distance_max_mm) {
-        return ISO_CAPTURE_TOO_FAR;
-    }
-    if (pinhole && out->distance_mm < x->options.distance_min_mm) {
-        return ISO_CAPTURE_TOO_CLOSE;
-    }
-    if (fit->in_image < in_image_min) {
-        return way_to_the_middle(frame, fit->camera_from_face.translation_mm);
-    }
-    if (fabs(out->yaw_rad) > x->options.yaw_max_rad) {
-        return out->yaw_rad > 0.0 ? ISO_CAPTURE_TURN_RIGHT : ISO_CAPTURE_TURN_LEFT;
-    }
-    if (fabs(out->pitch_rad) > x->options.pitch_max_rad) {
-        return out->pitch_rad > 0.0 ? ISO_CAPTURE_LOOK_DOWN : ISO_CAPTURE_LOOK_UP;
-    }
-    return ISO_CAPTURE_OK;
-}
-
 /* What the fit says, in the camera frame. */
-static void describe_fit(const struct iso_shape_fit *head, struct iso_extraction *out)
+static void describe_fit(const struct iso_extractor *x, struct iso_extraction *out)
 {
+    const struct iso_shape_fit *head = &x->head;
+    const struct iso_shape_residuals residuals = iso_shape_fitter_residuals(x->fitter);
     const struct iso_rigid *pose = &head->pose.camera_from_face;
     out->fitted = true;
+    out->occlusion = iso_occlusion_measure(&residuals, x->parts);
     out->fit_coverage = head->pose.coverage;
     out->identity_norm = head->identity_norm;
     out->expression_norm = head->expression_norm;
@@ -163,18 +120,6 @@ static void describe_fit(const struct iso_shape_fit *head, struct iso_extraction
         out->landmark_mm[l] = out->ibug_mm[iso_landmark_ibug[l]];
         out->sigma_mm[l] = head->sigma_mm[l];
     }
-}
-
-/* Whether the fitted face is one that is alive, as far as a single frame says. */
-static enum iso_capture judge_presentation(const struct iso_extractor *x,
-                                           const struct iso_frame *frame,
-                                           const struct iso_frame *cleaned)
-{
-    const struct iso_presentation_options bounds = iso_presentation_options_default();
-    const struct iso_shape_residuals head = iso_shape_fitter_residuals(x->fitter);
-    struct iso_presentation_cues cues;
-    iso_presentation_measure_face(x->presentation, frame, cleaned, &x->head, &head, &cues);
-    return iso_presentation_judge(&cues, &bounds);
 }
 
 /* Fits the head model to the cleaned frame. */
@@ -188,14 +133,8 @@ static int fit_head(struct iso_extractor *x, const struct iso_frame *frame,
         return error;
     }
     *fit = x->head.pose;
-    describe_fit(&x->head, out);
-    if (fit->coverage < fit_coverage_min) {
-        out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
-    } else if (fit->cost_mm2 > fit_cost_max_mm2) {
-        out->outcome = ISO_CAPTURE_NOT_A_FACE;
-    } else {
-        out->outcome = judge_presentation(x, frame, cleaned);
-    }
+    describe_fit(x, out);
+    out->outcome = iso__extract_judge_fit(x, frame, cleaned, out);
     return 0;
 }
 
@@ -280,17 +219,49 @@ static int trace_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
     return iso_face_isotherms(x->tracer, &face, tmpl);
 }
 
+/* The face of the frame before as the rough place of this one, if that is recent enough. */
+static bool is_tracked(const struct iso_extractor *x, const struct iso_frame *frame)
+{
+    const struct iso_extract_track *t = &x->track;
+    int64_t age_ns = frame->t_ns - t->t_ns;
+    return x->options.track && t->frames_left > 0 && age_ns > 0 && age_ns <= track_age_max_ns &&
+           memcmp(&t->camera, &frame->camera, sizeof t->camera) == 0;
+}
+
+/* Remembers a good face, and every so often forgets it, since somebody nearer may have come. */
+static void keep_track(struct iso_extractor *x, const struct iso_frame *frame, bool tracked,
+                       const struct iso_extraction *out)
+{
+    struct iso_extract_track *t = &x->track;
+    int frames_left = tracked ? t->frames_left - 1 : TRACK_FRAMES;
+    *t = (struct iso_extract_track){
+        .frames_left = out->outcome == ISO_CAPTURE_OK ? frames_left : 0,
+        .camera_from_face = out->camera_from_face,
+        .t_ns = frame->t_ns,
+        .camera = frame->camera,
+    };
+}
+
+void iso_extractor_forget(struct iso_extractor *extractor)
+{
+    extractor->track.frames_left = 0;
+}
+
 /* The steps, each charged with its time; a step that finds the frame unusable sets the outcome. */
 static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
-               struct iso_extraction *out)
+               bool tracked, struct iso_extraction *out)
 {
-    struct iso_pose_fit fit;
+    struct iso_pose_fit fit = {.camera_from_face = x->track.camera_from_face, .in_image = 1.0};
     const struct iso_frame *cleaned = NULL;
     int error = 0;
     int64_t before = now_ns(x);
     for (int stage = 0; stage <= (int)last; stage++) {
         switch ((enum iso_stage)stage) {
         case ISO_STAGE_REGION:
+            if (tracked) {
+                out->outcome = ISO_CAPTURE_OK;
+                continue;
+            }
             error = find_face(x, frame, &fit, out);
             break;
         case ISO_STAGE_CLEAN:
@@ -330,7 +301,7 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_
             describe_pose(&fit, out);
         }
         if (!error && posed && out->outcome == ISO_CAPTURE_OK) {
-            out->outcome = judge_pose(x, frame, &fit, out);
+            out->outcome = iso__extract_judge_pose(x, frame, &fit, out);
         }
         if (error || out->outcome != ISO_CAPTURE_OK) {
             break;
@@ -350,8 +321,16 @@ static int check_and_run(struct iso_extractor *extractor, const struct iso_frame
         return -EINVAL;
     }
     struct iso_extraction extraction = {.outcome = ISO_CAPTURE_NO_FACE};
-    error = run(extractor, frame, last, &extraction);
+    bool tracked = is_tracked(extractor, frame);
+    error = run(extractor, frame, last, tracked, &extraction);
+    if (!error && tracked && extraction.outcome != ISO_CAPTURE_OK) { /* lost: look for it */
+        tracked = false;
+        extraction = (struct iso_extraction){.outcome = ISO_CAPTURE_NO_FACE};
+        error = run(extractor, frame, last, tracked, &extraction);
+    }
     if (!error) {
+        keep_track(extractor, frame, tracked, &extraction);
+        extraction.tracked = tracked;
         *out = extraction;
     }
     iso_template_wipe(&extraction.tmpl);

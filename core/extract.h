@@ -8,10 +8,12 @@
 #ifndef ISO_CORE_EXTRACT_H
 #define ISO_CORE_EXTRACT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "core/capture.h"
 #include "core/frame/frame.h"
+#include "core/landmark/occlusion.h"
 #include "core/landmark/shape_fit.h"
 #include "core/match/template.h"
 #include "core/surface/mesh.h"
@@ -47,6 +49,7 @@ struct iso_extract_options {
     struct iso_shape_fit_options fit;         /* of the head model (shape_fit.h) */
     double distance_min_mm, distance_max_mm;  /* of the nose tip from the sensor: 300, 1500 */
     double yaw_max_rad, pitch_max_rad;        /* beyond: turn-left and so on: 40 degrees */
+    bool track;                               /* look for the face where it was just before: no */
     enum iso_heat_method heat;
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* written into templates */
     int64_t (*now_ns)(void *context);     /* monotonic clock for stage times; NULL: no times */
@@ -67,9 +70,11 @@ struct iso_extraction {
     /* Only if the head model was fitted, whatever the gates say of it: camera frame, on the fitted
      * head, as the face is, its expression on. */
     bool fitted;
+    bool tracked; /* it was where the frame before had it, and was not looked for elsewhere */
     struct iso_vec3 landmark_mm[ISO_LANDMARKS];
     struct iso_vec3 ibug_mm[ISO_LANDMARKS_IBUG];
     double sigma_mm[ISO_LANDMARKS]; /* standard deviation of where the landmark is */
+    struct iso_occlusion occlusion; /* what of the face is covered */
     double fit_coverage;            /* share of the visible fitted face that was measured, 0..1 */
     double identity_norm;           /* how unlike the mean head it is, in standard deviations */
     double expression_norm;         /* how strong the expression is, likewise */
@@ -102,6 +107,12 @@ int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *f
  * template. */
 int iso_extractor_locate(struct iso_extractor *extractor, const struct iso_frame *frame,
                          struct iso_extraction *out) __attribute__((warn_unused_result));
+
+/* Looks for the face anew in the next frame, even with `track`. (A face is followed through frames
+ * that are at most 250 ms apart and come from one camera, ten at a time; then it is looked for
+ * again, and the nearest is taken. What a frame gives depends on the one before only by where the
+ * fit starts.) */
+void iso_extractor_forget(struct iso_extractor *extractor);
 
 /* The head that was fitted in the last run with `fitted`: its triangles are the head model's. */
 struct iso_shape_residuals iso_extractor_fit(const struct iso_extractor *extractor);

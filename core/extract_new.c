@@ -114,7 +114,12 @@ static int new_find(struct iso_extractor *x)
     if (!error) {
         error = iso_shape_fitter_new(x->model, &x->options.fit, &x->fitter);
     }
+    x->parts = calloc(x->model->n_vertices, sizeof *x->parts);
+    if (!error && !x->parts) {
+        error = -ENOMEM;
+    }
     if (!error) {
+        iso_face_parts_of(x->model, x->parts);
         error = iso_presentation_new(x->model, ISO_EXTRACT_COARSE_PX_MAX, &x->presentation);
     }
     return error;
@@ -235,6 +240,7 @@ void iso_extractor_free(struct iso_extractor *extractor)
     struct iso_extractor *x = extractor;
     wipe(x);
     free(x->coarse.depth_mm);
+    free(x->parts);
     iso_candidate_finder_free(x->finder);
     iso_pose_vertices_free(x->search_vertices);
     iso_shape_fitter_free(x->search_fitter);

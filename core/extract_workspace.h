@@ -9,6 +9,7 @@
 #include "core/heat/eigenpairs.h"
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
+#include "core/landmark/occlusion.h"
 #include "core/landmark/pose_fit.h"
 #include "core/presentation/presentation.h"
 #include "core/surface/clean.h"
@@ -32,6 +33,14 @@ enum {
 #define ISO_EXTRACT_COARSE_AT_MM    600.0
 #define ISO_EXTRACT_CLEAN_PITCH_MM  1.0
 
+/* Where the face of the frame before was. */
+struct iso_extract_track {
+    int frames_left; /* that it may be followed before it is looked for again; 0: none */
+    struct iso_rigid camera_from_face;
+    int64_t t_ns;
+    struct iso_camera camera;
+};
+
 struct iso_extractor {
     const struct iso_head_model *model;
     struct iso_extract_options options;
@@ -48,6 +57,8 @@ struct iso_extractor {
     struct iso_cleaner *cleaner;
     struct iso_shape_fitter *fitter;
     struct iso_shape_fit head;
+    uint8_t *parts; /* [model->n_vertices] bits of enum iso_face_part */
+    struct iso_extract_track track;
     struct iso_triangulator *triangulator;
     struct iso_mesh *surface;
 
@@ -65,5 +76,21 @@ struct iso_extractor {
     double *heat; /* [ISO_LANDMARKS][mesh->n_vertices] */
     struct iso_tracer *tracer;
 };
+
+/* extract_judge.c: where no face was found, what else is; `otherwise` if that is nothing special.
+ */
+enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
+                                          const struct iso_candidate_options *range,
+                                          enum iso_capture otherwise);
+/* Whether a face stands where it can be used, and if not, what would help. */
+enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
+                                         const struct iso_frame *frame,
+                                         const struct iso_pose_fit *fit,
+                                         const struct iso_extraction *out);
+/* Whether the head in x->head fits a face, uncovered and alive as far as one frame says. */
+enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
+                                        const struct iso_frame *frame,
+                                        const struct iso_frame *cleaned,
+                                        const struct iso_extraction *out);
 
 #endif

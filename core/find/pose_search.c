@@ -6,7 +6,7 @@
 
 /* How many poses go from one round to the next: the best of each candidate, so that near copies of
  * one wrong pose do not crowd out the rest; then the best of all. */
-enum { OF_A_CANDIDATE = 2, FINALISTS = 16, REFINED = 8, FITTED = 4 };
+enum { OTHERS = 4, OF_A_CANDIDATE = 2, FINALISTS = 16, REFINED = 8, FITTED = 4 };
 
 /* Of the vertices, in the first round. */
 enum { ROUGH_VERTICES = 110 };
@@ -20,6 +20,9 @@ static const double turned_cost_mm2 = 5.0;
 
 /* A fit this good is a face: what lies behind it is not looked at. */
 static const double beyond_doubt_mm2 = 6.0;
+/* Another face is one whose nose is so far away, and not further than so many times the first. */
+static const double other_coverage_min = 0.8;
+static const double other_apart_mm = 110.0, other_far_ratio = 1.2;
 /* A nearer fit gives way to one that is better by more than this. */
 static const double much_worse_mm2 = 4.0;
 
@@ -80,8 +83,7 @@ static bool weigh_up(const struct iso_pose_search *search, struct iso_pose_fit *
 }
 
 /* Registers the mean face roughly with its nose tip at a candidate, from nine attitudes. */
-static void try_candidate(const struct iso_pose_search *search, struct iso_vec3 nose_mm,
-                          struct ranking *ranking)
+static struct ranking try_candidate(const struct iso_pose_search *search, struct iso_vec3 nose_mm)
 {
     const struct iso_pose_options rough = {
         .iterations = 3,
@@ -102,9 +104,7 @@ static void try_candidate(const struct iso_pose_search *search, struct iso_vec3 
             }
         }
     }
-    for (int i = 0; i < best.n; i++) {
-        rank_insert(ranking, &best.fit[i]);
-    }
+    return best;
 }
 
 /* Whether two poses are the same but for what further steps would even out. */
@@ -184,16 +184,45 @@ static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, 
     return NULL;
 }
 
+/* Whether the rough poses of other noses about as near lead to a face as well. */
+static bool another_face(const struct iso_pose_search *search, const struct ranking *rough, int n,
+                         const struct iso_pose_fit *found)
+{
+    struct iso_vec3 nose_mm = found->camera_from_face.translation_mm;
+    struct ranking others = {.room = OTHERS};
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < rough[i].n; k++) {
+            struct iso_vec3 at_mm = rough[i].fit[k].camera_from_face.translation_mm;
+            if (iso_norm(iso_sub(at_mm, nose_mm)) > other_apart_mm &&
+                at_mm.z < other_far_ratio * nose_mm.z) {
+                rank_insert(&others, &rough[i].fit[k]);
+            }
+        }
+    }
+    struct iso_pose_fit other;
+    if (others.n == 0 || !best_of(search, &others, &other)) {
+        return false;
+    }
+    struct iso_vec3 apart = iso_sub(other.camera_from_face.translation_mm, nose_mm);
+    return other.cost_mm2 <= beyond_doubt_mm2 && other.coverage >= other_coverage_min &&
+           other.in_image >= other_coverage_min && iso_norm(apart) > other_apart_mm;
+}
+
 int iso_pose_search(const struct iso_pose_search *search, const struct iso_candidate *candidates,
-                    int n_candidates, struct iso_pose_fit *out)
+                    int n_candidates, struct iso_pose_fit *out, bool *several)
 {
     struct iso_pose_fit fits[ISO_CANDIDATE_PARTS_MAX];
-    int n = 0;
+    struct ranking rough[ISO_CANDIDATES_MAX];
+    int n = 0, n_rough = 0;
     for (int i = 0; i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX;) {
         struct ranking finalists = {.room = FINALISTS};
         int part = candidates[i].part;
         for (; i < n_candidates && candidates[i].part == part; i++) {
-            try_candidate(search, candidates[i].point_mm, &finalists);
+            rough[n_rough] = try_candidate(search, candidates[i].point_mm);
+            for (int k = 0; k < rough[n_rough].n; k++) {
+                rank_insert(&finalists, &rough[n_rough].fit[k]);
+            }
+            n_rough++;
         }
         if (!best_of(search, &finalists, &fits[n])) {
             continue;
@@ -207,5 +236,6 @@ int iso_pose_search(const struct iso_pose_search *search, const struct iso_candi
         return -ENOENT;
     }
     *out = *found;
+    *several = another_face(search, rough, n_rough, found);
     return 0;
 }

@@ -20,8 +20,10 @@ struct iso_pose_search {
 };
 
 /* Returns 0 and the pose, or -ENOENT if no part of the scene holds a face. Its cost includes what
- * the search adds for poor coverage and for being turned away. */
+ * the search adds for poor coverage and for being turned away. *several says whether there is
+ * beyond doubt another face beside it, about as near. */
 int iso_pose_search(const struct iso_pose_search *search, const struct iso_candidate *candidates,
-                    int n_candidates, struct iso_pose_fit *out) __attribute__((warn_unused_result));
+                    int n_candidates, struct iso_pose_fit *out, bool *several)
+    __attribute__((warn_unused_result));
 
 #endif

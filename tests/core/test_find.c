@@ -34,6 +34,7 @@ struct fixture {
     struct iso_candidate_finder *finder;
     struct iso_candidate candidates[ISO_CANDIDATES_MAX];
     int n_candidates, n_parts;
+    bool several;
     struct iso_pose_search search;
     struct iso_pose_vertices *vertices;
 };
@@ -87,7 +88,7 @@ static int find(struct fixture *f, struct iso_pose_fit *fit)
     assert_int_equal(iso_candidates_find(f->finder, &f->coarse, &range, f->candidates,
                                          &f->n_candidates, &f->n_parts),
                      0);
-    return iso_pose_search(&f->search, f->candidates, f->n_candidates, fit);
+    return iso_pose_search(&f->search, f->candidates, f->n_candidates, fit, &f->several);
 }
 
 static void a_head_is_found_in_every_attitude_and_distance(void **state)
