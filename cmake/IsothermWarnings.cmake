@@ -6,8 +6,8 @@ function(isotherm_target name)
   target_compile_definitions(${name} PRIVATE _GNU_SOURCE
     ISOTHERM_VERSION="${PROJECT_VERSION}"
     ISOTHERM_DATA_DIR="${CMAKE_INSTALL_FULL_DATADIR}/isotherm")
-  target_compile_options(${name} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Wstrict-prototypes
-    -Wmissing-prototypes -Wvla -fno-math-errno)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Wvla -fno-math-errno
+    $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes>)
   if(ISOTHERM_WERROR)
     target_compile_options(${name} PRIVATE -Werror)
   endif()

@@ -5,7 +5,7 @@
 set -eu
 cd "${1:-$(dirname "$0")/..}"
 
-find core drivers firmware enroll sim tests -name '*.[ch]' | sort | xargs awk '
+find core drivers firmware enroll sim tests -name '*.[ch]' -o -name '*.cc' | sort | xargs awk '
 function deepest_rule(path,   folder) {
     folder = path
     while (sub(/\/[^\/]*$/, "", folder)) {

@@ -43,9 +43,10 @@
  * "door-fault" s ("" while its lines work),
  * "mode" s ("watch", "claimed", "enroll", "verify", "identify"), "people" u, "templates" u (of
  * which the running algorithm can use "templates-usable" u), "capacity" u, "frames" t,
- * "last-outcome" s, "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x,
- * "log-sequence" t. Since the start: visits "visits-allowed" t, "visits-denied" t, of which
- * "visits-attack" t because they looked like a picture, screen or mask; "attack-frames" t that did.
+ * "last-outcome" s, "image-check" s ("off", "flag", "veto", "absent"), "model" s (checksum),
+ * "algorithm" s, "threshold" d, "uptime-ms" x, "log-sequence" t. Since the start: visits
+ * "visits-allowed" t, "visits-denied" t, of which "visits-attack" t because they looked like a
+ * picture, screen or mask; "attack-frames" t that did.
  *
  * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
  * core/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from the

@@ -167,6 +167,20 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
+/* A daemon that does not know of it tells nothing. */
+static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *word = cli_state_text(state, "image-check");
+    const bool absent = word && strcmp(word, "absent") == 0;
+
+    if (word) {
+        cli_diagnosis_add(diagnosis, "image check", absent ? CLI_CHECK_ODD : CLI_CHECK_GOOD, word,
+                          absent ? "install OpenCV and opencv-data and build with them, or set "
+                                   "intensity = off in [recognition] of isotherm.conf(5)"
+                                 : NULL);
+    }
+}
+
 void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     judge_version(diagnosis, state);
@@ -175,6 +189,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_door(diagnosis, state);
     judge_lines(diagnosis, state);
     judge_model(diagnosis, state);
+    judge_image_check(diagnosis, state);
     judge_gallery(diagnosis, state);
 }
 

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <syslog.h>
 
 #include "firmware/appliance_state.h"
@@ -186,6 +187,15 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
     return 0;
 }
 
+static void tell_image_check(struct iso_appliance *appliance)
+{
+    const char *word = iso_appliance_status(appliance).image_check;
+    if (strcmp(word, "absent") == 0) {
+        iso__appliance_say(appliance, LOG_WARNING,
+                           "images are not checked for faces: OpenCV or its cascade is missing");
+    }
+}
+
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
@@ -193,6 +203,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     init_watch(appliance);
     init_door(appliance);
     record_start(appliance);
+    tell_image_check(appliance);
     const int error = first_look(appliance, now_ns, fault);
     if (error) {
         return error;
@@ -291,6 +302,8 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,
         .counts = appliance->counts,
+        .image_check = pipeline->ops->image_check ? pipeline->ops->image_check(pipeline->self)
+                                                  : "off",
         .frames = appliance->keeper.frames,
         .model = pipeline->ops->model(pipeline->self),
         .algorithm = pipeline->ops->algorithm(pipeline->self),

@@ -167,6 +167,7 @@ struct iso_appliance_status {
     const char *sensor_model;    /* "" while unknown */
     const char *sensor_fault;    /* the last one; "" */
     const char *last_outcome;    /* of a visit: "allow anna", "deny", ""  */
+    const char *image_check;     /* "off", "flag", "veto", "absent" (pipeline.h) */
     const struct iso_view *view; /* of the last frame that was looked at; NULL: there was none */
     struct iso_appliance_counts counts;
     uint64_t frames;

@@ -221,6 +221,18 @@ static void show(struct iso_appliance *appliance, enum iso_capture capture)
     appliance->has_view = true;
 }
 
+/* Counts what the image said of the face. */
+static void note_image(struct iso_appliance *appliance)
+{
+    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
+    if (appliance->decision.state == ISO_DECISION_IDLE) {
+        appliance->image = (struct iso_image_tally){0};
+    }
+    if (pipeline->ops->seen) {
+        iso_image_tally_take(&appliance->image, pipeline->ops->seen(pipeline->self));
+    }
+}
+
 void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
                           int64_t arrival_ns)
 {
@@ -228,6 +240,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     if (appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)) {
         return;
     }
+    note_image(appliance);
     enum iso_capture capture = judge(appliance, frame->t_ns);
     if (capture == ISO_CAPTURE_OK) {
         appliance->complaining = false;

@@ -7,6 +7,7 @@
 #include "firmware/door_control.h"
 #include "firmware/enrolment.h"
 #include "firmware/hint_filter.h"
+#include "firmware/image_tally.h"
 #include "firmware/track.h"
 
 struct iso_appliance {
@@ -29,7 +30,8 @@ struct iso_appliance {
 
     /* WATCH, VERIFY, IDENTIFY */
     struct iso_decision decision;
-    int64_t arrival_ns; /* of the first usable frame */
+    int64_t arrival_ns;           /* of the first usable frame */
+    struct iso_image_tally image; /* of the visit */
     char last_outcome[16 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
 

@@ -48,6 +48,10 @@ static void record_verdict(struct iso_appliance *appliance, const char *person,
     record.score = verdict->score;
     record.threshold = appliance->parts.config->decision.threshold;
     record.frames = verdict->frames;
+    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
+    if (iso_image_tally_text(&appliance->image, image)) {
+        record.note = image;
+    }
     if (verdict->attack_frames > 0) {
         record.attack_frames = verdict->attack_frames;
         record.note = iso_capture_name(verdict->cue);

@@ -100,6 +100,7 @@ static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
         {"door-state", iso_door_state_name(status->door)},
         {"mode", iso_appliance_mode_name(status->mode)},
         {"last-outcome", status->last_outcome},
+        {"image-check", status->image_check},
     };
     int r = 0;
     for (size_t i = 0; r >= 0 && i < sizeof texts / sizeof *texts; i++) {

@@ -15,6 +15,7 @@
 #include "core/match/icp.h"
 #include "drivers/option.h"
 #include "firmware/door.h"
+#include "firmware/pipeline.h"
 
 enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 32, ISO_CONFIG_KEYS_MAX = 128 };
 
@@ -44,6 +45,11 @@ struct iso_config_door {
 struct iso_config_gallery {
     char path[ISO_CONFIG_TEXT_SIZE];
     int capacity; /* people */
+};
+
+struct iso_config_recognition {
+    enum iso_image_check intensity;
+    char cascade[ISO_CONFIG_TEXT_SIZE];
 };
 
 struct iso_config_match {
@@ -90,6 +96,7 @@ struct iso_config {
     struct iso_config_sensor sensor;
     struct iso_config_door door;
     struct iso_config_gallery gallery;
+    struct iso_config_recognition recognition;
     struct iso_config_match match;
     struct iso_config_decision decision;
     struct iso_config_motion motion;

@@ -85,6 +85,14 @@ const struct iso_config_key iso_config_keys[] = {
     {"gallery", "capacity", ISO_CONFIG_COUNT, false, AT(gallery, capacity), 1, 100000, NULL, "1000",
      "most people that can be enrolled"},
 
+    {"recognition", "intensity", ISO_CONFIG_CHOICE, false, AT(recognition, intensity), 0, 0,
+     "off|flag|veto", "veto",
+     "what an infrared or grey image does that does not show the face: nothing, a note in the log, "
+     "or "
+     "the frame is not used"},
+    {"recognition", "cascade", ISO_CONFIG_TEXT, false, AT(recognition, cascade), 0, 0, NULL, "",
+     "the cascade that looks for the face in it; the one of the build if empty"},
+
     {"match", "trim", ISO_CONFIG_NUMBER, false, AT(match, trim), 0.5, 1, NULL, "0.8",
      "share of a template's points that counts, the closest ones"},
     {"match", "icp_iterations", ISO_CONFIG_COUNT, false, AT(match, icp_iterations), 1, 100, NULL,

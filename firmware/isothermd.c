@@ -6,6 +6,7 @@
 #include <string.h>
 #include <syslog.h>
 
+#include "drivers/vision/face_detector.h"
 #include "firmware/config.h"
 #include "firmware/daemon.h"
 #include "firmware/parts.h"
@@ -106,6 +107,12 @@ static int run(const struct arguments *arguments)
     return say(error, &fault);
 }
 
+static void say_version(void)
+{
+    const char *engine = iso_face_detector_engine();
+    printf("isothermd " ISOTHERM_VERSION "\nimage check: %s\n", *engine ? engine : "not built in");
+}
+
 int main(int argc, char **argv)
 {
     struct arguments arguments = {.config = ISOTHERM_CONFIG};
@@ -131,7 +138,7 @@ int main(int argc, char **argv)
             fputs(usage, stdout);
             return EXIT_OK;
         case OPTION_VERSION:
-            puts("isothermd " ISOTHERM_VERSION);
+            say_version();
             return EXIT_OK;
         default:
             fputs("Try isothermd --help.\n", stderr);

@@ -17,6 +17,8 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = parts->times.monotonic,
+        .image = config->recognition.intensity,
+        .cascade_path = config->recognition.cascade,
     };
     options.extract.distance_min_mm = config->sensor.distance_min_mm;
     options.extract.distance_max_mm = config->sensor.distance_max_mm;

@@ -13,13 +13,37 @@ struct pipeline {
     struct iso_cohort *cohort;
     struct iso_extractor *extractor;
     struct iso_match_options match;
+    enum iso_image_check image;
+    struct iso_face_check *face_check; /* NULL: images are not checked */
+    enum iso_face_seen seen;           /* of the last frame */
 };
+
+/* Asks the image about a usable face. One that contradicts costs the frame its template; so does
+ * one that cannot be asked, if it has a veto. */
+static int check_image(struct pipeline *pipeline, const struct iso_frame *frame,
+                       struct iso_extraction *out)
+{
+    struct iso_face_checked checked = {.seen = ISO_FACE_NOT_CHECKED};
+    const bool veto = pipeline->image == ISO_IMAGE_VETO;
+    const int error = iso_face_check_run(pipeline->face_check, frame, &out->camera_from_face,
+                                         out->landmark_mm, &checked);
+    pipeline->seen = checked.seen;
+    if (veto && (error || iso_face_seen_disagrees(checked.seen))) {
+        out->outcome = ISO_CAPTURE_NO_FACE_IN_IMAGE;
+        iso_template_wipe(&out->tmpl);
+    }
+    return veto ? error : 0;
+}
 
 static int pipeline_extract(void *self, const struct iso_frame *frame, const char *sensor,
                             struct iso_extraction *out)
 {
-    const struct pipeline *pipeline = self;
-    const int error = iso_extractor_run(pipeline->extractor, frame, out);
+    struct pipeline *pipeline = self;
+    int error = iso_extractor_run(pipeline->extractor, frame, out);
+    pipeline->seen = ISO_FACE_NOT_CHECKED;
+    if (!error && out->outcome == ISO_CAPTURE_OK && pipeline->face_check) {
+        error = check_image(pipeline, frame, out);
+    }
     if (!error && out->outcome == ISO_CAPTURE_OK && *sensor) {
         (void)snprintf(out->tmpl.sensor, sizeof out->tmpl.sensor, "%s", sensor);
     }
@@ -45,9 +69,23 @@ static uint32_t pipeline_model(const void *self)
     return ((const struct pipeline *)self)->head->crc32;
 }
 
+static enum iso_face_seen pipeline_seen(const void *self)
+{
+    return ((const struct pipeline *)self)->seen;
+}
+
+static const char *pipeline_image_check(const void *self)
+{
+    static const char *const words[] = {"off", "flag", "veto"};
+    const struct pipeline *pipeline = self;
+    const bool absent = pipeline->image != ISO_IMAGE_OFF && !pipeline->face_check;
+    return absent ? "absent" : words[pipeline->image];
+}
+
 static void pipeline_close(void *self)
 {
     struct pipeline *pipeline = self;
+    iso_face_check_free(pipeline->face_check);
     iso_extractor_free(pipeline->extractor);
     iso_cohort_free(pipeline->cohort);
     iso_head_model_free(pipeline->head);
@@ -60,6 +98,8 @@ static const struct iso_pipeline_ops ops = {
     .algorithm = pipeline_algorithm,
     .model = pipeline_model,
     .close = pipeline_close,
+    .seen = pipeline_seen,
+    .image_check = pipeline_image_check,
 };
 
 static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
@@ -119,6 +159,21 @@ static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_o
                  : 0;
 }
 
+/* A cascade that is named has to be there. Without one, a machine that lacks OpenCV or its data
+ * does without the check. */
+static int make_face_check(struct pipeline *pipeline, const struct iso_pipeline_options *options,
+                           struct iso_fault *fault)
+{
+    const char *path = options->cascade_path ? options->cascade_path : "";
+    struct iso_fault reason = {""};
+    if (options->image == ISO_IMAGE_OFF) {
+        return 0;
+    }
+    const int error = iso_face_check_new(path, &pipeline->face_check, &reason);
+    const bool lacking = error == -ENOSYS || error == -ENOENT;
+    return !error || (lacking && !*path) ? 0 : iso_fault_set(fault, error, "%s", reason.text);
+}
+
 int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,
                       struct iso_fault *fault)
 {
@@ -127,12 +182,16 @@ int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pip
         return iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
     }
     pipeline->match = options->match;
+    pipeline->image = options->image;
     int error = load_head(pipeline, options->head_path, fault);
     if (!error) {
         error = make_extractor(pipeline, options, fault);
     }
     if (!error) {
         error = load_cohort(pipeline, options->cohort_path, fault);
+    }
+    if (!error) {
+        error = make_face_check(pipeline, options, fault);
     }
     if (error) {
         pipeline_close(pipeline);

@@ -12,6 +12,7 @@
 #include "core/extract.h"
 #include "core/fault.h"
 #include "core/match/search.h"
+#include "drivers/vision/face_check.h"
 
 struct iso_pipeline_ops {
     /* The template of a frame, or why there is none: out->outcome. `sensor` is the model of the
@@ -31,6 +32,20 @@ struct iso_pipeline_ops {
 
     /* NULL is not passed. */
     void (*close)(void *self);
+
+    /* OPTIONAL: what the image said of the face in the frame extracted last. */
+    enum iso_face_seen (*seen)(const void *self);
+
+    /* OPTIONAL: what is done with that: "off", "flag", "veto", or "absent" if it was asked for and
+     * the build or the machine lacks what it needs. */
+    const char *(*image_check)(const void *self);
+};
+
+/* What a frame's infrared or grey image may do that does not show the face that depth found. */
+enum iso_image_check {
+    ISO_IMAGE_OFF = 0, /* it is not looked at */
+    ISO_IMAGE_FLAG,    /* it is put on record */
+    ISO_IMAGE_VETO,    /* and the frame is not used: ISO_CAPTURE_NO_FACE_IN_IMAGE */
 };
 
 struct iso_pipeline {
@@ -43,12 +58,15 @@ struct iso_pipeline_options {
     struct iso_extract_options extract; /* sensor and clock are set by the pipeline */
     struct iso_match_options match;
     struct iso_clock clock; /* for the times of the stages */
+    enum iso_image_check image;
+    const char *cascade_path; /* NULL or "": the one that the build found */
 };
 
 /* Reads model and cohort and makes everything ready. -ENOENT and other errors of reading the files,
  * -EBADMSG one of them is damaged, -EINVAL options out of range or a cohort that was made with
- * another model or other options, -ENOMEM; each with a line. What options->clock points to must
- * outlive the pipeline. */
+ * another model or other options, -ENOMEM; each with a line. A cascade that is named has to be
+ * good: errors of iso_face_check_new; the build's own may be missing: images are then not checked.
+ * What options->clock points to must outlive the pipeline. */
 int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 

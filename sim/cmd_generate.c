@@ -26,6 +26,7 @@ enum option_id {
     OPTION_FRAMES,
     OPTION_NOISE,
     OPTION_VARIANCE,
+    OPTION_IR,
     OPTION_OUT,
     OPTION_HELP,
 };
@@ -45,6 +46,7 @@ static const struct option options[] = {
     {"frames-per-visit", required_argument, NULL, OPTION_FRAMES},
     {"noise-scale", required_argument, NULL, OPTION_NOISE},
     {"identity-variance", required_argument, NULL, OPTION_VARIANCE},
+    {"ir", no_argument, NULL, OPTION_IR},
     {"out", required_argument, NULL, OPTION_OUT},
     {"help", no_argument, NULL, OPTION_HELP},
     {NULL, 0, NULL, 0},
@@ -80,6 +82,7 @@ static void print_help(void)
          "  --seed S                 (1)\n"
          "  --noise-scale X          factor on the sensor's random errors (1; landmarks 2.5)\n"
          "  --identity-variance X    spread of the people; 0.36: they look alike (1)\n"
+         "  --ir                     an infrared image beside every depth frame (ir/)\n"
          "\n"
          "Sensors:");
     for (int i = 0; sim_sensors[i]; i++) {
@@ -167,6 +170,9 @@ static bool take_option(enum option_id option, const char *value, struct sim_gen
             return false;
         }
         to->seed = (uint64_t)seed;
+        return true;
+    case OPTION_IR:
+        to->infrared = true;
         return true;
     case OPTION_HELP:
         break;

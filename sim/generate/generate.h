@@ -20,6 +20,7 @@ struct sim_generate_options {
     double pose_limit_rad;    /* of "landmarks" */
     double noise_scale;       /* of the sensor's random errors; the preset's own if < 0 */
     double identity_variance; /* 1; 0.36: people who look alike */
+    bool infrared;            /* recordings have an infrared image beside the depth */
 };
 
 struct sim_generate_options sim_generate_options_default(void);

@@ -18,6 +18,7 @@ struct sim_studio {
     struct iso_frame *frame;
     struct sim_corpus_row *rows;
     size_t n_rows, row_capacity;
+    uint64_t key; /* of the recording that is made */
 };
 
 int sim_studio_new(const struct sim_studio_options *options, struct sim_studio **out,
@@ -39,7 +40,7 @@ int sim_studio_new(const struct sim_studio_options *options, struct sim_studio *
     }
     if (error == 0) {
         error = iso_frame_new(&sensor->camera, sensor->camera.width_px, sensor->camera.height_px,
-                              false, &studio->frame);
+                              options->infrared, &studio->frame);
     }
     if (error != 0) {
         sim_studio_free(studio);
@@ -111,6 +112,12 @@ static int measure_frame(struct sim_studio *studio, struct take *take, int index
     sim_view_finish(studio->view);
     sim_sensor_measure(studio->options.sensor, studio->view, studio->options.noise_scale,
                        take->random, studio->workspace, studio->frame);
+    if (studio->options.infrared) {
+        struct sim_random grain = sim_random_seeded(studio->key, sim_random_hash("infrared"),
+                                                    (uint64_t)index);
+        sim_infrared_measure(studio->options.sensor, studio->view, studio->options.noise_scale,
+                             &grain, studio->workspace, studio->frame->intensity);
+    }
     return 0;
 }
 
@@ -138,6 +145,7 @@ static int record(struct sim_studio *studio, const struct sim_corpus_row *row, s
     (void)snprintf(meta.sensor, sizeof meta.sensor, "%s", sensor->name);
     char path[PATH_MAX];
     (void)snprintf(path, sizeof path, "%s/%s", studio->options.directory, row->recording);
+    studio->key = sim_random_hash(row->recording);
     struct sim_recording_writer *writer = NULL;
     int error = sim_recording_writer_create(path, &meta, studio->options.png_level, &writer, fault);
     for (int i = 0; error == 0 && i < (int)row->count; i++) {

@@ -13,7 +13,7 @@ int sim_solid_new(uint32_t n_vertices, uint32_t n_triangles, enum sim_material m
     if (!solid) {
         return -ENOMEM;
     }
-    *solid = (struct sim_solid){n_vertices, n_triangles, NULL, NULL, material};
+    *solid = (struct sim_solid){n_vertices, n_triangles, NULL, NULL, material, NULL};
     solid->vertices_mm = calloc(n_vertices, sizeof *solid->vertices_mm);
     solid->triangles = calloc(n_triangles, sizeof *solid->triangles);
     if (!solid->vertices_mm || !solid->triangles) {
@@ -31,6 +31,7 @@ void sim_solid_free(struct sim_solid *solid)
     }
     free(solid->vertices_mm);
     free(solid->triangles);
+    free(solid->albedo);
     free(solid);
 }
 
@@ -127,6 +128,10 @@ int sim_solid_draw(const struct sim_solid *solid, const struct iso_rigid *camera
     for (uint32_t i = 0; i < solid->n_vertices; i++) {
         scratch_mm[i] = iso_rigid_apply(camera_from_solid, solid->vertices_mm[i]);
     }
-    return sim_view_draw(view, scratch_mm, (const uint32_t(*)[3])solid->triangles,
-                         solid->n_triangles, solid->material);
+    const int error = sim_view_draw(view, scratch_mm, (const uint32_t(*)[3])solid->triangles,
+                                    solid->n_triangles, solid->material);
+    if (error == 0 && solid->albedo) {
+        sim_view_paint(view, solid->albedo, solid->n_triangles);
+    }
+    return error;
 }

@@ -13,6 +13,7 @@ struct sim_solid {
     struct iso_vec3 *vertices_mm;
     uint32_t (*triangles)[3];
     enum sim_material material;
+    float *albedo; /* [n_triangles] in the infrared; NULL: the material's own */
 };
 
 /* Room for the given counts, zeroed. -EINVAL for a count of 0, -ENOMEM. */

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
+#include "sim/face/skin.h"
 #include "sim/prop/hair.h"
 #include "sim/prop/solid.h"
 #include "sim/prop/torso.h"
@@ -18,6 +19,7 @@ struct sim_sitter {
     struct sim_person person;
     struct iso_vec3 *surface_mm; /* [ict->n_vertices], face frame */
     struct iso_vec3 *scratch_mm;
+    float *albedo;                      /* [ict->n_triangles] of the skin; NULL: blank */
     struct sim_solid *worn[SOLIDS_MAX]; /* hair, moving with the head */
     struct sim_solid *torso;            /* or NULL */
     int n_worn;
@@ -59,6 +61,12 @@ static int allocate_scratch(struct sim_sitter *sitter)
     return sitter->scratch_mm ? 0 : -ENOMEM;
 }
 
+static int paint_skin(struct sim_sitter *sitter)
+{
+    sitter->albedo = malloc(sitter->ict->n_triangles * sizeof *sitter->albedo);
+    return sitter->albedo ? sim_skin_albedo(sitter->ict, &sitter->person, sitter->albedo) : -ENOMEM;
+}
+
 int sim_sitter_new(const struct sim_ict *ict, const struct sim_person *person,
                    const struct sim_sitter_options *options, struct sim_random *random,
                    struct sim_sitter **out)
@@ -73,6 +81,9 @@ int sim_sitter_new(const struct sim_ict *ict, const struct sim_person *person,
     int error = sitter->surface_mm ? 0 : -ENOMEM;
     if (error == 0) {
         sim_person_surface(ict, person, NULL, sitter->surface_mm);
+    }
+    if (error == 0 && !options->blank) {
+        error = paint_skin(sitter);
     }
     if (error == 0 && options->hair) {
         error = put_on_hair(sitter, random);
@@ -101,6 +112,7 @@ void sim_sitter_free(struct sim_sitter *sitter)
     }
     sim_solid_free(sitter->torso);
     free(sitter->surface_mm);
+    free(sitter->albedo);
     free(sitter->scratch_mm);
     free(sitter);
 }
@@ -159,6 +171,9 @@ int sim_sitter_draw(struct sim_sitter *sitter, const struct sim_stance *stance,
     }
     int error = sim_view_draw(view, sitter->scratch_mm, (const uint32_t(*)[3])ict->triangles,
                               ict->n_triangles, SIM_SKIN);
+    if (error == 0 && sitter->albedo) {
+        sim_view_paint(view, sitter->albedo, ict->n_triangles);
+    }
     for (int i = 0; error == 0 && i < sitter->n_worn; i++) {
         error = sim_solid_draw(sitter->worn[i], &camera_from_face, sitter->scratch_mm, view);
     }

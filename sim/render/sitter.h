@@ -29,6 +29,7 @@ struct sim_truth {
 
 struct sim_sitter_options {
     bool hair, torso;
+    bool blank; /* the whole head of one albedo, as a mask without markings */
 };
 
 struct sim_sitter;

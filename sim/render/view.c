@@ -113,14 +113,22 @@ int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
         struct iso_vec3 a = vertices_mm[triangles[i][0]];
         struct iso_vec3 ab = iso_sub(vertices_mm[triangles[i][1]], a);
         struct iso_vec3 ac = iso_sub(vertices_mm[triangles[i][2]], a);
-        view->facets[view->n_facets + (int32_t)i] = (struct sim_facet){iso_unit(iso_cross(ab, ac)),
-                                                                       material};
+        view->facets[view->n_facets + (int32_t)i] = (struct sim_facet){
+            .normal = iso_unit(iso_cross(ab, ac)), .material = material};
     }
     struct iso_raster raster = raster_of(view);
     iso_raster_triangles(&raster, vertices_mm, triangles, (int32_t)n_triangles, view->n_facets,
                          SIM_VIEW_NEAR_MM, 0);
     view->n_facets += (int32_t)n_triangles;
     return 0;
+}
+
+void sim_view_paint(struct sim_view *view, const float *albedo, uint32_t n)
+{
+    struct sim_facet *last = view->facets + view->n_facets - n;
+    for (uint32_t i = 0; i < n; i++) {
+        last[i].albedo = albedo[i];
+    }
 }
 
 void sim_view_finish(struct sim_view *view)

@@ -28,6 +28,7 @@ enum sim_material {
 struct sim_facet {
     struct iso_vec3 normal; /* unit, either sign */
     enum sim_material material;
+    float albedo; /* of its infrared image; 0: the material's own */
 };
 
 struct sim_view {
@@ -52,6 +53,9 @@ void sim_view_clear(struct sim_view *view);
 int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
                   const uint32_t (*triangles)[3], uint32_t n_triangles, enum sim_material material)
     __attribute__((warn_unused_result));
+
+/* Paints what was drawn last, n facets: their albedo in the infrared, 0..1. */
+void sim_view_paint(struct sim_view *view, const float *albedo, uint32_t n);
 
 /* Fills in `cosine` and `material` for what is now seen. */
 void sim_view_finish(struct sim_view *view);

@@ -48,5 +48,6 @@ const struct sim_sensor sim_sensor_astra = {
     .supersample = 1,
     .distance_min_mm = 500.0,
     .distance_max_mm = 750.0,
+    .infrared = {.level = 0.25, .bits = 10, .shot = 1e-4, .dark = 2e-3, .dots = 0.7},
     .measure = measure,
 };

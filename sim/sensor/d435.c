@@ -42,5 +42,6 @@ const struct sim_sensor sim_sensor_d435 = {
     .supersample = 1,
     .distance_min_mm = 400.0,
     .distance_max_mm = 600.0,
+    .infrared = {.level = 0.12, .bits = 8, .shot = 2e-4, .dark = 4e-3, .dots = 0.4},
     .measure = measure,
 };

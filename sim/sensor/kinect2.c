@@ -110,5 +110,6 @@ const struct sim_sensor sim_sensor_kinect2 = {
     .supersample = 2,
     .distance_min_mm = 700.0,
     .distance_max_mm = 1000.0,
+    .infrared = {.level = 0.125, .bits = 16, .shot = 1e-5, .dark = 3e-4},
     .measure = measure,
 };

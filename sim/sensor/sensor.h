@@ -10,6 +10,7 @@
 #include "core/frame/frame.h"
 #include "sim/random.h"
 #include "sim/render/view.h"
+#include "sim/sensor/infrared.h"
 
 /* Planes of the sensor's size for a model's own use. */
 enum { SIM_SENSOR_PLANES = 6 };
@@ -26,6 +27,7 @@ struct sim_sensor {
     int supersample; /* of the view that the model needs */
     bool face_only; /* it is used for faces without surroundings: nothing but the head is in view */
     double distance_min_mm, distance_max_mm; /* where people stand before it, nose tip */
+    struct sim_infrared infrared;            /* its image beside the depth */
     /* Fills depth_mm, 0 where nothing is measured. noise_scale multiplies every random error (1: as
      * published). */
     void (*measure)(const struct sim_view *view, double noise_scale, struct sim_random *random,

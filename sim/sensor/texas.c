@@ -54,5 +54,6 @@ const struct sim_sensor sim_sensor_texas = {
     .face_only = true,
     .distance_min_mm = 600.0,
     .distance_max_mm = 600.0,
+    .infrared = {.level = 0.9, .bits = 8, .shot = 5e-5, .dark = 4e-3, .ambient = true},
     .measure = measure,
 };

@@ -40,5 +40,6 @@ const struct sim_sensor sim_sensor_truedepth = {
     .supersample = 1,
     .distance_min_mm = 300.0,
     .distance_max_mm = 500.0,
+    .infrared = {.level = 0.1, .bits = 10, .shot = 5e-5, .dark = 1e-3},
     .measure = measure,
 };

@@ -273,12 +273,25 @@ static void close_pipeline(void *self)
     (void)self;
 }
 
+static enum iso_face_seen seen(const void *self)
+{
+    return ((const struct puppet_pipeline *)self)->seen;
+}
+
+static const char *image_check(const void *self)
+{
+    (void)self;
+    return "flag";
+}
+
 static const struct iso_pipeline_ops pipeline_ops = {
     .extract = extract,
     .search = search,
     .algorithm = algorithm,
     .model = model,
     .close = close_pipeline,
+    .seen = seen,
+    .image_check = image_check,
 };
 
 struct iso_pipeline puppet_pipeline(struct puppet_pipeline *pipeline)

@@ -52,7 +52,8 @@ void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
 struct puppet_pipeline {
     int extract_error, search_error;
     double yaw_rad, expression, uncovered;
-    char sensor[32]; /* as the last extraction was told */
+    char sensor[32];         /* as the last extraction was told */
+    enum iso_face_seen seen; /* what the image says of every frame */
 };
 
 struct iso_pipeline puppet_pipeline(struct puppet_pipeline *pipeline);

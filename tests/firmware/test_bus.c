@@ -264,6 +264,7 @@ static void tells_its_state(void **state)
         {"capacity", "u 1000"},
         {"frames", "t 2"},
         {"last-outcome", "s allow anna"},
+        {"image-check", "s flag"},
         {"model", "s 00000abc"},
         {"algorithm", "s 00000051"},
         {"threshold", "d 6"},

@@ -25,7 +25,7 @@ for document in $documents; do
     done
 done
 
-sources=$(find core drivers firmware enroll sim tests -name '*.[ch]' | sort)
+sources=$(find core drivers firmware enroll sim tests -name '*.[ch]' -o -name '*.cc' | sort)
 for source in $sources; do
     lines=$(wc -l <"$source")
     [ "$lines" -le 600 ] || grep -q "^$source " tests/gate/long_files.txt ||

@@ -267,6 +267,44 @@ static void recordings_are_not_overwritten(void **state)
     assert_non_null(strstr(fault.text, "p0000-s0"));
 }
 
+/* With --ir the depths are the same to the bit, and every frame has an image that shows the person.
+ */
+static void infrared_leaves_the_depths(void **state)
+{
+    const char *plain = scratch_path(*state, "plain"), *with = scratch_path(*state, "with");
+    struct sim_generate_options options = small(plain);
+    options.n_probes = options.n_strangers = 0;
+    generate(&options);
+    options.directory = with;
+    options.infrared = true;
+    generate(&options);
+    for (int person = 0; person < 2; person++) {
+        const char *name = person == 0 ? "p0000-s0" : "p0001-s0";
+        struct iso_recording *a, *b;
+        struct iso_frame *without, *frame;
+        assert_int_equal(iso_recording_open(scratch_path(plain, name), &a, NULL), 0);
+        assert_int_equal(iso_recording_open(scratch_path(with, name), &b, NULL), 0);
+        assert_false(iso_recording_has_intensity(a));
+        assert_true(iso_recording_has_intensity(b));
+        assert_int_equal(iso_recording_frame_new(a, &without), 0);
+        assert_int_equal(iso_recording_frame_new(b, &frame), 0);
+        for (size_t i = 0; i < 2; i++) {
+            size_t n = (size_t)frame->width_px * (size_t)frame->height_px, lit = 0;
+            assert_int_equal(iso_recording_read(a, i, without, NULL), 0);
+            assert_int_equal(iso_recording_read(b, i, frame, NULL), 0);
+            assert_memory_equal(frame->depth_mm, without->depth_mm, n * sizeof *frame->depth_mm);
+            for (size_t k = 0; k < n; k++) {
+                lit += frame->intensity[k] > 0.1F;
+            }
+            assert_true(lit > n / 100 && lit < n / 2);
+        }
+        iso_frame_free(without);
+        iso_frame_free(frame);
+        iso_recording_close(a);
+        iso_recording_close(b);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -277,6 +315,8 @@ int main(void)
         cmocka_unit_test(landmark_sessions_are_noisy_and_limited),
         cmocka_unit_test(bad_options_are_refused),
         cmocka_unit_test(recordings_are_not_overwritten),
+        cmocka_unit_test_setup_teardown(infrared_leaves_the_depths, scratch_setup,
+                                        scratch_teardown),
     };
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }

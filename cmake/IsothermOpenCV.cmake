@@ -1,0 +1,44 @@
+# isotherm_opencv(TARGET WITH WITHOUT): adds the source that uses OpenCV, or the one that does without. OpenCV is C++: a build
+# without a C++ compiler goes without, as one without the library does. Debian's narrow packages have no pkg-config file.
+option(ISOTHERM_OPENCV "Check faces in infrared or grey images by OpenCV, where it is found" ON)
+
+if(ISOTHERM_OPENCV)
+  if(CMAKE_C_COMPILER_ID STREQUAL "Clang" AND NOT CMAKE_CXX_COMPILER AND NOT DEFINED ENV{CXX})
+    set(CMAKE_CXX_COMPILER clang++) # the sanitizers of two compilers do not mix
+  endif()
+  include(CheckLanguage)
+  check_language(CXX)
+  find_path(OPENCV_INCLUDE_DIR opencv2/objdetect.hpp PATH_SUFFIXES opencv4)
+  find_library(OPENCV_CORE opencv_core)
+  find_library(OPENCV_OBJDETECT opencv_objdetect)
+  find_file(ISOTHERM_CASCADE haarcascade_frontalface_alt2.xml PATHS /usr/share/opencv4/haarcascades
+    DOC "The cascade that is used unless the configuration names another")
+  mark_as_advanced(OPENCV_INCLUDE_DIR OPENCV_CORE OPENCV_OBJDETECT)
+endif()
+
+if(ISOTHERM_OPENCV AND CMAKE_CXX_COMPILER AND OPENCV_INCLUDE_DIR AND OPENCV_CORE AND OPENCV_OBJDETECT)
+  set(ISOTHERM_HAS_OPENCV ON)
+  set(CMAKE_CXX_STANDARD 17)
+  set(CMAKE_CXX_STANDARD_REQUIRED ON)
+  enable_language(CXX)
+  if(NOT ISOTHERM_CASCADE)
+    set(cascade "")
+  else()
+    set(cascade "${ISOTHERM_CASCADE}")
+  endif()
+else()
+  set(ISOTHERM_HAS_OPENCV OFF)
+  message(STATUS "OpenCV: not used; faces are not checked in infrared or grey images")
+endif()
+
+function(isotherm_opencv target with without)
+  if(NOT ISOTHERM_HAS_OPENCV)
+    target_sources(${target} PRIVATE ${without})
+    return()
+  endif()
+  target_sources(${target} PRIVATE ${with})
+  set_source_files_properties(${with} PROPERTIES
+    COMPILE_DEFINITIONS "ISOTHERM_CASCADE=\"${cascade}\""
+    COMPILE_OPTIONS "-isystem;${OPENCV_INCLUDE_DIR}")
+  target_link_libraries(${target} PRIVATE ${OPENCV_OBJDETECT} ${OPENCV_CORE})
+endfunction()

@@ -1,0 +1,42 @@
+/* A detector of frontal faces in small grey pictures: the one place that knows OpenCV.
+ *
+ * A boosted cascade of Haar-like features (Viola and Jones, "Rapid object detection using a boosted
+ * cascade of simple features", CVPR 2001; Lienhart and Maydt, ICIP 2002), as stored in OpenCV's
+ * files. A build without OpenCV has these functions too: the engine is then "", and no detector can
+ * be made. One detector belongs to one thread; it starts none. OpenCV allocates while it searches.
+ */
+#ifndef ISO_DRIVERS_VISION_FACE_DETECTOR_H
+#define ISO_DRIVERS_VISION_FACE_DETECTOR_H
+
+#include <stdint.h>
+
+#include "core/fault.h"
+
+/* The square in which a face is seen. */
+struct iso_face_box {
+    double column_px, row_px, side_px; /* its middle, whole numbers being centres of pixels */
+    int votes; /* windows that agreed on it; 0: no face is seen, the rest is 0 too */
+};
+
+struct iso_face_detector;
+
+/* "OpenCV 4.6.0", or "" in a build without it. */
+const char *iso_face_detector_engine(void);
+
+/* The cascade that the build found; "" if there was none. */
+const char *iso_face_detector_cascade(void);
+
+/* Reads a cascade. -ENOSYS a build without OpenCV, -EBADMSG the file is no cascade, -ENOMEM, or the
+ * errno of opening it. */
+int iso_face_detector_new(const char *cascade_path, struct iso_face_detector **out,
+                          struct iso_fault *fault) __attribute__((warn_unused_result));
+void iso_face_detector_free(struct iso_face_detector *detector);
+
+/* Looks for a face whose square has a side of min_px..max_px in a picture, rows from the top
+ * without padding; *out is the one with the most votes. -EINVAL sizes out of range (1..8192, min <=
+ * max), -ENOMEM, -EIO anything else that OpenCV refuses. */
+int iso_face_detector_find(struct iso_face_detector *detector, const uint8_t *picture, int width_px,
+                           int height_px, int min_px, int max_px, struct iso_face_box *out)
+    __attribute__((warn_unused_result));
+
+#endif

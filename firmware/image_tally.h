@@ -1,0 +1,23 @@
+/* What the images of one visit said of its faces, counted, for the audit log. Pure. */
+#ifndef ISO_FIRMWARE_IMAGE_TALLY_H
+#define ISO_FIRMWARE_IMAGE_TALLY_H
+
+#include <stddef.h>
+
+#include "drivers/vision/face_check.h"
+
+enum { ISO_IMAGE_TALLY_TEXT_SIZE = 96 };
+
+struct iso_image_tally {
+    unsigned confirmed, contradicted, unsure; /* frames */
+};
+
+/* Counts one; faces that were not checked, or that have no image, do not count. */
+void iso_image_tally_take(struct iso_image_tally *tally, enum iso_face_seen seen);
+
+/* "image: 2 confirmed, 1 contradicted, 0 unsure". False, and nothing written, if nothing was
+ * counted. */
+bool iso_image_tally_text(const struct iso_image_tally *tally,
+                          char text[ISO_IMAGE_TALLY_TEXT_SIZE]);
+
+#endif

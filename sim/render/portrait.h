@@ -1,0 +1,13 @@
+/* A photograph of a person from straight ahead, as albedos of the paper it is printed on. */
+#ifndef SIM_RENDER_PORTRAIT_H
+#define SIM_RENDER_PORTRAIT_H
+
+#include "sim/render/sitter.h"
+
+enum { SIM_PORTRAIT_COLUMNS = 190, SIM_PORTRAIT_ROWS = 260 };
+
+/* Life size, one pixel a millimetre, the nose tip 10 mm under the middle. `albedo` has
+ * [SIM_PORTRAIT_ROWS][SIM_PORTRAIT_COLUMNS] values, rows from the top. -ENOMEM. */
+int sim_portrait(struct sim_sitter *sitter, float *albedo) __attribute__((warn_unused_result));
+
+#endif
