@@ -7,7 +7,7 @@
 
 /* A turn is counted as the way of what lies so far from the axis: the face's own half length. */
 static const double arm_mm = 80.0;
-static const double sigma_max_mm = 3.0;
+static const double sigma_max_mm = 6.0;
 static const double digest_mm = 80.0;
 
 enum { DIGEST_ROWS = 4 };

@@ -49,7 +49,7 @@ struct iso_liveness_frame {
     int64_t t_ns;
     struct iso_rigid camera_from_face;
     double
-        sigma_mm; /* of the pose: frames worse than 3 mm are counted for nothing but their digest */
+        sigma_mm; /* of the pose: frames worse than 6 mm are counted for nothing but their digest */
     uint32_t digest; /* iso_liveness_digest */
 };
 

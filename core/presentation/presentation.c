@@ -13,7 +13,7 @@ struct iso_presentation {
 static const double people_scale = 0.99, people_norm = 0.34;
 static const double norm_weight = 0.3;
 /* Of the places about an eye, for the eye to be judged. */
-static const double around_min = 0.5, measured_min = 0.5;
+static const double around_min = 0.3, measured_min = 0.5;
 
 struct iso_presentation_options iso_presentation_options_default(void)
 {
@@ -21,7 +21,7 @@ struct iso_presentation_options iso_presentation_options_default(void)
         .sheet_share = 0.83,
         .too_small = 0.19,
         .too_large = 0.15,
-        .eye_behind_mm = 3.5,
+        .eye_behind_mm = 3.0,
         .eye_hole_share = 0.9,
         .held_flat_share = 0.55,
         .held_bent_share = 0.8,

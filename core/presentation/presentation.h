@@ -36,7 +36,7 @@ struct iso_presentation_cues {
 struct iso_presentation_options {
     double sheet_share;          /* of the relief on one sheet: no face. 0.83 */
     double too_small, too_large; /* iso_presentation_oversize below and above. 0.19, 0.15 */
-    double eye_behind_mm;        /* both eyes. 3.5 */
+    double eye_behind_mm;        /* both eyes. 3 */
     double eye_hole_share;    /* both eyes without a measurement; above 1: a sensor that loses eyes
                                  (active stereo often does) is not held against them. 0.9 */
     double held_flat_share;   /* of a thing on one plane, for it to be a picture. 0.55 */

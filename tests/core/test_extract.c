@@ -437,7 +437,7 @@ static void what_is_no_usable_face_says_why(void **state)
         {"none-photo2",
          1u << ISO_CAPTURE_NO_FACE | 1u << ISO_CAPTURE_NOT_A_FACE | 1u << ISO_CAPTURE_FLAT},
         {"none-photo3",
-         1u << ISO_CAPTURE_NO_FACE | 1u << ISO_CAPTURE_NOT_A_FACE | 1u << ISO_CAPTURE_FLAT},
+         1u << ISO_CAPTURE_NO_FACE | 1u << ISO_CAPTURE_NOT_A_FACE | 1u << ISO_CAPTURE_BENT},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         enum iso_capture outcome[3];
