@@ -10,7 +10,7 @@ struct iso_presentation {
 };
 
 /* Mean of what both measures of scale say of people, and of their identity's norm. */
-static const double people_scale = 0.99, people_norm = 0.34;
+static const double people_scale = 1.0, people_norm = 0.55;
 static const double norm_weight = 0.3;
 /* Of the places about an eye, for the eye to be judged. */
 static const double around_min = 0.3, measured_min = 0.5;
@@ -19,8 +19,8 @@ struct iso_presentation_options iso_presentation_options_default(void)
 {
     return (struct iso_presentation_options){
         .sheet_share = 0.83,
-        .too_small = 0.19,
-        .too_large = 0.15,
+        .too_small = 0.16,
+        .too_large = 0.142,
         .eye_behind_mm = 3.0,
         .eye_hole_share = 0.9,
         .held_flat_share = 0.55,
@@ -39,7 +39,7 @@ static double log_scale(const struct iso_presentation_cues *cues)
 double iso_presentation_oversize(const struct iso_presentation_cues *cues)
 {
     double over = log_scale(cues), odd = norm_weight * (cues->identity_norm - people_norm);
-    return over > 0.0 ? fmax(over + odd, 0.0) : fmin(over - odd, 0.0);
+    return over > 0.0 ? fmax(over + odd, 0.0) : over;
 }
 
 static bool cut_out(const struct iso_eye *eye, const struct iso_presentation_options *o)

@@ -35,7 +35,7 @@ struct iso_presentation_cues {
 
 struct iso_presentation_options {
     double sheet_share;          /* of the relief on one sheet: no face. 0.83 */
-    double too_small, too_large; /* iso_presentation_oversize below and above. 0.19, 0.15 */
+    double too_small, too_large; /* iso_presentation_oversize below and above. 0.16, 0.142 */
     double eye_behind_mm;        /* both eyes. 3 */
     double eye_hole_share;    /* both eyes without a measurement; above 1: a sensor that loses eyes
                                  (active stereo often does) is not held against them. 0.9 */
@@ -48,8 +48,11 @@ struct iso_presentation_options {
 struct iso_presentation_options iso_presentation_options_default(void);
 
 /* A face too large: > 0, too small: < 0, in logarithms of size, roughly: the mean of both measures
- * of scale, away from people's mean, and 0.3 times what the identity is out of the ordinary, since
- * a print of another size is not one of the shapes that people have at that size. */
+ * of scale, away from people's mean. To what is too large 0.3 times what the identity is out of the
+ * ordinary is added, since a print of another size is not one of the shapes that people have at
+ * that size. Measured: 1,199 rendered people on four sensors and 378 real frames -0.149 at the
+ * least, at most 0.146 in all but 0.5 %; prints of 0.45 to 0.8 at most -0.173, of 1.25 to 1.6 at
+ * least 0.146 where a head was fitted well (the others are no face). */
 double iso_presentation_oversize(const struct iso_presentation_cues *cues);
 
 /* ISO_CAPTURE_OK if nothing speaks against it, else what does. Of the relief, size and eyes the
