@@ -104,20 +104,26 @@ static enum iso_capture judge_presentation(const struct iso_extractor *x,
     return iso_presentation_judge(&cues, &bounds);
 }
 
+static bool is_like_a_face(double cost_mm2, double identity_norm)
+{
+    return cost_mm2 <= fit_cost_max_mm2 &&
+           sqrt(cost_mm2) + unlikeness_per_sigma_mm * identity_norm <= unlikeness_max_mm;
+}
+
 enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *frame,
                                         const struct iso_frame *cleaned,
                                         const struct iso_extraction *out)
 {
-    const struct iso_pose_fit *fit = &x->head.pose;
-    if (fit->cost_mm2 > fit_cost_max_mm2 ||
-        sqrt(fit->cost_mm2) + unlikeness_per_sigma_mm * x->head.identity_norm > unlikeness_max_mm) {
+    const double norm = x->head.identity_norm;
+    enum iso_capture cover = judge_cover(&out->occlusion);
+    /* What covers a face does not fit a head, but the rest of the face does. */
+    if (cover != ISO_CAPTURE_OK && is_like_a_face(out->occlusion.rest_mm2, norm)) {
+        return cover;
+    }
+    if (!is_like_a_face(x->head.pose.cost_mm2, norm)) {
         return ISO_CAPTURE_NOT_A_FACE;
     }
-    enum iso_capture outcome = judge_cover(&out->occlusion);
-    if (outcome == ISO_CAPTURE_OK) {
-        outcome = fit->coverage < fit_coverage_min ? ISO_CAPTURE_TOO_FEW_POINTS
-                                                   : judge_presentation(x, frame, cleaned);
-    }
-    return outcome;
+    return x->head.pose.coverage < fit_coverage_min ? ISO_CAPTURE_TOO_FEW_POINTS
+                                                    : judge_presentation(x, frame, cleaned);
 }

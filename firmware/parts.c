@@ -22,6 +22,7 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
     };
     options.extract.distance_min_mm = config->sensor.distance_min_mm;
     options.extract.distance_max_mm = config->sensor.distance_max_mm;
+    options.extract.track = true;
     options.match.trim = config->match.trim;
     options.match.icp_iterations = config->match.icp_iterations;
     options.match.transform = config->match.transform;

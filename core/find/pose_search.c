@@ -214,7 +214,8 @@ int iso_pose_search(const struct iso_pose_search *search, const struct iso_candi
     struct iso_pose_fit fits[ISO_CANDIDATE_PARTS_MAX];
     struct ranking rough[ISO_CANDIDATES_MAX];
     int n = 0, n_rough = 0;
-    for (int i = 0; i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX;) {
+    int i = 0;
+    while (i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX) {
         struct ranking finalists = {.room = FINALISTS};
         int part = candidates[i].part;
         for (; i < n_candidates && candidates[i].part == part; i++) {
@@ -234,6 +235,13 @@ int iso_pose_search(const struct iso_pose_search *search, const struct iso_candi
     const struct iso_pose_fit *found = nearest_good(fits, n, search->cost_max_mm2);
     if (!found) {
         return -ENOENT;
+    }
+    /* Parts that were not looked at, since the face is beyond doubt. */
+    double far_mm = other_far_ratio * found->camera_from_face.translation_mm.z;
+    for (; i < n_candidates; i++) {
+        if (candidates[i].point_mm.z < far_mm) {
+            rough[n_rough++] = try_candidate(search, candidates[i].point_mm);
+        }
     }
     *out = *found;
     *several = another_face(search, rough, n_rough, found);

@@ -75,8 +75,8 @@ void iso_face_parts_of(const struct iso_head_model *model, uint8_t *parts)
 struct iso_occlusion iso_occlusion_measure(const struct iso_shape_residuals *head,
                                            const uint8_t *parts)
 {
-    struct iso_occlusion out = {{0}};
-    int seen[ISO_FACE_PARTS] = {0}, covered[ISO_FACE_PARTS] = {0};
+    struct iso_occlusion out = {.rest_mm2 = 0.0};
+    int seen[ISO_FACE_PARTS] = {0}, covered[ISO_FACE_PARTS] = {0}, bare = 0;
     for (uint32_t i = 0; i < head->n; i++) {
         enum iso_meeting meeting = (enum iso_meeting)head->meeting[i];
         if (meeting != ISO_MEETING_MEASURED && meeting != ISO_MEETING_UNMEASURED) {
@@ -84,6 +84,11 @@ struct iso_occlusion iso_occlusion_measure(const struct iso_shape_residuals *hea
         }
         bool is_covered = meeting == ISO_MEETING_UNMEASURED ||
                           (double)head->residual_mm[i] < -before_mm;
+        if (!is_covered) {
+            double r = (double)head->residual_mm[i];
+            out.rest_mm2 += fmin(r * r, ISO_POSE_COST_LIMIT_MM2);
+            bare++;
+        }
         for (int part = 0; part < ISO_FACE_PARTS; part++) {
             if (parts[i] & (1 << part)) {
                 seen[part]++;
@@ -91,6 +96,7 @@ struct iso_occlusion iso_occlusion_measure(const struct iso_shape_residuals *hea
             }
         }
     }
+    out.rest_mm2 = bare > 0 ? out.rest_mm2 / bare : ISO_POSE_COST_LIMIT_MM2;
     for (int part = 0; part < ISO_FACE_PARTS; part++) {
         if (seen[part] >= VERTICES_MIN) {
             out.covered[part] = (double)covered[part] / seen[part];

@@ -21,6 +21,7 @@ struct iso_occlusion {
     /* Of the part's vertices that the camera should see, the share that it does not: something lies
      * more than 10 mm before them, or nothing was measured. 0 for a part that is turned away. */
     double covered[ISO_FACE_PARTS];
+    double rest_mm2; /* how well the rest fits: mean of min(r^2, 36) of what is measured and bare */
 };
 
 /* The parts that each vertex of the model's face belongs to, as bits 1 << enum iso_face_part, by
