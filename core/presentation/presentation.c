@@ -9,9 +9,9 @@ struct iso_presentation {
     struct iso_sheet_finder *finder;
 };
 
-/* Mean of what both measures of scale say of people, and of their identity's norm. */
-static const double people_scale = 1.0, people_norm = 0.55;
-static const double norm_weight = 0.3;
+/* How much of the scale the fit says; the rest is the size's own. */
+static const double fit_weight = 0.6;
+static const double people_norm = 0.5, norm_weight = 0.1;
 /* Of the places about an eye, for the eye to be judged. */
 static const double around_min = 0.3, measured_min = 0.5;
 
@@ -19,8 +19,9 @@ struct iso_presentation_options iso_presentation_options_default(void)
 {
     return (struct iso_presentation_options){
         .sheet_share = 0.83,
-        .too_small = 0.16,
-        .too_large = 0.142,
+        .too_small = 0.17,
+        .too_large = 0.117,
+        .no_size_cost_mm2 = 7.0,
         .eye_behind_mm = 3.0,
         .eye_hole_share = 0.9,
         .held_flat_share = 0.55,
@@ -30,16 +31,11 @@ struct iso_presentation_options iso_presentation_options_default(void)
     };
 }
 
-/* The logarithm of the scale, away from people's. */
-static double log_scale(const struct iso_presentation_cues *cues)
-{
-    return 0.5 * log(cues->size.scale * cues->fitted_scale / (people_scale * people_scale));
-}
-
 double iso_presentation_oversize(const struct iso_presentation_cues *cues)
 {
-    double over = log_scale(cues), odd = norm_weight * (cues->identity_norm - people_norm);
-    return over > 0.0 ? fmax(over + odd, 0.0) : over;
+    double over = fit_weight * log(cues->fitted_scale) + (1.0 - fit_weight) * log(cues->size.scale);
+    double odd = norm_weight * (cues->identity_norm - people_norm);
+    return over > 0.0 ? fmax(over + odd, 0.0) : fmin(over - odd, 0.0);
 }
 
 static bool cut_out(const struct iso_eye *eye, const struct iso_presentation_options *o)
@@ -75,7 +71,8 @@ enum iso_capture iso_presentation_judge(const struct iso_presentation_cues *cues
     }
     if (cues->has_size) {
         double over = iso_presentation_oversize(cues);
-        if (over > options->too_large || over < -options->too_small) {
+        if (over > options->too_large || over < -options->too_small ||
+            cues->size.cost_mm2 > options->no_size_cost_mm2) {
             return ISO_CAPTURE_WRONG_SIZE;
         }
     }

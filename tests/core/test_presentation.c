@@ -123,6 +123,9 @@ static void every_cue_has_its_word(void **state)
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_WRONG_SIZE);
     cues.size.scale = cues.fitted_scale = 0.75;
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_WRONG_SIZE);
+    cues.size.scale = cues.fitted_scale = 1.0;
+    cues.size.cost_mm2 = 8.0; /* of no size at all */
+    assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_WRONG_SIZE);
     cues.relief.bent.inlier_share = 0.95;
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_BENT);
     cues.relief.flat.inlier_share = 0.9;
