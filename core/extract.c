@@ -42,7 +42,7 @@ static int64_t now_ns(const struct iso_extractor *x)
 static int coarse_factor(const struct iso_frame *frame)
 {
     double pixel_mm = iso_camera_pixel_mm(&frame->camera, ISO_EXTRACT_COARSE_AT_MM);
-    double pitch = fmin(floor(ISO_EXTRACT_COARSE_PITCH_MM / pixel_mm), ISO_SHRINK_MAX);
+    double pitch = fmin(rint(ISO_EXTRACT_COARSE_PITCH_MM / pixel_mm), ISO_SHRINK_MAX);
     double side_px = fmin(frame->width_px, frame->height_px);
     int factor = (int)fmax(fmin(pitch, side_px), 1.0);
     while ((frame->width_px / factor) * (frame->height_px / factor) > ISO_EXTRACT_COARSE_PX_MAX) {

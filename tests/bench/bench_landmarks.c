@@ -1,0 +1,151 @@
+/* From a frame in memory to its landmarks, one thread, processor time in milliseconds: the face
+ * looked for in frames as they are and at half their resolution, and followed from frame to frame.
+ *
+ * The three ways take turns on every frame, so that what else the machine does is shared. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+
+#include "core/extract.h"
+#include "core/frame/shrink.h"
+#include "drivers/recording/recording.h"
+#include "sim/data_file.h"
+#include "sim/eval/latency.h"
+#include "sim/recording/corpus.h"
+
+enum way { LOOKED_FOR, HALF_SIZE, FOLLOWED, WAYS };
+
+static const char *const names[WAYS] = {"looked for", "looked for, half size", "followed"};
+
+struct bench {
+    struct iso_extractor *extractor[WAYS];
+    struct iso_frame half;
+    int width_px, height_px; /* of the last frame */
+    size_t n[WAYS], n_ok[WAYS];
+    double *ms[WAYS];
+};
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* What the steps up to the landmarks took: the patch is the template's. */
+static double landmarks_ms(const struct iso_extraction *x)
+{
+    return (double)(x->stage_ns[ISO_STAGE_REGION] + x->stage_ns[ISO_STAGE_CLEAN] +
+                    x->stage_ns[ISO_STAGE_FIT]) /
+           1e6;
+}
+
+static int time_frame(struct bench *b, enum way way, const struct iso_frame *frame)
+{
+    struct iso_extraction x;
+    int error = iso_extractor_locate(b->extractor[way], frame, &x);
+    if (error || (way == FOLLOWED && !x.tracked)) {
+        return error;
+    }
+    b->ms[way][b->n[way]++] = landmarks_ms(&x);
+    b->n_ok[way] += x.outcome == ISO_CAPTURE_OK;
+    return 0;
+}
+
+static int time_row(struct bench *b, const char *directory, const struct sim_corpus_row *row,
+                    struct iso_fault *fault)
+{
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s/%s", directory, row->recording);
+    struct iso_recording *recording = NULL;
+    struct iso_frame *frame = NULL;
+    int error = iso_recording_open(path, &recording, fault);
+    error = error ? error : iso_recording_frame_new(recording, &frame);
+    iso_extractor_forget(b->extractor[FOLLOWED]);
+    for (size_t i = row->first; !error && i < row->first + row->count; i++) {
+        error = iso_recording_read(recording, i, frame, fault);
+        if (error) {
+            break;
+        }
+        struct iso_window all = {0, 0, frame->width_px, frame->height_px};
+        error = iso_frame_shrink(frame, all, 2, (size_t)frame->width_px * (size_t)frame->height_px,
+                                 &b->half);
+        error = error ? error : time_frame(b, LOOKED_FOR, frame);
+        error = error ? error : time_frame(b, HALF_SIZE, &b->half);
+        error = error ? error : time_frame(b, FOLLOWED, frame);
+        b->width_px = frame->width_px;
+        b->height_px = frame->height_px;
+    }
+    iso_frame_free(frame);
+    iso_recording_close(recording);
+    return error;
+}
+
+static int prepare(struct bench *b, const struct iso_head_model *model, size_t n_frames)
+{
+    struct iso_extract_options options = iso_extract_options_default();
+    options.now_ns = sim_thread_cpu_ns;
+    int error = 0;
+    for (int way = 0; way < WAYS && !error; way++) {
+        options.track = way == FOLLOWED;
+        error = iso_extractor_new(model, &options, &b->extractor[way]);
+        b->ms[way] = calloc(n_frames, sizeof *b->ms[way]);
+        error = b->ms[way] ? error : -ENOMEM;
+    }
+    b->half.depth_mm = calloc((size_t)1920 * 1200, sizeof *b->half.depth_mm);
+    return b->half.depth_mm ? error : -ENOMEM;
+}
+
+static void report(struct bench *b)
+{
+    struct utsname machine;
+    if (uname(&machine) == 0) {
+        printf("%s %s, one thread, processor time; the last frame was %d x %d\n", machine.sysname,
+               machine.machine, b->width_px, b->height_px);
+    }
+    printf("%-22s %8s %8s %9s %9s\n", "landmarks", "frames", "usable", "median", "p95, ms");
+    for (int way = 0; way < WAYS; way++) {
+        size_t n = b->n[way];
+        if (n > 0) {
+            qsort(b->ms[way], n, sizeof *b->ms[way], by_value);
+            printf("%-22s %8zu %8zu %9.2f %9.2f\n", names[way], n, b->n_ok[way], b->ms[way][n / 2],
+                   b->ms[way][(n * 95 + 99) / 100 - 1]);
+        }
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 3) {
+        fprintf(stderr, "usage: bench_landmarks CORPUS HEAD_MODEL\n");
+        return 2;
+    }
+    struct bench bench = {0};
+    struct iso_fault fault = {""};
+    struct iso_head_model *model = NULL;
+    struct sim_corpus *corpus = NULL;
+    int error = sim_head_model_load(argv[2], &model, &fault);
+    error = error ? error : sim_corpus_read(argv[1], &corpus, &fault);
+    size_t n_frames = 0;
+    for (size_t r = 0; !error && r < corpus->n_rows; r++) {
+        n_frames += corpus->rows[r].count;
+    }
+    error = error ? error : prepare(&bench, model, n_frames);
+    for (size_t r = 0; !error && r < corpus->n_rows; r++) {
+        error = time_row(&bench, argv[1], &corpus->rows[r], &fault);
+    }
+    if (error) {
+        fprintf(stderr, "bench_landmarks: %s\n", fault.text[0] ? fault.text : strerror(-error));
+    } else {
+        report(&bench);
+    }
+    for (int way = 0; way < WAYS; way++) {
+        iso_extractor_free(bench.extractor[way]);
+        free(bench.ms[way]);
+    }
+    free(bench.half.depth_mm);
+    sim_corpus_free(corpus);
+    iso_head_model_free(model);
+    return error ? 1 : 0;
+}
