@@ -14,13 +14,24 @@ namespace
 using problem = iso_board_opencv_problem;
 using solution = iso_board_opencv_solution;
 
+/* Looked for in a small, smooth copy: noise would be taken for thousands of squares. Then sharpened
+ * in the picture itself. */
 bool find(const cv::Mat &image, const cv::Size &shape, float (*out)[2])
 {
     std::vector<cv::Point2f> corners;
+    double factor = std::max(1.0, image.cols / 640.0);
+    cv::Mat small;
+    cv::GaussianBlur(image, small, cv::Size(0, 0), 0.6 * factor);
+    cv::resize(small, small, cv::Size(), 1.0 / factor, 1.0 / factor, cv::INTER_AREA);
     int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
                 cv::CALIB_CB_FAST_CHECK;
-    if (!cv::findChessboardCorners(image, shape, corners, flags)) {
+    if (!cv::findChessboardCorners(small, shape, corners, flags)) {
         return false;
+    }
+    for (cv::Point2f &corner : corners) {
+        /* Pixel centres are whole numbers in both. */
+        corner = cv::Point2f((float)((corner.x + 0.5) * factor - 0.5),
+                             (float)((corner.y + 0.5) * factor - 0.5));
     }
     /* The window must not reach the next corner. */
     double nearest = 1e9;

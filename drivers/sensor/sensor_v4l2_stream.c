@@ -1,0 +1,285 @@
+#include "drivers/sensor/sensor_v4l2_stream.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include "drivers/sensor/sensor_v4l2_pair.h"
+
+/* Pictures of one camera that wait for their partners, oldest first. */
+enum { WAITING_MAX = 3 };
+
+struct camera {
+    struct iso_v4l2_node *node;
+    size_t n_waiting;
+    struct iso_v4l2_picture waiting[WAITING_MAX];
+    uint8_t *copies[WAITING_MAX + 1]; /* of the waiting ones; the last is the one handed out */
+};
+
+struct iso_v4l2_stream {
+    const struct iso_v4l2_system *system;
+    struct iso_clock clock;
+    struct camera cameras[ISO_V4L2_CAMERAS_MAX];
+    int n_cameras, epoll_fd;
+    int64_t tolerance_ns;
+    uint64_t base, last_sequence; /* sequence of the stream = base + that of the device */
+    bool has_base, has_last;
+    int64_t last_ns;
+    uint64_t dropped;
+};
+
+/* ---- opening and closing ---------------------------------------------------- */
+
+/* No format that is wanted takes more than two bytes a pixel. */
+static int make_copies(struct camera *camera, const struct iso_v4l2_wish *wish)
+{
+    for (int i = 0; i <= WAITING_MAX; i++) {
+        camera->copies[i] = malloc(2 * (size_t)wish->width_px * (size_t)wish->height_px);
+        if (!camera->copies[i]) {
+            return -ENOMEM;
+        }
+    }
+    return 0;
+}
+
+static int open_camera(struct iso_v4l2_stream *s, const struct iso_v4l2_wish *wish,
+                       struct camera *camera, struct iso_fault *fault)
+{
+    int error = iso_v4l2_node_open(s->system, wish, &camera->node, fault);
+    if (!error && make_copies(camera, wish)) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", wish->owner);
+    }
+    struct epoll_event event = {.events = EPOLLIN};
+    if (!error &&
+        epoll_ctl(s->epoll_fd, EPOLL_CTL_ADD, iso_v4l2_node_fd(camera->node), &event) != 0) {
+        error = iso_fault_set(fault, -EIO, "%s: %s: cannot be polled: %m", wish->owner, wish->path);
+    }
+    return error;
+}
+
+int iso_v4l2_stream_open(const struct iso_v4l2_stream_options *options,
+                         struct iso_v4l2_stream **out, struct iso_fault *fault)
+{
+    const char *owner = options->wishes[0].owner;
+    struct iso_v4l2_stream *stream = calloc(1, sizeof *stream);
+    if (!stream) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
+    }
+    stream->system = options->system;
+    stream->clock = *options->clock;
+    stream->n_cameras = options->n_cameras;
+    stream->tolerance_ns = options->tolerance_ns;
+    stream->last_ns = INT64_MIN;
+    stream->epoll_fd = epoll_create1(EPOLL_CLOEXEC);
+    int error = stream->epoll_fd < 0 ? iso_fault_set(fault, -EIO, "%s: epoll: %m", owner) : 0;
+    for (int i = 0; !error && i < options->n_cameras; i++) {
+        error = open_camera(stream, &options->wishes[i], &stream->cameras[i], fault);
+    }
+    if (error) {
+        iso_v4l2_stream_close(stream);
+        return error;
+    }
+    *out = stream;
+    return 0;
+}
+
+void iso_v4l2_stream_close(struct iso_v4l2_stream *stream)
+{
+    if (!stream) {
+        return;
+    }
+    for (int i = 0; i < ISO_V4L2_CAMERAS_MAX; i++) {
+        struct camera *camera = &stream->cameras[i];
+        iso_v4l2_node_close(camera->node);
+        for (int k = 0; k <= WAITING_MAX; k++) {
+            free(camera->copies[k]);
+        }
+    }
+    if (stream->epoll_fd >= 0) {
+        (void)close(stream->epoll_fd);
+    }
+    free(stream);
+}
+
+int iso_v4l2_stream_start(struct iso_v4l2_stream *stream, struct iso_fault *fault)
+{
+    stream->has_base = false;
+    for (int i = 0; i < stream->n_cameras; i++) {
+        stream->cameras[i].n_waiting = 0;
+        int error = iso_v4l2_node_start(stream->cameras[i].node, fault);
+        if (error) {
+            (void)iso_v4l2_stream_stop(stream);
+            return error;
+        }
+    }
+    return 0;
+}
+
+int iso_v4l2_stream_stop(struct iso_v4l2_stream *stream)
+{
+    int worst = 0;
+    for (int i = 0; i < stream->n_cameras; i++) {
+        int error = iso_v4l2_node_stop(stream->cameras[i].node);
+        worst = error == -ENODEV || !worst ? error : worst;
+    }
+    return worst;
+}
+
+/* ---- pictures --------------------------------------------------------------- */
+
+static void drop_oldest(struct camera *camera)
+{
+    uint8_t *copy = camera->copies[0];
+    camera->n_waiting--;
+    memmove(camera->waiting, camera->waiting + 1, camera->n_waiting * sizeof *camera->waiting);
+    memmove(camera->copies, camera->copies + 1, (WAITING_MAX - 1) * sizeof *camera->copies);
+    camera->copies[WAITING_MAX - 1] = copy;
+}
+
+/* Copied without padding, so that the kernel has its buffer back at once. */
+static void copy_picture(struct camera *camera, struct iso_v4l2_picture *picture)
+{
+    uint8_t *copy = camera->copies[camera->n_waiting];
+    for (size_t i = 0; i < (size_t)picture->height_px; i++) {
+        memcpy(copy + i * picture->row_bytes, picture->bytes + i * picture->stride_bytes,
+               picture->row_bytes);
+    }
+    picture->stride_bytes = picture->row_bytes;
+    picture->bytes = copy;
+}
+
+/* Takes what the kernel has of a camera's pictures. */
+static int fetch(struct iso_v4l2_stream *s, struct camera *camera, struct iso_fault *fault)
+{
+    int error = 0;
+    while (!error) {
+        struct iso_v4l2_picture picture;
+        error = iso_v4l2_node_take(camera->node, &picture, fault);
+        if (error) {
+            break;
+        }
+        if (camera->n_waiting == WAITING_MAX) {
+            drop_oldest(camera);
+            s->dropped++;
+        }
+        copy_picture(camera, &picture);
+        camera->waiting[camera->n_waiting++] = picture;
+        error = iso_v4l2_node_give_back(camera->node, fault);
+        if (s->n_cameras == 1) {
+            break; /* the rest may wait in the kernel */
+        }
+    }
+    return error == -EAGAIN ? 0 : error;
+}
+
+static enum iso_pair_verdict judge(const struct iso_v4l2_stream *s)
+{
+    int64_t stamps[ISO_V4L2_CAMERAS_MAX][WAITING_MAX];
+    if (s->n_cameras == 1) {
+        return s->cameras[0].n_waiting > 0 ? ISO_PAIR_TAKE : ISO_PAIR_WAIT;
+    }
+    for (int i = 0; i < ISO_V4L2_CAMERAS_MAX; i++) {
+        for (size_t k = 0; k < s->cameras[i].n_waiting; k++) {
+            stamps[i][k] = s->cameras[i].waiting[k].stamp_ns;
+        }
+    }
+    return iso_pair_judge(stamps[0], s->cameras[0].n_waiting, stamps[1], s->cameras[1].n_waiting,
+                          s->tolerance_ns);
+}
+
+/* Moves the oldest pictures out of the queues, where the next fetch would overwrite them. */
+static void hand_out(struct iso_v4l2_stream *s, struct iso_v4l2_set *out)
+{
+    for (int i = 0; i < s->n_cameras; i++) {
+        struct camera *camera = &s->cameras[i];
+        uint8_t *copy = camera->copies[0];
+        out->pictures[i] = camera->waiting[0];
+        drop_oldest(camera);
+        camera->copies[WAITING_MAX - 1] = camera->copies[WAITING_MAX];
+        camera->copies[WAITING_MAX] = copy;
+    }
+    const struct iso_v4l2_picture *first = &out->pictures[0];
+    int64_t age_ns = s->system->monotonic_ns(s->system->context) - first->stamp_ns;
+    int64_t t_ns = iso_clock_now_ns(&s->clock) - (age_ns > 0 ? age_ns : 0);
+    out->t_ns = t_ns > s->last_ns ? t_ns : s->last_ns + 1;
+    s->last_ns = out->t_ns;
+    if (!s->has_base) {
+        s->base = (s->has_last ? s->last_sequence + 1 : 0) - first->sequence;
+        s->has_base = true;
+    }
+    out->sequence = s->base + first->sequence;
+    s->last_sequence = out->sequence;
+    s->has_last = true;
+}
+
+/* A set from what has come; -EAGAIN if it takes more. */
+static int assemble(struct iso_v4l2_stream *s, struct iso_v4l2_set *out, struct iso_fault *fault)
+{
+    for (int i = 0; i < s->n_cameras; i++) {
+        int error = fetch(s, &s->cameras[i], fault);
+        if (error) {
+            return error;
+        }
+    }
+    for (;;) {
+        switch (judge(s)) {
+        case ISO_PAIR_WAIT:
+            return -EAGAIN;
+        case ISO_PAIR_TAKE:
+            hand_out(s, out);
+            return 0;
+        case ISO_PAIR_DROP_FIRST:
+            drop_oldest(&s->cameras[0]);
+            break;
+        case ISO_PAIR_DROP_SECOND:
+            drop_oldest(&s->cameras[1]);
+            break;
+        }
+        s->dropped++;
+    }
+}
+
+int iso_v4l2_stream_wait(struct iso_v4l2_stream *stream, int64_t deadline_ns,
+                         struct iso_v4l2_set *out, struct iso_fault *fault)
+{
+    for (;;) {
+        int error = assemble(stream, out, fault);
+        if (error != -EAGAIN) {
+            return error;
+        }
+        int64_t left_ns = deadline_ns - iso_clock_now_ns(&stream->clock);
+        int64_t left_ms = left_ns > 0 ? (left_ns + 999999) / 1000000 : 0;
+        struct pollfd ready = {.fd = stream->epoll_fd, .events = POLLIN};
+        int n = poll(&ready, 1, left_ms < INT_MAX ? (int)left_ms : INT_MAX);
+        if (n == 0 || (n < 0 && errno == EINTR)) {
+            return -ETIMEDOUT;
+        }
+        if (n < 0) {
+            return iso_fault_set(fault, -EIO, "video devices cannot be polled: %m");
+        }
+    }
+}
+
+int iso_v4l2_stream_fd(const struct iso_v4l2_stream *stream)
+{
+    return stream->epoll_fd;
+}
+
+uint64_t iso_v4l2_stream_dropped(const struct iso_v4l2_stream *stream)
+{
+    return stream->dropped;
+}
+
+const char *iso_v4l2_stream_card(const struct iso_v4l2_stream *stream)
+{
+    return iso_v4l2_node_card(stream->cameras[0].node);
+}
+
+const char *iso_v4l2_stream_bus(const struct iso_v4l2_stream *stream)
+{
+    return iso_v4l2_node_bus(stream->cameras[0].node);
+}
