@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/sensor/picture_format.h"
+
 static int read_options(const char *owner, const struct iso_option *options, size_t n_options,
                         struct iso_stereo_calibration *calibration,
                         struct iso_stereo_options *stereo, struct iso_fault *fault)
@@ -64,17 +66,28 @@ void iso_sensor_stereo_done(struct iso_sensor_stereo *stereo)
     free(stereo->pictures[ISO_EYE_RIGHT]);
 }
 
-int iso_sensor_stereo_match(struct iso_sensor_stereo *stereo, const char *owner, int64_t t_ns,
-                            uint64_t sequence, struct iso_fault *fault)
+int iso_sensor_stereo_wait(struct iso_sensor_stereo *stereo, struct iso_picture_stream *stream,
+                           const char *owner, int64_t deadline_ns, const struct iso_frame **frame,
+                           struct iso_fault *fault)
 {
-    int error = iso_stereo_compute(stereo->stereo, stereo->pictures[ISO_EYE_LEFT],
-                                   stereo->pictures[ISO_EYE_RIGHT], NULL, stereo->frame);
+    struct iso_picture_set set;
+    int error = iso_picture_stream_wait(stream, deadline_ns, &set, fault);
     if (error) {
-        return iso_fault_set(fault, error, "%s: the pictures cannot be matched: %s", owner,
+        return error;
+    }
+    for (int eye = 0; eye < ISO_EYES; eye++) {
+        iso_picture_to_grey8(&set.pictures[eye], stereo->pictures[eye]);
+    }
+    error = iso_stereo_compute(stereo->stereo, stereo->pictures[ISO_EYE_LEFT],
+                               stereo->pictures[ISO_EYE_RIGHT], NULL, stereo->frame);
+    if (error) {
+        /* This pair is lost; the next may be good. */
+        return iso_fault_set(fault, -EBADMSG, "%s: the pictures cannot be matched: %s", owner,
                              strerror(-error));
     }
-    stereo->frame->t_ns = t_ns;
-    stereo->frame->sequence = sequence;
+    stereo->frame->t_ns = set.t_ns;
+    stereo->frame->sequence = set.sequence;
+    *frame = stereo->frame;
     return 0;
 }
 

@@ -3,6 +3,7 @@
 #define ISO_DRIVERS_SENSOR_SENSOR_STEREO_H
 
 #include "drivers/option.h"
+#include "drivers/sensor/picture_stream.h"
 #include "drivers/sensor/sensor.h"
 #include "drivers/stereo/stereo.h"
 
@@ -22,10 +23,10 @@ int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, 
 /* An all-zero one is fine. */
 void iso_sensor_stereo_done(struct iso_sensor_stereo *stereo);
 
-/* Matches the pictures into the frame. -ENOMEM, -EIO. */
-int iso_sensor_stereo_match(struct iso_sensor_stereo *stereo, const char *owner, int64_t t_ns,
-                            uint64_t sequence, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* The next pair of a stream of two cameras, matched: as the wait of a sensor. */
+int iso_sensor_stereo_wait(struct iso_sensor_stereo *stereo, struct iso_picture_stream *stream,
+                           const char *owner, int64_t deadline_ns, const struct iso_frame **frame,
+                           struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Model "stereo", the size, and the serial as given. */
 void iso_sensor_stereo_describe(const struct iso_sensor_stereo *stereo, const char *serial,

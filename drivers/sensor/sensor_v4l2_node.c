@@ -41,6 +41,9 @@ static int complain(const struct iso_v4l2_node *node, int error, const char *wha
                          strerror(-error));
 }
 
+static int node_stop(void *self);
+static int node_give_back(void *self, struct iso_fault *fault);
+
 /* ---- opening ---------------------------------------------------------------- */
 
 static int identify(struct iso_v4l2_node *node, struct iso_fault *fault)
@@ -173,7 +176,7 @@ void iso_v4l2_node_close(struct iso_v4l2_node *node)
     if (!node) {
         return;
     }
-    (void)iso_v4l2_node_stop(node);
+    (void)node_stop(node);
     if (node->fd >= 0) {
         node->system->close(node->system->context, node->fd);
     }
@@ -213,8 +216,9 @@ static int add_buffer(struct iso_v4l2_node *node, unsigned index)
     return call(node, VIDIOC_QBUF, &buffer);
 }
 
-int iso_v4l2_node_start(struct iso_v4l2_node *node, struct iso_fault *fault)
+static int node_start(void *self, struct iso_fault *fault)
 {
+    struct iso_v4l2_node *node = self;
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     unsigned count = 0;
     int error = request(node, BUFFERS, &count);
@@ -229,14 +233,15 @@ int iso_v4l2_node_start(struct iso_v4l2_node *node, struct iso_fault *fault)
         node->streaming = !error;
     }
     if (error) {
-        (void)iso_v4l2_node_stop(node);
+        (void)node_stop(node);
         return complain(node, error == -EINVAL ? -EIO : error, "does not stream", fault);
     }
     return 0;
 }
 
-int iso_v4l2_node_stop(struct iso_v4l2_node *node)
+static int node_stop(void *self)
 {
+    struct iso_v4l2_node *node = self;
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE, error = 0;
     unsigned none;
     if (node->streaming) {
@@ -275,9 +280,9 @@ static int64_t stamp_of(const struct iso_v4l2_node *node, const struct v4l2_buff
     return node->system->monotonic_ns(node->system->context);
 }
 
-int iso_v4l2_node_take(struct iso_v4l2_node *node, struct iso_v4l2_picture *out,
-                       struct iso_fault *fault)
+static int node_take(void *self, struct iso_picture *out, struct iso_fault *fault)
 {
+    struct iso_v4l2_node *node = self;
     const struct v4l2_pix_format *format = &node->format;
     struct v4l2_buffer buffer = buffer_number(0);
     int error = call(node, VIDIOC_DQBUF, &buffer);
@@ -293,34 +298,46 @@ int iso_v4l2_node_take(struct iso_v4l2_node *node, struct iso_v4l2_picture *out,
     const struct buffer *mapped = &node->buffers[buffer.index];
     size_t used = buffer.bytesused < mapped->length ? buffer.bytesused : mapped->length;
     if (buffer.flags & V4L2_BUF_FLAG_ERROR || used < needed) {
-        error = iso_v4l2_node_give_back(node, fault);
+        error = node_give_back(node, fault);
         return error ? error
                      : iso_fault_set(fault, -EBADMSG,
                                      "%s: %s: picture %u came damaged (%zu of %zu "
                                      "bytes)",
                                      node->owner, node->path, buffer.sequence, used, needed);
     }
-    *out = (struct iso_v4l2_picture){.bytes = mapped->at,
-                                     .stride_bytes = format->bytesperline,
-                                     .row_bytes = row,
-                                     .format = format->pixelformat,
-                                     .width_px = (int)format->width,
-                                     .height_px = (int)format->height,
-                                     .sequence = buffer.sequence,
-                                     .stamp_ns = stamp_of(node, &buffer)};
+    *out = (struct iso_picture){.bytes = mapped->at,
+                                .stride_bytes = format->bytesperline,
+                                .row_bytes = row,
+                                .format = format->pixelformat,
+                                .width_px = (int)format->width,
+                                .height_px = (int)format->height,
+                                .sequence = buffer.sequence,
+                                .stamp_ns = stamp_of(node, &buffer)};
     return 0;
 }
 
-int iso_v4l2_node_give_back(struct iso_v4l2_node *node, struct iso_fault *fault)
+static int node_give_back(void *self, struct iso_fault *fault)
 {
+    struct iso_v4l2_node *node = self;
     struct v4l2_buffer buffer = buffer_number(node->taken.index);
     int error = call(node, VIDIOC_QBUF, &buffer);
     return error ? explain(node, error, fault) : 0;
 }
 
-int iso_v4l2_node_fd(const struct iso_v4l2_node *node)
+static int node_fd(void *self)
 {
+    const struct iso_v4l2_node *node = self;
     return node->fd;
+}
+
+struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node)
+{
+    return (struct iso_picture_source){.self = node,
+                                       .start = node_start,
+                                       .stop = node_stop,
+                                       .take = node_take,
+                                       .give_back = node_give_back,
+                                       .fd = node_fd};
 }
 
 const char *iso_v4l2_node_card(const struct iso_v4l2_node *node)

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "drivers/sensor/picture_source.h"
 #include "drivers/sensor/sensor_v4l2_system.h"
 
 enum { ISO_V4L2_FORMATS_MAX = 8 };
@@ -22,17 +22,6 @@ struct iso_v4l2_wish {
     uint32_t formats[ISO_V4L2_FORMATS_MAX + 1];
 };
 
-/* A picture that was taken from a node. */
-struct iso_v4l2_picture {
-    const uint8_t *bytes;
-    size_t stride_bytes; /* from row to row */
-    size_t row_bytes;    /* of them pixels */
-    uint32_t format;     /* V4L2_PIX_FMT_... */
-    int width_px, height_px;
-    uint32_t sequence;
-    int64_t stamp_ns; /* of iso_v4l2_system's monotonic clock */
-};
-
 struct iso_v4l2_node;
 
 /* Opens and sets up a node; streams nothing. -ENODEV there is no such device, or it is no camera;
@@ -42,24 +31,8 @@ int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4
     __attribute__((warn_unused_result));
 void iso_v4l2_node_close(struct iso_v4l2_node *node);
 
-/* -ENODEV, -EBUSY, -ENOMEM, -EIO; nothing is held after a failure. */
-int iso_v4l2_node_start(struct iso_v4l2_node *node, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
-
-/* Stops whatever the device says, and lets the buffers go. -ENODEV, -EIO. */
-int iso_v4l2_node_stop(struct iso_v4l2_node *node);
-
-/* The oldest picture; it stays until iso_v4l2_node_give_back, which has to follow. Never blocks:
- * -EAGAIN there is none yet, -EBADMSG one came damaged or short (and was given back), -EIO the
- * stream broke, -ENODEV the device is gone. */
-int iso_v4l2_node_take(struct iso_v4l2_node *node, struct iso_v4l2_picture *out,
-                       struct iso_fault *fault) __attribute__((warn_unused_result));
-
-/* -ENODEV, -EIO. */
-int iso_v4l2_node_give_back(struct iso_v4l2_node *node, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
-
-int iso_v4l2_node_fd(const struct iso_v4l2_node *node);
+/* What can be done with it; the node must outlive it. */
+struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node);
 
 /* The card's name and where it is plugged in; owned by the node. */
 const char *iso_v4l2_node_card(const struct iso_v4l2_node *node);

@@ -13,8 +13,8 @@
 
 #include <cmocka.h>
 
+#include "drivers/sensor/picture_pair.h"
 #include "drivers/sensor/sensor_v4l2.h"
-#include "drivers/sensor/sensor_v4l2_pair.h"
 #include "tests/drivers/fake_v4l2.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/scratch.h"

@@ -1,9 +1,10 @@
-#include "drivers/sensor/sensor_v4l2_picture.h"
+#include "drivers/sensor/picture_format.h"
 
 #include <linux/videodev2.h>
 
-const uint32_t iso_v4l2_grey_formats[7] = {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_Y16,  V4L2_PIX_FMT_Y12,
-                                           V4L2_PIX_FMT_Y10,  V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY};
+const uint32_t iso_picture_grey_formats[7] = {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_Y16,
+                                              V4L2_PIX_FMT_Y12,  V4L2_PIX_FMT_Y10,
+                                              V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY};
 
 /* How a format keeps a pixel's grey level. */
 struct layout {
@@ -39,18 +40,18 @@ static unsigned level_at(const uint8_t *pixel, int bits)
     return level < most ? level : most;
 }
 
-static const uint8_t *pixel_at(const struct iso_v4l2_picture *p, struct layout layout, size_t i)
+static const uint8_t *pixel_at(const struct iso_picture *p, struct layout layout, size_t i)
 {
     size_t width = (size_t)p->width_px;
     return p->bytes + i / width * p->stride_bytes + i % width * layout.step + layout.first;
 }
 
-static size_t pixels_of(const struct iso_v4l2_picture *p)
+static size_t pixels_of(const struct iso_picture *p)
 {
     return (size_t)p->width_px * (size_t)p->height_px;
 }
 
-void iso_v4l2_to_grey8(const struct iso_v4l2_picture *picture, uint8_t *grey)
+void iso_picture_to_grey8(const struct iso_picture *picture, uint8_t *grey)
 {
     struct layout layout = layout_of(picture->format);
     for (size_t i = 0; i < pixels_of(picture); i++) {
@@ -59,7 +60,7 @@ void iso_v4l2_to_grey8(const struct iso_v4l2_picture *picture, uint8_t *grey)
     }
 }
 
-void iso_v4l2_to_intensity(const struct iso_v4l2_picture *picture, float *intensity)
+void iso_picture_to_intensity(const struct iso_picture *picture, float *intensity)
 {
     struct layout layout = layout_of(picture->format);
     float whole = (float)((1u << layout.bits) - 1);
@@ -68,7 +69,7 @@ void iso_v4l2_to_intensity(const struct iso_v4l2_picture *picture, float *intens
     }
 }
 
-void iso_v4l2_to_depth(const struct iso_v4l2_picture *picture, double unit_mm, float *depth_mm)
+void iso_picture_to_depth(const struct iso_picture *picture, double unit_mm, float *depth_mm)
 {
     struct layout layout = layout_of(picture->format);
     for (size_t i = 0; i < pixels_of(picture); i++) {

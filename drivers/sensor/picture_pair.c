@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor_v4l2_pair.h"
+#include "drivers/sensor/picture_pair.h"
 
 #include <stdbool.h>
 

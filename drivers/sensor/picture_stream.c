@@ -1,29 +1,31 @@
-#include "drivers/sensor/sensor_v4l2_stream.h"
+#include "drivers/sensor/picture_stream.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <poll.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <unistd.h>
 
-#include "drivers/sensor/sensor_v4l2_pair.h"
+#include "drivers/sensor/picture_pair.h"
 
 /* Pictures of one camera that wait for their partners, oldest first. */
 enum { WAITING_MAX = 3 };
 
 struct camera {
-    struct iso_v4l2_node *node;
+    struct iso_picture_source source;
     size_t n_waiting;
-    struct iso_v4l2_picture waiting[WAITING_MAX];
+    struct iso_picture waiting[WAITING_MAX];
     uint8_t *copies[WAITING_MAX + 1]; /* of the waiting ones; the last is the one handed out */
 };
 
-struct iso_v4l2_stream {
-    const struct iso_v4l2_system *system;
+struct iso_picture_stream {
     struct iso_clock clock;
-    struct camera cameras[ISO_V4L2_CAMERAS_MAX];
+    int64_t (*monotonic_ns)(void *context);
+    void *context;
+    struct camera cameras[ISO_PICTURE_CAMERAS_MAX];
     int n_cameras, epoll_fd;
     int64_t tolerance_ns;
     uint64_t base, last_sequence; /* sequence of the stream = base + that of the device */
@@ -35,66 +37,63 @@ struct iso_v4l2_stream {
 /* ---- opening and closing ---------------------------------------------------- */
 
 /* No format that is wanted takes more than two bytes a pixel. */
-static int make_copies(struct camera *camera, const struct iso_v4l2_wish *wish)
+static int add_camera(struct iso_picture_stream *s,
+                      const struct iso_picture_stream_options *options, int index,
+                      struct iso_fault *fault)
 {
+    struct camera *camera = &s->cameras[index];
+    struct epoll_event event = {.events = EPOLLIN};
+    size_t bytes = 2 * (size_t)options->width_px * (size_t)options->height_px;
+    camera->source = options->sources[index];
     for (int i = 0; i <= WAITING_MAX; i++) {
-        camera->copies[i] = malloc(2 * (size_t)wish->width_px * (size_t)wish->height_px);
+        camera->copies[i] = malloc(bytes);
         if (!camera->copies[i]) {
-            return -ENOMEM;
+            return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->owner);
         }
+    }
+    if (epoll_ctl(s->epoll_fd, EPOLL_CTL_ADD, camera->source.fd(camera->source.self), &event) !=
+        0) {
+        return iso_fault_set(fault, -EIO, "%s: a camera cannot be polled: %m", options->owner);
     }
     return 0;
 }
 
-static int open_camera(struct iso_v4l2_stream *s, const struct iso_v4l2_wish *wish,
-                       struct camera *camera, struct iso_fault *fault)
+int iso_picture_stream_open(const struct iso_picture_stream_options *options,
+                            struct iso_picture_stream **out, struct iso_fault *fault)
 {
-    int error = iso_v4l2_node_open(s->system, wish, &camera->node, fault);
-    if (!error && make_copies(camera, wish)) {
-        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", wish->owner);
-    }
-    struct epoll_event event = {.events = EPOLLIN};
-    if (!error &&
-        epoll_ctl(s->epoll_fd, EPOLL_CTL_ADD, iso_v4l2_node_fd(camera->node), &event) != 0) {
-        error = iso_fault_set(fault, -EIO, "%s: %s: cannot be polled: %m", wish->owner, wish->path);
-    }
-    return error;
-}
-
-int iso_v4l2_stream_open(const struct iso_v4l2_stream_options *options,
-                         struct iso_v4l2_stream **out, struct iso_fault *fault)
-{
-    const char *owner = options->wishes[0].owner;
-    struct iso_v4l2_stream *stream = calloc(1, sizeof *stream);
+    struct iso_picture_stream *stream = calloc(1, sizeof *stream);
     if (!stream) {
-        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->owner);
     }
-    stream->system = options->system;
     stream->clock = *options->clock;
+    stream->monotonic_ns = options->monotonic_ns;
+    stream->context = options->context;
     stream->n_cameras = options->n_cameras;
     stream->tolerance_ns = options->tolerance_ns;
     stream->last_ns = INT64_MIN;
     stream->epoll_fd = epoll_create1(EPOLL_CLOEXEC);
-    int error = stream->epoll_fd < 0 ? iso_fault_set(fault, -EIO, "%s: epoll: %m", owner) : 0;
+    int error = 0;
+    if (stream->epoll_fd < 0) {
+        error = iso_fault_set(fault, -EIO, "%s: epoll: %m", options->owner);
+    }
     for (int i = 0; !error && i < options->n_cameras; i++) {
-        error = open_camera(stream, &options->wishes[i], &stream->cameras[i], fault);
+        error = add_camera(stream, options, i, fault);
     }
     if (error) {
-        iso_v4l2_stream_close(stream);
+        iso_picture_stream_close(stream);
         return error;
     }
     *out = stream;
     return 0;
 }
 
-void iso_v4l2_stream_close(struct iso_v4l2_stream *stream)
+void iso_picture_stream_close(struct iso_picture_stream *stream)
 {
     if (!stream) {
         return;
     }
-    for (int i = 0; i < ISO_V4L2_CAMERAS_MAX; i++) {
+    for (int i = 0; i < ISO_PICTURE_CAMERAS_MAX; i++) {
         struct camera *camera = &stream->cameras[i];
-        iso_v4l2_node_close(camera->node);
         for (int k = 0; k <= WAITING_MAX; k++) {
             free(camera->copies[k]);
         }
@@ -105,25 +104,27 @@ void iso_v4l2_stream_close(struct iso_v4l2_stream *stream)
     free(stream);
 }
 
-int iso_v4l2_stream_start(struct iso_v4l2_stream *stream, struct iso_fault *fault)
+int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault *fault)
 {
     stream->has_base = false;
     for (int i = 0; i < stream->n_cameras; i++) {
         stream->cameras[i].n_waiting = 0;
-        int error = iso_v4l2_node_start(stream->cameras[i].node, fault);
+        const struct iso_picture_source *source = &stream->cameras[i].source;
+        int error = source->start(source->self, fault);
         if (error) {
-            (void)iso_v4l2_stream_stop(stream);
+            (void)iso_picture_stream_stop(stream);
             return error;
         }
     }
     return 0;
 }
 
-int iso_v4l2_stream_stop(struct iso_v4l2_stream *stream)
+int iso_picture_stream_stop(struct iso_picture_stream *stream)
 {
     int worst = 0;
     for (int i = 0; i < stream->n_cameras; i++) {
-        int error = iso_v4l2_node_stop(stream->cameras[i].node);
+        const struct iso_picture_source *source = &stream->cameras[i].source;
+        int error = source->stop(source->self);
         worst = error == -ENODEV || !worst ? error : worst;
     }
     return worst;
@@ -141,7 +142,7 @@ static void drop_oldest(struct camera *camera)
 }
 
 /* Copied without padding, so that the kernel has its buffer back at once. */
-static void copy_picture(struct camera *camera, struct iso_v4l2_picture *picture)
+static void copy_picture(struct camera *camera, struct iso_picture *picture)
 {
     uint8_t *copy = camera->copies[camera->n_waiting];
     for (size_t i = 0; i < (size_t)picture->height_px; i++) {
@@ -153,12 +154,12 @@ static void copy_picture(struct camera *camera, struct iso_v4l2_picture *picture
 }
 
 /* Takes what the kernel has of a camera's pictures. */
-static int fetch(struct iso_v4l2_stream *s, struct camera *camera, struct iso_fault *fault)
+static int fetch(struct iso_picture_stream *s, struct camera *camera, struct iso_fault *fault)
 {
     int error = 0;
     while (!error) {
-        struct iso_v4l2_picture picture;
-        error = iso_v4l2_node_take(camera->node, &picture, fault);
+        struct iso_picture picture;
+        error = camera->source.take(camera->source.self, &picture, fault);
         if (error) {
             break;
         }
@@ -168,7 +169,7 @@ static int fetch(struct iso_v4l2_stream *s, struct camera *camera, struct iso_fa
         }
         copy_picture(camera, &picture);
         camera->waiting[camera->n_waiting++] = picture;
-        error = iso_v4l2_node_give_back(camera->node, fault);
+        error = camera->source.give_back(camera->source.self, fault);
         if (s->n_cameras == 1) {
             break; /* the rest may wait in the kernel */
         }
@@ -176,13 +177,13 @@ static int fetch(struct iso_v4l2_stream *s, struct camera *camera, struct iso_fa
     return error == -EAGAIN ? 0 : error;
 }
 
-static enum iso_pair_verdict judge(const struct iso_v4l2_stream *s)
+static enum iso_pair_verdict judge(const struct iso_picture_stream *s)
 {
-    int64_t stamps[ISO_V4L2_CAMERAS_MAX][WAITING_MAX];
+    int64_t stamps[ISO_PICTURE_CAMERAS_MAX][WAITING_MAX];
     if (s->n_cameras == 1) {
         return s->cameras[0].n_waiting > 0 ? ISO_PAIR_TAKE : ISO_PAIR_WAIT;
     }
-    for (int i = 0; i < ISO_V4L2_CAMERAS_MAX; i++) {
+    for (int i = 0; i < ISO_PICTURE_CAMERAS_MAX; i++) {
         for (size_t k = 0; k < s->cameras[i].n_waiting; k++) {
             stamps[i][k] = s->cameras[i].waiting[k].stamp_ns;
         }
@@ -192,7 +193,7 @@ static enum iso_pair_verdict judge(const struct iso_v4l2_stream *s)
 }
 
 /* Moves the oldest pictures out of the queues, where the next fetch would overwrite them. */
-static void hand_out(struct iso_v4l2_stream *s, struct iso_v4l2_set *out)
+static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
 {
     for (int i = 0; i < s->n_cameras; i++) {
         struct camera *camera = &s->cameras[i];
@@ -202,8 +203,8 @@ static void hand_out(struct iso_v4l2_stream *s, struct iso_v4l2_set *out)
         camera->copies[WAITING_MAX - 1] = camera->copies[WAITING_MAX];
         camera->copies[WAITING_MAX] = copy;
     }
-    const struct iso_v4l2_picture *first = &out->pictures[0];
-    int64_t age_ns = s->system->monotonic_ns(s->system->context) - first->stamp_ns;
+    const struct iso_picture *first = &out->pictures[0];
+    int64_t age_ns = s->monotonic_ns(s->context) - first->stamp_ns;
     int64_t t_ns = iso_clock_now_ns(&s->clock) - (age_ns > 0 ? age_ns : 0);
     out->t_ns = t_ns > s->last_ns ? t_ns : s->last_ns + 1;
     s->last_ns = out->t_ns;
@@ -217,7 +218,8 @@ static void hand_out(struct iso_v4l2_stream *s, struct iso_v4l2_set *out)
 }
 
 /* A set from what has come; -EAGAIN if it takes more. */
-static int assemble(struct iso_v4l2_stream *s, struct iso_v4l2_set *out, struct iso_fault *fault)
+static int assemble(struct iso_picture_stream *s, struct iso_picture_set *out,
+                    struct iso_fault *fault)
 {
     for (int i = 0; i < s->n_cameras; i++) {
         int error = fetch(s, &s->cameras[i], fault);
@@ -243,8 +245,8 @@ static int assemble(struct iso_v4l2_stream *s, struct iso_v4l2_set *out, struct 
     }
 }
 
-int iso_v4l2_stream_wait(struct iso_v4l2_stream *stream, int64_t deadline_ns,
-                         struct iso_v4l2_set *out, struct iso_fault *fault)
+int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_ns,
+                            struct iso_picture_set *out, struct iso_fault *fault)
 {
     for (;;) {
         int error = assemble(stream, out, fault);
@@ -264,22 +266,12 @@ int iso_v4l2_stream_wait(struct iso_v4l2_stream *stream, int64_t deadline_ns,
     }
 }
 
-int iso_v4l2_stream_fd(const struct iso_v4l2_stream *stream)
+int iso_picture_stream_fd(const struct iso_picture_stream *stream)
 {
     return stream->epoll_fd;
 }
 
-uint64_t iso_v4l2_stream_dropped(const struct iso_v4l2_stream *stream)
+uint64_t iso_picture_stream_dropped(const struct iso_picture_stream *stream)
 {
     return stream->dropped;
-}
-
-const char *iso_v4l2_stream_card(const struct iso_v4l2_stream *stream)
-{
-    return iso_v4l2_node_card(stream->cameras[0].node);
-}
-
-const char *iso_v4l2_stream_bus(const struct iso_v4l2_stream *stream)
-{
-    return iso_v4l2_node_bus(stream->cameras[0].node);
 }
