@@ -22,6 +22,7 @@ struct camera {
 };
 
 struct iso_picture_stream {
+    const char *owner;
     struct iso_clock clock;
     int64_t (*monotonic_ns)(void *context);
     void *context;
@@ -29,6 +30,7 @@ struct iso_picture_stream {
     int n_cameras, epoll_fd;
     int64_t tolerance_ns;
     uint64_t base, last_sequence; /* sequence of the stream = base + that of the device */
+    bool started[ISO_PICTURE_CAMERAS_MAX];
     bool has_base, has_last;
     int64_t last_ns;
     uint64_t dropped;
@@ -42,7 +44,6 @@ static int add_camera(struct iso_picture_stream *s,
                       struct iso_fault *fault)
 {
     struct camera *camera = &s->cameras[index];
-    struct epoll_event event = {.events = EPOLLIN};
     size_t bytes = 2 * (size_t)options->width_px * (size_t)options->height_px;
     camera->source = options->sources[index];
     for (int i = 0; i <= WAITING_MAX; i++) {
@@ -50,10 +51,6 @@ static int add_camera(struct iso_picture_stream *s,
         if (!camera->copies[i]) {
             return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->owner);
         }
-    }
-    if (epoll_ctl(s->epoll_fd, EPOLL_CTL_ADD, camera->source.fd(camera->source.self), &event) !=
-        0) {
-        return iso_fault_set(fault, -EIO, "%s: a camera cannot be polled: %m", options->owner);
     }
     return 0;
 }
@@ -65,6 +62,7 @@ int iso_picture_stream_open(const struct iso_picture_stream_options *options,
     if (!stream) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->owner);
     }
+    stream->owner = options->owner;
     stream->clock = *options->clock;
     stream->monotonic_ns = options->monotonic_ns;
     stream->context = options->context;
@@ -104,13 +102,30 @@ void iso_picture_stream_close(struct iso_picture_stream *stream)
     free(stream);
 }
 
+/* A camera is polled only while it streams: to look at a video node before that would start the
+ * kernel's emulation of read(), and keep the node busy. */
+static int start_camera(struct iso_picture_stream *s, int index, struct iso_fault *fault)
+{
+    struct camera *camera = &s->cameras[index];
+    struct epoll_event event = {.events = EPOLLIN};
+    camera->n_waiting = 0;
+    int error = camera->source.start(camera->source.self, fault);
+    if (error) {
+        return error;
+    }
+    s->started[index] = true;
+    if (epoll_ctl(s->epoll_fd, EPOLL_CTL_ADD, camera->source.fd(camera->source.self), &event) !=
+        0) {
+        return iso_fault_set(fault, -EIO, "%s: a camera cannot be polled: %m", s->owner);
+    }
+    return 0;
+}
+
 int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault *fault)
 {
     stream->has_base = false;
     for (int i = 0; i < stream->n_cameras; i++) {
-        stream->cameras[i].n_waiting = 0;
-        const struct iso_picture_source *source = &stream->cameras[i].source;
-        int error = source->start(source->self, fault);
+        int error = start_camera(stream, i, fault);
         if (error) {
             (void)iso_picture_stream_stop(stream);
             return error;
@@ -124,8 +139,12 @@ int iso_picture_stream_stop(struct iso_picture_stream *stream)
     int worst = 0;
     for (int i = 0; i < stream->n_cameras; i++) {
         const struct iso_picture_source *source = &stream->cameras[i].source;
-        int error = source->stop(source->self);
-        worst = error == -ENODEV || !worst ? error : worst;
+        if (stream->started[i]) {
+            (void)epoll_ctl(stream->epoll_fd, EPOLL_CTL_DEL, source->fd(source->self), NULL);
+            int error = source->stop(source->self);
+            worst = error == -ENODEV || !worst ? error : worst;
+            stream->started[i] = false;
+        }
     }
     return worst;
 }

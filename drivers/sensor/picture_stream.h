@@ -9,7 +9,7 @@
 enum { ISO_PICTURE_CAMERAS_MAX = 2 };
 
 struct iso_picture_stream_options {
-    const char *owner;             /* of the faults: "sensor v4l2" */
+    const char *owner;             /* of the faults: "sensor v4l2"; outlives the stream */
     const struct iso_clock *clock; /* injected; the struct is copied */
     /* The clock of the pictures' stamps. */
     int64_t (*monotonic_ns)(void *context);

@@ -25,6 +25,11 @@ double sim_albedo(enum sim_material material, struct iso_vec3 p, uint64_t key)
         return 0.8 * (1.0 + 0.2 * texture(p, 3.0, key));
     case SIM_WALL:
         return 0.7 * (1.0 + 0.02 * texture(p, 5.0, key));
+    case SIM_PLASTIC:
+        return 0.6 * (1.0 + 0.03 * texture(p, 1.0, key));
+    case SIM_GLASS: /* throws the projector's light elsewhere, and is even */
+        return 0.03;
+    case SIM_MIRROR:
     case SIM_NOTHING:
         break;
     }
