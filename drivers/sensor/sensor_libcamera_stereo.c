@@ -239,6 +239,12 @@ static int pair_describe(void *self, struct iso_sensor_description *out)
     return 0;
 }
 
+static void pair_health(void *self, struct iso_sensor_device_health *out)
+{
+    const struct pair *pair = self;
+    out->dropped = iso_picture_stream_dropped(pair->stream);
+}
+
 const struct iso_sensor_ops iso_sensor_libcamera_stereo_ops = {
     .name = "libcamera-stereo",
     .open = pair_open,
@@ -246,6 +252,7 @@ const struct iso_sensor_ops iso_sensor_libcamera_stereo_ops = {
     .wait = pair_wait,
     .poll_fd = pair_poll_fd,
     .describe = pair_describe,
+    .health = pair_health,
     .stop = pair_stop,
     .close = pair_close,
 };

@@ -174,10 +174,17 @@ static int v4l2_describe(void *self, struct iso_sensor_description *out)
     const struct v4l2 *v4l2 = self;
     *out = (struct iso_sensor_description){.width_px = v4l2->meta.camera.width_px,
                                            .height_px = v4l2->meta.camera.height_px,
-                                           .intensity = v4l2->has_ir};
+                                           .intensity = v4l2->has_ir,
+                                           .unit_mm = v4l2->meta.unit_mm};
     (void)snprintf(out->model, sizeof out->model, "%s", v4l2->meta.sensor);
     (void)snprintf(out->serial, sizeof out->serial, "%s", iso_v4l2_node_bus(v4l2->nodes[0]));
     return 0;
+}
+
+static void v4l2_health(void *self, struct iso_sensor_device_health *out)
+{
+    const struct v4l2 *v4l2 = self;
+    out->dropped = iso_picture_stream_dropped(v4l2->stream);
 }
 
 const struct iso_sensor_ops iso_sensor_v4l2_ops = {
@@ -187,6 +194,7 @@ const struct iso_sensor_ops iso_sensor_v4l2_ops = {
     .wait = v4l2_wait,
     .poll_fd = v4l2_poll_fd,
     .describe = v4l2_describe,
+    .health = v4l2_health,
     .stop = v4l2_stop,
     .close = v4l2_close,
 };

@@ -170,6 +170,9 @@ void sim_view_paint(struct sim_view *view, const float *albedo, uint32_t n)
     for (uint32_t i = 0; i < n; i++) {
         last[i].albedo = albedo[i];
     }
+    for (int c = 0; c < view->n_companions; c++) {
+        sim_view_paint(view->companions[c].view, albedo, n);
+    }
 }
 
 void sim_view_finish(struct sim_view *view)

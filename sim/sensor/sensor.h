@@ -39,6 +39,9 @@ struct sim_sensor {
     int (*own_new)(void **own);
     void (*own_free)(void *own);
     void (*attach)(void *own, struct sim_view *view);
+    /* The picture that belongs to the depths measured last, 0..1, of sensors that take one; of the
+     * others `infrared` says what theirs is like. */
+    void (*picture)(const void *own, float *intensity);
 };
 
 extern const struct sim_sensor sim_sensor_astra, sim_sensor_kinect2, sim_sensor_d435,

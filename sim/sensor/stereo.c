@@ -7,6 +7,7 @@
  *   them. noise_scale multiplies the noise of the pictures. */
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "drivers/stereo/stereo.h"
 #include "sim/sensor/sensor.h"
@@ -16,6 +17,8 @@ struct pair {
     struct iso_stereo *stereo;
     struct sim_stereo_scene *scene;
     uint8_t *left, *right;
+    float *intensity; /* the left picture, rectified */
+    size_t n_pixels;
 };
 
 static void pair_free(void *own)
@@ -25,6 +28,7 @@ static void pair_free(void *own)
     sim_stereo_scene_free(pair->scene);
     free(pair->left);
     free(pair->right);
+    free(pair->intensity);
     free(pair);
 }
 
@@ -41,7 +45,9 @@ static int pair_new(bool dots, void **own)
     rig.dots = dots;
     pair->left = malloc(n);
     pair->right = malloc(n);
-    int error = pair->left && pair->right ? 0 : -ENOMEM;
+    pair->intensity = calloc(n, sizeof *pair->intensity);
+    pair->n_pixels = n;
+    int error = pair->left && pair->right && pair->intensity ? 0 : -ENOMEM;
     if (!error) {
         error = sim_stereo_scene_new(&rig, &pair->scene);
     }
@@ -78,7 +84,8 @@ static void measure(const struct sim_view *view, double noise_scale, struct sim_
     struct pair *pair = workspace->own;
     struct iso_frame frame = {.width_px = view->camera.width_px,
                               .height_px = view->camera.height_px,
-                              .depth_mm = depth_mm};
+                              .depth_mm = depth_mm,
+                              .intensity = pair->intensity};
     uint64_t key = sim_random_u64(random);
     sim_stereo_scene_expose(pair->scene, key, noise_scale, random, pair->left, pair->right);
     if (iso_stereo_compute(pair->stereo, pair->left, pair->right, NULL, &frame) != 0) {
@@ -86,6 +93,12 @@ static void measure(const struct sim_view *view, double noise_scale, struct sim_
             depth_mm[i] = 0.0f; /* out of memory: a frame without a measurement */
         }
     }
+}
+
+static void picture(const void *own, float *intensity)
+{
+    const struct pair *pair = own;
+    memcpy(intensity, pair->intensity, pair->n_pixels * sizeof *intensity);
 }
 
 /* The rectified left camera: iso_rectification_of makes it so for every calibration of such a
@@ -108,6 +121,7 @@ const struct sim_sensor sim_sensor_stereo = {
     .own_new = active_new,
     .own_free = pair_free,
     .attach = attach,
+    .picture = picture,
 };
 
 const struct sim_sensor sim_sensor_stereo_passive = {
@@ -122,4 +136,5 @@ const struct sim_sensor sim_sensor_stereo_passive = {
     .own_new = passive_new,
     .own_free = pair_free,
     .attach = attach,
+    .picture = picture,
 };

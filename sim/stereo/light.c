@@ -78,8 +78,9 @@ static double pattern(const struct sim_light *light, struct iso_vec3 p, bool ski
 }
 
 double sim_light_at(const struct sim_light *light, struct iso_vec3 point_mm,
-                    enum sim_material material)
+                    const struct sim_facet *facet)
 {
+    bool skin = facet->material == SIM_SKIN;
     const struct iso_camera *camera = &light->view->camera;
     struct iso_vec3 p = iso_rigid_apply(&light->view_from_scene, point_mm);
     double u, v, shade = 0.0;
@@ -92,9 +93,10 @@ double sim_light_at(const struct sim_light *light, struct iso_vec3 point_mm,
     double distance = iso_norm(p) / 600.0;
     double light_in = ambient;
     if (shade > 0.0) {
-        light_in += shade * pattern(light, p, material == SIM_SKIN) / (distance * distance);
+        light_in += shade * pattern(light, p, skin) / (distance * distance);
     }
-    return light_in * sim_albedo(material, point_mm, light->key);
+    return light_in * (facet->albedo > 0.0F ? (double)facet->albedo
+                                            : sim_albedo(facet->material, point_mm, light->key));
 }
 
 void sim_light_shade(const struct sim_view *view, float *shade)

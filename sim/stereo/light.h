@@ -25,9 +25,10 @@ double sim_albedo(enum sim_material material, struct iso_vec3 point_mm, uint64_t
 double sim_dots(const struct sim_stereo_rig *rig, double x, double y, double radius);
 
 /* Radiance of a point towards any camera (matt surfaces), in arbitrary units that fall with the
- * square of the distance to the projector. */
+ * square of the distance to the projector. The facet says what material it is, and how it was
+ * painted (sim_view_paint): paint replaces the material's own brightness and texture. */
 double sim_light_at(const struct sim_light *light, struct iso_vec3 point_mm,
-                    enum sim_material material);
+                    const struct sim_facet *facet);
 
 /* Smooths the cosines of a finished view over 7 x 7 pixels of one material, so that the head
  * model's facets are not seen as texture. */

@@ -111,7 +111,7 @@ void sim_stereo_scene_attach(struct sim_stereo_scene *scene, struct sim_view *vi
 
 /* Where a ray meets what the view shows around its pixel; false if that is nothing. */
 static bool meet(const struct sim_view *view, double x, double y, struct iso_vec3 *point,
-                 enum sim_material *material)
+                 const struct sim_facet **seen)
 {
     const struct iso_camera *camera = &view->camera;
     double u = camera->cx_px + camera->fx_px * x, v = camera->cy_px + camera->fy_px * y;
@@ -132,7 +132,7 @@ static bool meet(const struct sim_view *view, double x, double y, struct iso_vec
     /* Beyond the facet's edge its plane may run away. */
     t = fabs(t - depth) < 0.02 * depth ? t : depth;
     *point = iso_scale(t, ray);
-    *material = facet->material;
+    *seen = facet;
     return true;
 }
 
@@ -144,9 +144,9 @@ static double pixel_radiance(const struct eye *eye, const struct sim_light *ligh
     for (int k = 0; k < samples * samples; k++) {
         double a = (k % samples + 0.5) / samples, b = ((double)(k / samples) + 0.5) / samples;
         struct iso_vec3 sight = sim_lens_sight(eye->lens, i, a, b), point;
-        enum sim_material material;
-        if (meet(eye->view, sight.x, sight.y, &point, &material)) {
-            sum += sim_light_at(light, iso_rigid_apply(&scene_from_eye, point), material);
+        const struct sim_facet *facet;
+        if (meet(eye->view, sight.x, sight.y, &point, &facet)) {
+            sum += sim_light_at(light, iso_rigid_apply(&scene_from_eye, point), facet);
         }
     }
     return sum / (samples * samples);

@@ -167,6 +167,7 @@ static void frames_are_what_the_camera_gave(void **state)
     assert_string_equal(description.model, "d435");
     assert_string_equal(description.serial, "fake:/dev/depth");
     assert_false(description.intensity);
+    assert_true(description.unit_mm == 0.5);
     assert_true(iso_sensor_poll_fd(sensor) >= 0);
     iso_sensor_close(sensor);
 }
@@ -283,6 +284,7 @@ static void infrared_finds_its_depth(void **state)
     assert_frame(frame, 3, 99);
     assert_int_equal(frame->sequence, 2);
     assert_int_equal(iso_sensor_health(sensor).lost, 1);
+    assert_int_equal(iso_sensor_health(sensor).device.dropped, 1);
     iso_sensor_close(sensor);
 }
 

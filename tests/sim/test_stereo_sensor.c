@@ -68,6 +68,19 @@ static void a_bent_sheet_comes_out_right(void **state)
             holes += view->depth_mm[i] > 0.0f;
         }
     }
+    /* The picture is that of the depths: bright where the sheet is, dark beside it. */
+    float *picture = calloc(workspace->n_pixels, sizeof *picture);
+    double on = 0.0, beside = 0.0;
+    assert_non_null(picture);
+    sim_infrared_measure(sensor, view, 1.0, &random, workspace, picture);
+    for (size_t i = 0; i < workspace->n_pixels; i++) {
+        *(view->depth_mm[i] > 0.0f ? &on : &beside) += (double)picture[i];
+    }
+    on /= (double)(n + holes);
+    beside /= (double)(workspace->n_pixels - n - holes);
+    print_message("its picture: %.2f on it, %.2f beside it\n", on, beside);
+    assert_true(on > 0.15 && on < 0.8 && beside < 0.03);
+    free(picture);
     print_message("sheet at 600 mm: %zu pixels, rms %.2f mm, bias %+.2f mm, holes %.2f %%\n", n,
                   sqrt(squares / (double)n), sum / (double)n,
                   100.0 * (double)holes / (double)(n + holes));
