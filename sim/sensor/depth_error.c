@@ -33,7 +33,7 @@ static int set_up(struct bench *b)
     }
     b->capacity = (size_t)sensor->camera.width_px * (size_t)sensor->camera.height_px *
                   b->options->faces;
-    b->errors_mm = error ? NULL : malloc(b->capacity * sizeof *b->errors_mm);
+    b->errors_mm = error ? NULL : calloc(b->capacity, sizeof *b->errors_mm);
     return error || b->errors_mm ? error : -ENOMEM;
 }
 

@@ -12,28 +12,41 @@ static double texture(struct iso_vec3 p, double size_mm, uint64_t key)
     return sim_noise3(key, iso_scale(1.0 / size_mm, p));
 }
 
-double sim_albedo(enum sim_material material, struct iso_vec3 p, uint64_t key)
+/* Brightness of a material that is not painted: 0..1. */
+static double base(enum sim_material material)
+{
+    static const double levels[] = {
+        [SIM_SKIN] = 0.55, [SIM_HAIR] = 0.18,   [SIM_CLOTH] = 0.45, [SIM_WALL] = 0.7,
+        [SIM_PAPER] = 0.8, [SIM_PLASTIC] = 0.6, [SIM_GLASS] = 0.03, /* throws light elsewhere */
+    };
+    return (size_t)material < sizeof levels / sizeof *levels ? levels[material] : 0.0;
+}
+
+/* What varies from millimetre to millimetre, about 1. */
+static double grain(enum sim_material material, struct iso_vec3 p, uint64_t key)
 {
     switch (material) {
     case SIM_SKIN:
-        return 0.55 * (1.0 + 0.05 * texture(p, 6.0, key) + 0.05 * texture(p, 1.2, key + 1));
+        return 1.0 + 0.05 * texture(p, 6.0, key) + 0.05 * texture(p, 1.2, key + 1);
     case SIM_HAIR:
-        return 0.18 * (1.0 + 0.5 * texture(iso_vec3(p.x / 1.0, p.y / 8.0, p.z / 1.0), 1.0, key));
+        return 1.0 + 0.5 * texture(iso_vec3(p.x, p.y / 8.0, p.z), 1.0, key);
     case SIM_CLOTH:
-        return 0.45 * (1.0 + 0.25 * texture(p, 2.0, key));
-    case SIM_PAPER:
-        return 0.8 * (1.0 + 0.2 * texture(p, 3.0, key));
-    case SIM_WALL:
-        return 0.7 * (1.0 + 0.02 * texture(p, 5.0, key));
+        return 1.0 + 0.25 * texture(p, 2.0, key);
     case SIM_PLASTIC:
-        return 0.6 * (1.0 + 0.03 * texture(p, 1.0, key));
-    case SIM_GLASS: /* throws the projector's light elsewhere, and is even */
-        return 0.03;
-    case SIM_MIRROR:
-    case SIM_NOTHING:
-        break;
+        return 1.0 + 0.03 * texture(p, 1.0, key);
+    case SIM_PAPER:
+    case SIM_WALL:
+        return 1.0 + 0.02 * texture(p, 5.0, key);
+    default:
+        return 1.0;
     }
-    return 0.0;
+}
+
+double sim_albedo(const struct sim_facet *facet, struct iso_vec3 point_mm, uint64_t key)
+{
+    double painted = (double)facet->albedo;
+    return (painted > 0.0 ? painted : base(facet->material)) *
+           grain(facet->material, point_mm, key);
 }
 
 /* Uniform 0..1 deviates of a cell (splitmix64's finaliser). */
@@ -95,8 +108,7 @@ double sim_light_at(const struct sim_light *light, struct iso_vec3 point_mm,
     if (shade > 0.0) {
         light_in += shade * pattern(light, p, skin) / (distance * distance);
     }
-    return light_in * (facet->albedo > 0.0F ? (double)facet->albedo
-                                            : sim_albedo(facet->material, point_mm, light->key));
+    return light_in * sim_albedo(facet, point_mm, light->key);
 }
 
 void sim_light_shade(const struct sim_view *view, float *shade)

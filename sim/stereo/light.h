@@ -15,9 +15,10 @@ struct sim_light {
     uint64_t key;                     /* of the textures */
 };
 
-/* What share of incoming light a material sends back at a point: skin with its pores and spots,
- * woven cloth, strands of hair, a painted wall, printed paper; 0..1. Assumed values. */
-double sim_albedo(enum sim_material material, struct iso_vec3 point_mm, uint64_t key);
+/* What share of incoming light a facet sends back at a point: as it is painted (sim_view_paint), or
+ * as its material is, times the material's grain: skin with its pores and spots, woven cloth,
+ * strands of hair. Assumed values. */
+double sim_albedo(const struct sim_facet *facet, struct iso_vec3 point_mm, uint64_t key);
 
 /* Brightness of the projected pattern in a direction (tangents of angles), dots spread to the given
  * radius; its mean over all directions is about 1. Dots stand one to a cell of a grid, anywhere in
@@ -25,8 +26,7 @@ double sim_albedo(enum sim_material material, struct iso_vec3 point_mm, uint64_t
 double sim_dots(const struct sim_stereo_rig *rig, double x, double y, double radius);
 
 /* Radiance of a point towards any camera (matt surfaces), in arbitrary units that fall with the
- * square of the distance to the projector. The facet says what material it is, and how it was
- * painted (sim_view_paint): paint replaces the material's own brightness and texture. */
+ * square of the distance to the projector. */
 double sim_light_at(const struct sim_light *light, struct iso_vec3 point_mm,
                     const struct sim_facet *facet);
 
