@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <string.h>
 
+#include "drivers/text.h"
+
 static bool is_known(const char *key, const char *const *known)
 {
     while (*known && strcmp(*known, key) != 0) {
@@ -45,5 +47,30 @@ int iso_options_bool(const char *owner, const struct iso_option *options, size_t
                              value);
     }
     *out = value ? strcmp(value, "yes") == 0 : otherwise;
+    return 0;
+}
+
+int iso_options_number(const char *owner, const struct iso_option *options, size_t n_options,
+                       const char *key, double min, double max, double otherwise, double *out,
+                       struct iso_fault *fault)
+{
+    const char *text = iso_options_find(options, n_options, key);
+    double number = otherwise;
+    if (text && *text && (iso_text_number(text, &number) || number < min || number > max)) {
+        return iso_fault_set(fault, -EINVAL, "%s: option '%s' is a number, %g to %g, not '%s'",
+                             owner, key, min, max, text);
+    }
+    *out = number;
+    return 0;
+}
+
+int iso_options_required(const char *owner, const struct iso_option *options, size_t n_options,
+                         const char *key, const char **out, struct iso_fault *fault)
+{
+    const char *text = iso_options_find(options, n_options, key);
+    if (!text || !*text) {
+        return iso_fault_set(fault, -EINVAL, "%s: option '%s' is missing", owner, key);
+    }
+    *out = text;
     return 0;
 }

@@ -25,4 +25,15 @@ int iso_options_bool(const char *owner, const struct iso_option *options, size_t
                      const char *key, bool otherwise, bool *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* The number behind a key, within min..max, or `otherwise` if the key is absent or empty. -EINVAL
+ * with a fault. */
+int iso_options_number(const char *owner, const struct iso_option *options, size_t n_options,
+                       const char *key, double min, double max, double otherwise, double *out,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* The text behind a key. -EINVAL with a fault if it is absent or empty. */
+int iso_options_required(const char *owner, const struct iso_option *options, size_t n_options,
+                         const char *key, const char **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 #endif

@@ -123,3 +123,27 @@ int iso_text_count(const char *text, size_t *out)
     *out = strtoul(text, NULL, 10);
     return 0;
 }
+
+int iso_text_find_long_line(const char *text, size_t max_bytes)
+{
+    int line = 1;
+    for (const char *end; *text; text = *end ? end + 1 : end, line++) {
+        end = strchrnul(text, '\n');
+        if ((size_t)(end - text) > max_bytes) {
+            return line;
+        }
+    }
+    return 0;
+}
+
+void iso_text_print_number(FILE *stream, const char *key, double value)
+{
+    char text[32];
+    for (int digits = 15; digits <= 17; digits++) {
+        (void)snprintf(text, sizeof text, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) {
+            break;
+        }
+    }
+    (void)fprintf(stream, "%s = %s\n", key, text);
+}

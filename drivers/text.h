@@ -4,6 +4,7 @@
 #define ISO_DRIVERS_TEXT_H
 
 #include <stddef.h>
+#include <stdio.h>
 
 #include "core/fault.h"
 
@@ -30,6 +31,15 @@ size_t iso_text_line_count(const char *text);
 /* Cuts a line at every separator; returns how many fields there are and stores the first max of
  * them. An empty line is one empty field. */
 size_t iso_text_split(char *line, char separator, char **fields, size_t max);
+
+/* The number, from 1, of the first line that is longer than max_bytes, or 0: libinih cuts lines
+ * silently at 200 bytes, so that longer ones are refused before it sees them. */
+int iso_text_find_long_line(const char *text, size_t max_bytes);
+
+enum { ISO_TEXT_INI_LINE_MAX = 190 };
+
+/* Prints "KEY = VALUE\n" with as few digits as still give back the same double. */
+void iso_text_print_number(FILE *stream, const char *key, double value);
 
 /* A decimal number, the whole string, finite: digits, sign, point, exponent; no spaces, no
  * hexadecimal, no names. -EINVAL else. */

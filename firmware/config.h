@@ -24,6 +24,13 @@ struct iso_config_sensor {
     char path[ISO_CONFIG_TEXT_SIZE], pace[ISO_CONFIG_TEXT_SIZE], loop[ISO_CONFIG_TEXT_SIZE];
     char device[ISO_CONFIG_TEXT_SIZE], mode[ISO_CONFIG_TEXT_SIZE], unit[ISO_CONFIG_TEXT_SIZE];
     char intensity[ISO_CONFIG_TEXT_SIZE], intrinsics[ISO_CONFIG_TEXT_SIZE];
+    char ir_device[ISO_CONFIG_TEXT_SIZE];
+    char camera[ISO_CONFIG_TEXT_SIZE];
+    char left[ISO_CONFIG_TEXT_SIZE], right[ISO_CONFIG_TEXT_SIZE];
+    char calibration[ISO_CONFIG_TEXT_SIZE];
+    char fps[ISO_CONFIG_TEXT_SIZE], pair_ms[ISO_CONFIG_TEXT_SIZE];
+    char near_mm[ISO_CONFIG_TEXT_SIZE], far_mm[ISO_CONFIG_TEXT_SIZE];
+    char confidence[ISO_CONFIG_TEXT_SIZE];
     double distance_min_mm, distance_max_mm;
     int silence_ms, retry_ms, retry_max_ms;
 };

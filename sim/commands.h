@@ -19,6 +19,10 @@ int sim_cmd_landmarks(int argc, char **argv);
 int sim_cmd_show(int argc, char **argv);
 int sim_cmd_replay(int argc, char **argv);
 int sim_cmd_record(int argc, char **argv);
+int sim_cmd_sensor(int argc, char **argv);
+#ifdef ISOTHERM_STEREO
+int sim_cmd_calibrate(int argc, char **argv);
+#endif
 int sim_cmd_visit(int argc, char **argv);
 
 #endif

@@ -13,6 +13,10 @@ static const struct command {
     {"eval", "measure recognition on a corpus", sim_cmd_eval},
     {"landmarks", "measure landmarks, gates and presentation attacks on a corpus",
      sim_cmd_landmarks},
+    {"sensor", "measure how wrong a sensor model is, by distance", sim_cmd_sensor},
+#ifdef ISOTHERM_STEREO
+    {"calibrate", "calibrate a pair of cameras on pictures of a checkerboard", sim_cmd_calibrate},
+#endif
     {"show", "draw a frame and what is made of it", sim_cmd_show},
     {"replay", "play a corpus to the appliance itself, on a virtual clock", sim_cmd_replay},
     {"record", "record what a sensor sees", sim_cmd_record},

@@ -7,9 +7,6 @@
 #include "drivers/recording/recording.h"
 #include "drivers/text.h"
 
-/* libinih cuts lines at its ini_max_line of 200 bytes, silently: longer ones are refused first. */
-enum { LINE_MAX_BYTES = 190 };
-
 /* What is gathered while the lines go by. */
 struct parse {
     struct iso_recording_meta meta;
@@ -134,19 +131,6 @@ static int on_key(void *user, const char *section, const char *name, const char 
     return 0;
 }
 
-/* The line of the first one that libinih would cut, or 0. */
-static int find_long_line(const char *text)
-{
-    int line = 1;
-    for (const char *end; *text; text = *end ? end + 1 : end, line++) {
-        end = strchrnul(text, '\n');
-        if (end - text > LINE_MAX_BYTES) {
-            return line;
-        }
-    }
-    return 0;
-}
-
 /* Every key that this projection needs is there, and none that it does not know. */
 static int check_keys(const char *name, const struct parse *parse, struct iso_fault *fault)
 {
@@ -188,7 +172,7 @@ int iso_recording_meta_parse(const char *name, const char *text, struct iso_reco
 {
     struct parse parse = {0};
     const char *what = "";
-    int line = find_long_line(text);
+    int line = iso_text_find_long_line(text, ISO_TEXT_INI_LINE_MAX);
     if (line) {
         return iso_fault_set(fault, -EBADMSG, "%s:%d: line too long", name, line);
     }

@@ -4,13 +4,29 @@
 #include <string.h>
 
 #include "drivers/sensor/sensor.h"
+#ifdef ISOTHERM_LIBCAMERA
+#include "drivers/sensor/sensor_libcamera_stereo.h"
+#endif
 #ifdef ISOTHERM_OPENNI2
 #include "drivers/sensor/sensor_openni2.h"
 #endif
 #include "drivers/sensor/sensor_replay.h"
+#ifdef ISOTHERM_V4L2
+#include "drivers/sensor/sensor_v4l2.h"
+#include "drivers/sensor/sensor_v4l2_stereo.h"
+#endif
 
 static const struct iso_sensor_ops *const back_ends[] = {
     &iso_sensor_replay_ops,
+#ifdef ISOTHERM_V4L2
+    &iso_sensor_v4l2_ops,
+#ifdef ISOTHERM_STEREO
+    &iso_sensor_v4l2_stereo_ops,
+#endif
+#ifdef ISOTHERM_LIBCAMERA
+    &iso_sensor_libcamera_stereo_ops,
+#endif
+#endif
 #ifdef ISOTHERM_OPENNI2
     &iso_sensor_openni2_ops,
 #endif

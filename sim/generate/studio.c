@@ -39,6 +39,9 @@ int sim_studio_new(const struct sim_studio_options *options, struct sim_studio *
         error = sim_sensor_workspace_new(sensor, &studio->workspace);
     }
     if (error == 0) {
+        sim_sensor_attach(studio->workspace, studio->view);
+    }
+    if (error == 0) {
         error = iso_frame_new(&sensor->camera, sensor->camera.width_px, sensor->camera.height_px,
                               options->infrared, &studio->frame);
     }

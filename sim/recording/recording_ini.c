@@ -1,33 +1,21 @@
 #include "sim/recording/recording_ini.h"
 
 #include <errno.h>
-#include <stdlib.h>
 
-/* With as few digits as still give back the same double: 0.1, not 0.10000000000000001. */
-static void print_number(FILE *stream, const char *key, double value)
-{
-    char text[32];
-    for (int digits = 15; digits <= 17; digits++) {
-        (void)snprintf(text, sizeof text, "%.*g", digits, value);
-        if (strtod(text, NULL) == value) {
-            break;
-        }
-    }
-    (void)fprintf(stream, "%s = %s\n", key, text);
-}
+#include "drivers/text.h"
 
 /* The distortion, which may be left out where it is 0. */
 static void print_distortion(FILE *stream, const char *key, double value)
 {
     if (value != 0.0) {
-        print_number(stream, key, value);
+        iso_text_print_number(stream, key, value);
     }
 }
 
 static void print_pinhole(FILE *stream, const struct iso_camera *camera)
 {
-    print_number(stream, "fx_px", camera->fx_px);
-    print_number(stream, "fy_px", camera->fy_px);
+    iso_text_print_number(stream, "fx_px", camera->fx_px);
+    iso_text_print_number(stream, "fy_px", camera->fy_px);
     print_distortion(stream, "k1", camera->k1);
     print_distortion(stream, "k2", camera->k2);
     print_distortion(stream, "k3", camera->k3);
@@ -45,10 +33,10 @@ int sim_recording_ini_print(FILE *stream, const struct iso_recording_meta *meta)
     if (pinhole) {
         print_pinhole(stream, camera);
     } else {
-        print_number(stream, "pitch_mm", camera->pitch_mm);
+        iso_text_print_number(stream, "pitch_mm", camera->pitch_mm);
     }
-    print_number(stream, "cx_px", camera->cx_px);
-    print_number(stream, "cy_px", camera->cy_px);
-    print_number(stream, "unit_mm", meta->unit_mm);
+    iso_text_print_number(stream, "cx_px", camera->cx_px);
+    iso_text_print_number(stream, "cy_px", camera->cy_px);
+    iso_text_print_number(stream, "unit_mm", meta->unit_mm);
     return ferror(stream) ? -EIO : 0;
 }

@@ -61,6 +61,7 @@ void sim_view_free(struct sim_view *view)
     free(view->material);
     free(view->facet);
     free(view->facets);
+    free(view->companion_mm);
     free(view);
 }
 
@@ -82,6 +83,9 @@ void sim_view_clear(struct sim_view *view)
     memset(view->cosine, 0, pixels(view) * sizeof *view->cosine);
     memset(view->material, SIM_NOTHING, pixels(view));
     view->n_facets = 0;
+    for (int i = 0; i < view->n_companions; i++) {
+        sim_view_clear(view->companions[i].view);
+    }
 }
 
 static int reserve_facets(struct sim_view *view, uint32_t n)
@@ -102,6 +106,43 @@ static int reserve_facets(struct sim_view *view, uint32_t n)
     return 0;
 }
 
+static int reserve_companion(struct sim_view *view, size_t n)
+{
+    if (view->companion_capacity >= n) {
+        return 0;
+    }
+    struct iso_vec3 *vertices = realloc(view->companion_mm, n * sizeof *vertices);
+    if (!vertices) {
+        return -ENOMEM;
+    }
+    view->companion_mm = vertices;
+    view->companion_capacity = n;
+    return 0;
+}
+
+static int draw_companions(struct sim_view *view, const struct iso_vec3 *vertices_mm,
+                           const uint32_t (*triangles)[3], uint32_t n_triangles,
+                           enum sim_material material)
+{
+    uint32_t last = 0;
+    for (uint32_t i = 0; view->n_companions > 0 && i < n_triangles; i++) {
+        for (int k = 0; k < 3; k++) {
+            last = triangles[i][k] > last ? triangles[i][k] : last;
+        }
+    }
+    int error = view->n_companions > 0 ? reserve_companion(view, (size_t)last + 1) : 0;
+    for (int c = 0; error == 0 && c < view->n_companions; c++) {
+        const struct sim_companion *companion = &view->companions[c];
+        for (uint32_t i = 0; i <= last; i++) {
+            view->companion_mm[i] = iso_rigid_apply(&companion->companion_from_view,
+                                                    vertices_mm[i]);
+        }
+        error = sim_view_draw(companion->view, view->companion_mm, triangles, n_triangles,
+                              material);
+    }
+    return error;
+}
+
 int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
                   const uint32_t (*triangles)[3], uint32_t n_triangles, enum sim_material material)
 {
@@ -120,7 +161,7 @@ int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
     iso_raster_triangles(&raster, vertices_mm, triangles, (int32_t)n_triangles, view->n_facets,
                          SIM_VIEW_NEAR_MM, 0);
     view->n_facets += (int32_t)n_triangles;
-    return 0;
+    return draw_companions(view, vertices_mm, triangles, n_triangles, material);
 }
 
 void sim_view_paint(struct sim_view *view, const float *albedo, uint32_t n)
@@ -129,12 +170,18 @@ void sim_view_paint(struct sim_view *view, const float *albedo, uint32_t n)
     for (uint32_t i = 0; i < n; i++) {
         last[i].albedo = albedo[i];
     }
+    for (int c = 0; c < view->n_companions; c++) {
+        sim_view_paint(view->companions[c].view, albedo, n);
+    }
 }
 
 void sim_view_finish(struct sim_view *view)
 {
     const struct iso_camera *camera = &view->camera;
     size_t i = 0;
+    for (int c = 0; c < view->n_companions; c++) {
+        sim_view_finish(view->companions[c].view);
+    }
     for (int row = 0; row < camera->height_px; row++) {
         for (int column = 0; column < camera->width_px; column++, i++) {
             if (view->facet[i] < 0) {

@@ -6,6 +6,7 @@
 #ifndef SIM_RENDER_VIEW_H
 #define SIM_RENDER_VIEW_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "core/frame/camera.h"
@@ -31,6 +32,17 @@ struct sim_facet {
     float albedo; /* of its infrared image; 0: the material's own */
 };
 
+enum { SIM_VIEW_COMPANIONS_MAX = 3 };
+
+struct sim_view;
+
+/* Another eye on the same scene, such as the second camera of a stereo pair: whatever is drawn into
+ * a view is drawn into its companions too, and they are cleared and finished with it. */
+struct sim_companion {
+    struct sim_view *view; /* belongs to who made it, and outlives the view that refers to it */
+    struct iso_rigid companion_from_view;
+};
+
 struct sim_view {
     struct iso_camera camera; /* of the view: a supersampled sensor's has that many more pixels */
     int supersample;          /* view pixels per sensor pixel, along each axis */
@@ -40,6 +52,10 @@ struct sim_view {
     int32_t *facet;           /* what is seen: index into facets, or -1 */
     struct sim_facet *facets;
     int32_t n_facets, facet_capacity;
+    struct sim_companion companions[SIM_VIEW_COMPANIONS_MAX];
+    int n_companions;              /* 0 when the view is made */
+    struct iso_vec3 *companion_mm; /* vertices on their way to a companion */
+    size_t companion_capacity;
 };
 
 /* A view for a sensor's camera; its distortion must be 0. -EINVAL, -ENOMEM. */
@@ -49,7 +65,8 @@ void sim_view_free(struct sim_view *view);
 
 void sim_view_clear(struct sim_view *view);
 
-/* Draws triangles given by camera-frame vertices, both sides. -ENOMEM. */
+/* Draws triangles given by camera-frame vertices, both sides. -ENOMEM, after which what is drawn is
+ * undefined until the view is cleared. */
 int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
                   const uint32_t (*triangles)[3], uint32_t n_triangles, enum sim_material material)
     __attribute__((warn_unused_result));

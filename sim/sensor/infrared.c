@@ -82,6 +82,10 @@ void sim_infrared_measure(const struct sim_sensor *sensor, const struct sim_view
                           double noise_scale, struct sim_random *random,
                           struct sim_sensor_workspace *workspace, float *intensity)
 {
+    if (sensor->picture) {
+        sensor->picture(workspace->own, intensity);
+        return;
+    }
     const struct sim_infrared *infrared = &sensor->infrared;
     int width = view->camera.width_px / view->supersample;
     int height = view->camera.height_px / view->supersample;

@@ -23,8 +23,9 @@ struct sim_sensor;
 struct sim_sensor_workspace;
 struct sim_view;
 
-/* Fills intensity[height][width] of the sensor's size, 0..1. noise_scale multiplies every random
- * error but the dots. */
+/* Fills intensity[height][width] of the sensor's size, 0..1; with the picture itself, if the sensor
+ * takes one (sim_sensor.picture: call it after sim_sensor_measure). noise_scale multiplies every
+ * random error but the dots. */
 void sim_infrared_measure(const struct sim_sensor *sensor, const struct sim_view *view,
                           double noise_scale, struct sim_random *random,
                           struct sim_sensor_workspace *workspace, float *intensity);

@@ -5,8 +5,16 @@
 #include <string.h>
 
 const struct sim_sensor *const sim_sensors[] = {
-    &sim_sensor_astra,     &sim_sensor_kinect2, &sim_sensor_d435,
-    &sim_sensor_truedepth, &sim_sensor_texas,   NULL,
+    &sim_sensor_astra,
+    &sim_sensor_kinect2,
+    &sim_sensor_d435,
+    &sim_sensor_truedepth,
+    &sim_sensor_texas,
+#ifdef ISOTHERM_STEREO
+    &sim_sensor_stereo,
+    &sim_sensor_stereo_passive,
+#endif
+    NULL,
 };
 
 const struct sim_sensor *sim_sensor_find(const char *name)
@@ -33,6 +41,12 @@ int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_
             return -ENOMEM;
         }
     }
+    workspace->sensor = sensor;
+    int error = sensor->own_new ? sensor->own_new(&workspace->own) : 0;
+    if (error) {
+        sim_sensor_workspace_free(workspace);
+        return error;
+    }
     *out = workspace;
     return 0;
 }
@@ -45,7 +59,17 @@ void sim_sensor_workspace_free(struct sim_sensor_workspace *workspace)
     for (int i = 0; i < SIM_SENSOR_PLANES; i++) {
         free(workspace->plane[i]);
     }
+    if (workspace->own) {
+        workspace->sensor->own_free(workspace->own);
+    }
     free(workspace);
+}
+
+void sim_sensor_attach(struct sim_sensor_workspace *workspace, struct sim_view *view)
+{
+    if (workspace->sensor->attach) {
+        workspace->sensor->attach(workspace->own, view);
+    }
 }
 
 void sim_sensor_measure(const struct sim_sensor *sensor, const struct sim_view *view,

@@ -18,6 +18,8 @@ enum { SIM_SENSOR_PLANES = 6 };
 struct sim_sensor_workspace {
     size_t n_pixels;
     float *plane[SIM_SENSOR_PLANES]; /* [n_pixels] each */
+    const struct sim_sensor *sensor;
+    void *own; /* what the model makes for itself */
 };
 
 struct sim_sensor {
@@ -32,10 +34,21 @@ struct sim_sensor {
      * published). */
     void (*measure)(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm);
+    /* The following may be NULL: what the model makes for itself, once, and how it gives a view the
+     * other eyes that it looks through. */
+    int (*own_new)(void **own);
+    void (*own_free)(void *own);
+    void (*attach)(void *own, struct sim_view *view);
+    /* The picture that belongs to the depths measured last, 0..1, of sensors that take one; of the
+     * others `infrared` says what theirs is like. */
+    void (*picture)(const void *own, float *intensity);
 };
 
 extern const struct sim_sensor sim_sensor_astra, sim_sensor_kinect2, sim_sensor_d435,
     sim_sensor_truedepth, sim_sensor_texas;
+#ifdef ISOTHERM_STEREO
+extern const struct sim_sensor sim_sensor_stereo, sim_sensor_stereo_passive;
+#endif
 
 /* All of them, ended by NULL. */
 extern const struct sim_sensor *const sim_sensors[];
@@ -47,9 +60,13 @@ int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_
     __attribute__((warn_unused_result));
 void sim_sensor_workspace_free(struct sim_sensor_workspace *workspace);
 
+/* Prepares a view for a sensor that sees with more than one eye: to be called before anything is
+ * drawn that the sensor shall measure. The workspace must outlive the view. */
+void sim_sensor_attach(struct sim_sensor_workspace *workspace, struct sim_view *view);
+
 /* One frame: measures a finished view of this sensor (sim_view_new with its camera and
- * supersample), as the sensor's recordings would hold it, i.e. rounded to unit_mm. The frame has
- * the sensor's size. */
+ * supersample; sim_sensor_attach), as the sensor's recordings would hold it, i.e. rounded to
+ * unit_mm. The frame has the sensor's size. */
 void sim_sensor_measure(const struct sim_sensor *sensor, const struct sim_view *view,
                         double noise_scale, struct sim_random *random,
                         struct sim_sensor_workspace *workspace, struct iso_frame *frame);

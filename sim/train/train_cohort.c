@@ -43,6 +43,9 @@ static int booth_init(struct booth *booth, const struct sim_sensor *sensor,
     if (!error) {
         error = sim_sensor_workspace_new(sensor, &booth->workspace);
     }
+    if (error == 0) {
+        sim_sensor_attach(booth->workspace, booth->view);
+    }
     if (!error) {
         error = iso_frame_new(&sensor->camera, sensor->camera.width_px, sensor->camera.height_px,
                               false, &booth->frame);

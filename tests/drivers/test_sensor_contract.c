@@ -481,10 +481,20 @@ static void refuses_unknown_options(void **state)
     }
 }
 
+/* Whether a back end has cameras of the kernel's, which only a fake stands in for on an ordinary
+ * machine: test_sensor_v4l2*.c; of libcamera the way without a camera, test_sensor_libcamera.c. */
+static bool needs_a_kernel(const char *name)
+{
+    return strncmp(name, "v4l2", 4) == 0 || strncmp(name, "libcamera", 9) == 0;
+}
+
 static void no_back_end_is_left_out(void **state)
 {
     (void)state;
     for (size_t r = 0; iso_sensor_registered(r); r++) {
+        if (needs_a_kernel(iso_sensor_registered(r))) {
+            continue;
+        }
         int i = 0;
         while (sensor_stages[i] &&
                strcmp(sensor_stages[i]->back_end, iso_sensor_registered(r)) != 0) {

@@ -206,6 +206,9 @@ static void every_sensor_has_an_image(void **state)
     for (int s = 0; sim_sensors[s]; s++) {
         const struct sim_sensor *sensor = sim_sensors[s];
         const struct sim_infrared *ir = &sensor->infrared;
+        if (sensor->picture) {
+            continue; /* takes one: test_stereo_sensor.c */
+        }
         double far = 1e-3 * sensor->distance_max_mm, near = 1e-3 * sensor->distance_min_mm;
         double least = 0.5 * ir->level / (ir->ambient ? 1.0 : far * far);
         double most = 0.65 * ir->level / (ir->ambient ? 1.0 : near * near);

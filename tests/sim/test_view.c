@@ -123,12 +123,45 @@ static void bad_arguments_are_refused(void **state)
     assert_null(solid);
 }
 
+/* A second eye 60 mm to the right sees things f 60 / z pixels farther left, and no facet less. */
+static void a_companion_sees_the_same_from_elsewhere(void **state)
+{
+    (void)state;
+    struct sim_view *view, *other;
+    struct sim_solid *wall, *box;
+    assert_int_equal(sim_view_new(&camera, 1, &view), 0);
+    assert_int_equal(sim_view_new(&camera, 1, &other), 0);
+    view->companions[0] = (struct sim_companion){other, iso_rigid_identity()};
+    view->companions[0].companion_from_view.translation_mm.x = -60.0;
+    view->n_companions = 1;
+    assert_int_equal(sim_solid_rectangle(4000.0, 4000.0, 0.0, SIM_WALL, &wall), 0);
+    assert_int_equal(sim_solid_box(iso_vec3(100.0, 60.0, 80.0), SIM_CLOTH, &box), 0);
+    draw(view, wall, iso_vec3(0, 0, 800), iso_vec3(0, 0, 0));
+    draw(view, box, iso_vec3(0, 0, 540), iso_vec3(0, 0, 0));
+    sim_view_finish(view);
+    int shift = 12; /* of the front, 100 * 60 / 500 */
+    assert_int_equal(other->n_facets, view->n_facets);
+    for (int column = 50 - 9; column <= 50 + 9; column++) {
+        assert_int_equal(view->material[at(view, column, 40)], SIM_CLOTH);
+        assert_int_equal(other->material[at(other, column - shift, 40)], SIM_CLOTH);
+        assert_true(fabsf(other->depth_mm[at(other, column - shift, 40)] - 500.0f) < 1e-3f);
+    }
+    assert_int_equal(other->material[at(other, 50 + 9, 40)], SIM_WALL);
+    sim_view_clear(view);
+    assert_true(!(other->depth_mm[at(other, 50, 40)] > 0.0f));
+    sim_solid_free(wall);
+    sim_solid_free(box);
+    sim_view_free(view);
+    sim_view_free(other);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cosine_and_material_are_those_of_the_nearest),
         cmocka_unit_test(supersampling_keeps_pixel_centres),
         cmocka_unit_test(a_bent_sheet_is_a_cylinder),
+        cmocka_unit_test(a_companion_sees_the_same_from_elsewhere),
         cmocka_unit_test(bad_arguments_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,60 @@
+/* Two cameras through libcamera. The .cc file is C++, this header is C; no
+ * exception comes out of it. libcamera runs a thread of its own, which fills a queue behind a lock;
+ * all else happens in the caller's thread.
+ *
+ * libcamera allows one manager in a process: a second pair is -EBUSY while there is a first. */
+#ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_PAIR_H
+#define ISO_DRIVERS_SENSOR_LIBCAMERA_PAIR_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct iso_libcamera_pair;
+
+struct iso_libcamera_options {
+    const char *ids[2]; /* of the cameras, as libcamera names them (`cam --list`) */
+    int width_px, height_px;
+    int fps; /* 0: as they are */
+};
+
+enum { ISO_LIBCAMERA_TEXT = 200 };
+
+/* Acquires both cameras and sets them up for grey pictures (R8, R12, R10, YUYV), streams
+ * nothing. `text` is told in words what failed. -ENODEV there is no such camera (the text lists
+ * those there are), -EBUSY another has it, or another pair is open; -EINVAL it gives no such
+ * picture, -ENOMEM, -EIO. */
+int iso_libcamera_pair_open(const struct iso_libcamera_options *options,
+                            struct iso_libcamera_pair **out, char text[ISO_LIBCAMERA_TEXT])
+    __attribute__((warn_unused_result));
+void iso_libcamera_pair_close(struct iso_libcamera_pair *pair);
+
+/* Camera 0 or 1. -EIO, -ENODEV and what else the operation of the same name may return in
+ * picture_source.h. */
+int iso_libcamera_start(struct iso_libcamera_pair *pair, int camera)
+    __attribute__((warn_unused_result));
+int iso_libcamera_stop(struct iso_libcamera_pair *pair, int camera);
+
+/* What is seen of a picture; its bytes stay until iso_libcamera_give_back. */
+struct iso_libcamera_picture {
+    const uint8_t *bytes;
+    size_t size_bytes, stride_bytes;
+    uint32_t fourcc; /* DRM_FORMAT_... */
+    int width_px, height_px;
+    uint32_t sequence;
+    int64_t stamp_ns;
+};
+
+int iso_libcamera_take(struct iso_libcamera_pair *pair, int camera,
+                       struct iso_libcamera_picture *out) __attribute__((warn_unused_result));
+int iso_libcamera_give_back(struct iso_libcamera_pair *pair, int camera)
+    __attribute__((warn_unused_result));
+int iso_libcamera_fd(const struct iso_libcamera_pair *pair, int camera);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

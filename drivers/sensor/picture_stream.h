@@ -1,0 +1,54 @@
+/* Pictures of one camera, or of two that belong together, with a wait that ends: what the back ends
+ * v4l2, v4l2-stereo and libcamera-stereo share. */
+#ifndef ISO_DRIVERS_SENSOR_PICTURE_STREAM_H
+#define ISO_DRIVERS_SENSOR_PICTURE_STREAM_H
+
+#include "core/clock.h"
+#include "drivers/sensor/picture_source.h"
+
+enum { ISO_PICTURE_CAMERAS_MAX = 2 };
+
+struct iso_picture_stream_options {
+    const char *owner;             /* of the faults: "sensor v4l2"; outlives the stream */
+    const struct iso_clock *clock; /* injected; the struct is copied */
+    /* The clock of the pictures' stamps. */
+    int64_t (*monotonic_ns)(void *context);
+    void *context;
+    struct iso_picture_source sources[ISO_PICTURE_CAMERAS_MAX];
+    int n_cameras, width_px, height_px;
+    int64_t tolerance_ns; /* how far apart two pictures may be that belong together */
+};
+
+/* What came in one go. */
+struct iso_picture_set {
+    struct iso_picture pictures[ISO_PICTURE_CAMERAS_MAX]; /* copies, until the next wait or stop */
+    int64_t t_ns;      /* of the first picture, on the injected clock; strictly rising */
+    uint64_t sequence; /* of the first camera, counted on over stops; a gap is a lost set */
+};
+
+struct iso_picture_stream;
+
+/* Streams nothing yet. The sources must outlive the stream. -ENOMEM, -EIO. */
+int iso_picture_stream_open(const struct iso_picture_stream_options *options,
+                            struct iso_picture_stream **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void iso_picture_stream_close(struct iso_picture_stream *stream);
+
+int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int iso_picture_stream_stop(struct iso_picture_stream *stream);
+
+/* The next set, oldest first; polls until deadline_ns of the injected clock at the latest.
+ * -ETIMEDOUT, and the errors of a source's take but -EAGAIN. */
+int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_ns,
+                            struct iso_picture_set *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Polls readable when a picture waits in the kernel; with two cameras, of either: a wait that
+ * follows takes it over and may still end in -ETIMEDOUT. */
+int iso_picture_stream_fd(const struct iso_picture_stream *stream);
+
+/* Pictures that came without a partner in time. */
+uint64_t iso_picture_stream_dropped(const struct iso_picture_stream *stream);
+
+#endif

@@ -1,0 +1,200 @@
+#include "drivers/sensor/sensor_v4l2.h"
+
+#include <errno.h>
+#include <linux/videodev2.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/recording/recording.h"
+#include "drivers/sensor/picture_format.h"
+#include "drivers/sensor/picture_stream.h"
+#include "drivers/sensor/sensor_v4l2_node.h"
+#include "drivers/text.h"
+
+static const char owner[] = "sensor v4l2";
+
+enum { CAMERA_FILE_MAX = 65536 };
+
+struct v4l2 {
+    struct iso_recording_meta meta;
+    struct iso_v4l2_node *nodes[2]; /* depth, and infrared or NULL */
+    struct iso_picture_stream *stream;
+    struct iso_frame *frame;
+    bool has_ir;
+};
+
+/* ---- opening and closing ---------------------------------------------------- */
+
+static int read_camera(const char *path, struct iso_recording_meta *meta, struct iso_fault *fault)
+{
+    char *text = NULL;
+    int error = iso_text_read(path, CAMERA_FILE_MAX, &text, fault);
+    if (!error) {
+        error = iso_recording_meta_parse(path, text, meta, fault);
+    }
+    free(text);
+    return error && error != -ENOMEM ? -EINVAL : error;
+}
+
+/* The two wishes, and how near their pictures must be. */
+static int read_options(const struct iso_option *options, size_t n_options, struct v4l2 *v4l2,
+                        struct iso_v4l2_wish wishes[2], struct iso_picture_stream_options *out,
+                        struct iso_fault *fault)
+{
+    static const char *const known[] = {"device", "camera", "ir_device", "fps", "pair_ms", NULL};
+    const char *device = NULL, *camera = NULL, *ir = NULL;
+    double fps = 0.0, pair_ms = 0.0;
+    int error = iso_options_check(owner, options, n_options, known, fault);
+    error = error ? error
+                  : iso_options_required(owner, options, n_options, "device", &device, fault);
+    error = error ? error
+                  : iso_options_required(owner, options, n_options, "camera", &camera, fault);
+    error = error ? error
+                  : iso_options_number(owner, options, n_options, "fps", 1.0, 1000.0, 0.0, &fps,
+                                       fault);
+    error = error ? error
+                  : iso_options_number(owner, options, n_options, "pair_ms", 0.1, 1000.0, 4.0,
+                                       &pair_ms, fault);
+    error = error ? error : read_camera(camera, &v4l2->meta, fault);
+    if (error) {
+        return error;
+    }
+    ir = iso_options_find(options, n_options, "ir_device");
+    v4l2->has_ir = ir && *ir;
+    out->n_cameras = v4l2->has_ir ? 2 : 1;
+    out->tolerance_ns = (int64_t)(pair_ms * 1e6);
+    out->width_px = v4l2->meta.camera.width_px;
+    out->height_px = v4l2->meta.camera.height_px;
+    wishes[0] = (struct iso_v4l2_wish){.owner = owner,
+                                       .path = device,
+                                       .width_px = v4l2->meta.camera.width_px,
+                                       .height_px = v4l2->meta.camera.height_px,
+                                       .fps = (int)fps,
+                                       .formats = {V4L2_PIX_FMT_Z16}};
+    wishes[1] = wishes[0];
+    wishes[1].path = ir;
+    memcpy(wishes[1].formats, iso_picture_grey_formats, sizeof iso_picture_grey_formats);
+    return 0;
+}
+
+static void v4l2_close(void *self)
+{
+    struct v4l2 *v4l2 = self;
+    iso_picture_stream_close(v4l2->stream);
+    iso_v4l2_node_close(v4l2->nodes[0]);
+    iso_v4l2_node_close(v4l2->nodes[1]);
+    iso_frame_free(v4l2->frame);
+    free(v4l2);
+}
+
+int iso_sensor_v4l2_open_on(const struct iso_v4l2_system *system, const struct iso_option *options,
+                            size_t n_options, const struct iso_clock *clock, void **self,
+                            struct iso_fault *fault)
+{
+    struct iso_picture_stream_options stream = {.owner = owner,
+                                                .clock = clock,
+                                                .monotonic_ns = system->monotonic_ns,
+                                                .context = system->context};
+    struct iso_v4l2_wish wishes[2];
+    struct v4l2 *v4l2 = calloc(1, sizeof *v4l2);
+    if (!v4l2) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
+    }
+    int error = read_options(options, n_options, v4l2, wishes, &stream, fault);
+    for (int i = 0; !error && i < stream.n_cameras; i++) {
+        error = iso_v4l2_node_open(system, &wishes[i], &v4l2->nodes[i], fault);
+        if (!error) {
+            stream.sources[i] = iso_v4l2_node_source(v4l2->nodes[i]);
+        }
+    }
+    if (!error) {
+        error = iso_picture_stream_open(&stream, &v4l2->stream, fault);
+    }
+    const struct iso_camera *camera = &v4l2->meta.camera;
+    if (!error &&
+        iso_frame_new(camera, camera->width_px, camera->height_px, v4l2->has_ir, &v4l2->frame)) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
+    }
+    if (error) {
+        v4l2_close(v4l2);
+        return error;
+    }
+    *self = v4l2;
+    return 0;
+}
+
+static int v4l2_open(const struct iso_option *options, size_t n_options,
+                     const struct iso_clock *clock, void **self, struct iso_fault *fault)
+{
+    return iso_sensor_v4l2_open_on(&iso_v4l2_kernel, options, n_options, clock, self, fault);
+}
+
+/* ---- streaming -------------------------------------------------------------- */
+
+static int v4l2_start(void *self, struct iso_fault *fault)
+{
+    struct v4l2 *v4l2 = self;
+    return iso_picture_stream_start(v4l2->stream, fault);
+}
+
+static int v4l2_stop(void *self)
+{
+    struct v4l2 *v4l2 = self;
+    return iso_picture_stream_stop(v4l2->stream);
+}
+
+static int v4l2_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
+                     struct iso_fault *fault)
+{
+    struct v4l2 *v4l2 = self;
+    struct iso_picture_set set;
+    int error = iso_picture_stream_wait(v4l2->stream, deadline_ns, &set, fault);
+    if (error) {
+        return error;
+    }
+    iso_picture_to_depth(&set.pictures[0], v4l2->meta.unit_mm, v4l2->frame->depth_mm);
+    if (v4l2->has_ir) {
+        iso_picture_to_intensity(&set.pictures[1], v4l2->frame->intensity);
+    }
+    v4l2->frame->t_ns = set.t_ns;
+    v4l2->frame->sequence = set.sequence;
+    *frame = v4l2->frame;
+    return 0;
+}
+
+static int v4l2_poll_fd(void *self)
+{
+    struct v4l2 *v4l2 = self;
+    return iso_picture_stream_fd(v4l2->stream);
+}
+
+static int v4l2_describe(void *self, struct iso_sensor_description *out)
+{
+    const struct v4l2 *v4l2 = self;
+    *out = (struct iso_sensor_description){.width_px = v4l2->meta.camera.width_px,
+                                           .height_px = v4l2->meta.camera.height_px,
+                                           .intensity = v4l2->has_ir,
+                                           .unit_mm = v4l2->meta.unit_mm};
+    (void)snprintf(out->model, sizeof out->model, "%s", v4l2->meta.sensor);
+    (void)snprintf(out->serial, sizeof out->serial, "%s", iso_v4l2_node_bus(v4l2->nodes[0]));
+    return 0;
+}
+
+static void v4l2_health(void *self, struct iso_sensor_device_health *out)
+{
+    const struct v4l2 *v4l2 = self;
+    out->dropped = iso_picture_stream_dropped(v4l2->stream);
+}
+
+const struct iso_sensor_ops iso_sensor_v4l2_ops = {
+    .name = "v4l2",
+    .open = v4l2_open,
+    .start = v4l2_start,
+    .wait = v4l2_wait,
+    .poll_fd = v4l2_poll_fd,
+    .describe = v4l2_describe,
+    .health = v4l2_health,
+    .stop = v4l2_stop,
+    .close = v4l2_close,
+};

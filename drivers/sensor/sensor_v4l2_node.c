@@ -1,0 +1,351 @@
+#include "drivers/sensor/sensor_v4l2_node.h"
+
+#include <errno.h>
+#include <linux/videodev2.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BUFFERS = 4, BUFFERS_MIN = 2 };
+
+struct buffer {
+    void *at;
+    size_t length;
+};
+
+struct iso_v4l2_node {
+    const struct iso_v4l2_system *system;
+    const char *owner;
+    char path[128], card[33], bus[33];
+    int fd;
+    struct v4l2_pix_format format;
+    struct buffer buffers[BUFFERS];
+    unsigned n_buffers;
+    bool streaming;
+    struct v4l2_buffer taken;
+};
+
+static int call(const struct iso_v4l2_node *node, unsigned long request, void *argument)
+{
+    return node->system->ioctl(node->system->context, node->fd, request, argument);
+}
+
+/* One line, and an errno of the class: what a device may not answer becomes -EIO. */
+static int complain(const struct iso_v4l2_node *node, int error, const char *what,
+                    struct iso_fault *fault)
+{
+    bool known = error == -ENODEV || error == -EBUSY || error == -EACCES || error == -ENOMEM ||
+                 error == -EINVAL;
+    int said = error == -ENXIO || error == -ENOENT ? -ENODEV : known ? error : -EIO;
+    return iso_fault_set(fault, said, "%s: %s: %s: %s", node->owner, node->path, what,
+                         strerror(-error));
+}
+
+static int node_stop(void *self);
+static int node_give_back(void *self, struct iso_fault *fault);
+
+/* ---- opening ---------------------------------------------------------------- */
+
+static int identify(struct iso_v4l2_node *node, struct iso_fault *fault)
+{
+    struct v4l2_capability capability = {0};
+    int error = call(node, VIDIOC_QUERYCAP, &capability);
+    if (error == -ENOTTY || error == -EINVAL) {
+        return iso_fault_set(fault, -ENODEV, "%s: %s: is no video device", node->owner, node->path);
+    }
+    if (error) {
+        return complain(node, error, "cannot be asked what it is", fault);
+    }
+    uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
+                                                                  : capability.capabilities;
+    if (!(can & V4L2_CAP_VIDEO_CAPTURE) || !(can & V4L2_CAP_STREAMING)) {
+        return iso_fault_set(fault, -ENODEV, "%s: %s: is no camera that streams", node->owner,
+                             node->path);
+    }
+    (void)snprintf(node->card, sizeof node->card, "%.32s", (const char *)capability.card);
+    (void)snprintf(node->bus, sizeof node->bus, "%.32s", (const char *)capability.bus_info);
+    return 0;
+}
+
+static bool offers(const struct iso_v4l2_node *node, uint32_t format)
+{
+    for (uint32_t i = 0; i < 256; i++) {
+        struct v4l2_fmtdesc description = {.index = i, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
+        if (call(node, VIDIOC_ENUM_FMT, &description)) {
+            return false;
+        }
+        if (description.pixelformat == format) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Bytes of a row of pixels; 0: not one of the formats that are known here. */
+static size_t row_bytes(uint32_t format, int width_px)
+{
+    switch (format) {
+    case V4L2_PIX_FMT_GREY:
+        return (size_t)width_px;
+    case V4L2_PIX_FMT_Z16:
+    case V4L2_PIX_FMT_Y10:
+    case V4L2_PIX_FMT_Y12:
+    case V4L2_PIX_FMT_Y16:
+    case V4L2_PIX_FMT_YUYV:
+    case V4L2_PIX_FMT_UYVY:
+        return 2 * (size_t)width_px;
+    default:
+        return 0;
+    }
+}
+
+static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish *wish,
+                         struct iso_fault *fault)
+{
+    const uint32_t *wanted = wish->formats;
+    while (*wanted && !offers(node, *wanted)) {
+        wanted++;
+    }
+    if (!*wanted) {
+        return iso_fault_set(fault, -EINVAL, "%s: %s (%s): has none of the pixel formats wanted",
+                             node->owner, node->path, node->card);
+    }
+    struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
+    format.fmt.pix.width = (uint32_t)wish->width_px;
+    format.fmt.pix.height = (uint32_t)wish->height_px;
+    format.fmt.pix.pixelformat = *wanted;
+    format.fmt.pix.field = V4L2_FIELD_NONE;
+    int error = call(node, VIDIOC_S_FMT, &format);
+    if (error) {
+        return complain(node, error, "its format cannot be set", fault);
+    }
+    const struct v4l2_pix_format *got = &format.fmt.pix;
+    if (got->pixelformat != *wanted || got->width != (uint32_t)wish->width_px ||
+        got->height != (uint32_t)wish->height_px) {
+        return iso_fault_set(fault, -EINVAL, "%s: %s (%s): gives %u x %u, not %d x %d", node->owner,
+                             node->path, node->card, got->width, got->height, wish->width_px,
+                             wish->height_px);
+    }
+    node->format = *got;
+    if (node->format.bytesperline < row_bytes(*wanted, wish->width_px)) {
+        node->format.bytesperline = (uint32_t)row_bytes(*wanted, wish->width_px);
+    }
+    return 0;
+}
+
+/* A camera that cannot be told its rate keeps its own. */
+static void choose_rate(struct iso_v4l2_node *node, int fps)
+{
+    struct v4l2_streamparm parameters = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
+    parameters.parm.capture.timeperframe.numerator = 1;
+    parameters.parm.capture.timeperframe.denominator = (uint32_t)fps;
+    if (fps > 0) {
+        (void)call(node, VIDIOC_S_PARM, &parameters);
+    }
+}
+
+int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4l2_wish *wish,
+                       struct iso_v4l2_node **out, struct iso_fault *fault)
+{
+    struct iso_v4l2_node *node = calloc(1, sizeof *node);
+    if (!node) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", wish->owner);
+    }
+    node->system = system;
+    node->owner = wish->owner;
+    (void)snprintf(node->path, sizeof node->path, "%s", wish->path);
+    node->fd = system->open(system->context, wish->path);
+    int error = node->fd < 0 ? complain(node, node->fd, "cannot be opened", fault) : 0;
+    if (!error) {
+        error = identify(node, fault);
+    }
+    if (!error) {
+        error = choose_format(node, wish, fault);
+    }
+    if (error) {
+        iso_v4l2_node_close(node);
+        return error;
+    }
+    choose_rate(node, wish->fps);
+    *out = node;
+    return 0;
+}
+
+void iso_v4l2_node_close(struct iso_v4l2_node *node)
+{
+    if (!node) {
+        return;
+    }
+    (void)node_stop(node);
+    if (node->fd >= 0) {
+        node->system->close(node->system->context, node->fd);
+    }
+    free(node);
+}
+
+/* ---- streaming -------------------------------------------------------------- */
+
+static struct v4l2_buffer buffer_number(unsigned index)
+{
+    return (struct v4l2_buffer){
+        .index = index, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE, .memory = V4L2_MEMORY_MMAP};
+}
+
+static int request(struct iso_v4l2_node *node, unsigned count, unsigned *got)
+{
+    struct v4l2_requestbuffers wanted = {
+        .count = count, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE, .memory = V4L2_MEMORY_MMAP};
+    int error = call(node, VIDIOC_REQBUFS, &wanted);
+    *got = wanted.count;
+    return error;
+}
+
+static int add_buffer(struct iso_v4l2_node *node, unsigned index)
+{
+    struct v4l2_buffer buffer = buffer_number(index);
+    int error = call(node, VIDIOC_QUERYBUF, &buffer);
+    if (error) {
+        return error;
+    }
+    void *at = node->system->map(node->system->context, node->fd, buffer.length,
+                                 (int64_t)buffer.m.offset);
+    if (!at) {
+        return -ENOMEM;
+    }
+    node->buffers[node->n_buffers++] = (struct buffer){at, buffer.length};
+    return call(node, VIDIOC_QBUF, &buffer);
+}
+
+static int node_start(void *self, struct iso_fault *fault)
+{
+    struct iso_v4l2_node *node = self;
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    unsigned count = 0;
+    int error = request(node, BUFFERS, &count);
+    if (!error && count < BUFFERS_MIN) {
+        error = -ENOMEM;
+    }
+    for (unsigned i = 0; !error && i < count && i < BUFFERS; i++) {
+        error = add_buffer(node, i);
+    }
+    if (!error) {
+        error = call(node, VIDIOC_STREAMON, &type);
+        node->streaming = !error;
+    }
+    if (error) {
+        (void)node_stop(node);
+        return complain(node, error == -EINVAL ? -EIO : error, "does not stream", fault);
+    }
+    return 0;
+}
+
+static int node_stop(void *self)
+{
+    struct iso_v4l2_node *node = self;
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE, error = 0;
+    unsigned none;
+    if (node->streaming) {
+        error = call(node, VIDIOC_STREAMOFF, &type);
+        node->streaming = false;
+    }
+    bool had = node->n_buffers > 0;
+    while (node->n_buffers > 0) {
+        const struct buffer *buffer = &node->buffers[--node->n_buffers];
+        node->system->unmap(node->system->context, buffer->at, buffer->length);
+    }
+    if (had) {
+        (void)request(node, 0, &none); /* so that another process may have the camera */
+    }
+    return error && error != -ENODEV ? -EIO : error;
+}
+
+/* A device that was pulled out may say so only when it is asked. */
+static int explain(struct iso_v4l2_node *node, int error, struct iso_fault *fault)
+{
+    struct v4l2_capability capability;
+    if (error != -ENODEV && call(node, VIDIOC_QUERYCAP, &capability) == -ENODEV) {
+        error = -ENODEV;
+    }
+    return iso_fault_set(fault, error == -ENODEV ? -ENODEV : -EIO, "%s: %s: %s", node->owner,
+                         node->path, error == -ENODEV ? "the device is gone" : "the stream broke");
+}
+
+/* When the picture was taken; when it arrived, if the driver keeps another clock. */
+static int64_t stamp_of(const struct iso_v4l2_node *node, const struct v4l2_buffer *buffer)
+{
+    if ((buffer->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) {
+        return buffer->timestamp.tv_sec * INT64_C(1000000000) +
+               buffer->timestamp.tv_usec * INT64_C(1000);
+    }
+    return node->system->monotonic_ns(node->system->context);
+}
+
+static int node_take(void *self, struct iso_picture *out, struct iso_fault *fault)
+{
+    struct iso_v4l2_node *node = self;
+    const struct v4l2_pix_format *format = &node->format;
+    struct v4l2_buffer buffer = buffer_number(0);
+    int error = call(node, VIDIOC_DQBUF, &buffer);
+    if (error == -EAGAIN) {
+        return error;
+    }
+    if (error || buffer.index >= node->n_buffers) {
+        return explain(node, error ? error : -EIO, fault);
+    }
+    node->taken = buffer;
+    size_t row = row_bytes(format->pixelformat, (int)format->width);
+    size_t needed = (size_t)format->bytesperline * (format->height - 1) + row;
+    const struct buffer *mapped = &node->buffers[buffer.index];
+    size_t used = buffer.bytesused < mapped->length ? buffer.bytesused : mapped->length;
+    if (buffer.flags & V4L2_BUF_FLAG_ERROR || used < needed) {
+        error = node_give_back(node, fault);
+        return error ? error
+                     : iso_fault_set(fault, -EBADMSG,
+                                     "%s: %s: picture %u came damaged (%zu of %zu "
+                                     "bytes)",
+                                     node->owner, node->path, buffer.sequence, used, needed);
+    }
+    *out = (struct iso_picture){.bytes = mapped->at,
+                                .stride_bytes = format->bytesperline,
+                                .row_bytes = row,
+                                .format = format->pixelformat,
+                                .width_px = (int)format->width,
+                                .height_px = (int)format->height,
+                                .sequence = buffer.sequence,
+                                .stamp_ns = stamp_of(node, &buffer)};
+    return 0;
+}
+
+static int node_give_back(void *self, struct iso_fault *fault)
+{
+    struct iso_v4l2_node *node = self;
+    struct v4l2_buffer buffer = buffer_number(node->taken.index);
+    int error = call(node, VIDIOC_QBUF, &buffer);
+    return error ? explain(node, error, fault) : 0;
+}
+
+static int node_fd(void *self)
+{
+    const struct iso_v4l2_node *node = self;
+    return node->fd;
+}
+
+struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node)
+{
+    return (struct iso_picture_source){.self = node,
+                                       .start = node_start,
+                                       .stop = node_stop,
+                                       .take = node_take,
+                                       .give_back = node_give_back,
+                                       .fd = node_fd};
+}
+
+const char *iso_v4l2_node_card(const struct iso_v4l2_node *node)
+{
+    return node->card;
+}
+
+const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node)
+{
+    return node->bus;
+}

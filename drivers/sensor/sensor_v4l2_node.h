@@ -1,0 +1,41 @@
+/* One video capture node (/dev/video0): found, asked for a format, streamed from through mapped
+ * buffers. Internal to the V4L2 back ends. */
+#ifndef ISO_DRIVERS_SENSOR_SENSOR_V4L2_NODE_H
+#define ISO_DRIVERS_SENSOR_SENSOR_V4L2_NODE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "drivers/sensor/picture_source.h"
+#include "drivers/sensor/sensor_v4l2_system.h"
+
+enum { ISO_V4L2_FORMATS_MAX = 8 };
+
+/* What is wanted of a node. */
+struct iso_v4l2_wish {
+    const char *owner; /* of the faults: "sensor v4l2" */
+    const char *path;
+    int width_px, height_px;
+    int fps; /* 0: as it is */
+    /* Pixel formats (V4L2_PIX_FMT_...) that will do, the best first, 0 at the end. */
+    uint32_t formats[ISO_V4L2_FORMATS_MAX + 1];
+};
+
+struct iso_v4l2_node;
+
+/* Opens and sets up a node; streams nothing. -ENODEV there is no such device, or it is no camera;
+ * -EINVAL it has none of the formats, or not in this size; -EBUSY, -EACCES, -ENOMEM, -EIO. */
+int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4l2_wish *wish,
+                       struct iso_v4l2_node **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void iso_v4l2_node_close(struct iso_v4l2_node *node);
+
+/* What can be done with it; the node must outlive it. */
+struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node);
+
+/* The card's name and where it is plugged in; owned by the node. */
+const char *iso_v4l2_node_card(const struct iso_v4l2_node *node);
+const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node);
+
+#endif

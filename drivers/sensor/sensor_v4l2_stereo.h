@@ -1,0 +1,32 @@
+/* The sensor back end `v4l2-stereo`: two grey cameras that the kernel drives, whose pictures are
+ * matched (drivers/stereo).
+ *
+ * Options:
+ *   left, right   required: the two nodes, such as links in /dev/v4l/by-path
+ *   calibration   required: the file of `isotherm-sim calibrate` (drivers/stereo/calibration.h); it
+ *                 decides the size that is asked for
+ *   fps           pictures a second to ask for; else the cameras' own
+ *   pair_ms       how far apart two pictures may be that belong together (4). Cameras without a
+ *                 common trigger need half a period, 17 at 30 pictures a second; what moves between
+ *                 the two moments is measured wrong
+ *   near_mm, far_mm   what is nearer or farther is not looked for (300, 1200)
+ *   confidence    correlation that a depth needs, 0..1 (0.75)
+ *
+ * Formats: GREY, Y16, Y12, Y10, YUYV, UYVY. A frame is the rectified left camera's: depths, and its
+ * picture as intensity. Times, sequence, damage and loss as of `v4l2`, by the left camera; a
+ * picture without its partner is dropped and a gap. */
+#ifndef ISO_DRIVERS_SENSOR_SENSOR_V4L2_STEREO_H
+#define ISO_DRIVERS_SENSOR_SENSOR_V4L2_STEREO_H
+
+#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/sensor_v4l2_system.h"
+
+extern const struct iso_sensor_ops iso_sensor_v4l2_stereo_ops;
+
+/* ops->open on another system than the kernel, which must outlive the sensor. */
+int iso_sensor_v4l2_stereo_open_on(const struct iso_v4l2_system *system,
+                                   const struct iso_option *options, size_t n_options,
+                                   const struct iso_clock *clock, void **self,
+                                   struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

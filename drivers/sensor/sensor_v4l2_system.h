@@ -1,0 +1,22 @@
+/* What the V4L2 back ends ask of the kernel, as a table: theirs is iso_v4l2_kernel; a test can
+ * stand in for a camera. Descriptors must be real ones that poll and epoll understand. */
+#ifndef ISO_DRIVERS_SENSOR_SENSOR_V4L2_SYSTEM_H
+#define ISO_DRIVERS_SENSOR_SENSOR_V4L2_SYSTEM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct iso_v4l2_system {
+    void *context;
+    int (*open)(void *context, const char *path); /* non-blocking; a descriptor or -errno */
+    void (*close)(void *context, int fd);
+    int (*ioctl)(void *context, int fd, unsigned long request, void *argument); /* 0 or -errno */
+    /* Shared, readable; NULL if it cannot be. */
+    void *(*map)(void *context, int fd, size_t length, int64_t offset);
+    void (*unmap)(void *context, void *at, size_t length);
+    int64_t (*monotonic_ns)(void *context); /* the clock that the kernel stamps pictures with */
+};
+
+extern const struct iso_v4l2_system iso_v4l2_kernel;
+
+#endif

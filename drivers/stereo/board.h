@@ -1,0 +1,42 @@
+/* Calibration of a pair of cameras on pictures of a checkerboard: corners are found to a fraction
+ * of a pixel, each camera is solved for by itself (Zhang 2000), then both together. */
+#ifndef ISO_DRIVERS_STEREO_BOARD_H
+#define ISO_DRIVERS_STEREO_BOARD_H
+
+#include <stdint.h>
+
+#include "drivers/stereo/calibration.h"
+
+/* A flat checkerboard. Corners are those where four squares meet; if the number of them is odd one
+ * way and even the other, no turn of the board looks like another. */
+struct iso_board {
+    int columns, rows; /* of corners: 3..64 each */
+    double square_mm;  /* 1..1000 */
+};
+
+enum { ISO_BOARD_PAIRS_MIN = 6 };
+
+struct iso_board_views;
+
+/* An empty collection for pictures of one size. -EINVAL with *fault for a board or size out of
+ * range, -ENOMEM. */
+int iso_board_views_new(const struct iso_board *board, int width_px, int height_px,
+                        struct iso_board_views **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void iso_board_views_free(struct iso_board_views *views);
+
+/* Adds two 8-bit pictures that were taken at the same moment, [height_px * width_px] each. -ENOENT
+ * if one of them does not show the whole board: nothing is added. -ENOMEM, -EIO. */
+int iso_board_views_add(struct iso_board_views *views, const uint8_t *left, const uint8_t *right)
+    __attribute__((warn_unused_result));
+
+/* How many pairs there are. */
+int iso_board_views_count(const struct iso_board_views *views);
+
+/* Solves. Radial distortion is k1 and k2; k3 is 0. -ENODATA with *fault for fewer than
+ * ISO_BOARD_PAIRS_MIN pairs, or when what comes out cannot be a pair of cameras (too few
+ * directions, left and right swapped, another board); -ENOMEM, -EIO. */
+int iso_board_calibrate(const struct iso_board_views *views, struct iso_stereo_calibration *out,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

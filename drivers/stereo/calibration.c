@@ -1,0 +1,311 @@
+#include "drivers/stereo/calibration.h"
+
+#include <errno.h>
+#include <ini.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "drivers/text.h"
+
+enum { FILE_MAX_BYTES = 65536 };
+
+/* What is gathered while the lines go by. */
+struct parse {
+    struct iso_stereo_calibration calibration;
+    struct iso_vec3 turn_rad;
+    int format;
+    uint64_t seen;           /* bit i: keys[i] was given */
+    struct iso_fault reason; /* of the first line at fault, without the file's name */
+};
+
+enum kind { KIND_INTEGER, KIND_NUMBER };
+
+#define IN(field) offsetof(struct parse, field)
+#define CAMERA_KEYS(section, eye)                                                           \
+    {section, "width_px", KIND_INTEGER, false, IN(calibration.camera[eye].width_px)},       \
+        {section, "height_px", KIND_INTEGER, false, IN(calibration.camera[eye].height_px)}, \
+        {section, "fx_px", KIND_NUMBER, false, IN(calibration.camera[eye].fx_px)},          \
+        {section, "fy_px", KIND_NUMBER, false, IN(calibration.camera[eye].fy_px)},          \
+        {section, "cx_px", KIND_NUMBER, false, IN(calibration.camera[eye].cx_px)},          \
+        {section, "cy_px", KIND_NUMBER, false, IN(calibration.camera[eye].cy_px)},          \
+        {section, "k1", KIND_NUMBER, true, IN(calibration.camera[eye].k1)},                 \
+        {section, "k2", KIND_NUMBER, true, IN(calibration.camera[eye].k2)},                 \
+        {section, "k3", KIND_NUMBER, true, IN(calibration.camera[eye].k3)},                 \
+        {section, "p1", KIND_NUMBER, true, IN(calibration.camera[eye].p1)},                 \
+    {                                                                                       \
+        section, "p2", KIND_NUMBER, true, IN(calibration.camera[eye].p2)                    \
+    }
+
+static const char extrinsics[] = "right_from_left";
+
+static const struct key {
+    const char *section, *name;
+    enum kind kind;
+    bool optional;
+    size_t offset; /* in struct parse */
+} keys[] = {
+    {"stereo", "format", KIND_INTEGER, false, IN(format)},
+    {"stereo", "pairs", KIND_INTEGER, true, IN(calibration.pairs)},
+    {"stereo", "rms_px", KIND_NUMBER, true, IN(calibration.rms_px)},
+    CAMERA_KEYS("left", ISO_EYE_LEFT),
+    CAMERA_KEYS("right", ISO_EYE_RIGHT),
+    {extrinsics, "rx_rad", KIND_NUMBER, false, IN(turn_rad.x)},
+    {extrinsics, "ry_rad", KIND_NUMBER, false, IN(turn_rad.y)},
+    {extrinsics, "rz_rad", KIND_NUMBER, false, IN(turn_rad.z)},
+    {extrinsics, "tx_mm", KIND_NUMBER, false, IN(calibration.right_from_left.translation_mm.x)},
+    {extrinsics, "ty_mm", KIND_NUMBER, false, IN(calibration.right_from_left.translation_mm.y)},
+    {extrinsics, "tz_mm", KIND_NUMBER, false, IN(calibration.right_from_left.translation_mm.z)},
+};
+
+enum { KEYS = sizeof keys / sizeof *keys };
+_Static_assert(KEYS <= 64, "bits of parse.seen");
+
+/* ---- what can be a pair ---- */
+
+double iso_stereo_baseline_mm(const struct iso_stereo_calibration *calibration)
+{
+    return iso_norm(calibration->right_from_left.translation_mm);
+}
+
+static bool is_rotation(const struct iso_mat3 *a)
+{
+    struct iso_mat3 transposed = iso_mat3_transpose(a);
+    struct iso_mat3 product = iso_mat3_mul(a, &transposed);
+    double off = 0.0;
+    for (int i = 0; i < 9; i++) {
+        off += fabs(product.m[i / 3][i % 3] - (i % 4 == 0));
+    }
+    struct iso_vec3 x = iso_vec3(a->m[0][0], a->m[0][1], a->m[0][2]);
+    struct iso_vec3 y = iso_vec3(a->m[1][0], a->m[1][1], a->m[1][2]);
+    struct iso_vec3 z = iso_vec3(a->m[2][0], a->m[2][1], a->m[2][2]);
+    return off < 1e-6 && iso_dot(iso_cross(x, y), z) > 0.0; /* false for NaN */
+}
+
+/* NULL, or what is wrong with where the right camera stands. */
+static const char *find_bad_stand(const struct iso_stereo_calibration *c)
+{
+    static const double sine_max = 0.29552020666133955; /* of 0.3 rad */
+    double baseline_mm = iso_stereo_baseline_mm(c);
+    if (!is_rotation(&c->right_from_left.rotation)) {
+        return "the rotation is none";
+    }
+    if (!(baseline_mm >= 5.0 && baseline_mm <= 1000.0)) {
+        return "the baseline must be 5..1000 mm";
+    }
+    /* Where the right camera is, in the left one's frame. */
+    struct iso_rigid left_from_right = iso_rigid_inverse(&c->right_from_left);
+    struct iso_vec3 along = iso_unit(left_from_right.translation_mm);
+    struct iso_vec3 axis = iso_mat3_apply(&left_from_right.rotation, iso_vec3(0.0, 0.0, 1.0));
+    if (!(along.x > 0.0)) {
+        return "the right camera stands at the left";
+    }
+    if (fabs(along.z) > sine_max || fabs(iso_dot(along, axis)) > sine_max) {
+        return "an optical axis is more than 0.3 rad off the perpendicular to the baseline";
+    }
+    return NULL;
+}
+
+static const char *find_flaw(const struct iso_stereo_calibration *c)
+{
+    const char *flaw = NULL;
+    const struct iso_camera *left = &c->camera[ISO_EYE_LEFT], *right = &c->camera[ISO_EYE_RIGHT];
+    if (iso_camera_check(left, &flaw) || iso_camera_check(right, &flaw)) {
+        return flaw;
+    }
+    if (left->projection != ISO_PINHOLE || right->projection != ISO_PINHOLE) {
+        return "both cameras must be pinhole cameras";
+    }
+    if (left->width_px != right->width_px || left->height_px != right->height_px) {
+        return "the two images differ in size";
+    }
+    if (fabs(left->fx_px - right->fx_px) > 0.1 * left->fx_px) {
+        return "the focal lengths differ by more than 10 %";
+    }
+    return find_bad_stand(c);
+}
+
+int iso_stereo_calibration_check(const struct iso_stereo_calibration *calibration,
+                                 const char **what)
+{
+    const char *flaw = find_flaw(calibration);
+    if (flaw && what) {
+        *what = flaw;
+    }
+    return flaw ? -EINVAL : 0;
+}
+
+/* ---- reading ---- */
+
+static int parse_value(const struct key *key, const char *value, struct parse *parse)
+{
+    char *field = (char *)parse + key->offset;
+    size_t count;
+    if (key->kind == KIND_NUMBER) {
+        return iso_text_number(value, (double *)(void *)field);
+    }
+    if (iso_text_count(value, &count) || count > INT_MAX) {
+        return -EINVAL;
+    }
+    *(int *)(void *)field = (int)count;
+    return 0;
+}
+
+static const struct key *find_key(const char *section, const char *name)
+{
+    for (int i = 0; i < KEYS; i++) {
+        if (strcmp(keys[i].section, section) == 0 && strcmp(keys[i].name, name) == 0) {
+            return &keys[i];
+        }
+    }
+    return NULL;
+}
+
+/* libinih's handler: 0 makes this the line that ini_parse_string returns, if it is the first. */
+static int on_key(void *user, const char *section, const char *name, const char *value)
+{
+    struct parse *parse = user;
+    const struct key *key = find_key(section, name);
+    struct iso_fault reason = {""};
+    if (!key) {
+        (void)iso_fault_set(&reason, 0, "unknown key '%s' in [%s]", name, section);
+    } else if (parse->seen & UINT64_C(1) << (key - keys)) {
+        (void)iso_fault_set(&reason, 0, "%s is given twice in [%s]", name, section);
+    } else if (parse_value(key, value, parse)) {
+        (void)iso_fault_set(&reason, 0, "bad value '%s' for %s", value, name);
+    } else {
+        parse->seen |= UINT64_C(1) << (key - keys);
+        return 1;
+    }
+    if (!parse->reason.text[0]) {
+        parse->reason = reason;
+    }
+    return 0;
+}
+
+/* Every key was there, and together they make sense. */
+static int finish(const char *name, struct parse *parse, struct iso_fault *fault)
+{
+    struct iso_stereo_calibration *c = &parse->calibration;
+    const char *what = "";
+    for (int i = 0; i < KEYS; i++) {
+        if (!keys[i].optional && !(parse->seen & UINT64_C(1) << i)) {
+            return iso_fault_set(fault, -EBADMSG, "%s: %s is missing from [%s]", name, keys[i].name,
+                                 keys[i].section);
+        }
+    }
+    if (parse->format != 1) {
+        return iso_fault_set(fault, -EBADMSG, "%s: format %d is not supported", name,
+                             parse->format);
+    }
+    c->camera[ISO_EYE_LEFT].projection = c->camera[ISO_EYE_RIGHT].projection = ISO_PINHOLE;
+    c->right_from_left.rotation = iso_mat3_rotation(parse->turn_rad);
+    if (iso_stereo_calibration_check(c, &what)) {
+        return iso_fault_set(fault, -EBADMSG, "%s: %s", name, what);
+    }
+    return 0;
+}
+
+int iso_stereo_calibration_parse(const char *name, const char *text,
+                                 struct iso_stereo_calibration *out, struct iso_fault *fault)
+{
+    struct parse parse = {0};
+    int line = iso_text_find_long_line(text, ISO_TEXT_INI_LINE_MAX);
+    if (line) {
+        return iso_fault_set(fault, -EBADMSG, "%s:%d: line too long", name, line);
+    }
+    line = ini_parse_string(text, on_key, &parse);
+    if (line < 0) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
+    }
+    if (line > 0) {
+        const char *reason = parse.reason.text[0] ? parse.reason.text : "not `key = value`";
+        return iso_fault_set(fault, -EBADMSG, "%s:%d: %s", name, line, reason);
+    }
+    int error = finish(name, &parse, fault);
+    if (!error) {
+        *out = parse.calibration;
+    }
+    return error;
+}
+
+int iso_stereo_calibration_read(const char *path, struct iso_stereo_calibration *out,
+                                struct iso_fault *fault)
+{
+    char *text = NULL;
+    int error = iso_text_read(path, FILE_MAX_BYTES, &text, fault);
+    if (!error) {
+        error = iso_stereo_calibration_parse(path, text, out, fault);
+    }
+    free(text);
+    return error;
+}
+
+/* ---- writing ---- */
+
+/* The rotation vector of a rotation of less than half a turn (the inverse of Rodrigues 1840). */
+static struct iso_vec3 turn_of(const struct iso_mat3 *a)
+{
+    struct iso_vec3 twice_sine = {a->m[2][1] - a->m[1][2], a->m[0][2] - a->m[2][0],
+                                  a->m[1][0] - a->m[0][1]};
+    double sine = 0.5 * iso_norm(twice_sine);
+    double cosine = 0.5 * (a->m[0][0] + a->m[1][1] + a->m[2][2] - 1.0);
+    double angle = atan2(sine, cosine);
+    return iso_scale(sine > 1e-12 ? angle / (2.0 * sine) : 0.5, twice_sine);
+}
+
+static void print(FILE *file, const struct iso_stereo_calibration *calibration)
+{
+    struct parse out = {.calibration = *calibration,
+                        .turn_rad = turn_of(&calibration->right_from_left.rotation),
+                        .format = 1};
+    const char *section = "";
+    for (int i = 0; i < KEYS; i++) {
+        const char *field = (const char *)&out + keys[i].offset;
+        if (strcmp(section, keys[i].section) != 0) {
+            (void)fprintf(file, "%s[%s]\n", *section ? "\n" : "", keys[i].section);
+            section = keys[i].section;
+        }
+        if (keys[i].kind == KIND_NUMBER) {
+            iso_text_print_number(file, keys[i].name, *(const double *)(const void *)field);
+        } else {
+            (void)fprintf(file, "%s = %d\n", keys[i].name, *(const int *)(const void *)field);
+        }
+    }
+}
+
+/* A device is left where it is. */
+static void remove_partial_file(const char *path)
+{
+    struct stat status;
+    if (lstat(path, &status) == 0 && S_ISREG(status.st_mode)) {
+        (void)unlink(path);
+    }
+}
+
+int iso_stereo_calibration_write(const char *path, const struct iso_stereo_calibration *calibration,
+                                 struct iso_fault *fault)
+{
+    const char *what = "";
+    if (iso_stereo_calibration_check(calibration, &what)) {
+        return iso_fault_set(fault, -EINVAL, "%s: %s", path, what);
+    }
+    FILE *file = fopen(path, "we");
+    if (!file) {
+        return iso_fault_set(fault, -errno, "%s: %m", path);
+    }
+    print(file, calibration);
+    bool good = !ferror(file);
+    if (fclose(file) != 0 || !good) {
+        int error = errno ? -errno : -EIO;
+        remove_partial_file(path);
+        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+    return 0;
+}

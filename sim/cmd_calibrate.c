@@ -1,0 +1,270 @@
+/* isotherm-sim calibrate: a stereo calibration from pictures of a checkerboard.
+ *
+ * It stands here and not on the appliance: a door never calibrates, it reads the file; and it can
+ * take its pictures from the simulated rig as well, which is how it is tested. */
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "drivers/image/png.h"
+#include "drivers/path.h"
+#include "drivers/stereo/board.h"
+#include "sim/commands.h"
+#include "sim/options.h"
+#include "sim/stereo/board_picture.h"
+#include "sim/stereo/rig.h"
+
+enum { PICTURES_MAX = 1000 };
+
+struct arguments {
+    const char *pictures, *render, *out;
+    int columns, rows;
+    double square_mm;
+    size_t pairs, seed;
+};
+
+#define FIELD(name) offsetof(struct arguments, name)
+
+static const struct sim_option options[] = {
+    {"pictures", "DIR", "left/*.png and right/*.png, 8-bit grey, of the same names",
+     sim_option_text, FIELD(pictures)},
+    {"out", "FILE", "the calibration to write", sim_option_text, FIELD(out)},
+    {"columns", "N", "corners of the board along its rows (9)", sim_option_int, FIELD(columns)},
+    {"rows", "N", "and along its columns (6)", sim_option_int, FIELD(rows)},
+    {"square", "MM", "side of a square, measured on the print (20)", sim_option_number,
+     FIELD(square_mm)},
+    {"render", "DIR", "writes such pictures of the simulated rig, instead of calibrating",
+     sim_option_text, FIELD(render)},
+    {"pairs", "N", "how many, with --render (20)", sim_option_count, FIELD(pairs)},
+    {"seed", "S", "with --render (1)", sim_option_count, FIELD(seed)},
+};
+
+static const char *const eye_names[ISO_EYES] = {"left", "right"};
+
+static struct iso_board board_of(const struct arguments *a)
+{
+    return (struct iso_board){a->columns, a->rows, a->square_mm};
+}
+
+/* ---- rendering -------------------------------------------------------------- */
+
+static int write_picture(const char *directory, int eye, size_t number,
+                         const struct iso_image *image, struct iso_fault *fault)
+{
+    char path[PATH_MAX];
+    int length = snprintf(path, sizeof path, "%s/%s/%03zu.png", directory, eye_names[eye], number);
+    if (length < 0 || (size_t)length >= sizeof path) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", directory);
+    }
+    return iso_png_write(path, image, 1, fault);
+}
+
+static int make_directory(const char *parent, const char *name, struct iso_fault *fault)
+{
+    char path[PATH_MAX];
+    int error = iso_path_join(parent, name, path, fault);
+    if (!error && mkdir(path, 0777) != 0 && errno != EEXIST) {
+        error = iso_fault_set(fault, -errno, "%s: %m", path);
+    }
+    return error;
+}
+
+/* Takes one pair of pictures of a board somewhere before the rig. */
+static int render_pair(const struct arguments *a, const struct sim_stereo_rig *rig,
+                       struct sim_lens *const lenses[ISO_EYES], size_t number,
+                       struct iso_image *image, struct iso_fault *fault)
+{
+    const struct iso_board board = board_of(a);
+    struct sim_random random = sim_random_seeded(a->seed, sim_random_hash("board"), number);
+    struct iso_rigid pose[ISO_EYES];
+    int error = 0;
+    pose[ISO_EYE_LEFT] = sim_board_pose(&rig->built, &board, &random);
+    pose[ISO_EYE_RIGHT] = iso_rigid_mul(&rig->built.right_from_left, &pose[ISO_EYE_LEFT]);
+    for (int eye = 0; !error && eye < ISO_EYES; eye++) {
+        sim_board_picture(&board, lenses[eye], &pose[eye], 2.0, &random, image->samples);
+        error = write_picture(a->render, eye, number, image, fault);
+    }
+    return error;
+}
+
+static int prepare(const struct sim_stereo_rig *rig, struct iso_image *image,
+                   struct sim_lens *lenses[ISO_EYES], struct iso_fault *fault)
+{
+    const struct iso_camera *camera = rig->built.camera;
+    *image = (struct iso_image){
+        .width_px = camera->width_px, .height_px = camera->height_px, .pixel = ISO_PIXEL_GREY8};
+    image->samples = malloc((size_t)camera->width_px * (size_t)camera->height_px);
+    bool good = image->samples != NULL;
+    for (int eye = 0; good && eye < ISO_EYES; eye++) {
+        good = sim_lens_new(&camera[eye], &lenses[eye]) == 0;
+    }
+    return good ? 0 : iso_fault_set(fault, -ENOMEM, "out of memory");
+}
+
+static int render(const struct arguments *a, struct iso_fault *fault)
+{
+    const struct sim_stereo_rig rig = sim_stereo_rig(0.0);
+    struct iso_image image = {0};
+    struct sim_lens *lenses[ISO_EYES] = {NULL};
+    int error = prepare(&rig, &image, lenses, fault);
+    if (!error && mkdir(a->render, 0777) != 0 && errno != EEXIST) {
+        error = iso_fault_set(fault, -errno, "%s: %m", a->render);
+    }
+    for (int eye = 0; !error && eye < ISO_EYES; eye++) {
+        error = make_directory(a->render, eye_names[eye], fault);
+    }
+    for (size_t i = 0; !error && i < a->pairs; i++) {
+        error = render_pair(a, &rig, lenses, i, &image, fault);
+    }
+    free(image.samples);
+    sim_lens_free(lenses[ISO_EYE_LEFT]);
+    sim_lens_free(lenses[ISO_EYE_RIGHT]);
+    if (!error) {
+        printf("%zu pairs of pictures in %s\n", a->pairs, a->render);
+    }
+    return error;
+}
+
+/* ---- calibrating ------------------------------------------------------------ */
+
+static int is_picture(const struct dirent *entry)
+{
+    size_t length = strlen(entry->d_name);
+    return length > 4 && strcmp(entry->d_name + length - 4, ".png") == 0;
+}
+
+static int read_picture(const char *directory, int eye, const char *name, struct iso_image *image,
+                        struct iso_fault *fault)
+{
+    char folder[PATH_MAX], path[PATH_MAX];
+    const struct iso_png_expectation grey = {ISO_PIXEL_GREY8, image->width_px, image->height_px};
+    int error = iso_path_join(directory, eye_names[eye], folder, fault);
+    error = error ? error : iso_path_join(folder, name, path, fault);
+    return error ? error : iso_png_read(path, &grey, image, fault);
+}
+
+/* Reads one pair and adds it; the first decides the pictures' size. */
+static int add_pair(const struct arguments *a, const char *name, struct iso_image images[ISO_EYES],
+                    struct iso_board_views **views, struct iso_fault *fault)
+{
+    const struct iso_board board = board_of(a);
+    int error = read_picture(a->pictures, ISO_EYE_LEFT, name, &images[ISO_EYE_LEFT], fault);
+    if (!error) {
+        images[ISO_EYE_RIGHT].width_px = images[ISO_EYE_LEFT].width_px;
+        images[ISO_EYE_RIGHT].height_px = images[ISO_EYE_LEFT].height_px;
+        error = read_picture(a->pictures, ISO_EYE_RIGHT, name, &images[ISO_EYE_RIGHT], fault);
+    }
+    if (!error && !*views) {
+        error = iso_board_views_new(&board, images[0].width_px, images[0].height_px, views, fault);
+    }
+    if (error) {
+        return error;
+    }
+    error = iso_board_views_add(*views, images[0].samples, images[1].samples);
+    if (error == -ENOENT) {
+        printf("%s: the whole board is not seen in both\n", name);
+        return 0;
+    }
+    return error ? iso_fault_set(fault, error, "%s: %s", name, strerror(-error)) : 0;
+}
+
+static int gather(const struct arguments *a, struct iso_board_views **views,
+                  struct iso_fault *fault)
+{
+    char left[PATH_MAX];
+    struct dirent **entries = NULL;
+    struct iso_image images[ISO_EYES] = {{0}};
+    int error = iso_path_join(a->pictures, eye_names[ISO_EYE_LEFT], left, fault);
+    if (error) {
+        return error;
+    }
+    int n = scandir(left, &entries, is_picture, alphasort);
+    if (n < 0) {
+        return iso_fault_set(fault, -errno, "%s: %m", left);
+    }
+    if (n == 0 || n > PICTURES_MAX) {
+        error = iso_fault_set(fault, -ENODATA, "%s: %d pictures, not 1 to %d", left, n,
+                              PICTURES_MAX);
+    }
+    for (int i = 0; !error && i < n; i++) {
+        error = add_pair(a, entries[i]->d_name, images, views, fault);
+    }
+    for (int i = 0; i < n; i++) {
+        free(entries[i]);
+    }
+    free(entries);
+    iso_image_done(&images[ISO_EYE_LEFT]);
+    iso_image_done(&images[ISO_EYE_RIGHT]);
+    return error;
+}
+
+static void print(const struct iso_stereo_calibration *c)
+{
+    printf("%d pairs, %.3f px between corners and model (root mean square)\n", c->pairs, c->rms_px);
+    for (int eye = 0; eye < ISO_EYES; eye++) {
+        const struct iso_camera *k = &c->camera[eye];
+        printf("%-5s  focal length %.2f %.2f px, principal point %.2f %.2f px, "
+               "distortion %.4f %.4f %.5f %.5f\n",
+               eye_names[eye], k->fx_px, k->fy_px, k->cx_px, k->cy_px, k->k1, k->k2, k->p1, k->p2);
+    }
+    printf("baseline %.3f mm\n", iso_stereo_baseline_mm(c));
+}
+
+static int calibrate(const struct arguments *a, struct iso_fault *fault)
+{
+    struct iso_board_views *views = NULL;
+    struct iso_stereo_calibration calibration;
+    int error = gather(a, &views, fault);
+    if (!error) {
+        error = iso_board_calibrate(views, &calibration, fault);
+    }
+    if (!error) {
+        error = iso_stereo_calibration_write(a->out, &calibration, fault);
+    }
+    if (!error) {
+        print(&calibration);
+    }
+    iso_board_views_free(views);
+    return error;
+}
+
+int sim_cmd_calibrate(int argc, char **argv)
+{
+    struct arguments arguments = {
+        .columns = 9, .rows = 6, .square_mm = 20.0, .pairs = 20, .seed = 1};
+    const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
+    struct iso_fault fault = {""};
+    switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
+    case SIM_OPTIONS_HELP:
+        puts("Usage: isotherm-sim calibrate --pictures DIR --out FILE [OPTION...]\n"
+             "       isotherm-sim calibrate --render DIR [OPTION...]\n\n"
+             "Calibrates two cameras on pictures of a checkerboard that both took at the same\n"
+             "moments, some 20 of them, the board turned and moved all over the picture.\n");
+        sim_options_help(&set, 1, stdout);
+        return SIM_EXIT_OK;
+    case SIM_OPTIONS_REFUSED:
+        fprintf(stderr, "isotherm-sim calibrate: %s\n", fault.text);
+        return SIM_EXIT_USAGE;
+    case SIM_OPTIONS_READ:
+        break;
+    }
+    bool usable = arguments.render ? !arguments.pictures && arguments.pairs <= PICTURES_MAX
+                                   : arguments.pictures && arguments.out;
+    if (!usable) {
+        fputs("isotherm-sim calibrate: --pictures and --out are needed, or --render (at most 1000 "
+              "pairs)\n",
+              stderr);
+        return SIM_EXIT_USAGE;
+    }
+    const int error = arguments.render ? render(&arguments, &fault) : calibrate(&arguments, &fault);
+    if (error) {
+        fprintf(stderr, "isotherm-sim calibrate: %s\n", fault.text);
+        return error == -ENOENT ? SIM_EXIT_NOT_FOUND : SIM_EXIT_FAULT;
+    }
+    return SIM_EXIT_OK;
+}

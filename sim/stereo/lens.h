@@ -1,0 +1,23 @@
+/* Which way each pixel of a distorted camera looks, worked out once. */
+#ifndef SIM_STEREO_LENS_H
+#define SIM_STEREO_LENS_H
+
+#include <stddef.h>
+
+#include "core/frame/camera.h"
+
+struct sim_lens {
+    struct iso_camera camera;
+    float (*sight)[2]; /* [(height_px + 1) * (width_px + 1)]: x/z and y/z at the pixels' corners */
+};
+
+/* -ENOMEM. */
+int sim_lens_new(const struct iso_camera *camera, struct sim_lens **out)
+    __attribute__((warn_unused_result));
+void sim_lens_free(struct sim_lens *lens);
+
+/* The direction (z = 1) of a point within pixel number i; a and b are 0..1 from its left to its
+ * right and from its top to its bottom. Between corners it is interpolated: right to 1e-4 px. */
+struct iso_vec3 sim_lens_sight(const struct sim_lens *lens, size_t i, double a, double b);
+
+#endif
