@@ -1,6 +1,7 @@
 #include "firmware/appliance.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -142,6 +143,16 @@ void iso_appliance_free(struct iso_appliance *appliance)
 /* An attempt is over when nobody could still be in the middle of it. */
 static const int64_t attack_longest_ns = 60 * ISO_NS_PER_S;
 
+/* What is not to be looked at needs more than is ever held. */
+static void init_liveness(struct iso_appliance *appliance)
+{
+    const struct iso_config_motion *motion = &appliance->parts.config->motion;
+    struct iso_liveness_options options = iso_liveness_options_default();
+    options.still_ns = motion->lifeless_ms > 0 ? motion->lifeless_ms * ISO_NS_PER_MS : INT64_MAX;
+    options.frozen_frames = motion->frozen_frames > 0 ? motion->frozen_frames : INT_MAX;
+    iso_liveness_init(&options, &appliance->liveness);
+}
+
 static void init_watch(struct iso_appliance *appliance)
 {
     const struct iso_config *config = appliance->parts.config;
@@ -159,6 +170,7 @@ static void init_watch(struct iso_appliance *appliance)
     };
     iso_decision_init(&appliance->decision, &decision);
     iso_track_init(&appliance->track, &track);
+    init_liveness(appliance);
     iso_hint_filter_init(&appliance->hints, &hints);
     iso_attack_tally_init(&appliance->attacks, decision.refractory_ns, attack_longest_ns);
 }

@@ -170,8 +170,23 @@ static int extract(struct iso_appliance *appliance, const struct iso_frame *fram
 
 /* What becomes of the frame just extracted: the extraction's own word, or what speaks against using
  * a good one. */
-static enum iso_capture judge(struct iso_appliance *appliance, int64_t t_ns)
+/* Whether a face that was fitted moves as the living do; one that has not been seen for long enough
+ * is given the benefit of the doubt. */
+static bool is_lifeless(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
+    const struct iso_extraction *extraction = &appliance->extraction;
+    const struct iso_liveness_frame seen = {
+        .t_ns = frame->t_ns,
+        .camera_from_face = extraction->camera_from_face,
+        .sigma_mm = extraction->sigma_mm[ISO_LM_NASION],
+        .digest = iso_liveness_digest(frame, extraction->camera_from_face.translation_mm),
+    };
+    return iso_liveness_feed(&appliance->liveness, &seen) == ISO_LIVENESS_STILL;
+}
+
+static enum iso_capture judge(struct iso_appliance *appliance, const struct iso_frame *frame)
+{
+    const int64_t t_ns = frame->t_ns;
     const struct iso_extraction *extraction = &appliance->extraction;
     appliance->motion = (struct iso_track_motion){0};
     if (extraction->fitted) {
@@ -179,6 +194,9 @@ static enum iso_capture judge(struct iso_appliance *appliance, int64_t t_ns)
     }
     if (extraction->outcome != ISO_CAPTURE_OK) {
         return extraction->outcome;
+    }
+    if (is_lifeless(appliance, frame)) {
+        return ISO_CAPTURE_STILL;
     }
     if (appliance->motion.moving) {
         return ISO_CAPTURE_MOVING;
@@ -241,7 +259,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
         return;
     }
     note_image(appliance);
-    enum iso_capture capture = judge(appliance, frame->t_ns);
+    enum iso_capture capture = judge(appliance, frame);
     if (capture == ISO_CAPTURE_OK) {
         appliance->complaining = false;
         capture = take_face(appliance, frame->t_ns, arrival_ns);

@@ -2,6 +2,7 @@
 #ifndef ISO_FIRMWARE_APPLIANCE_STATE_H
 #define ISO_FIRMWARE_APPLIANCE_STATE_H
 
+#include "core/presentation/liveness.h"
 #include "firmware/appliance.h"
 #include "firmware/attack_tally.h"
 #include "firmware/door_control.h"
@@ -20,6 +21,7 @@ struct iso_appliance {
     struct iso_extraction extraction; /* of the frame worked on; the template is wiped after it */
     bool complaining; /* the last frame failed: the next failure is not told again */
     struct iso_track track;
+    struct iso_liveness liveness;
     struct iso_track_motion motion; /* of the frame worked on; all zero without a fitted face */
     struct iso_hint_filter hints;
     struct iso_attack_tally attacks;

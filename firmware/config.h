@@ -72,6 +72,7 @@ struct iso_config_decision {
 
 struct iso_config_motion {
     double still_mm_s, still_deg_s, jump_mm_s, jump_deg_s;
+    int lifeless_ms, frozen_frames; /* 0: not looked at */
 };
 
 struct iso_config_hint {

@@ -143,6 +143,10 @@ const struct iso_config_key iso_config_keys[] = {
      "2000", "a face that seems to move faster is another one"},
     {"motion", "jump_deg_s", ISO_CONFIG_NUMBER, false, AT(motion, jump_deg_s), 1, 1000000, NULL,
      "800", "... or that seems to turn faster"},
+    {"motion", "lifeless_ms", ISO_CONFIG_COUNT, false, AT(motion, lifeless_ms), 0, 2000, NULL,
+     "1200", "a face that does not move at all for so long is not alive (0: not looked at)"},
+    {"motion", "frozen_frames", ISO_CONFIG_COUNT, false, AT(motion, frozen_frames), 0, 64, NULL,
+     "3", "as many frames in a row, the same to the bit, were not measured (0: not looked at)"},
 
     {"hint", "hold_frames", ISO_CONFIG_COUNT, false, AT(hint, hold_frames), 1, 8, NULL, "3",
      "of the last 8 frames so many must have the same fault before it is told"},

@@ -114,6 +114,8 @@ int rig_setup(void **state)
     rig->wall_ns = INT64_C(1795250000) * ISO_NS_PER_S;
     rig->config = iso_config_default();
     rig->config.decision.threshold = 6;
+    rig->config.motion.frozen_frames = 0; /* the puppets' frames are all the same */
+    rig->config.motion.lifeless_ms = 0;
     rig->config.decision.margin = 1;
     rig->config.enroll.agree_score = 4;
     rig->config.enroll.duplicate_score = 6;

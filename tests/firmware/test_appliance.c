@@ -157,6 +157,23 @@ static void a_single_cue_is_on_record_and_delays_nobody(void **state)
     assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"bent\",\"attack_frames\":1,"));
 }
 
+/* The puppets' frames are the same to the bit, as if one were played again and again. */
+static void frames_that_repeat_are_an_attack(void **state)
+{
+    struct rig *rig = *state;
+    rig->config.motion.frozen_frames = 3;
+    rig->config.decision.agree = 6;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    for (int i = 0; i < 6; i++) {
+        rig_show_at(rig, 50, 0, 33 * (i + 1));
+    }
+    rig_run(rig, 250);
+    const char *news = rig_news(rig);
+    assert_non_null(strstr(news, "visit deny attack"));
+    assert_null(strstr(news, "allow"));
+}
+
 /* ---- motion and tracks ---- */
 
 static void a_face_that_moves_is_not_used(void **state)
@@ -499,6 +516,7 @@ int main(void)
         TEST(nobody_does_not_delay_a_hint),
         TEST(an_attack_is_denied_counted_and_on_record),
         TEST(a_single_cue_is_on_record_and_delays_nobody),
+        TEST(frames_that_repeat_are_an_attack),
         TEST(a_face_that_moves_is_not_used),
         TEST(two_faces_in_turn_do_not_agree),
         TEST(tells_what_it_sees_to_who_aims),
