@@ -175,6 +175,11 @@ static int extract(struct iso_appliance *appliance, const struct iso_frame *fram
 static bool is_lifeless(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
     const struct iso_extraction *extraction = &appliance->extraction;
+    if (appliance->motion.track != appliance->liveness_track) { /* somebody else */
+        const struct iso_liveness_options options = appliance->liveness.options;
+        iso_liveness_init(&options, &appliance->liveness);
+        appliance->liveness_track = appliance->motion.track;
+    }
     const struct iso_liveness_frame seen = {
         .t_ns = frame->t_ns,
         .camera_from_face = extraction->camera_from_face,

@@ -1,35 +1,53 @@
 #include "core/landmark/meeting.h"
 
-#include <math.h>
+#include <stdbool.h>
 
 static const double facing_cosine = 0.26;
 /* Depths about a place belong to one surface if they differ by less. */
-static const double together_mm = 10.0;
+static const float together_mm = 10.0f;
 
+/* Ternaries, since fmin and fmax are calls, and this is done a hundred thousand times a frame. */
+static inline float smaller(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+/* column and row are not negative. */
 static double depth_between(const struct iso_frame *frame, double column, double row)
 {
-    int u = (int)floor(column), v = (int)floor(row);
+    int u = (int)column, v = (int)row;
     if (u < frame->width_px - 1 && v < frame->height_px - 1) {
-        double a = (double)iso_frame_depth_at(frame, u, v);
-        double b = (double)iso_frame_depth_at(frame, u + 1, v);
-        double c = (double)iso_frame_depth_at(frame, u, v + 1);
-        double d = (double)iso_frame_depth_at(frame, u + 1, v + 1);
-        double low = fmin(fmin(a, b), fmin(c, d)), high = fmax(fmax(a, b), fmax(c, d));
-        if (low > 0.0 && high - low < together_mm) {
+        const float *at = &frame->depth_mm[(size_t)v * (size_t)frame->width_px + (size_t)u];
+        const float *below = at + frame->width_px;
+        float low = smaller(smaller(at[0], at[1]), smaller(below[0], below[1]));
+        float high = larger(larger(at[0], at[1]), larger(below[0], below[1]));
+        if (low > 0.0f && high - low < together_mm) {
             double s = column - u, t = row - v;
-            return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * c + s * d);
+            return (1 - t) * ((1 - s) * (double)at[0] + s * (double)at[1]) +
+                   t * ((1 - s) * (double)below[0] + s * (double)below[1]);
         }
     }
     return (double)iso_frame_depth_at(frame, (int)(column + 0.5), (int)(row + 0.5));
 }
 
+static bool faces_away(const struct iso_frame *frame, struct iso_vec3 point, struct iso_vec3 normal)
+{
+    if (frame->camera.projection != ISO_PINHOLE) {
+        return -normal.z < facing_cosine;
+    }
+    double toward = -iso_dot(normal, point);
+    return toward <= 0.0 || toward * toward < facing_cosine * facing_cosine * iso_dot(point, point);
+}
+
 enum iso_meeting iso_meet(const struct iso_frame *frame, struct iso_vec3 point,
                           struct iso_vec3 normal, double *distance_mm)
 {
-    double toward = frame->camera.projection == ISO_PINHOLE
-                        ? -iso_dot(normal, point) / iso_norm(point)
-                        : -normal.z;
-    if (toward < facing_cosine) {
+    if (faces_away(frame, point, normal)) {
         return ISO_MEETING_TURNED_AWAY;
     }
     double u, v;
