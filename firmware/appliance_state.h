@@ -22,7 +22,7 @@ struct iso_appliance {
     bool complaining; /* the last frame failed: the next failure is not told again */
     struct iso_track track;
     struct iso_liveness liveness;
-    uint64_t liveness_track;         /* of motion.track, whose frames it holds */
+    uint64_t liveness_track;        /* of motion.track, whose frames it holds */
     struct iso_track_motion motion; /* of the frame worked on; all zero without a fitted face */
     struct iso_hint_filter hints;
     struct iso_attack_tally attacks;

@@ -157,7 +157,8 @@ static void nobody_is_no_face(void **state)
 }
 
 /* A face of which its right half is hidden, nose and all. */
-/* With the nose tip goes what a face is looked for by: it is not found, or found to be half there. */
+/* With the nose tip goes what a face is looked for by: it is not found, or found to be half there.
+ */
 static void a_hidden_half_has_no_template(void **state)
 {
     struct fixture *f = *state;
