@@ -219,13 +219,21 @@ static int trace_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
     return iso_face_isotherms(x->tracer, &face, tmpl);
 }
 
+static bool same_camera(const struct iso_camera *a, const struct iso_camera *b)
+{
+    return a->projection == b->projection && a->width_px == b->width_px &&
+           a->height_px == b->height_px && a->fx_px == b->fx_px && a->fy_px == b->fy_px &&
+           a->pitch_mm == b->pitch_mm && a->cx_px == b->cx_px && a->cy_px == b->cy_px &&
+           a->k1 == b->k1 && a->k2 == b->k2 && a->k3 == b->k3 && a->p1 == b->p1 && a->p2 == b->p2;
+}
+
 /* The face of the frame before as the rough place of this one, if that is recent enough. */
 static bool is_tracked(const struct iso_extractor *x, const struct iso_frame *frame)
 {
     const struct iso_extract_track *t = &x->track;
     int64_t age_ns = frame->t_ns - t->t_ns;
     return x->options.track && t->frames_left > 0 && age_ns > 0 && age_ns <= track_age_max_ns &&
-           memcmp(&t->camera, &frame->camera, sizeof t->camera) == 0;
+           same_camera(&t->camera, &frame->camera);
 }
 
 /* Remembers a good face, and every so often forgets it, since somebody nearer may have come. */

@@ -144,7 +144,7 @@ const struct iso_config_key iso_config_keys[] = {
     {"motion", "jump_deg_s", ISO_CONFIG_NUMBER, false, AT(motion, jump_deg_s), 1, 1000000, NULL,
      "800", "... or that seems to turn faster"},
     {"motion", "lifeless_ms", ISO_CONFIG_COUNT, false, AT(motion, lifeless_ms), 0, 2000, NULL,
-     "1200", "a face that does not move at all for so long is not alive (0: not looked at)"},
+     "1800", "a face that does not move at all for so long is not alive (0: not looked at)"},
     {"motion", "frozen_frames", ISO_CONFIG_COUNT, false, AT(motion, frozen_frames), 0, 64, NULL,
      "3", "as many frames in a row, the same to the bit, were not measured (0: not looked at)"},
 

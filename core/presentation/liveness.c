@@ -15,7 +15,7 @@ enum { DIGEST_ROWS = 4 };
 struct iso_liveness_options iso_liveness_options_default(void)
 {
     return (struct iso_liveness_options){
-        .still_ns = 1200000000,
+        .still_ns = 1800000000,
         .gap_ns = 500000000,
         .frames_min = 20,
         .frozen_frames = 3,

@@ -45,7 +45,7 @@ struct iso_liveness_options {
     double doubt;      /* how many standard deviations von Neumann's ratio is to be off 1 */
 };
 
-/* 1.2 s, 0.5 s, 20 frames, 3 frozen, 0.12 mm, 3.5. */
+/* 1.8 s, 0.5 s, 20 frames, 3 frozen, 0.12 mm, 3.5. */
 struct iso_liveness_options iso_liveness_options_default(void);
 
 /* A frame in which a face was fitted. */

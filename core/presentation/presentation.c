@@ -19,8 +19,8 @@ struct iso_presentation_options iso_presentation_options_default(void)
 {
     return (struct iso_presentation_options){
         .sheet_share = 0.83,
-        .too_small = 0.17,
-        .too_large = 0.117,
+        .too_small = 0.18,
+        .too_large = 0.135,
         .no_size_cost_mm2 = 7.0,
         .eye_behind_mm = 3.0,
         .eye_hole_share = 0.9,

@@ -23,9 +23,10 @@ static struct iso_liveness_frame frame_at(int i, double sway_mm, double noise_mm
     double phase = 2.0 * M_PI * 0.35 * 1e-9 * (double)f.t_ns;
     double turn = noise_mm / 80.0 * sim_random_normal(random);
     f.camera_from_face.rotation = iso_mat3_rotation(iso_vec3(0.0, turn, 0.5 * turn));
-    f.camera_from_face.translation_mm = iso_vec3(
-        sway_mm * sin(phase) + noise_mm * sim_random_normal(random),
-        noise_mm * sim_random_normal(random), 600.0 + 3.0 * noise_mm * sim_random_normal(random));
+    double x = noise_mm * sim_random_normal(random); /* one by one: in this order everywhere */
+    double y = noise_mm * sim_random_normal(random);
+    double z = 3.0 * noise_mm * sim_random_normal(random);
+    f.camera_from_face.translation_mm = iso_vec3(sway_mm * sin(phase) + x, y, 600.0 + z);
     return f;
 }
 
