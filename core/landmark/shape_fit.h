@@ -3,7 +3,8 @@
  * Robust Gauss-Newton on point-to-plane residuals with projective association, as in pose_fit.h,
  * over six degrees of freedom and the coefficients of the model's modes, which are held by their
  * prior N(0, 1) (regularised morphable model fit: Blanz and Vetter 1999; Amberg, Knothe and Vetter
- * 2008). First rigid, then with all modes. What it is for: the landmarks of the fitted head are
+ * 2008). First rigid; then with all modes from several openings of the jaw, of which the best is
+ * gone on with. What it is for: the landmarks of the fitted head are
  * repeatable to a fraction of the noise, since they rest on the whole face. */
 #ifndef ISO_CORE_LANDMARK_SHAPE_FIT_H
 #define ISO_CORE_LANDMARK_SHAPE_FIT_H

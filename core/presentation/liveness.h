@@ -15,8 +15,9 @@
  *   any    -> NOT_YET     a gap in time, or iso_liveness_init
  *
  * Rendered visits of 1.5 s (seed 34; astra, kinect2, d435, truedepth; sway of a tenth to all of the
- * generator's): of 48 people 47 were alive and none still, of 48 prints on stands and 48 frozen
- * recordings all were still.
+ * generator's), with still_ns of 1.2 s: of 48 people 47 were alive and none still, of 48 prints on
+ * stands and 48 frozen recordings all were still. The default has become longer since, because a
+ * slow sway hardly moves for so long at its turning point.
  *
  * A visit that ends before it could be said stays NOT_YET: it is for the caller's policy whether
  * that is enough. A print in a hand moves: this is no proof of life. Pure: the time is an argument.
