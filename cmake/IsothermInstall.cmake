@@ -9,6 +9,7 @@ install(DIRECTORY core DESTINATION ${headers} FILES_MATCHING PATTERN "*.h"
   REGEX "/core/isotherm[.]h$" EXCLUDE
   PATTERN "extract_workspace.h" EXCLUDE
   PATTERN "template_points.h" EXCLUDE
+  PATTERN "lanczos.h" EXCLUDE
   PATTERN "data" EXCLUDE)
 install(FILES core/isotherm.h DESTINATION ${headers})
 

@@ -1,115 +1,32 @@
 #include "core/heat/eigenpairs.h"
 
-#include <arpack/arpack.h>
+#include <cblas.h>
 #include <errno.h>
+#include <lapacke.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/heat/factor.h"
+#include "core/heat/lanczos.h"
 
-/* What ARPACK's reverse communication works on. */
-struct arpack {
-    int n, k, ncv;
-    double shift; /* sigma < 0, so that L - sigma B is positive definite */
-    double tolerance;
-    double *residual; /* [n] */
-    double *basis;    /* [ncv][n] */
-    double *workd;    /* [3 n] */
-    double *workl;    /* [ncv (ncv + 8)] */
-    double *scratch;  /* [n] */
-    int iparam[11], ipntr[11];
+enum {
+    BLOCK = 8, /* to begin with */
+    BLOCK_MAX = 32,
 };
 
-static int arpack_init(struct arpack *a, int32_t n, int32_t k, double shift, double tolerance)
-{
-    memset(a, 0, sizeof *a);
-    a->n = n;
-    a->k = k;
-    a->ncv = 2 * k + 10 < n ? 2 * k + 10 : n;
-    a->shift = shift;
-    a->tolerance = tolerance;
-    a->iparam[0] = 1;   /* exact shifts */
-    a->iparam[2] = 300; /* restarts at most */
-    a->iparam[6] = 3;   /* shift-invert */
-    size_t rows = (size_t)n, ncv = (size_t)a->ncv;
-    a->residual = calloc(rows, sizeof(double));
-    a->basis = calloc(rows * ncv, sizeof(double));
-    a->workd = calloc(3 * rows, sizeof(double));
-    a->workl = calloc(ncv * (ncv + 8), sizeof(double));
-    a->scratch = calloc(rows, sizeof(double));
-    return a->residual && a->basis && a->workd && a->workl && a->scratch ? 0 : -ENOMEM;
-}
+/* Residuals that rounding leaves anyway. */
+static const double least_tolerance = 1e-13;
 
-static void arpack_done(struct arpack *a)
-{
-    free(a->residual);
-    free(a->basis);
-    free(a->workd);
-    free(a->workl);
-    free(a->scratch);
-}
-
-/* Runs the reverse communication to its end. */
-static int arpack_iterate(struct arpack *a, const struct iso_symmetric *mass,
-                          struct iso_factor *factor)
-{
-    int ido = 0, info = 1; /* info 1: the start vector is given, so that runs repeat */
-    for (int i = 0; i < a->n; i++) {
-        a->residual[i] = 1.0 + 0.5 * sin(1.0 + 0.7 * i); /* any vector with all modes in it */
-    }
-    for (;;) {
-        dsaupd_c(&ido, "G", a->n, "LM", a->k, a->tolerance, a->residual, a->ncv, a->basis, a->n,
-                 a->iparam, a->ipntr, a->workd, a->workl, a->ncv * (a->ncv + 8), &info);
-        double *x = &a->workd[a->ipntr[0] - 1], *y = &a->workd[a->ipntr[1] - 1];
-        int error = 0;
-        switch (ido) {
-        case -1: /* y = (L - sigma B)^-1 B x */
-            iso_symmetric_multiply(mass, x, a->scratch);
-            error = iso_factor_solve(factor, a->scratch, 1, y);
-            break;
-        case 1: /* the same, B x is there */
-            error = iso_factor_solve(factor, &a->workd[a->ipntr[2] - 1], 1, y);
-            break;
-        case 2: /* y = B x */
-            iso_symmetric_multiply(mass, x, y);
-            break;
-        default:
-            return info == 0 && a->iparam[4] >= a->k ? 0 : -ENOTRECOVERABLE;
-        }
-        if (error) {
-            return error;
-        }
-    }
-}
-
-/* Extracts values and vectors, ascending. */
-static int arpack_extract(struct arpack *a, struct iso_eigenpairs *pairs)
-{
-    int info = 0, *select = calloc((size_t)a->ncv, sizeof *select);
-    if (!select) {
-        return -ENOMEM;
-    }
-    dseupd_c(1, "A", select, pairs->lambda, pairs->phi, a->n, a->shift, "G", a->n, "LM", a->k,
-             a->tolerance, a->residual, a->ncv, a->basis, a->n, a->iparam, a->ipntr, a->workd,
-             a->workl, a->ncv * (a->ncv + 8), &info);
-    free(select);
-    if (info != 0) {
-        return -ENOTRECOVERABLE;
-    }
-    for (int i = 1; i < a->k; i++) { /* insertion sort: they come nearly sorted */
-        for (int j = i; j > 0 && pairs->lambda[j - 1] > pairs->lambda[j]; j--) {
-            double lambda = pairs->lambda[j];
-            pairs->lambda[j] = pairs->lambda[j - 1];
-            pairs->lambda[j - 1] = lambda;
-            double *u = &pairs->phi[(size_t)j * (size_t)a->n], *v = u - a->n;
-            memcpy(a->scratch, u, (size_t)a->n * sizeof *u);
-            memcpy(u, v, (size_t)a->n * sizeof *u);
-            memcpy(v, a->scratch, (size_t)a->n * sizeof *u);
-        }
-    }
-    return 0;
-}
+/* One attempt, with one size of blocks. */
+struct attempt {
+    int32_t k;
+    double shift; /* s > 0, so that L + s B is positive definite */
+    double tolerance;
+    struct iso_lanczos lanczos;
+    double *value; /* [size] of T, ascending: 1 / (lambda + s) */
+    double *ritz;  /* [size][size]: vectors of T by columns */
+};
 
 static struct iso_eigenpairs *pairs_alloc(int32_t n, int32_t k)
 {
@@ -127,7 +44,8 @@ static struct iso_eigenpairs *pairs_alloc(int32_t n, int32_t k)
     return NULL;
 }
 
-/* Sum of all entries of the mass matrix: the area of the surface. */
+/* Sum of all entries of the mass matrix: the area of the surface. Eigenvalues are 4 pi / area
+ * apart (Weyl 1911), by which the shift is measured. */
 static double total_mass(const struct iso_symmetric *mass)
 {
     double sum = 0.0;
@@ -139,6 +57,128 @@ static double total_mass(const struct iso_symmetric *mass)
     return sum;
 }
 
+/* Diagonalises T. */
+static int diagonalise(struct attempt *a)
+{
+    const struct iso_lanczos *l = &a->lanczos;
+    size_t m = (size_t)l->size;
+    free(a->ritz);
+    a->ritz = malloc(m * m * sizeof(double));
+    if (!a->ritz) {
+        return -ENOMEM;
+    }
+    for (size_t j = 0; j < m; j++) {
+        memcpy(&a->ritz[j * m], &l->t[j * (size_t)l->capacity], m * sizeof(double));
+    }
+    int info = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', l->size, a->ritz, l->size, a->value);
+    return info == 0 ? 0 : info == LAPACK_WORK_MEMORY_ERROR ? -ENOMEM : -ENOTRECOVERABLE;
+}
+
+/* Whether what A sends out of V from the k-th vector, and so from all before, is small. */
+static bool converged(const struct attempt *a)
+{
+    const struct iso_lanczos *l = &a->lanczos;
+    for (int32_t i = 0; i < a->k; i++) {
+        int32_t at = l->size - 1 - i;
+        const double *tail = &a->ritz[(size_t)at * (size_t)l->size + (size_t)(l->size - l->last)];
+        double square = 0.0;
+        for (int32_t r = 0; r < l->pending; r++) {
+            double sum = 0.0;
+            for (int32_t c = 0; c < l->last; c++) {
+                sum += l->coupling[c * l->block + r] * tail[c];
+            }
+            square += sum * sum;
+        }
+        if (!(sqrt(square) <= a->tolerance * a->value[at])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Lets the basis grow until all k pairs are in it. -EAGAIN if it may grow no further: where
+ * eigenvalues are multiple, small blocks come to their end without all copies. */
+static int iterate(struct attempt *a)
+{
+    struct iso_lanczos *l = &a->lanczos;
+    int32_t check = a->k + a->k / 2 + 3 * l->block;
+    for (;;) {
+        int error = iso_lanczos_step(l);
+        bool whole = l->pending == 0, full = l->size + l->pending > l->capacity;
+        if (!error && (l->size >= check || whole || full)) {
+            error = diagonalise(a);
+            if (!error && (whole || converged(a))) {
+                return 0;
+            }
+            check = l->size + 2 * l->block + a->k / 8;
+        }
+        if (error || full) {
+            return error ? error : -EAGAIN;
+        }
+    }
+}
+
+/* 1 / (lambda + s) of pair i, ascending lambda. */
+static double lambda_of(const struct attempt *a, int32_t i)
+{
+    return 1.0 / a->value[a->lanczos.size - 1 - i] - a->shift;
+}
+
+/* Whether no eigenvalue below the k-th is missing: a copy of a multiple one can hide from blocks
+ * that are smaller than its multiplicity. -EAGAIN if one does. */
+static int count_again(const struct attempt *a, struct iso_factor *factor,
+                       const struct iso_symmetric *stiffness, const struct iso_symmetric *mass)
+{
+    double last = lambda_of(a, a->k - 1), limit = last - 1e-6 * (last + a->shift);
+    int32_t below = 0, found = 0;
+    while (found < a->k && lambda_of(a, found) < limit) {
+        found++;
+    }
+    int error = iso_factor_count_below(factor, stiffness, limit, mass, &below);
+    return error ? error : below > found ? -EAGAIN : 0;
+}
+
+/* The last k vectors of T, turned round so that lambda ascends, on V. */
+static void extract(struct attempt *a, struct iso_eigenpairs *pairs)
+{
+    const struct iso_lanczos *l = &a->lanczos;
+    size_t m = (size_t)l->size;
+    double *first = &a->ritz[(m - (size_t)a->k) * m];
+    for (int32_t i = 0; i < a->k; i++) {
+        pairs->lambda[i] = lambda_of(a, i);
+        if (2 * i + 1 < a->k) {
+            cblas_dswap(l->size, &first[(size_t)i * m], 1, &first[(size_t)(a->k - 1 - i) * m], 1);
+        }
+    }
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, l->n, a->k, l->size, 1.0, l->v, l->n,
+                first, l->size, 0.0, pairs->phi, l->n);
+}
+
+static int solve(const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
+                 int32_t block, double tolerance, struct iso_eigenpairs *pairs)
+{
+    struct attempt a = {.k = pairs->k, .shift = 4.0 * M_PI / total_mass(mass)};
+    a.tolerance = fmax(tolerance, least_tolerance);
+    int32_t capacity = 4 * pairs->k + 16 * block;
+    capacity = capacity < pairs->n ? capacity : pairs->n;
+    struct iso_factor *factor = NULL;
+    a.value = calloc((size_t)capacity, sizeof *a.value);
+    int error = a.value ? 0 : -ENOMEM;
+    error = error ? error : iso_factor_new(pairs->n, stiffness->nnz, &factor);
+    error = error ? error : iso_factor_compute(factor, 1.0, stiffness, a.shift, mass);
+    error = error ? error : iso_lanczos_init(&a.lanczos, mass, factor, block, capacity);
+    error = error ? error : iterate(&a);
+    error = error ? error : count_again(&a, factor, stiffness, mass);
+    if (!error) {
+        extract(&a, pairs);
+    }
+    iso_factor_free(factor);
+    iso_lanczos_done(&a.lanczos);
+    free(a.value);
+    free(a.ritz);
+    return error;
+}
+
 int iso_eigenpairs_new(const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
                        int32_t k, double tolerance, struct iso_eigenpairs **out)
 {
@@ -146,22 +186,14 @@ int iso_eigenpairs_new(const struct iso_symmetric *stiffness, const struct iso_s
     if (n < 8 || k < 1 || k > n / 2 || !(tolerance >= 0.0)) {
         return -EINVAL;
     }
-    /* Somewhat below 0, measured by the spacing of eigenvalues, 4 pi / area (Weyl 1911). */
-    double shift = -4.0 * M_PI / total_mass(mass);
-    struct arpack arpack;
-    struct iso_factor *factor = NULL;
     struct iso_eigenpairs *pairs = pairs_alloc(n, k);
-    int error = arpack_init(&arpack, n, k, shift, tolerance);
-    error = error || pairs ? error : -ENOMEM;
-    error = error ? error : iso_factor_new(n, stiffness->nnz, &factor);
-    error = error ? error : iso_factor_compute(factor, 1.0, stiffness, -shift, mass);
-    error = error ? error : arpack_iterate(&arpack, mass, factor);
-    error = error ? error : arpack_extract(&arpack, pairs);
-    iso_factor_free(factor);
-    arpack_done(&arpack);
+    int error = pairs ? -EAGAIN : -ENOMEM;
+    for (int32_t block = BLOCK; error == -EAGAIN && block <= BLOCK_MAX; block *= 2) {
+        error = solve(stiffness, mass, block, tolerance, pairs);
+    }
     if (error) {
         iso_eigenpairs_free(pairs);
-        return error;
+        return error == -EAGAIN ? -ENOTRECOVERABLE : error;
     }
     *out = pairs;
     return 0;

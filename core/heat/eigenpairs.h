@@ -1,6 +1,11 @@
-/* The first k generalised eigenpairs L phi = lambda B phi, by ARPACK in shift-invert mode over
- * CHOLMOD (Lehoucq, Sorensen and Yang 1998, mode 3). phi' B phi = 1, lambda ascending from 0.
- * Abdelrahman 2013, section 3.4.2. ARPACK keeps static state: one call at a time in a process. */
+/* The first k generalised eigenpairs L phi = lambda B phi. phi' B phi = 1, lambda ascending from 0.
+ * Abdelrahman 2013, section 3.4.2.
+ *
+ * Block Lanczos in shift-invert mode with full reorthogonalisation over CHOLMOD (Grimes, Lewis and
+ * Simon, "A shifted block Lanczos algorithm", SIAM J. Matrix Anal. Appl. 15, 1994). Blocks find
+ * multiple eigenvalues, as symmetric and unconnected surfaces have them, and work at the speed of
+ * matrix products. Whether none was missed is counted by Sylvester's law of inertia. No static
+ * state: any number of threads may solve at once. */
 #ifndef ISO_CORE_HEAT_EIGENPAIRS_H
 #define ISO_CORE_HEAT_EIGENPAIRS_H
 
@@ -12,11 +17,10 @@ struct iso_eigenpairs {
     double *phi;    /* [k][n], eigenvector i at phi + i n */
 };
 
-/* `tolerance` is relative; 0 is machine precision. A surface with symmetries has eigenvalues that
- * are exactly multiple, of which a looser tolerance may miss copies: 0 finds them; where there are
- * none (faces), 1e-10 is a good choice. -EINVAL for k outside 1..n/2 (and for n < 8) or a negative
- * tolerance, -EDOM if the factorisation fails (matrix not positive definite or not finite),
- * -ENOTRECOVERABLE if ARPACK does not converge, -ENOMEM. */
+/* `tolerance` is relative, of the residual; 0 is machine precision. For faces 1e-10 is a good
+ * choice. -EINVAL for k outside 1..n/2 (and for n < 8) or a negative tolerance, -EDOM if the
+ * factorisation fails (matrix not positive definite or not finite), -ENOTRECOVERABLE if it does not
+ * converge or an eigenvalue is of a multiplicity above 32, -ENOMEM. */
 int iso_eigenpairs_new(const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
                        int32_t k, double tolerance, struct iso_eigenpairs **out)
     __attribute__((warn_unused_result));

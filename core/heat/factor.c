@@ -95,8 +95,9 @@ static int analyse(struct iso_factor *f, const struct iso_symmetric *pattern)
     return f->l ? 0 : error_of(f);
 }
 
-int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
-                       double b, const struct iso_symmetric *mass)
+/* LDL' of a * stiffness + b * mass, whatever the signs of D. */
+static int factorise(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
+                     double b, const struct iso_symmetric *mass)
 {
     if (stiffness->n != mass->n || stiffness->nnz != mass->nnz) {
         return -EINVAL;
@@ -123,15 +124,41 @@ int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetri
         cholmod_free_factor(&f->l, &f->common);
         return error;
     }
-    /* LDL' also exists for indefinite matrices: all of D must be positive. */
+    return 0;
+}
+
+/* Pivots of D that are not above 0; an LL' has none. */
+static int32_t pivots_not_positive(const struct iso_factor *f)
+{
     const int *p = f->l->p;
     const double *x = f->l->x;
+    int32_t count = 0;
     for (size_t j = 0; !f->l->is_ll && j < f->l->n; j++) {
-        if (!(x[p[j]] > 0.0)) {
-            cholmod_free_factor(&f->l, &f->common);
-            return -EDOM;
-        }
+        count += !(x[p[j]] > 0.0);
     }
+    return count;
+}
+
+int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
+                       double b, const struct iso_symmetric *mass)
+{
+    int error = factorise(f, a, stiffness, b, mass);
+    if (!error && pivots_not_positive(f) > 0) { /* LDL' also exists for indefinite matrices */
+        error = -EDOM;
+        cholmod_free_factor(&f->l, &f->common);
+    }
+    return error;
+}
+
+int iso_factor_count_below(struct iso_factor *f, const struct iso_symmetric *stiffness,
+                           double limit, const struct iso_symmetric *mass, int32_t *count)
+{
+    int error = factorise(f, 1.0, stiffness, -limit, mass);
+    if (error) {
+        return error;
+    }
+    *count = pivots_not_positive(f);
+    cholmod_free_factor(&f->l, &f->common);
     return 0;
 }
 

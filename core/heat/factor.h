@@ -22,6 +22,14 @@ int iso_factor_compute(struct iso_factor *factor, double a, const struct iso_sym
                        double b, const struct iso_symmetric *mass)
     __attribute__((warn_unused_result));
 
+/* How many eigenvalues of stiffness x = lambda mass x lie below `limit`: as many as the LDL' of
+ * stiffness - limit * mass has negative pivots (Sylvester's law of inertia; Parlett, The Symmetric
+ * Eigenvalue Problem, 1980, section 3.3). Leaves nothing to solve with. Errors as above; -EDOM also
+ * if a pivot is 0, as for a limit that is itself an eigenvalue. */
+int iso_factor_count_below(struct iso_factor *factor, const struct iso_symmetric *stiffness,
+                           double limit, const struct iso_symmetric *mass, int32_t *count)
+    __attribute__((warn_unused_result));
+
 /* Solves for n_right columns at once: right and solution are [n_right][n], and may be the same.
  * -EDOM, -ENOMEM. */
 int iso_factor_solve(struct iso_factor *factor, const double *right, int n_right, double *solution)

@@ -126,9 +126,27 @@ static void add(struct iso_symmetric *a, int32_t i, int32_t j, double value)
     a->value[at] += value;
 }
 
-/* Adds what one triangle contributes (linear elements). */
+/* Densities at the corners of a triangle, and their mean. */
+struct corner_density {
+    double at[3], mean;
+};
+
+static struct corner_density density_of(const double *density, const int32_t *corner)
+{
+    struct corner_density h = {{1.0, 1.0, 1.0}, 1.0};
+    if (density) {
+        for (int k = 0; k < 3; k++) {
+            h.at[k] = density[corner[k]];
+        }
+        h.mean = (h.at[0] + h.at[1] + h.at[2]) / 3.0;
+    }
+    return h;
+}
+
+/* Adds what one triangle contributes (linear elements, linear density). */
 static void add_triangle(const struct iso_mesh *mesh, int32_t t, enum iso_mass kind,
-                         struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+                         const double *density, struct iso_symmetric *stiffness,
+                         struct iso_symmetric *mass)
 {
     const int32_t *v = mesh->triangles[t];
     struct iso_vec3 edge[3]; /* opposite to corner k */
@@ -141,35 +159,28 @@ static void add_triangle(const struct iso_mesh *mesh, int32_t t, enum iso_mass k
     if (!(area >= 1e-12 * longest) || longest == 0.0) {
         return;
     }
+    struct corner_density h = density_of(density, v);
     for (int k = 0; k < 3; k++) {
         int32_t p = v[(k + 1) % 3], q = v[(k + 2) % 3];
         /* Cotangent of the angle at corner k, between edges k + 1 and k + 2. */
         double cotangent = -iso_dot(edge[(k + 1) % 3], edge[(k + 2) % 3]) / (2.0 * area);
-        add(stiffness, p, q, -0.5 * cotangent);
-        add(stiffness, p, p, 0.5 * cotangent);
-        add(stiffness, q, q, 0.5 * cotangent);
+        double conducted = 0.5 * h.mean * cotangent;
+        add(stiffness, p, q, -conducted);
+        add(stiffness, p, p, conducted);
+        add(stiffness, q, q, conducted);
         if (kind == ISO_MASS_CONSISTENT) {
-            add(mass, p, q, area / 12.0);
-            add(mass, v[k], v[k], area / 6.0);
-        } else {
-            add(mass, v[k], v[k], area / 3.0);
+            double opposite = h.at[(k + 1) % 3] + h.at[(k + 2) % 3];
+            add(mass, p, q, area * (opposite / 60.0 + h.mean / 20.0));
+            add(mass, v[k], v[k], area * (h.at[k] / 15.0 + h.mean / 10.0));
+        } else { /* the sum of a row of those */
+            add(mass, v[k], v[k], area * (h.at[k] / 12.0 + h.mean / 4.0));
         }
     }
 }
 
-int iso_stiffness_mass(const struct iso_mesh *mesh, enum iso_mass kind,
-                       struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+/* Gives `mass` the pattern of `stiffness`, with zeros in it. */
+static int copy_pattern(const struct iso_symmetric *stiffness, struct iso_symmetric *mass)
 {
-    if (mesh->n_vertices < 1 || iso_mesh_check(mesh, NULL)) {
-        return -EINVAL;
-    }
-    if (mesh->n_vertices > mass->n_capacity) {
-        return -ENOSPC;
-    }
-    int error = make_pattern(mesh, stiffness);
-    if (error) {
-        return error;
-    }
     if (stiffness->nnz > mass->nnz_capacity) {
         return -ENOSPC;
     }
@@ -179,12 +190,48 @@ int iso_stiffness_mass(const struct iso_mesh *mesh, enum iso_mass kind,
            ((size_t)mass->n + 1) * sizeof *mass->column_start);
     memcpy(mass->row, stiffness->row, (size_t)mass->nnz * sizeof *mass->row);
     memset(mass->value, 0, (size_t)mass->nnz * sizeof *mass->value);
+    return 0;
+}
+
+/* A density of NULL is 1 everywhere. */
+static int assemble(const struct iso_mesh *mesh, enum iso_mass kind, const double *density,
+                    struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+{
+    if (mesh->n_vertices < 1 || iso_mesh_check(mesh, NULL)) {
+        return -EINVAL;
+    }
+    if (mesh->n_vertices > mass->n_capacity) {
+        return -ENOSPC;
+    }
+    int error = make_pattern(mesh, stiffness);
+    error = error ? error : copy_pattern(stiffness, mass);
+    if (error) {
+        return error;
+    }
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        add_triangle(mesh, t, kind, stiffness, mass);
+        add_triangle(mesh, t, kind, density, stiffness, mass);
     }
     for (int32_t i = 0; i < mass->n; i++) {
         double *diagonal = &mass->value[mass->column_start[i]];
         *diagonal = *diagonal > 0.0 ? *diagonal : 1.0; /* a vertex of no (or no proper) triangle */
     }
     return 0;
+}
+
+int iso_stiffness_mass(const struct iso_mesh *mesh, enum iso_mass kind,
+                       struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+{
+    return assemble(mesh, kind, NULL, stiffness, mass);
+}
+
+int iso_stiffness_mass_weighted(const struct iso_mesh *mesh, enum iso_mass kind,
+                                const double *density, struct iso_symmetric *stiffness,
+                                struct iso_symmetric *mass)
+{
+    for (int32_t i = 0; i < mesh->n_vertices; i++) {
+        if (!(density[i] > 0.0) || !isfinite(density[i])) {
+            return -EINVAL;
+        }
+    }
+    return assemble(mesh, kind, density, stiffness, mass);
 }

@@ -43,4 +43,14 @@ int iso_stiffness_mass(const struct iso_mesh *mesh, enum iso_mass kind,
                        struct iso_symmetric *stiffness, struct iso_symmetric *mass)
     __attribute__((warn_unused_result));
 
+/* The same on a weighted manifold: both integrals are taken with a density h > 0 that is given at
+ * the vertices and linear between them (Abdelrahman 2013, 5.11 to 5.13 with the diagonal of 5.13 as
+ * the negative sum of its row). h of 1 gives the matrices of iso_stiffness_mass. The matrices stay
+ * symmetric and positive (semi-)definite and a constant stays a null vector of L. Heat flows as
+ * dU/dt = (1/h) div(h grad U): it is kept within what is dense. -EINVAL also for a density that is
+ * not above 0 or not finite. */
+int iso_stiffness_mass_weighted(const struct iso_mesh *mesh, enum iso_mass kind,
+                                const double *density, struct iso_symmetric *stiffness,
+                                struct iso_symmetric *mass) __attribute__((warn_unused_result));
+
 #endif

@@ -235,6 +235,40 @@ static void pairs_are_orthonormal_and_solve_the_problem(void **state)
     iso_mesh_free(mesh);
 }
 
+/* More spheres than a block has vectors: the lowest eigenvalue is as often there as there are
+ * spheres, the next 3 times as often. */
+static void every_copy_is_found(void **state)
+{
+    (void)state;
+    enum { SPHERES = 9, K = 4 * SPHERES };
+    const double radius = 3.0;
+    struct iso_mesh *one = shape_sphere(2, radius), *all = NULL;
+    int32_t nv = one->n_vertices, nt = one->n_triangles;
+    assert_int_equal(iso_mesh_new(SPHERES * nv, SPHERES * nt, &all), 0);
+    for (int32_t i = 0; i < SPHERES * nv; i++) {
+        struct iso_vec3 aside = iso_vec3(10.0 * (i / nv), 0, 0);
+        all->vertices_mm[i] = iso_add(one->vertices_mm[i % nv], aside);
+    }
+    for (int32_t t = 0; t < SPHERES * nt; t++) {
+        for (int k = 0; k < 3; k++) {
+            all->triangles[t][k] = one->triangles[t % nt][k] + t / nt * nv;
+        }
+    }
+    all->n_vertices = SPHERES * nv;
+    all->n_triangles = SPHERES * nt;
+    struct iso_eigenpairs *pairs = solve(all, K);
+    for (int i = 0; i < SPHERES; i++) {
+        assert_true(fabs(pairs->lambda[i]) < 1e-10);
+    }
+    for (int i = SPHERES; i < K; i++) {
+        assert_true(fabs(pairs->lambda[i] * radius * radius / 2.0 - 1.0) < 0.03);
+        assert_true(fabs(pairs->lambda[i] / pairs->lambda[SPHERES] - 1.0) < 1e-9);
+    }
+    iso_eigenpairs_free(pairs);
+    iso_mesh_free(all);
+    iso_mesh_free(one);
+}
+
 static void impossible_requests_are_refused(void **state)
 {
     (void)state;
@@ -274,6 +308,7 @@ int main(void)
         cmocka_unit_test(a_disc_has_its_bessel_zeros),
         cmocka_unit_test(eigenvalues_converge_with_order_two),
         cmocka_unit_test(pairs_are_orthonormal_and_solve_the_problem),
+        cmocka_unit_test(every_copy_is_found),
         cmocka_unit_test(impossible_requests_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
