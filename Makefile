@@ -3,7 +3,7 @@
 #   make demo     an enrolled face opens the door: builds, then plays stored frames to a running daemon
 #   make check    builds and runs every test
 #   make vm-check runs the tests that need devices of a kernel, in virtual machines
-#   make bench    milliseconds per stage from frame to verdict
+#   make bench    milliseconds per stage from frame to verdict; heat beside its peers
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make clean    removes what the others made
@@ -34,7 +34,7 @@ vm-check:
 	tests/vm/run.sh build/dev build/vm
 
 bench:
-	cmake/install_packages.sh build test
+	cmake/install_packages.sh build test bench
 	cmake --preset release -DBUILD_TESTING=ON
 	cmake --build --preset release --target bench
 

@@ -153,72 +153,6 @@ static int make_patch(struct iso_extractor *x, const struct iso_frame *cleaned,
     return 0;
 }
 
-/* The patch as a mesh in the face frame, with the landmarks on it. */
-static int make_mesh(struct iso_extractor *x, struct iso_extraction *out)
-{
-    int error = iso_triangulate(x->patch_triangulator, iso_face_patch_frame(x->patch), x->mesh);
-    if (error) {
-        return error;
-    }
-    for (int32_t i = 0; i < x->mesh->n_vertices; i++) {
-        x->mesh->vertices_mm[i] = iso_face_from_patch(x->mesh->vertices_mm[i]);
-    }
-    iso_triangulate_adjacency(x->patch_triangulator, x->adjacent);
-    for (int l = 0; l < ISO_LANDMARKS && !error; l++) {
-        double column, row;
-        iso_face_patch_pixel(x->patch, x->head.neutral_mm[l].x, x->head.neutral_mm[l].y, &column,
-                             &row);
-        error = iso_triangulate_locate(x->patch_triangulator, column, row, &x->sources[l]);
-        if (!error) {
-            x->source_mm[l] = iso_mesh_point_at(x->mesh, x->sources[l]);
-            out->source_mm[l] = iso_rigid_apply(&out->camera_from_face, x->source_mm[l]);
-        }
-    }
-    return error;
-}
-
-static int release_heat(struct iso_extractor *x)
-{
-    const double t_mm2 = x->options.t_mm2;
-    int error = iso_stiffness_mass(x->mesh, ISO_MASS_CONSISTENT, x->stiffness, x->mass);
-    if (error) {
-        return error;
-    }
-    if (x->options.heat == ISO_HEAT_DIRECT) {
-        return iso_heat_direct(x->direct, x->mesh, x->stiffness, x->mass, x->sources, ISO_LANDMARKS,
-                               &t_mm2, 1, x->heat);
-    }
-    struct iso_eigenpairs *pairs;
-    error = iso_eigenpairs_new(x->stiffness, x->mass, ISO_EXTRACT_EIGENPAIRS, 1e-10, &pairs);
-    if (error) {
-        return error;
-    }
-    iso_heat_spectral(pairs, x->mesh, x->sources, ISO_LANDMARKS, &t_mm2, 1, x->heat);
-    iso_eigenpairs_free(pairs);
-    return 0;
-}
-
-static int trace_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
-{
-    memset(tmpl, 0, sizeof *tmpl);
-    tmpl->algorithm = x->algorithm;
-    memcpy(tmpl->sensor, x->options.sensor, sizeof tmpl->sensor);
-    tmpl->n_radii = (uint16_t)x->options.n_radii;
-    tmpl->n_points = (uint16_t)x->options.n_points;
-    tmpl->n_frames = 1;
-    for (int r = 0; r < x->options.n_radii; r++) {
-        tmpl->radius_mm[r] = (float)x->options.radius_mm[r];
-    }
-    struct iso_heated_face face = {
-        .mesh = x->mesh,
-        .adjacent = (const int32_t(*)[3])x->adjacent,
-        .patch = x->patch,
-        .heat = x->heat,
-    };
-    memcpy(face.landmark_mm, x->source_mm, sizeof face.landmark_mm);
-    return iso_face_isotherms(x->tracer, &face, tmpl);
-}
-
 static bool same_camera(const struct iso_camera *a, const struct iso_camera *b)
 {
     return a->projection == b->projection && a->width_px == b->width_px &&
@@ -284,13 +218,13 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_
             error = make_patch(x, cleaned, out);
             break;
         case ISO_STAGE_MESH:
-            error = make_mesh(x, out);
+            error = iso__extract_surface(x, out);
             break;
         case ISO_STAGE_HEAT:
-            error = release_heat(x);
+            error = iso__extract_heat(x);
             break;
         case ISO_STAGE_ISOTHERM:
-            error = trace_isotherms(x, &out->tmpl);
+            error = iso__extract_isotherms(x, &out->tmpl);
             break;
         case ISO_STAGES:
             break;
@@ -360,16 +294,6 @@ int iso_extractor_locate(struct iso_extractor *extractor, const struct iso_frame
 struct iso_shape_residuals iso_extractor_fit(const struct iso_extractor *extractor)
 {
     return iso_shape_fitter_residuals(extractor->fitter);
-}
-
-const struct iso_mesh *iso_extractor_mesh(const struct iso_extractor *extractor)
-{
-    return extractor->mesh;
-}
-
-const double *iso_extractor_heat(const struct iso_extractor *extractor, enum iso_landmark landmark)
-{
-    return &extractor->heat[(size_t)landmark * (size_t)extractor->mesh->n_vertices];
 }
 
 uint32_t iso_extractor_algorithm(const struct iso_extractor *extractor)

@@ -16,12 +16,18 @@
 #include "core/landmark/occlusion.h"
 #include "core/landmark/shape_fit.h"
 #include "core/match/template.h"
+#include "core/surface/face_patch.h"
 #include "core/surface/mesh.h"
+#include "core/tasks.h"
 
 enum iso_heat_method {
-    ISO_HEAT_DIRECT = 0, /* factorisation and shift-invert Lanczos */
-    ISO_HEAT_SPECTRAL,   /* 100 eigenpairs, as in the dissertation */
+    ISO_HEAT_GRID = 0, /* Chebyshev expansion on the patch's grid; too stiff: as DIRECT */
+    ISO_HEAT_DIRECT,   /* on a mesh: factorisation and shift-invert Lanczos */
+    ISO_HEAT_SPECTRAL, /* on a mesh: 100 eigenpairs, as in the dissertation */
 };
+
+/* "grid", "direct", "spectral"; NULL outside the range. */
+const char *iso_heat_method_name(enum iso_heat_method method);
 
 enum iso_stage {
     ISO_STAGE_REGION,
@@ -40,8 +46,8 @@ const char *iso_stage_name(enum iso_stage stage);
 struct iso_extract_options {
     double t_mm2;                             /* time of the heat (heat_kernel.h): 100 */
     int n_radii;                              /* 1..ISO_TEMPLATE_RADII_MAX */
-    double radius_mm[ISO_TEMPLATE_RADII_MAX]; /* of the isotherms: 18 */
-    int n_points;                             /* of an isotherm: 32 */
+    double radius_mm[ISO_TEMPLATE_RADII_MAX]; /* of the isotherms: 12, 20, 28, 36 */
+    int n_points;                             /* of an isotherm: 16 */
     double crop_radius_mm;                    /* of the face patch about the nose tip: 100 */
     double spacing_mm;                        /* of the face patch: 2 */
     double smoothing_mm;                      /* sigma of the residual's filter: 3 */
@@ -51,6 +57,8 @@ struct iso_extract_options {
     double yaw_max_rad, pitch_max_rad;        /* beyond: turn-left and so on: 40 degrees */
     bool track;                               /* look for the face where it was just before: no */
     enum iso_heat_method heat;
+    const struct iso_tasks *tasks; /* who works on the landmarks' heat (outlives the extractor, has
+                                      at most 16 workers); NULL: the caller. No other template. */
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* written into templates */
     int64_t (*now_ns)(void *context);     /* monotonic clock for stage times; NULL: no times */
     void *now_context;
@@ -119,6 +127,8 @@ struct iso_shape_residuals iso_extractor_fit(const struct iso_extractor *extract
 
 /* What the last run with outcome OK worked on, for pictures; valid until the next run. */
 const struct iso_mesh *iso_extractor_mesh(const struct iso_extractor *extractor);
+/* The grid that mesh was made of: it knows what was measured and what filled in. */
+const struct iso_face_patch *iso_extractor_patch(const struct iso_extractor *extractor);
 /* Heat at the mesh's vertices from one landmark, 1/mm^2. */
 const double *iso_extractor_heat(const struct iso_extractor *extractor, enum iso_landmark landmark);
 

@@ -8,15 +8,17 @@
 #include "core/math/crc32.h"
 
 /* Raised with every change of code that moves the points of a template. */
-enum { ALGORITHM_REVISION = 1 };
+enum { ALGORITHM_REVISION = 2 };
+
+enum { WORKERS_MAX = 16 };
 
 struct iso_extract_options iso_extract_options_default(void)
 {
     return (struct iso_extract_options){
         .t_mm2 = 100.0,
-        .n_radii = 1,
-        .radius_mm = {18.0},
-        .n_points = 32,
+        .n_radii = 4,
+        .radius_mm = {12.0, 20.0, 28.0, 36.0},
+        .n_points = 16,
         .crop_radius_mm = 100.0,
         .spacing_mm = 2.0,
         .smoothing_mm = 3.0,
@@ -33,7 +35,7 @@ struct iso_extract_options iso_extract_options_default(void)
         .distance_max_mm = 1500.0,
         .yaw_max_rad = 40.0 * M_PI / 180.0,
         .pitch_max_rad = 40.0 * M_PI / 180.0,
-        .heat = ISO_HEAT_DIRECT,
+        .heat = ISO_HEAT_GRID,
     };
 }
 
@@ -49,7 +51,9 @@ static bool options_sane(const struct iso_extract_options *o)
                 in_range(o->n_radii, 1, ISO_TEMPLATE_RADII_MAX) &&
                 in_range(o->distance_min_mm, 50.0, 10000.0) &&
                 in_range(o->distance_max_mm, o->distance_min_mm, 10000.0) &&
-                (o->heat == ISO_HEAT_DIRECT || o->heat == ISO_HEAT_SPECTRAL) &&
+                (o->heat == ISO_HEAT_GRID || o->heat == ISO_HEAT_DIRECT ||
+                 o->heat == ISO_HEAT_SPECTRAL) &&
+                (!o->tasks || in_range(o->tasks->n_workers, 1, WORKERS_MAX)) &&
                 in_range(o->yaw_max_rad, 0.0, M_PI_2) && in_range(o->pitch_max_rad, 0.0, M_PI_2) &&
                 memchr(o->sensor, '\0', sizeof o->sensor) != NULL;
     for (int r = 0; sane && r < o->n_radii; r++) {
@@ -162,7 +166,7 @@ static int new_patch(struct iso_extractor *x, int32_t *n_px)
         x->adjacent = calloc(2 * (size_t)*n_px, sizeof *x->adjacent);
         error = x->adjacent ? 0 : -ENOMEM;
     }
-    return error;
+    return error ? error : iso_grid_new(grid->width_px, grid->height_px, &x->grid);
 }
 
 static int new_heat(struct iso_extractor *x, int32_t n_px)
@@ -183,7 +187,15 @@ static int new_heat(struct iso_extractor *x, int32_t n_px)
         x->heat = calloc(ISO_LANDMARKS * (size_t)n_px, sizeof *x->heat);
         error = x->heat ? 0 : -ENOMEM;
     }
-    return error;
+    const struct iso_heat_grid_options on_grid = {
+        .n_sources = ISO_LANDMARKS,
+        .n_times = 1,
+        .n_workers = x->options.tasks ? x->options.tasks->n_workers : 1,
+    };
+    if (!error) {
+        error = iso_heat_grid_new(x->grid, &on_grid, &x->heat_grid);
+    }
+    return error ? error : iso_grid_tracer_new(x->grid, &x->grid_tracer);
 }
 
 int iso_extractor_new(const struct iso_head_model *model, const struct iso_extract_options *options,
@@ -258,5 +270,8 @@ void iso_extractor_free(struct iso_extractor *extractor)
     iso_heat_direct_free(x->direct);
     iso_tracer_free(x->tracer);
     free(x->heat);
+    iso_grid_free(x->grid);
+    iso_heat_grid_free(x->heat_grid);
+    iso_grid_tracer_free(x->grid_tracer);
     free(x);
 }

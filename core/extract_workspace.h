@@ -7,6 +7,7 @@
 #include "core/find/pose_search.h"
 #include "core/frame/shrink.h"
 #include "core/heat/eigenpairs.h"
+#include "core/heat/heat_grid.h"
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
 #include "core/landmark/occlusion.h"
@@ -62,8 +63,11 @@ struct iso_extractor {
     struct iso_triangulator *triangulator;
     struct iso_mesh *surface;
 
-    /* patch and mesh in the face frame */
+    /* patch in the face frame, as planes or as a mesh */
     struct iso_face_patch *patch;
+    bool on_grid; /* the last run worked on the planes */
+    struct iso_grid *grid;
+    struct iso_grid_point grid_sources[ISO_LANDMARKS];
     struct iso_triangulator *patch_triangulator;
     struct iso_mesh *mesh;
     int32_t (*adjacent)[3];
@@ -75,6 +79,8 @@ struct iso_extractor {
     struct iso_heat_direct *direct;
     double *heat; /* [ISO_LANDMARKS][mesh->n_vertices] */
     struct iso_tracer *tracer;
+    struct iso_heat_grid *heat_grid;
+    struct iso_grid_tracer *grid_tracer;
 };
 
 /* extract_judge.c: where no face was found, what else is; `otherwise` if that is nothing special.
@@ -92,5 +98,10 @@ enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *frame,
                                         const struct iso_frame *cleaned,
                                         const struct iso_extraction *out);
+
+/* extract_isotherms.c: the patch as a surface with the sources on it; their heat; the template. */
+int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out);
+int iso__extract_heat(struct iso_extractor *x);
+int iso__extract_isotherms(struct iso_extractor *x, struct iso_template *tmpl);
 
 #endif

@@ -16,13 +16,13 @@
  *
  * Lanczos from v gives S V = V T + ..., so that g(S) v ~ |v| V g(T) e1, for every t at once.
  * Starting from v rather than from B^-1 b (b a point load, which no mesh resolves) costs one solve
- * and is what lets a space of dimension 10 do.
+ * and is what lets a space of dimension 9 do.
  *
  * The constant function, along which heat is conserved, lies in that space only nearly. So the
  * coefficients c are given the least change that makes the total heat 1' B V c exactly 1. */
 
 /* Sources that are worked on together: CHOLMOD solves for four columns in one pass. */
-enum { BLOCK = 4, KRYLOV_DEFAULT = 10 };
+enum { BLOCK = 4, KRYLOV_DEFAULT = 9 };
 
 static const double gamma_over_t_default = 0.15;
 

@@ -13,7 +13,9 @@
  *    high frequencies, so that it is wrong (even negative) for small t.
  *  - direct: one Cholesky factorisation of B + gamma L and shift-invert Lanczos of dimension m for
  * each source (van den Eshof and Hochbruck 2006; Moret and Novati 2004): any number of times from
- *    one Krylov space. The default. */
+ *    one Krylov space. For general meshes, the default.
+ *
+ * On a depth grid there is a third, faster one: heat_grid.h. */
 #ifndef ISO_CORE_HEAT_HEAT_KERNEL_H
 #define ISO_CORE_HEAT_HEAT_KERNEL_H
 
@@ -35,7 +37,7 @@ enum { ISO_HEAT_KRYLOV_MAX = 32 };
 
 struct iso_heat_direct_options {
     int32_t n_capacity, nnz_capacity; /* largest matrix */
-    int krylov;                       /* Lanczos dimension m; 0 = the default, 10 */
+    int krylov;                       /* Lanczos dimension m; 0 = the default, 9 */
     double gamma_over_t;              /* shift over the largest t; 0 = the default, 0.15 */
 };
 

@@ -3,9 +3,21 @@
 #include <errno.h>
 #include <string.h>
 
-/* The isotherm of one landmark at one radius. Returns 0 with n = 0 where there is none. */
-static int trace_one(struct iso_tracer *tracer, const struct iso_heated_face *face, int landmark,
-                     double radius_mm, int n_points, struct iso_isotherm *out)
+/* Samples the curve about a landmark; n = 0 where there is none. */
+static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm, int n_points,
+                   struct iso_isotherm *out)
+{
+    int enclosing = iso_tracer_enclosing(curves, landmark_mm);
+    if (enclosing < 0 || iso_isotherm_sample_polar(iso_tracer_curve(curves, enclosing), landmark_mm,
+                                                   n_points, out)) {
+        out->n = 0;
+    }
+}
+
+/* The isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 where there is none.
+ */
+static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face *face,
+                         int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
 {
     const double *heat = &face->heat[(size_t)landmark * (size_t)face->mesh->n_vertices];
     out->n = 0;
@@ -17,40 +29,80 @@ static int trace_one(struct iso_tracer *tracer, const struct iso_heated_face *fa
     if (curves < 0) {
         return curves;
     }
-    int enclosing = iso_tracer_enclosing(tracer, face->landmark_mm[landmark]);
-    if (enclosing >= 0 && iso_isotherm_sample_polar(iso_tracer_curve(tracer, enclosing),
-                                                    face->landmark_mm[landmark], n_points, out)) {
-        out->n = 0;
-    }
+    sample(tracer, face->landmark_mm[landmark], n_points, out);
     return 0;
+}
+
+static void trace_on_grid(struct iso_grid_tracer *tracer, const struct iso_heated_grid *face,
+                          int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
+{
+    out->n = 0;
+    double level;
+    if (iso_grid_tracer_run(tracer, face->grid, &face->heat[landmark], radius_mm, &level) > 0) {
+        sample(iso_grid_tracer_curves(tracer), face->landmark_mm[landmark], n_points, out);
+    }
+}
+
+/* Puts a curve into the template. Returns the sum of its weights. */
+static double keep(const struct iso_isotherm *curve, const struct iso_face_patch *patch, int radius,
+                   int landmark, struct iso_template *tmpl)
+{
+    double total = 0.0;
+    for (int i = 0; i < curve->n; i++) {
+        struct iso_vec3 p = curve->points_mm[i];
+        double measured = patch ? iso_face_patch_measured(patch, p.x, p.y) : 1.0;
+        float *point = tmpl->points_mm[radius][landmark][i];
+        point[0] = (float)p.x;
+        point[1] = (float)p.y;
+        point[2] = (float)p.z;
+        tmpl->weight[radius][landmark][i] = curve->weight[i] * (float)measured;
+        total += (double)tmpl->weight[radius][landmark][i];
+    }
+    return total;
+}
+
+static void begin(struct iso_template *tmpl)
+{
+    memset(tmpl->points_mm, 0, sizeof tmpl->points_mm);
+    memset(tmpl->weight, 0, sizeof tmpl->weight);
+}
+
+static void end(struct iso_template *tmpl, double total)
+{
+    tmpl->quality = (float)(total / (tmpl->n_radii * ISO_LANDMARKS * tmpl->n_points));
 }
 
 int iso_face_isotherms(struct iso_tracer *tracer, const struct iso_heated_face *face,
                        struct iso_template *tmpl)
 {
-    memset(tmpl->points_mm, 0, sizeof tmpl->points_mm);
-    memset(tmpl->weight, 0, sizeof tmpl->weight);
+    begin(tmpl);
     double total = 0.0;
     for (int r = 0; r < tmpl->n_radii; r++) {
         for (int l = 0; l < ISO_LANDMARKS; l++) {
             struct iso_isotherm curve;
-            int error = trace_one(tracer, face, l, (double)tmpl->radius_mm[r], tmpl->n_points,
-                                  &curve);
+            int error = trace_on_mesh(tracer, face, l, (double)tmpl->radius_mm[r], tmpl->n_points,
+                                      &curve);
             if (error) {
                 return error;
             }
-            for (int i = 0; i < curve.n; i++) {
-                struct iso_vec3 p = curve.points_mm[i];
-                double measured = iso_face_patch_measured(face->patch, p.x, p.y);
-                float *point = tmpl->points_mm[r][l][i];
-                point[0] = (float)p.x;
-                point[1] = (float)p.y;
-                point[2] = (float)p.z;
-                tmpl->weight[r][l][i] = curve.weight[i] * (float)measured;
-                total += (double)tmpl->weight[r][l][i];
-            }
+            total += keep(&curve, face->patch, r, l, tmpl);
         }
     }
-    tmpl->quality = (float)(total / (tmpl->n_radii * ISO_LANDMARKS * tmpl->n_points));
+    end(tmpl, total);
     return 0;
+}
+
+void iso_face_isotherms_on_grid(struct iso_grid_tracer *tracer, const struct iso_heated_grid *face,
+                                struct iso_template *tmpl)
+{
+    begin(tmpl);
+    double total = 0.0;
+    for (int r = 0; r < tmpl->n_radii; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            struct iso_isotherm curve;
+            trace_on_grid(tracer, face, l, (double)tmpl->radius_mm[r], tmpl->n_points, &curve);
+            total += keep(&curve, face->patch, r, l, tmpl);
+        }
+    }
+    end(tmpl, total);
 }

@@ -3,30 +3,14 @@
 #include <errno.h>
 #include <math.h>
 
-/* The part of a triangle in which a linear function with corner values h is at or above a level. */
-static double share_above(double h0, double h1, double h2, double level)
-{
-    /* Sort so that low <= middle <= high. */
-    double low = fmin(h0, fmin(h1, h2)), high = fmax(h0, fmax(h1, h2));
-    double middle = h0 + h1 + h2 - low - high;
-    if (level <= low) {
-        return 1.0;
-    }
-    if (level > high) {
-        return 0.0;
-    }
-    if (level > middle) {
-        return (high - level) * (high - level) / ((high - low) * (high - middle));
-    }
-    return 1.0 - (level - low) * (level - low) / ((high - low) * (middle - low));
-}
+#include "core/isotherm/level_search.h"
 
 double iso_isotherm_area_above(const struct iso_mesh *mesh, const double *heat, double level)
 {
     double area = 0.0;
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         const int32_t *v = mesh->triangles[t];
-        double share = share_above(heat[v[0]], heat[v[1]], heat[v[2]], level);
+        double share = iso__share_above(heat[v[0]], heat[v[1]], heat[v[2]], level);
         if (share > 0.0) {
             area += share * iso_mesh_triangle_area(mesh, t);
         }
@@ -34,32 +18,15 @@ double iso_isotherm_area_above(const struct iso_mesh *mesh, const double *heat, 
     return area;
 }
 
-int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double radius_mm,
-                       double *level)
+double iso__level_between(const struct iso__level_search *search, double low, double f_low,
+                          double high, double f_high)
 {
-    double wanted = M_PI * radius_mm * radius_mm;
-    double low = INFINITY, high = -INFINITY;
-    for (int32_t i = 0; i < mesh->n_vertices; i++) {
-        low = fmin(low, heat[i]);
-        high = fmax(high, heat[i]);
-    }
-    if (!(low < high) || iso_isotherm_area_above(mesh, heat, low) < wanted) {
-        return -ERANGE;
-    }
-    /* Heat falls off like a Gaussian, so that area is nearly linear in the logarithm of the level:
-     * regula falsi there (Illinois variant, Dowell and Jarratt 1971) needs few steps, each a pass
-     * over the mesh. */
-    double x_low = log(fmax(low, high * 1e-12)), x_high = log(high);
-    double f_low = iso_isotherm_area_above(mesh, heat, exp(x_low)) - wanted, f_high = -wanted;
-    if (f_low < 0.0) {
-        return -ERANGE;
-    }
     enum { STEPS_MAX = 100 };
-    double x = x_low, f = f_low;
+    double x_low = log(low), x_high = log(high), x = x_low, f = f_low;
     int side = 0; /* which end moved last */
-    for (int i = 0; i < STEPS_MAX && fabs(f) > 1e-6 * wanted; i++) {
+    for (int i = 0; i < STEPS_MAX && fabs(f) > 1e-6 * search->wanted_mm2; i++) {
         x = (x_low * f_high - x_high * f_low) / (f_high - f_low);
-        f = iso_isotherm_area_above(mesh, heat, exp(x)) - wanted;
+        f = search->area_mm2(search->surface, exp(x)) - search->wanted_mm2;
         if (f > 0.0) {
             f_high *= side == 1 ? 0.5 : 1.0;
             x_low = x;
@@ -72,6 +39,40 @@ int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double r
             side = -1;
         }
     }
-    *level = exp(x);
+    return exp(x);
+}
+
+/* A mesh and the heat on all of it. */
+struct whole {
+    const struct iso_mesh *mesh;
+    const double *heat;
+};
+
+static double area_of_whole(const void *surface, double level)
+{
+    const struct whole *whole = surface;
+    return iso_isotherm_area_above(whole->mesh, whole->heat, level);
+}
+
+int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double radius_mm,
+                       double *level)
+{
+    double wanted = M_PI * radius_mm * radius_mm;
+    double low = INFINITY, high = -INFINITY;
+    for (int32_t i = 0; i < mesh->n_vertices; i++) {
+        low = heat[i] < low ? heat[i] : low;
+        high = heat[i] > high ? heat[i] : high;
+    }
+    if (!(low < high) || iso_isotherm_area_above(mesh, heat, low) < wanted) {
+        return -ERANGE;
+    }
+    double x_low = log(fmax(low, high * 1e-12)), x_high = log(high);
+    double f_low = iso_isotherm_area_above(mesh, heat, exp(x_low)) - wanted, f_high = -wanted;
+    if (f_low < 0.0) {
+        return -ERANGE;
+    }
+    const struct whole whole = {mesh, heat};
+    const struct iso__level_search search = {area_of_whole, &whole, wanted};
+    *level = iso__level_between(&search, exp(x_low), f_low, exp(x_high), f_high);
     return 0;
 }

@@ -12,7 +12,7 @@
 
 enum {
     ISO_TEMPLATE_VERSION = 1,
-    ISO_TEMPLATE_RADII_MAX = 3,
+    ISO_TEMPLATE_RADII_MAX = 4,
     ISO_TEMPLATE_POINTS_MAX = 32,
     ISO_TEMPLATE_SENSOR_MAX = 16,
     /* Largest serialised template. */

@@ -4,10 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The triangles of one cell, whose corners are numbered
- *     0 1
- *     2 3
- * First triangle index and which corners each takes; count 0: the cell is empty. */
+#include "core/surface/cell.h"
+
+/* The triangles of one cell (cell.h): index of the first, and which corners each takes; count 0:
+ * the cell is empty. */
 struct cell {
     int32_t first;
     uint8_t count;
@@ -24,13 +24,6 @@ struct iso_triangulator {
     int32_t *piece;
     int32_t *moved; /* new index of a triangle, -1 if dropped */
 };
-
-/* Counter-clockwise seen from the camera, whose image has v downward: of the corners above these go
- * left, down, right. */
-static const uint8_t halves_falling[2][3] = {{0, 2, 3}, {0, 3, 1}}; /* diagonal 0-3 */
-static const uint8_t halves_rising[2][3] = {{0, 2, 1}, {1, 2, 3}};  /* diagonal 1-2 */
-/* The one triangle left when corner k is missing. */
-static const uint8_t three_corners[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 3, 1}, {0, 2, 1}};
 
 int iso_triangulator_new(size_t capacity_px, const struct iso_triangulate_options *options,
                          struct iso_triangulator **out)
@@ -78,14 +71,6 @@ static int corner_pixel(const struct iso_triangulator *t, int cell, int corner)
     return cell + (corner & 1) + (corner >> 1) * t->width_px;
 }
 
-/* Whether no edge of the triangle crosses a depth jump; all three depths are > 0. */
-static bool is_smooth(const float z[4], const uint8_t corner[3], double jump_mm)
-{
-    float a = z[corner[0]], b = z[corner[1]], c = z[corner[2]];
-    float low = fminf(a, fminf(b, c)), high = fmaxf(a, fmaxf(b, c));
-    return low > 0.0f && (double)(high - low) <= jump_mm;
-}
-
 /* Squared length of the diagonal between two corners of a cell. */
 static double diagonal_squared(const struct iso_frame *frame, int column, int row, int from, int to)
 {
@@ -105,22 +90,13 @@ static struct cell make_cell(const struct iso_frame *frame, int column, int row,
     if (measured < 3) {
         return cell;
     }
-    const uint8_t(*halves)[3] = halves_falling;
-    int n = 2;
-    if (measured == 3) {
-        int missing = z[0] > 0 ? (z[1] > 0 ? (z[2] > 0 ? 3 : 2) : 1) : 0;
-        halves = &three_corners[missing];
-        n = 1;
-    } else if (diagonal_squared(frame, column, row, 1, 2) <
-               diagonal_squared(frame, column, row, 0, 3)) {
-        halves = halves_rising;
-    }
-    for (int h = 0; h < n; h++) {
-        if (is_smooth(z, halves[h], jump_mm)) {
-            for (int k = 0; k < 3; k++) {
-                cell.corner[cell.count][k] = halves[h][k];
-            }
-            cell.count++;
+    bool rising = measured == 4 && diagonal_squared(frame, column, row, 1, 2) <
+                                       diagonal_squared(frame, column, row, 0, 3);
+    struct iso_cell_list list = iso_cell_list(iso_cell_set(z, rising, jump_mm));
+    cell.count = list.count;
+    for (int h = 0; h < list.count; h++) {
+        for (int k = 0; k < 3; k++) {
+            cell.corner[h][k] = iso_cell_corners[list.left_out[h]][k];
         }
     }
     return cell;

@@ -34,15 +34,13 @@ static int parse_radii(const char *text, void *field)
 
 static int parse_heat(const char *text, void *field)
 {
-    enum iso_heat_method *heat = field;
-    if (strcmp(text, "direct") == 0) {
-        *heat = ISO_HEAT_DIRECT;
-    } else if (strcmp(text, "spectral") == 0) {
-        *heat = ISO_HEAT_SPECTRAL;
-    } else {
-        return -EINVAL;
+    for (int m = 0; iso_heat_method_name((enum iso_heat_method)m); m++) {
+        if (strcmp(text, iso_heat_method_name((enum iso_heat_method)m)) == 0) {
+            *(enum iso_heat_method *)field = (enum iso_heat_method)m;
+            return 0;
+        }
     }
-    return 0;
+    return -EINVAL;
 }
 
 static int parse_transform(const char *text, void *field)
@@ -62,7 +60,7 @@ static int parse_transform(const char *text, void *field)
 
 static const struct sim_option extract_options[] = {
     {"radii", "MM,MM,...", "radii of the isotherms", parse_radii, 0},
-    {"heat", "direct|spectral", "how heat columns are computed", parse_heat, FIELD(heat)},
+    {"heat", "grid|direct|spectral", "how heat columns are computed", parse_heat, FIELD(heat)},
     {"t", "MM2", "time of the heat", sim_option_number, FIELD(t_mm2)},
     {"points", "N", "points of an isotherm", sim_option_int, FIELD(n_points)},
     {"crop-radius", "MM", "of the face patch", sim_option_number, FIELD(crop_radius_mm)},

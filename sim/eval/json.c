@@ -38,12 +38,11 @@ json_t *sim_json_extract(const struct iso_extract_options *x)
                             "identity_stiffness_mm2", x->fit.identity_stiffness_mm2,
                             "expression_stiffness_mm2", x->fit.expression_stiffness_mm2);
     return json_pack("{s:s, s:f, s:o, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "heat",
-                     x->heat == ISO_HEAT_SPECTRAL ? "spectral" : "direct", "t_mm2", x->t_mm2,
-                     "radii_mm", radii, "points", x->n_points, "crop_radius_mm", x->crop_radius_mm,
-                     "spacing_mm", x->spacing_mm, "smoothing_mm", x->smoothing_mm, "outlier_mm",
-                     x->outlier_mm, "distance_min_mm", x->distance_min_mm, "distance_max_mm",
-                     x->distance_max_mm, "yaw_max_rad", x->yaw_max_rad, "pitch_max_rad",
-                     x->pitch_max_rad, "fit", fit);
+                     iso_heat_method_name(x->heat), "t_mm2", x->t_mm2, "radii_mm", radii, "points",
+                     x->n_points, "crop_radius_mm", x->crop_radius_mm, "spacing_mm", x->spacing_mm,
+                     "smoothing_mm", x->smoothing_mm, "outlier_mm", x->outlier_mm,
+                     "distance_min_mm", x->distance_min_mm, "distance_max_mm", x->distance_max_mm,
+                     "yaw_max_rad", x->yaw_max_rad, "pitch_max_rad", x->pitch_max_rad, "fit", fit);
 }
 
 json_t *sim_json_landmarks(const struct sim_landmark_error errors[ISO_LANDMARKS + 1])

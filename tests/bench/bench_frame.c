@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/utsname.h>
 
 #include "core/extract.h"
 #include "core/match/search.h"
@@ -15,6 +14,7 @@
 #include "sim/eval/extract_options.h"
 #include "sim/eval/latency.h"
 #include "sim/recording/corpus.h"
+#include "tests/bench/machine.h"
 
 enum { ENROLLED = 100 };
 
@@ -195,28 +195,9 @@ static void release(struct bench *bench)
     iso_head_model_free(bench->model);
 }
 
-/* Which machine it was: the processor's name from /proc/cpuinfo if it says one. */
-static void print_machine(void)
-{
-    char line[256], name[128] = "unknown processor";
-    FILE *file = fopen("/proc/cpuinfo", "re");
-    while (file && fgets(line, sizeof line, file)) {
-        if (sscanf(line, "model name : %127[^\n]", name) == 1) {
-            break;
-        }
-    }
-    if (file) {
-        fclose(file);
-    }
-    struct utsname system;
-    if (uname(&system) == 0) {
-        printf("%s, %s %s %s\n", name, system.sysname, system.release, system.machine);
-    }
-}
-
 static void print_table(struct bench *bench)
 {
-    print_machine();
+    bench_print_machine();
     printf("%zu of %zu frames usable; %zu templates enrolled, cohort of %d; one thread\n\n",
            bench->n_timed, bench->n_frames, bench->n_enrolled, iso_cohort_size(bench->cohort));
     printf("ms                  wall              processor\n"

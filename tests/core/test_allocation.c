@@ -11,8 +11,10 @@
 
 #include <cmocka.h>
 
+#include "core/heat/grid_stencil.h"
+#include "core/heat/heat_grid.h"
 #include "core/heat/heat_kernel.h"
-#include "core/isotherm/isotherm.h"
+#include "core/isotherm/grid_isotherm.h"
 #include "core/surface/triangulate.h"
 #include "tests/core/matrices.h"
 #include "tests/core/shapes.h"
@@ -80,7 +82,9 @@ static int deny_in_turn(int (*make)(void **out), void (*release)(void *made))
 static const struct iso_camera camera = {.projection = ISO_ORTHOGRAPHIC, .pitch_mm = 1.0};
 static const struct iso_triangulate_options largest = {.jump_mm = 5.0, .largest_only = true};
 static const struct iso_heat_direct_options heat = {.n_capacity = 9, .nnz_capacity = 40};
+static const struct iso_heat_grid_options on_grid = {.n_sources = 2, .n_times = 2};
 static struct matrices sheet;
+static struct iso_grid *grid;
 
 MAKER(frame, iso_frame, iso_frame_new(&camera, 4, 3, true, &made))
 MAKER(mesh, iso_mesh, iso_mesh_new(4, 3, &made))
@@ -88,6 +92,10 @@ MAKER(triangulator, iso_triangulator, iso_triangulator_new(12, &largest, &made))
 MAKER(symmetric, iso_symmetric, iso_symmetric_new(4, 8, &made))
 MAKER(heat_direct, iso_heat_direct, iso_heat_direct_new(&heat, &made))
 MAKER(tracer, iso_tracer, iso_tracer_new(5, &made))
+MAKER(grid, iso_grid, iso_grid_new(6, 4, &made))
+MAKER(grid_stencil, iso_grid_stencil, iso_grid_stencil_new(grid, &made))
+MAKER(heat_grid, iso_heat_grid, iso_heat_grid_new(grid, &on_grid, &made))
+MAKER(grid_tracer, iso_grid_tracer, iso_grid_tracer_new(grid, &made))
 MAKER(eigenpairs, iso_eigenpairs, iso_eigenpairs_new(sheet.stiffness, sheet.mass, 3, 0.0, &made))
 
 static void constructors_survive_any_failed_allocation(void **state)
@@ -104,6 +112,17 @@ static void constructors_survive_any_failed_allocation(void **state)
     assert_true(deny_in_turn(make_eigenpairs, release_eigenpairs) >= 10);
     matrices_free(&sheet);
     iso_mesh_free(mesh);
+}
+
+static void constructors_on_grids_survive_any_failed_allocation(void **state)
+{
+    (void)state;
+    assert_int_equal(iso_grid_new(6, 4, &grid), 0);
+    assert_int_equal(deny_in_turn(make_grid, release_grid), 3);
+    assert_int_equal(deny_in_turn(make_grid_stencil, release_grid_stencil), 2);
+    assert_true(deny_in_turn(make_heat_grid, release_heat_grid) >= 6);
+    assert_true(deny_in_turn(make_grid_tracer, release_grid_tracer) >= 7);
+    iso_grid_free(grid);
 }
 
 static void topology_survives_any_failed_allocation(void **state)
@@ -131,6 +150,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(constructors_survive_any_failed_allocation),
+        cmocka_unit_test(constructors_on_grids_survive_any_failed_allocation),
         cmocka_unit_test(topology_survives_any_failed_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

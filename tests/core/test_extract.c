@@ -89,10 +89,10 @@ static void the_mean_head_gives_its_pose_landmarks_and_template(void **state)
         assert_true(iso_norm(iso_sub(out->landmark_mm[l], at)) < 3.0);
     }
     assert_int_equal(out->tmpl.algorithm, iso_extractor_algorithm(f->extractor));
-    assert_int_equal(out->tmpl.n_radii, 1);
-    assert_int_equal(out->tmpl.n_points, 32);
+    assert_int_equal(out->tmpl.n_radii, 4);
+    assert_int_equal(out->tmpl.n_points, 16);
     assert_int_equal(out->tmpl.n_frames, 1);
-    assert_true(out->tmpl.radius_mm[0] == 18.0f);
+    assert_true(out->tmpl.radius_mm[0] == 12.0f && out->tmpl.radius_mm[3] == 36.0f);
     assert_true(out->tmpl.quality > 0.8f && out->tmpl.quality <= 1.0f);
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     assert_true(iso_template_serialise(&out->tmpl, bytes, sizeof bytes) > 0);
@@ -193,23 +193,76 @@ static void the_same_frame_gives_the_same_template(void **state)
     iso_extractor_free(other);
 }
 
-static void both_ways_to_the_heat_agree(void **state)
+/* The fixture's frame by another extractor, and how far its template lies from the first one's. */
+static double distance_of_method(struct fixture *f, enum iso_heat_method method)
+{
+    struct iso_template first = f->out.tmpl;
+    struct iso_extractor *other = NULL;
+    f->options.heat = method;
+    assert_int_equal(iso_extractor_new(f->model, &f->options, &other), 0);
+    assert_int_not_equal(iso_extractor_algorithm(other), first.algorithm);
+    assert_int_equal(iso_extractor_run(other, f->frame, &f->out), 0);
+    assert_int_equal(f->out.outcome, ISO_CAPTURE_OK);
+    f->out.tmpl.algorithm = first.algorithm; /* they must not be compared but by a test */
+    const struct iso_match_options options = iso_match_options_default();
+    double distance_mm = INFINITY;
+    assert_int_equal(iso_match_distance(&f->out.tmpl, &first, &options, &distance_mm), 0);
+    iso_extractor_free(other);
+    return distance_mm;
+}
+
+static void all_ways_to_the_heat_agree(void **state)
 {
     struct fixture *f = *state;
     assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 0, 600)), ISO_CAPTURE_OK);
-    struct iso_template direct = f->out.tmpl;
-    struct iso_extractor *spectral = NULL;
-    f->options.heat = ISO_HEAT_SPECTRAL;
-    assert_int_equal(iso_extractor_new(f->model, &f->options, &spectral), 0);
-    assert_int_not_equal(iso_extractor_algorithm(spectral), direct.algorithm);
-    assert_int_equal(iso_extractor_run(spectral, f->frame, &f->out), 0);
-    assert_int_equal(f->out.outcome, ISO_CAPTURE_OK);
-    f->out.tmpl.algorithm = direct.algorithm; /* they must not be compared but by a test */
-    const struct iso_match_options options = iso_match_options_default();
-    double distance_mm = INFINITY;
-    assert_int_equal(iso_match_distance(&f->out.tmpl, &direct, &options, &distance_mm), 0);
-    assert_true(distance_mm < 1.0);
-    iso_extractor_free(spectral);
+    struct iso_template grid = f->out.tmpl;
+    assert_true(distance_of_method(f, ISO_HEAT_DIRECT) < 0.2); /* lumped and consistent mass */
+    f->out.tmpl = grid;
+    assert_true(distance_of_method(f, ISO_HEAT_SPECTRAL) < 1.0);
+    assert_string_equal(iso_heat_method_name(ISO_HEAT_GRID), "grid");
+    assert_string_equal(iso_heat_method_name(ISO_HEAT_SPECTRAL), "spectral");
+    assert_null(iso_heat_method_name((enum iso_heat_method)3));
+}
+
+/* So fine a grid and so long a time that the expansion is not worth it. */
+static void heat_too_stiff_for_the_grid_is_released_on_the_mesh(void **state)
+{
+    struct fixture *f = *state;
+    iso_extractor_free(f->extractor);
+    f->extractor = NULL;
+    f->options.spacing_mm = 0.7;
+    f->options.crop_radius_mm = 80.0;
+    f->options.t_mm2 = 200.0;
+    assert_int_equal(iso_extractor_new(f->model, &f->options, &f->extractor), 0);
+    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 0, 600)), ISO_CAPTURE_OK);
+    assert_true(iso_extractor_mesh(f->extractor)->n_triangles > 50000);
+    assert_true(f->out.tmpl.quality > 0.9f);
+    assert_true(distance_of_method(f, ISO_HEAT_DIRECT) < 0.2);
+}
+
+/* Runs a batch from its end, as three workers in turn. */
+static void run_backwards(void *context, iso_task *task, void *batch, int n_tasks)
+{
+    for (int i = n_tasks - 1; i >= 0; i--) {
+        task(batch, i, i % 3);
+        ++*(int *)context;
+    }
+}
+
+static void who_works_on_the_heat_does_not_matter(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 0, 600)), ISO_CAPTURE_OK);
+    struct iso_template alone = f->out.tmpl;
+    int n_run = 0;
+    const struct iso_tasks tasks = {3, run_backwards, &n_run};
+    struct iso_extractor *shared = NULL;
+    f->options.tasks = &tasks;
+    assert_int_equal(iso_extractor_new(f->model, &f->options, &shared), 0);
+    assert_int_equal(iso_extractor_run(shared, f->frame, &f->out), 0);
+    assert_int_equal(n_run, ISO_LANDMARKS);
+    assert_memory_equal(&f->out.tmpl, &alone, sizeof alone);
+    iso_extractor_free(shared);
 }
 
 static void the_mesh_and_its_heat_can_be_shown(void **state)
@@ -261,7 +314,7 @@ static void stages_are_charged_by_the_clock_handed_in(void **state)
 static void bad_options_are_refused(void **state)
 {
     struct fixture *f = *state;
-    struct iso_extract_options bad[23];
+    struct iso_extract_options bad[25];
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         bad[i] = f->options;
     }
@@ -270,7 +323,7 @@ static void bad_options_are_refused(void **state)
     bad[2].n_radii = 0;
     bad[3].n_radii = ISO_TEMPLATE_RADII_MAX + 1;
     bad[4].radius_mm[0] = 0.0;
-    bad[5].n_radii = 2; /* the second radius is 0 */
+    bad[5].radius_mm[1] = 0.0;
     bad[6].n_points = 3;
     bad[7].n_points = ISO_TEMPLATE_POINTS_MAX + 1;
     bad[8].crop_radius_mm = 39.0;
@@ -285,9 +338,12 @@ static void bad_options_are_refused(void **state)
     bad[17].yaw_max_rad = -0.1;
     bad[18].yaw_max_rad = NAN;
     bad[19].pitch_max_rad = 1.6;
-    bad[20].heat = (enum iso_heat_method)2;
+    bad[20].heat = (enum iso_heat_method)3;
     memset(bad[21].sensor, 'a', sizeof bad[21].sensor); /* does not end */
     bad[22].radius_mm[0] = 101.0;                       /* beyond the crop */
+    const struct iso_tasks nobody = {.n_workers = 0}, crowd = {.n_workers = 17};
+    bad[23].tasks = &nobody;
+    bad[24].tasks = &crowd;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct iso_extractor *none = NULL;
         assert_int_equal(iso_extractor_new(f->model, &bad[i], &none), -EINVAL);
@@ -466,7 +522,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(nobody_is_no_face, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_hidden_half_has_no_template, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_same_frame_gives_the_same_template, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(both_ways_to_the_heat_agree, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(all_ways_to_the_heat_agree, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(heat_too_stiff_for_the_grid_is_released_on_the_mesh, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(who_works_on_the_heat_does_not_matter, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_mesh_and_its_heat_can_be_shown, set_up, tear_down),
         cmocka_unit_test_setup_teardown(stages_are_charged_by_the_clock_handed_in, set_up,
                                         tear_down),

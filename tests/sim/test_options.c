@@ -91,9 +91,9 @@ static void test_refusals_name_the_option(void **state)
         {{"--count"}, 1, "--count: a value must follow"},
         {{"--count", "-3"}, 2, "--count: '-3' is no N"},
         {{"--angle", "nan"}, 2, "--angle: 'nan' is no DEGREES"},
-        {{"--radii", "1,2,3,4"}, 2, "--radii: '1,2,3,4' is no MM,MM,..."},
+        {{"--radii", "1,2,3,4,5"}, 2, "--radii: '1,2,3,4,5' is no MM,MM,..."},
         {{"--radii", "18,"}, 2, "--radii: '18,' is no MM,MM,..."},
-        {{"--heat", "warm"}, 2, "--heat: 'warm' is no direct|spectral"},
+        {{"--heat", "warm"}, 2, "--heat: 'warm' is no grid|direct|spectral"},
         {{"--transform", ""}, 2, "--transform: '' is no rigid|affine"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

@@ -1,0 +1,167 @@
+#include "core/heat/grid_stencil.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/math/lanes.h"
+
+enum { PLANES = 7 };
+
+int iso_grid_stencil_new(const struct iso_grid *grid, struct iso_grid_stencil **out)
+{
+    struct iso_grid_stencil *s = calloc(1, sizeof *s);
+    if (!s) {
+        return -ENOMEM;
+    }
+    s->stride = grid->stride;
+    s->plane_size = iso_grid_plane_size(grid);
+    s->memory = iso_grid_planes_new(grid, PLANES);
+    if (!s->memory) {
+        free(s);
+        return -ENOMEM;
+    }
+    float **const planes[PLANES] = {&s->centre,     &s->east, &s->south, &s->south_east,
+                                    &s->south_west, &s->root, &s->bound};
+    for (size_t i = 0; i < PLANES; i++) {
+        *planes[i] = s->memory + i * s->plane_size + iso_grid_plane_origin(grid);
+    }
+    *out = s;
+    return 0;
+}
+
+void iso_grid_stencil_free(struct iso_grid_stencil *stencil)
+{
+    if (stencil) {
+        iso_grid_planes_free(stencil->memory, stencil->plane_size, PLANES);
+        free(stencil);
+    }
+}
+
+/* What eight cells in a row contribute to the entries of L. */
+struct cells {
+    iso_lanes top, bottom, left, right, falling, rising; /* edges of the cell, its diagonals */
+    iso_lanes bound;
+};
+
+/* Comparisons of vectors are what compilers split up: absolute values serve here. */
+#define ABSOLUTE(a) ((iso_lanes)((iso_lane_bits)(a)&INT32_MAX))
+
+/* Adds the triangles that leave out corner k; z are the heights of the cells' corners. */
+static inline void add_triangles(struct cells *c, const iso_lanes z[4], int k,
+                                 const float *area_mm2, float p)
+{
+    const int middle = 3 - k;
+    const iso_lanes area = ISO_LANES_LOAD(area_mm2);
+    const iso_lanes a = z[middle ^ 1] - z[middle], b = z[middle ^ 2] - z[middle];
+    const iso_lanes scale = 0.5f * area / (area * area + 1e-20f); /* 0 where there is none */
+    const iso_lanes at_middle = scale * a * b;
+    const iso_lanes at_along = scale * (p * p + a * a) - at_middle;
+    const iso_lanes at_down = scale * (p * p + b * b) - at_middle;
+    /* Each edge gets half the cotangent of the corner opposite to it. */
+    *(middle < 2 ? &c->top : &c->bottom) -= 0.5f * at_down;
+    *(middle % 2 ? &c->right : &c->left) -= 0.5f * at_along;
+    *(middle == 0 || middle == 3 ? &c->rising : &c->falling) -= 0.5f * at_middle;
+    /* s + sqrt(s^2 - 3) without the root, from above by the series of sqrt(1 - x). (s^2 >= 3.) */
+    const iso_lanes sum = at_middle + at_along + at_down;
+    const iso_lanes x = 3.0f / (3.0f + ABSOLUTE(sum * sum - 3.0f));
+    const iso_lanes root = 1.0f - x * (0.5f + x * (0.125f + x * 0.0625f));
+    const iso_lanes bound = 3.0f * scale * (sum + sum * root);
+    c->bound = 0.5f * (c->bound + bound + ABSOLUTE(c->bound - bound)); /* the larger */
+}
+
+#define ADD(plane, value) ISO_LANES_STORE(plane, ISO_LANES_LOAD(plane) + (value))
+
+/* The edges of L from the triangles: part of a row of cells, in whole groups of lanes. */
+static void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
+                    ptrdiff_t to)
+{
+    const ptrdiff_t w = s->stride;
+    for (ptrdiff_t i = from; i < to; i += ISO_LANES) {
+        const iso_lanes z[4] = {ISO_LANES_LOAD(&grid->z_mm[i]), ISO_LANES_LOAD(&grid->z_mm[i + 1]),
+                                ISO_LANES_LOAD(&grid->z_mm[i + w]),
+                                ISO_LANES_LOAD(&grid->z_mm[i + w + 1])};
+        struct cells c = {.bound = {0}};
+        add_triangles(&c, z, 0, &grid->cell_mm2[0][i], (float)grid->pitch_mm);
+        add_triangles(&c, z, 1, &grid->cell_mm2[1][i], (float)grid->pitch_mm);
+        add_triangles(&c, z, 2, &grid->cell_mm2[2][i], (float)grid->pitch_mm);
+        add_triangles(&c, z, 3, &grid->cell_mm2[3][i], (float)grid->pitch_mm);
+        ADD(&s->east[i], c.top);
+        ADD(&s->east[i + w], c.bottom);
+        ADD(&s->south[i], c.left);
+        ADD(&s->south[i + 1], c.right);
+        ISO_LANES_STORE(&s->south_east[i], c.falling);
+        ISO_LANES_STORE(&s->south_west[i + 1], c.rising);
+        ISO_LANES_STORE(&s->bound[i], c.bound);
+    }
+}
+
+/* The diagonal of L: minus the sum of a row's other entries. And D^-1/2. */
+static void sum_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
+                    ptrdiff_t to)
+{
+    const ptrdiff_t w = s->stride;
+    for (ptrdiff_t i = from; i < to; i += ISO_LANES) {
+        iso_lanes sum = ISO_LANES_LOAD(&s->east[i]) + ISO_LANES_LOAD(&s->east[i - 1]);
+        sum += ISO_LANES_LOAD(&s->south[i]) + ISO_LANES_LOAD(&s->south[i - w]);
+        sum += ISO_LANES_LOAD(&s->south_east[i]) + ISO_LANES_LOAD(&s->south_east[i - w - 1]);
+        sum += ISO_LANES_LOAD(&s->south_west[i]) + ISO_LANES_LOAD(&s->south_west[i - w + 1]);
+        ISO_LANES_STORE(&s->centre[i], -sum);
+    }
+    for (ptrdiff_t i = from; i < to; i++) {
+        float share = grid->share_mm2[i];
+        s->root[i] = 1.0f / sqrtf(share > 0.0f ? share : INFINITY);
+    }
+}
+
+/* L becomes D^-1/2 L D^-1/2. */
+static void scale_row(struct iso_grid_stencil *s, ptrdiff_t from, ptrdiff_t to)
+{
+    const ptrdiff_t w = s->stride;
+    for (ptrdiff_t i = from; i < to; i += ISO_LANES) {
+        const float *root = &s->root[i];
+        const iso_lanes own = ISO_LANES_LOAD(root);
+#define SCALE(plane, offset)      \
+    ISO_LANES_STORE(&s->plane[i], \
+                    ISO_LANES_LOAD(&s->plane[i]) * own * ISO_LANES_LOAD(&root[offset]))
+        SCALE(centre, 0);
+        SCALE(east, 1);
+        SCALE(south, w);
+        SCALE(south_east, w + 1);
+        SCALE(south_west, w - 1);
+#undef SCALE
+    }
+}
+
+void iso_grid_stencil_build(struct iso_grid_stencil *s, const struct iso_grid *grid,
+                            struct iso_grid_window window)
+{
+    memset(s->memory, 0, PLANES * s->plane_size * sizeof *s->memory);
+    const ptrdiff_t end = window.column + window.width;
+    const int bottom = window.row + window.height;
+    /* The cells above and to the left have triangles at the window's pixels too. */
+    const ptrdiff_t left = window.column > 0 ? window.column - ISO_LANES : 0;
+    for (int row = window.row > 0 ? window.row - 1 : 0; row < bottom && row + 1 < grid->height;
+         row++) {
+        add_row(s, grid, row * s->stride + left, row * s->stride + end);
+    }
+    for (int row = window.row; row < bottom; row++) {
+        sum_row(s, grid, row * s->stride + window.column, row * s->stride + end);
+    }
+    for (int row = window.row; row < bottom; row++) {
+        scale_row(s, row * s->stride + window.column, row * s->stride + end);
+    }
+}
+
+double iso_grid_stencil_bound(const struct iso_grid_stencil *s, struct iso_grid_window window)
+{
+    float most = 0.0f;
+    for (int row = window.row - 1; row < window.row + window.height; row++) {
+        const float *bound = &s->bound[row * s->stride];
+        for (int column = window.column - 1; column < window.column + window.width; column++) {
+            most = bound[column] > most ? bound[column] : most;
+        }
+    }
+    return (double)most;
+}

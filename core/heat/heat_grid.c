@@ -1,0 +1,391 @@
+#include "core/heat/heat_grid.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/heat/chebyshev.h"
+#include "core/heat/grid_step.h"
+#include "core/math/lanes.h"
+
+enum { SOURCES_MAX = 64, WORKERS_MAX = 64 };
+
+_Static_assert((int)ISO_HEAT_GRID_TIMES_MAX == (int)ISO_GRID_SUMS_MAX, "a sum for each time");
+
+/* How far an isotherm may move because the window ends, and because the expansion does: estimates
+ * that count the worst of everything. Measured, it is a tenth of that (test_heat_grid_accuracy),
+ * since most of what a window loses it loses all around, which the level makes good. */
+static const double window_error_mm = 0.2, expansion_error_mm = 0.05;
+
+/* Single precision leaves nothing below this. */
+static const double tolerance_min = 1e-9;
+
+/* Of t lambda: below, the coefficients' recurrence would overflow. */
+static const double argument_min = 0.02;
+
+/* Where a source's heat goes, and what it took. */
+struct flow {
+    struct iso_grid_window window;
+    struct iso_grid_window dirty; /* that of the call before */
+    double lambda;                /* bound of the window's spectrum, 1/mm^2 */
+    struct iso_heat_grid_effort effort;
+};
+
+/* What a worker needs: the recurrence's last two vectors. Zero outside a running task. */
+struct worker {
+    float *vector[2];
+    double c[ISO_HEAT_GRID_TIMES_MAX][ISO_CHEBYSHEV_TERMS_MAX];
+};
+
+struct iso_heat_grid {
+    struct iso_heat_grid_options options;
+    struct iso_grid_stencil *stencil;
+    iso_grid_step *step;
+    size_t plane_size, plane_origin;
+    float *planes; /* [n_sources][n_times] columns, then two for each worker */
+    struct worker *workers;
+    struct flow *flows;     /* [n_sources] */
+    int n_sources, n_times; /* of the last request */
+};
+
+static float *plane(const struct iso_heat_grid *h, int index)
+{
+    return h->planes + (size_t)index * h->plane_size + h->plane_origin;
+}
+
+static float *column_plane(const struct iso_heat_grid *h, int source, int time)
+{
+    return plane(h, source * h->options.n_times + time);
+}
+
+int iso_heat_grid_new(const struct iso_grid *grid, const struct iso_heat_grid_options *options,
+                      struct iso_heat_grid **out)
+{
+    struct iso_heat_grid_options o = *options;
+    o.n_workers = o.n_workers ? o.n_workers : 1;
+    if (o.n_sources < 1 || o.n_sources > SOURCES_MAX || o.n_times < 1 ||
+        o.n_times > ISO_HEAT_GRID_TIMES_MAX || o.n_workers < 1 || o.n_workers > WORKERS_MAX) {
+        return -EINVAL;
+    }
+    struct iso_heat_grid *h = calloc(1, sizeof *h);
+    if (!h) {
+        return -ENOMEM;
+    }
+    h->options = o;
+    h->step = iso_grid_stepper().step;
+    h->plane_size = iso_grid_plane_size(grid);
+    h->plane_origin = iso_grid_plane_origin(grid);
+    int columns = o.n_sources * o.n_times;
+    h->planes = iso_grid_planes_new(grid, columns + 2 * o.n_workers);
+    h->workers = calloc((size_t)o.n_workers, sizeof *h->workers);
+    h->flows = calloc((size_t)o.n_sources, sizeof *h->flows);
+    int error = h->planes && h->workers && h->flows ? 0 : -ENOMEM;
+    error = error ? error : iso_grid_stencil_new(grid, &h->stencil);
+    if (error) {
+        iso_heat_grid_free(h);
+        return error;
+    }
+    for (int w = 0; w < o.n_workers; w++) {
+        h->workers[w].vector[0] = plane(h, columns + 2 * w);
+        h->workers[w].vector[1] = plane(h, columns + 2 * w + 1);
+    }
+    *out = h;
+    return 0;
+}
+
+void iso_heat_grid_free(struct iso_heat_grid *solver)
+{
+    if (solver) {
+        struct iso_heat_grid *h = solver;
+        int planes = h->options.n_sources * h->options.n_times + 2 * h->options.n_workers;
+        iso_grid_planes_free(h->planes, h->plane_size, planes);
+        iso_grid_stencil_free(h->stencil);
+        free(h->workers);
+        free(h->flows);
+        free(h);
+    }
+}
+
+/* The half side of the window, such that exp(-R (R - r) / t) <= window_error_mm r / 2t: the right
+ * side is the relative change of heat along that way, for u ~ exp(-r^2 / 4t). */
+static double reach_mm(double radius_mm, double t_mm2)
+{
+    double exponent = fmax(log(2.0 * t_mm2 / (radius_mm * window_error_mm)), 1.0);
+    return 0.5 * radius_mm + sqrt(0.25 * radius_mm * radius_mm + t_mm2 * exponent);
+}
+
+/* Likewise the coefficients that may be left out: the heat at the radius in terms of a unit vector,
+ * D^1/2 u, is pitch exp(-r^2 / 4t) / (4 pi t), that at the source 1 / pitch. */
+static double tolerance_of(double pitch_mm, double radius_mm, double t_mm2)
+{
+    double level = exp(-radius_mm * radius_mm / (4.0 * t_mm2)) / (4.0 * M_PI * t_mm2);
+    double share = expansion_error_mm * radius_mm / (2.0 * t_mm2);
+    return fmax(pitch_mm * pitch_mm * level * share, tolerance_min);
+}
+
+static int clamp(int value, int low, int high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static int round_up(int value)
+{
+    return (value + ISO_LANES - 1) / ISO_LANES * ISO_LANES;
+}
+
+/* The pixels from (column, row) to (column_end, row_end), clipped to a window and widened to whole
+ * groups of lanes counted from the window's left. */
+static struct iso_grid_window clip(struct iso_grid_window in, int column, int row, int column_end,
+                                   int row_end)
+{
+    int left = clamp(column - in.column, 0, in.width) / ISO_LANES * ISO_LANES;
+    int right = round_up(clamp(column_end - in.column, 0, in.width));
+    int top = clamp(row, in.row, in.row + in.height);
+    int bottom = clamp(row_end, in.row, in.row + in.height);
+    return (struct iso_grid_window){in.column + left, top, right - left, bottom - top};
+}
+
+/* The window of a source: its columns in whole groups of lanes, which may take it into the margin
+ * to the right of the grid, where nothing is. */
+static struct iso_grid_window window_of(const struct iso_grid *grid,
+                                        const struct iso_grid_point *source, double reach)
+{
+    int px = (int)ceil(fmin(reach / grid->pitch_mm, grid->width + grid->height));
+    int row = source->corner[0] / grid->stride, column = source->corner[0] % grid->stride;
+    struct iso_grid_window w = {.column = clamp(column - px, 0, grid->width - 1) / ISO_LANES *
+                                          ISO_LANES,
+                                .row = clamp(row - px, 0, grid->height - 1)};
+    w.width = round_up(clamp(column + px + 1, 1, grid->width) - w.column);
+    w.height = clamp(row + px + 1, 1, grid->height) - w.row;
+    return w;
+}
+
+/* The pixels that a source's heat can have reached after so many steps. */
+static struct iso_grid_window reached(struct iso_grid_window window, int stride,
+                                      const struct iso_grid_point *source, int steps)
+{
+    int left = INT32_MAX, right = 0, top = INT32_MAX, bottom = 0;
+    for (int k = 0; k < 3; k++) {
+        int row = source->corner[k] / stride, column = source->corner[k] % stride;
+        left = column < left ? column : left;
+        right = column > right ? column : right;
+        top = row < top ? row : top;
+        bottom = row > bottom ? row : bottom;
+    }
+    return clip(window, left - steps, top - steps, right + steps + 1, bottom + steps + 1);
+}
+
+static void clear(float *plane, ptrdiff_t stride, struct iso_grid_window window)
+{
+    for (int row = window.row; row < window.row + window.height; row++) {
+        memset(&plane[row * stride + window.column], 0, (size_t)window.width * sizeof *plane);
+    }
+}
+
+/* A batch: what its tasks share. */
+struct batch {
+    struct iso_heat_grid *h;
+    const struct iso_grid *grid;
+    const struct iso_heat_grid_request *request;
+};
+
+/* y += weight D^-1/2 b: the unit load of the source. */
+static void load(const struct iso_heat_grid *h, const struct iso_grid_point *source, double weight,
+                 float *y)
+{
+    for (int k = 0; k < 3; k++) {
+        int32_t at = source->corner[k];
+        y[at] += (float)(weight * source->weight[k] * (double)h->stencil->root[at]);
+    }
+}
+
+static void take_step(struct iso_heat_grid *h, struct flow *flow, struct iso_grid_window box,
+                      double half, const float *y, float *io, const struct iso_grid_sums *sums)
+{
+    /* x = 2 A / lambda - 1 maps the spectrum to -1..1; a whole step is 2 x y - io, half a one
+     * x y - io. */
+    h->step(h->stencil, box, (float)(half * 4.0 / flow->lambda), (float)(half * -2.0), y, io, sums);
+    flow->effort.steps++;
+    flow->effort.pixels += (double)box.width * (double)box.height;
+}
+
+/* One time: Clenshaw's recurrence (1955) from the last term down, b_k = c_k v + 2 x b_{k+1} -
+ * b_{k+2} and the sum c_0 v + x b_1 - b_2. Needs no sum on the way, and starts where the
+ * coefficients are small, which keeps rounding small. Returns the vector that holds the sum. */
+static float *expand_one(struct iso_heat_grid *h, struct worker *worker, struct flow *flow,
+                         const struct iso_grid_point *source, int terms)
+{
+    static const struct iso_grid_sums none;
+    float *next = worker->vector[0], *now = worker->vector[1];
+    for (int k = terms - 1; k >= 0; k--) {
+        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, source,
+                                             terms - 1 - k);
+        if (k < terms - 1) {
+            take_step(h, flow, box, k == 0 ? 0.5 : 1.0, now, next, &none);
+        }
+        load(h, source, worker->c[0][k], next);
+        float *spare = now;
+        now = next;
+        next = spare;
+    }
+    return now;
+}
+
+/* Several times: the polynomials themselves, T_{k+1} = 2 x T_k - T_{k-1}, summed for each time in
+ * its own plane. */
+static void expand_several(struct iso_heat_grid *h, struct worker *worker, struct flow *flow,
+                           const struct iso_grid_point *source, const int *terms, float **sum)
+{
+    int n_times = h->n_times, most = 0;
+    float *before = worker->vector[0], *now = worker->vector[1];
+    load(h, source, 1.0, now);
+    for (int j = 0; j < n_times; j++) {
+        load(h, source, worker->c[j][0], sum[j]);
+        most = terms[j] > most ? terms[j] : most;
+    }
+    for (int k = 1; k < most; k++) {
+        struct iso_grid_sums sums = {0};
+        for (int j = 0; j < n_times; j++) {
+            if (k < terms[j]) {
+                sums.weight[sums.n] = (float)worker->c[j][k];
+                sums.sum[sums.n++] = sum[j];
+            }
+        }
+        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, source, k);
+        take_step(h, flow, box, k == 1 ? 0.5 : 1.0, now, before, &sums);
+        float *spare = before;
+        before = now;
+        now = spare;
+    }
+}
+
+/* column = D^-1/2 y in the window; y and column may be the same. */
+static void finish(const struct iso_heat_grid *h, struct iso_grid_window window, const float *y,
+                   float *column)
+{
+    for (int row = window.row; row < window.row + window.height; row++) {
+        ptrdiff_t from = row * h->stencil->stride + window.column;
+        for (ptrdiff_t i = from; i < from + window.width; i++) {
+            column[i] = h->stencil->root[i] * y[i];
+        }
+    }
+}
+
+static void release_one(void *shared, int source, int worker_number)
+{
+    const struct batch *batch = shared;
+    struct iso_heat_grid *h = batch->h;
+    const struct iso_heat_grid_request *request = batch->request;
+    const struct iso_grid_point *at = &request->sources[source];
+    struct worker *worker = &h->workers[worker_number];
+    struct flow *flow = &h->flows[source];
+    int terms[ISO_HEAT_GRID_TIMES_MAX];
+    float *columns[ISO_HEAT_GRID_TIMES_MAX];
+    for (int j = 0; j < h->n_times; j++) {
+        double t = request->t_mm2[j];
+        double tolerance = tolerance_of(batch->grid->pitch_mm, request->radius_mm, t);
+        terms[j] = iso_chebyshev_exp(0.5 * t * flow->lambda, tolerance, worker->c[j]);
+        columns[j] = column_plane(h, source, j);
+    }
+    for (int j = 0; j < h->options.n_times; j++) {
+        clear(column_plane(h, source, j), h->stencil->stride, flow->dirty);
+    }
+    if (h->n_times == 1) {
+        finish(h, flow->window, expand_one(h, worker, flow, at, terms[0]), columns[0]);
+    } else {
+        expand_several(h, worker, flow, at, terms, columns);
+        for (int j = 0; j < h->n_times; j++) {
+            finish(h, flow->window, columns[j], columns[j]);
+        }
+    }
+    flow->dirty = flow->window;
+    clear(worker->vector[0], h->stencil->stride, flow->window);
+    clear(worker->vector[1], h->stencil->stride, flow->window);
+}
+
+static bool on_surface(const struct iso_grid *grid, const struct iso_grid_point *source)
+{
+    bool there = true;
+    for (int k = 0; k < 3 && there; k++) {
+        int32_t at = source->corner[k];
+        there = at >= 0 && at < grid->height * grid->stride && grid->share_mm2[at] > 0.0f;
+    }
+    return there;
+}
+
+/* The smallest window that holds two; columns stay whole groups of lanes. */
+static struct iso_grid_window join(struct iso_grid_window a, struct iso_grid_window b)
+{
+    int column = a.column < b.column ? a.column : b.column, row = a.row < b.row ? a.row : b.row;
+    int a_end = a.column + a.width, b_end = b.column + b.width;
+    int a_bottom = a.row + a.height, b_bottom = b.row + b.height;
+    return (struct iso_grid_window){column, row, (a_end > b_end ? a_end : b_end) - column,
+                                    (a_bottom > b_bottom ? a_bottom : b_bottom) - row};
+}
+
+static bool request_sane(const struct iso_heat_grid *h, const struct iso_grid *grid,
+                         const struct iso_heat_grid_request *r)
+{
+    bool sane = r->n_sources >= 1 && r->n_sources <= h->options.n_sources && r->n_times >= 1 &&
+                r->n_times <= h->options.n_times && r->radius_mm > 0.0 && isfinite(r->radius_mm) &&
+                iso_grid_plane_size(grid) == h->plane_size && grid->stride == h->stencil->stride;
+    for (int j = 0; sane && j < r->n_times; j++) {
+        sane = r->t_mm2[j] > 0.0 && isfinite(r->t_mm2[j]);
+    }
+    for (int i = 0; sane && i < r->n_sources; i++) {
+        sane = on_surface(grid, &r->sources[i]);
+    }
+    return sane;
+}
+
+int iso_heat_grid(struct iso_heat_grid *h, const struct iso_grid *grid,
+                  const struct iso_heat_grid_request *request, const struct iso_tasks *tasks)
+{
+    if (!request_sane(h, grid, request) || (tasks && tasks->n_workers > h->options.n_workers)) {
+        return -EINVAL;
+    }
+    double t_min = INFINITY, t_max = 0.0, reach = 0.0;
+    for (int j = 0; j < request->n_times; j++) {
+        t_min = fmin(t_min, request->t_mm2[j]);
+        t_max = fmax(t_max, request->t_mm2[j]);
+        reach = fmax(reach, reach_mm(request->radius_mm, request->t_mm2[j]));
+    }
+    h->n_sources = request->n_sources;
+    h->n_times = request->n_times;
+    struct iso_grid_window all = window_of(grid, &request->sources[0], reach);
+    for (int s = 0; s < request->n_sources; s++) {
+        h->flows[s].window = window_of(grid, &request->sources[s], reach);
+        all = join(all, h->flows[s].window);
+    }
+    iso_grid_stencil_build(h->stencil, grid, all);
+    for (int s = 0; s < request->n_sources; s++) {
+        struct flow *flow = &h->flows[s];
+        flow->lambda = fmax(iso_grid_stencil_bound(h->stencil, flow->window), argument_min / t_min);
+        flow->effort = (struct iso_heat_grid_effort){.stiffness_max = t_max * flow->lambda};
+        if (!(flow->effort.stiffness_max <= ISO_HEAT_GRID_STIFFNESS_MAX)) {
+            return -ERANGE;
+        }
+    }
+    struct batch batch = {h, grid, request};
+    iso_tasks_run(tasks, release_one, &batch, request->n_sources);
+    return 0;
+}
+
+struct iso_grid_field iso_heat_grid_column(const struct iso_heat_grid *h, int source, int time)
+{
+    return (struct iso_grid_field){h->flows[source].window, column_plane(h, source, time)};
+}
+
+struct iso_heat_grid_effort iso_heat_grid_effort(const struct iso_heat_grid *h)
+{
+    struct iso_heat_grid_effort all = {0};
+    for (int s = 0; s < h->n_sources; s++) {
+        const struct iso_heat_grid_effort *one = &h->flows[s].effort;
+        all.steps += one->steps;
+        all.pixels += one->pixels;
+        all.stiffness_max = fmax(all.stiffness_max, one->stiffness_max);
+    }
+    return all;
+}

@@ -1,0 +1,188 @@
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/isotherm/grid_band.h"
+#include "core/isotherm/grid_isotherm.h"
+#include "core/isotherm/tracer_store.h"
+
+struct iso_grid_tracer {
+    struct iso__grid_band band;
+    uint8_t *passed; /* of each cell's triangles (cell.h), those traced; in the grid's layout */
+    struct iso_tracer *curves;
+};
+
+/* What is being traced. */
+struct scene {
+    const struct iso_grid *grid;
+    const struct iso_grid_field *field;
+    double level;
+};
+
+/* A triangle on the way; left_out < 0: there is none. */
+struct place {
+    int32_t cell;
+    int left_out;
+};
+
+int iso_grid_tracer_new(const struct iso_grid *grid, struct iso_grid_tracer **out)
+{
+    struct iso_grid_tracer *t = calloc(1, sizeof *t);
+    if (!t) {
+        return -ENOMEM;
+    }
+    t->passed = calloc(iso_grid_plane_size(grid), 1);
+    int error = t->passed ? iso__grid_band_init(&t->band, grid) : -ENOMEM;
+    error = error ? error : iso_tracer_new(2 * grid->width * grid->height, &t->curves);
+    if (error) {
+        iso_grid_tracer_free(t);
+        return error;
+    }
+    *out = t;
+    return 0;
+}
+
+void iso_grid_tracer_free(struct iso_grid_tracer *tracer)
+{
+    if (tracer) {
+        iso__grid_band_done(&tracer->band);
+        iso_tracer_free(tracer->curves);
+        free(tracer->passed);
+        free(tracer);
+    }
+}
+
+const struct iso_tracer *iso_grid_tracer_curves(const struct iso_grid_tracer *tracer)
+{
+    return tracer->curves;
+}
+
+static bool is_hot(const struct scene *scene, struct place at, int corner)
+{
+    int32_t vertex = iso_grid_corner(scene->grid, at.cell,
+                                     iso_cell_corners[at.left_out][corner % 3]);
+    return (double)scene->field->value[vertex] >= scene->level;
+}
+
+/* As in tracer.c: the edge, by the corner opposite to it, at which the triangle turns from hot to
+ * cold or back; -1 if the level does not cut it. */
+static int turning_edge(const struct scene *scene, struct place at, bool from_hot)
+{
+    for (int k = 0; k < 3; k++) {
+        if (is_hot(scene, at, k + 1) == from_hot && is_hot(scene, at, k + 2) != from_hot) {
+            return k;
+        }
+    }
+    return -1;
+}
+
+static struct iso_vec3 cut(const struct scene *scene, struct place at, int edge)
+{
+    const uint8_t *corners = iso_cell_corners[at.left_out];
+    int32_t a = iso_grid_corner(scene->grid, at.cell, corners[(edge + 1) % 3]);
+    int32_t b = iso_grid_corner(scene->grid, at.cell, corners[(edge + 2) % 3]);
+    double from = (double)scene->field->value[a], to = (double)scene->field->value[b];
+    struct iso_vec3 start = iso_grid_vertex(scene->grid, a);
+    return iso_madd(start, (scene->level - from) / (to - from),
+                    iso_sub(iso_grid_vertex(scene->grid, b), start));
+}
+
+/* The triangle of a cell that has both corners; the cell holds at most one but for the diagonal. */
+static struct place with_corners(const struct scene *scene, int32_t cell, int p, int q)
+{
+    int32_t row = cell / scene->grid->stride, column = cell % scene->grid->stride;
+    const struct iso_grid_window *w = &scene->field->window;
+    struct place none = {cell, -1};
+    if (row < w->row || column < w->column || row + 1 >= w->row + w->height ||
+        column + 1 >= w->column + w->width) {
+        return none;
+    }
+    for (int k = 0; k < 4; k++) {
+        if (scene->grid->cell[cell] >> k & 1 && k != p && k != q) {
+            return (struct place){cell, k};
+        }
+    }
+    return none;
+}
+
+/* The triangle across an edge. */
+static struct place across(const struct scene *scene, struct place at, int edge)
+{
+    const uint8_t *corners = iso_cell_corners[at.left_out];
+    int p = corners[(edge + 1) % 3], q = corners[(edge + 2) % 3];
+    switch (1 << p | 1 << q) {
+    case 1 << 0 | 1 << 1:
+        return at.cell < scene->grid->stride
+                   ? (struct place){at.cell, -1}
+                   : with_corners(scene, at.cell - scene->grid->stride, 2, 3);
+    case 1 << 2 | 1 << 3:
+        return with_corners(scene, at.cell + scene->grid->stride, 0, 1);
+    case 1 << 0 | 1 << 2:
+        return at.cell % scene->grid->stride == 0 ? (struct place){at.cell, -1}
+                                                  : with_corners(scene, at.cell - 1, 1, 3);
+    case 1 << 1 | 1 << 3:
+        return with_corners(scene, at.cell + 1, 0, 2);
+    default: { /* the diagonal: the cell's other triangle, if it is there */
+        int other = 3 - at.left_out;
+        return (struct place){at.cell, scene->grid->cell[at.cell] >> other & 1 ? other : -1};
+    }
+    }
+}
+
+static bool is_passed(const struct iso_grid_tracer *t, struct place at)
+{
+    return t->passed[at.cell] >> at.left_out & 1;
+}
+
+/* As in tracer.c: follows the level until it returns or leaves the window. */
+static void walk(struct iso_grid_tracer *t, const struct scene *scene, struct place first)
+{
+    struct iso_tracer *curves = t->curves;
+    int32_t n = curves->start[curves->n_curves];
+    struct place at = first;
+    bool open = false;
+    while (!is_passed(t, at)) {
+        t->passed[at.cell] |= (uint8_t)(1 << at.left_out);
+        curves->points[n++] = cut(scene, at, turning_edge(scene, at, true));
+        int leaves = turning_edge(scene, at, false);
+        struct place next = across(scene, at, leaves);
+        if (next.left_out < 0) {
+            curves->points[n++] = cut(scene, at, leaves);
+            open = true;
+            break;
+        }
+        at = next;
+    }
+    curves->closed[curves->n_curves] = !open && at.cell == first.cell &&
+                                       at.left_out == first.left_out;
+    curves->start[++curves->n_curves] = n;
+}
+
+int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *grid,
+                        const struct iso_grid_field *field, double radius_mm, double *level)
+{
+    const struct iso__grid_band *band = &tracer->band;
+    double found;
+    int error = iso__grid_band_find(&tracer->band, grid, field, radius_mm, &found);
+    if (error) {
+        return error;
+    }
+    const struct scene scene = {grid, field, found};
+    for (int32_t i = 0; i < band->n; i++) {
+        tracer->passed[band->triangle[i].cell] = 0;
+    }
+    tracer->curves->n_curves = 0;
+    tracer->curves->start[0] = 0;
+    /* Open curves first, from where they enter: what is left then are loops. */
+    for (int loops = 0; loops < 2; loops++) {
+        for (int32_t i = 0; i < band->n; i++) {
+            struct place at = {band->triangle[i].cell, band->triangle[i].left_out};
+            int enters = is_passed(tracer, at) ? -1 : turning_edge(&scene, at, true);
+            if (enters >= 0 && (loops || across(&scene, at, enters).left_out < 0)) {
+                walk(tracer, &scene, at);
+            }
+        }
+    }
+    *level = found;
+    return tracer->curves->n_curves;
+}

@@ -1,0 +1,41 @@
+/* What finding a level has in common on meshes and grids. Internal to core/isotherm. */
+#ifndef ISO_CORE_ISOTHERM_LEVEL_SEARCH_H
+#define ISO_CORE_ISOTHERM_LEVEL_SEARCH_H
+
+#include <math.h>
+
+/* The part of a triangle in which a linear function with corner values h is at or above a level. */
+static inline double iso__share_above(double h0, double h1, double h2, double level)
+{
+    /* Sort so that low <= middle <= high, by comparisons: fmin and fmax are calls. */
+    double low = h0 < h1 ? h0 : h1, high = h0 < h1 ? h1 : h0;
+    low = h2 < low ? h2 : low;
+    high = h2 > high ? h2 : high;
+    double middle = h0 + h1 + h2 - low - high;
+    if (level <= low) {
+        return 1.0;
+    }
+    if (level > high) {
+        return 0.0;
+    }
+    if (level > middle) {
+        return (high - level) * (high - level) / ((high - low) * (high - middle));
+    }
+    return 1.0 - (level - low) * (level - low) / ((high - low) * (middle - low));
+}
+
+/* A surface with heat, whose area above a level falls as the level rises. */
+struct iso__level_search {
+    double (*area_mm2)(const void *surface, double level);
+    const void *surface;
+    double wanted_mm2;
+};
+
+/* The level with the wanted area above it, to 1e-6 of the area, between low, above which f_low >= 0
+ * more than that lies, and high with f_high <= 0. Heat falls off like a Gaussian, so that area is
+ * nearly linear in the logarithm of the level: regula falsi there (Illinois variant, Dowell and
+ * Jarratt 1971) needs few steps. */
+double iso__level_between(const struct iso__level_search *search, double low, double f_low,
+                          double high, double f_high);
+
+#endif

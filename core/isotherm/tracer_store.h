@@ -1,0 +1,22 @@
+/* What a tracer holds, for the two that fill it: over a mesh and over a grid. Internal to
+ * core/isotherm.
+ *
+ * A vertex counts as hot if its heat is at least the level: with this rule alone every triangle
+ * that the level cuts has one edge from hot to cold and one from cold to hot (going around
+ * counter-clockwise), whatever vertices lie exactly on the level. The curve enters by the former
+ * and leaves by the latter, hot on its left. */
+#ifndef ISO_CORE_ISOTHERM_TRACER_STORE_H
+#define ISO_CORE_ISOTHERM_TRACER_STORE_H
+
+#include "core/isotherm/isotherm.h"
+
+struct iso_tracer {
+    int32_t triangle_capacity;
+    struct iso_vec3 *points; /* [2 triangle_capacity], curve after curve */
+    int32_t *start;          /* [triangle_capacity + 1], of each curve in points */
+    bool *closed;            /* [triangle_capacity] */
+    uint8_t *passed;         /* [triangle_capacity], 1 once traced */
+    int32_t n_curves;
+};
+
+#endif

@@ -1,0 +1,24 @@
+/* Threads that stand by to share a batch of tasks (core/tasks.h) with the thread that has it.
+ *
+ * One fork and join a batch: whoever calls works along as worker 0, the others take tasks as long
+ * as there are some. A helper that the machine has no time for is not waited for unless it holds a
+ * task, so that a crew on a busy machine is one thread that works alone. */
+#ifndef ISO_FIRMWARE_CREW_H
+#define ISO_FIRMWARE_CREW_H
+
+#include "core/tasks.h"
+
+enum { ISO_CREW_MAX = 16 };
+
+struct iso_crew;
+
+/* A crew of 1..ISO_CREW_MAX, the caller included: starts one thread less. -EINVAL, -ENOMEM, -EAGAIN
+ * if threads cannot be started. */
+int iso_crew_new(int n_workers, struct iso_crew **out) __attribute__((warn_unused_result));
+/* Ends the threads; no batch may be running. */
+void iso_crew_free(struct iso_crew *crew);
+
+/* What core is handed; valid as long as the crew. Batches come from one thread at a time. */
+const struct iso_tasks *iso_crew_tasks(const struct iso_crew *crew);
+
+#endif

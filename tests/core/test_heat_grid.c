@@ -1,0 +1,383 @@
+/* The grid heat solver: its operator is that of the mesh, its columns are those of the plane, and
+ * nobody's turn or threads change them. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "core/heat/chebyshev.h"
+#include "core/heat/grid_step.h"
+#include "core/heat/heat_grid.h"
+#include "core/math/lanes.h"
+#include "tests/core/grid_surface.h"
+#include "tests/core/matrices.h"
+
+static float *new_plane(const struct iso_grid *grid)
+{
+    float *plane = calloc(iso_grid_plane_size(grid), sizeof *plane);
+    assert_non_null(plane);
+    return plane + iso_grid_plane_origin(grid);
+}
+
+static void free_plane(const struct iso_grid *grid, float *plane)
+{
+    free(plane - iso_grid_plane_origin(grid));
+}
+
+static struct iso_heat_grid *new_solver(const struct grid_surface *s, int n_sources, int n_times,
+                                        int n_workers)
+{
+    const struct iso_heat_grid_options options = {n_sources, n_times, n_workers};
+    struct iso_heat_grid *solver = NULL;
+    assert_int_equal(iso_heat_grid_new(s->grid, &options, &solver), 0);
+    return solver;
+}
+
+/* Whole rows, in whole groups of lanes. */
+static struct iso_grid_window everything(const struct iso_grid *grid)
+{
+    return (struct iso_grid_window){0, 0, (grid->width + ISO_LANES - 1) / ISO_LANES * ISO_LANES,
+                                    grid->height};
+}
+
+static const struct iso_grid_sums no_sums;
+
+/* Any values at the vertices. */
+static float *any_values(const struct grid_surface *s)
+{
+    float *y = new_plane(s->grid);
+    for (int32_t i = 0; i < s->mesh->n_vertices; i++) {
+        y[s->plane_index[i]] = (float)sin(1.0 + 12.9898 * i);
+    }
+    return y;
+}
+
+static void the_operator_is_that_of_the_mesh(void **state)
+{
+    (void)state;
+    struct grid_surface s = grid_surface_hills(2.0, 1.0);
+    struct matrices m = matrices_of(s.mesh, ISO_MASS_LUMPED);
+    struct iso_grid_stencil *stencil = NULL;
+    assert_int_equal(iso_grid_stencil_new(s.grid, &stencil), 0);
+    iso_grid_stencil_build(stencil, s.grid, everything(s.grid));
+    size_t n = (size_t)s.mesh->n_vertices;
+    float *y = any_values(&s), *image = new_plane(s.grid);
+    double *x = calloc(n, sizeof *x), *expected = calloc(n, sizeof *expected);
+    assert_true(x && expected);
+    for (size_t i = 0; i < n; i++) {
+        double mass = m.mass->value[m.mass->column_start[i]];
+        assert_true(fabs((double)stencil->root[s.plane_index[i]] * sqrt(mass) - 1.0) < 1e-6);
+        x[i] = (double)y[s.plane_index[i]] / sqrt(mass);
+    }
+    iso_symmetric_multiply(m.stiffness, x, expected);
+    iso_grid_stepper().step(stencil, everything(s.grid), 1.0f, 0.0f, y, image, &no_sums);
+    for (size_t i = 0; i < n; i++) {
+        double mass = m.mass->value[m.mass->column_start[i]];
+        double off = (double)image[s.plane_index[i]] - expected[i] / sqrt(mass);
+        assert_true(fabs(off) < 2e-5);
+    }
+    free(x);
+    free(expected);
+    free_plane(s.grid, y);
+    free_plane(s.grid, image);
+    iso_grid_stencil_free(stencil);
+    matrices_free(&m);
+    grid_surface_done(&s);
+}
+
+static double norm(const struct iso_grid *grid, const float *plane)
+{
+    double square = 0.0;
+    for (int i = 0; i < grid->height * grid->stride; i++) {
+        square += (double)plane[i] * (double)plane[i];
+    }
+    return sqrt(square);
+}
+
+static void the_bound_holds_and_is_close(void **state)
+{
+    (void)state;
+    for (int steep = 0; steep < 2; steep++) {
+        struct grid_surface s = grid_surface_hills(2.0, steep);
+        struct iso_grid_stencil *stencil = NULL;
+        assert_int_equal(iso_grid_stencil_new(s.grid, &stencil), 0);
+        iso_grid_stencil_build(stencil, s.grid, everything(s.grid));
+        const struct iso_grid_window all = everything(s.grid);
+        float *now = any_values(&s), *next = new_plane(s.grid);
+        double largest = 0.0;
+        for (int i = 0; i < 300; i++) { /* power iteration */
+            memset(next - iso_grid_plane_origin(s.grid), 0,
+                   iso_grid_plane_size(s.grid) * sizeof *next);
+            iso_grid_stepper().step(stencil, all, (float)(1.0 / norm(s.grid, now)), 0.0f, now, next,
+                                    &no_sums);
+            largest = norm(s.grid, next);
+            float *spare = now;
+            now = next;
+            next = spare;
+        }
+        double bound = iso_grid_stencil_bound(stencil, all);
+        print_message("steepness %d: largest eigenvalue %.3f, bound %.3f\n", steep, largest, bound);
+        assert_true(bound > largest && bound < 1.7 * largest);
+        free_plane(s.grid, now);
+        free_plane(s.grid, next);
+        iso_grid_stencil_free(stencil);
+        grid_surface_done(&s);
+    }
+}
+
+#if defined __x86_64__
+static void processors_agree_to_the_bit(void **state)
+{
+    (void)state;
+    if (!__builtin_cpu_supports("avx2")) {
+        skip();
+    }
+    struct grid_surface s = grid_surface_hills(2.0, 1.0);
+    struct iso_grid_stencil *stencil = NULL;
+    assert_int_equal(iso_grid_stencil_new(s.grid, &stencil), 0);
+    iso_grid_stencil_build(stencil, s.grid, everything(s.grid));
+    const struct iso_grid_window all = everything(s.grid);
+    float *y = any_values(&s), *a = new_plane(s.grid), *b = new_plane(s.grid);
+    float *sum_a = new_plane(s.grid), *sum_b = new_plane(s.grid);
+    const struct iso_grid_sums into_a = {1, {0.3f}, {sum_a}}, into_b = {1, {0.3f}, {sum_b}};
+    for (int i = 0; i < 3; i++) {
+        iso__grid_step_baseline(stencil, all, 0.7f, -2.0f, y, a, &into_a);
+        iso__grid_step_avx2(stencil, all, 0.7f, -2.0f, y, b, &into_b);
+    }
+    size_t bytes = (size_t)(s.grid->height * s.grid->stride) * sizeof *a;
+    assert_true(norm(s.grid, a) > 1.0 && norm(s.grid, sum_a) > 1.0);
+    assert_memory_equal(a, b, bytes);
+    assert_memory_equal(sum_a, sum_b, bytes);
+    float *const planes[] = {y, a, b, sum_a, sum_b};
+    for (size_t i = 0; i < sizeof planes / sizeof planes[0]; i++) {
+        free_plane(s.grid, planes[i]);
+    }
+    iso_grid_stencil_free(stencil);
+    grid_surface_done(&s);
+}
+#endif
+
+static void the_expansion_is_the_exponential(void **state)
+{
+    (void)state;
+    static double c[ISO_CHEBYSHEV_TERMS_MAX];
+    const double z[] = {0.01, 0.5, 20.0, 112.5, 1750.0};
+    for (size_t i = 0; i < sizeof z / sizeof z[0]; i++) {
+        int terms = iso_chebyshev_exp(z[i], 1e-9, c);
+        assert_true(terms > 1);
+        for (int k = 0; k <= 100; k++) {
+            double x = -1.0 + 0.02 * k, sum = 0.0;
+            for (int j = terms - 1; j >= 0; j--) {
+                sum += c[j] * cos(j * acos(x));
+            }
+            assert_true(fabs(sum - exp(-z[i] * (1.0 + x))) < 1.1e-9);
+        }
+        assert_true(iso_chebyshev_exp(z[i], 1e-4, c) < terms);
+    }
+    assert_int_equal(iso_chebyshev_exp(1e5, 1e-9, c), -ERANGE);
+    assert_int_equal(iso_chebyshev_exp(0.0, 1e-9, c), -ERANGE);
+    assert_int_equal(iso_chebyshev_exp(NAN, 1e-9, c), -ERANGE);
+}
+
+static void on_a_plane_heat_is_gaussian(void **state)
+{
+    (void)state;
+    struct grid_surface s = grid_surface_hills(2.0, 0.0);
+    struct iso_heat_grid *solver = new_solver(&s, 1, 1, 0);
+    const double t_mm2 = 60.0, x_mm = 3.7, y_mm = -5.2;
+    struct iso_grid_point source = grid_surface_point(&s, x_mm, y_mm);
+    const struct iso_heat_grid_request request = {&source, 1, &t_mm2, 1, 20.0};
+    assert_int_equal(iso_heat_grid(solver, s.grid, &request, NULL), 0);
+    struct iso_grid_field column = iso_heat_grid_column(solver, 0, 0);
+    double total = 0.0;
+    for (int row = 0; row < s.grid->height; row++) {
+        for (int i = row * s.grid->stride; i < row * s.grid->stride + s.grid->width; i++) {
+            total += (double)(column.value[i] * s.grid->share_mm2[i]);
+            struct iso_vec3 p = iso_grid_vertex(s.grid, i);
+            double r = hypot(p.x - x_mm, p.y - y_mm);
+            if (r < 22.0) {
+                double exact = exp(-r * r / (4.0 * t_mm2)) / (4.0 * M_PI * t_mm2);
+                /* What a mesh of 2 mm can say of a point source. */
+                assert_true(fabs((double)column.value[i] / exact - 1.0) < 0.03);
+            }
+        }
+    }
+    assert_true(total < 1.0 && total > 0.97); /* the rest left over the window's cold border */
+    iso_heat_grid_free(solver);
+    grid_surface_done(&s);
+}
+
+enum { SOURCES = 5 };
+
+static void make_sources(const struct grid_surface *s, struct iso_grid_point source[SOURCES])
+{
+    const double place_mm[SOURCES][2] = {
+        {3.3, -4.1}, {-61.0, 40.2}, {30.0, 21.7}, {-20.5, -47.9}, {66.9, 13.3}};
+    for (int i = 0; i < SOURCES; i++) {
+        source[i] = grid_surface_point(s, place_mm[i][0], place_mm[i][1]);
+    }
+}
+
+/* Largest difference of two columns in terms of the peak of the first. */
+static double difference(const struct iso_grid *grid, struct iso_grid_field a,
+                         struct iso_grid_field b)
+{
+    double most = 0.0, peak = 0.0;
+    for (int i = 0; i < grid->height * grid->stride; i++) {
+        peak = fmax(peak, (double)a.value[i]);
+        most = fmax(most, fabs((double)a.value[i] - (double)b.value[i]));
+    }
+    assert_true(peak > 0.0);
+    return most / peak;
+}
+
+static void several_times_in_one_pass_are_the_times_one_by_one(void **state)
+{
+    (void)state;
+    struct grid_surface s = grid_surface_hills(2.0, 1.0);
+    struct iso_grid_point source[SOURCES];
+    make_sources(&s, source);
+    const double t_mm2[] = {30.0, 100.0, 70.0};
+    struct iso_heat_grid *several = new_solver(&s, SOURCES, 3, 0);
+    struct iso_heat_grid *single = new_solver(&s, 1, 1, 0);
+    const struct iso_heat_grid_request all = {source, SOURCES, t_mm2, 3, 90.0};
+    assert_int_equal(iso_heat_grid(several, s.grid, &all, NULL), 0);
+    for (int i = 0; i < SOURCES; i++) {
+        for (int j = 0; j < 3; j++) {
+            /* The radius is so large that no window ends where there is heat. */
+            const struct iso_heat_grid_request one = {&source[i], 1, &t_mm2[j], 1, 90.0};
+            assert_int_equal(iso_heat_grid(single, s.grid, &one, NULL), 0);
+            assert_true(difference(s.grid, iso_heat_grid_column(several, i, j),
+                                   iso_heat_grid_column(single, 0, 0)) < 1e-5);
+        }
+    }
+    iso_heat_grid_free(several);
+    iso_heat_grid_free(single);
+    grid_surface_done(&s);
+}
+
+/* Runs a batch from its end, as three workers in turn. */
+static void run_backwards(void *context, iso_task *task, void *batch, int n_tasks)
+{
+    for (int i = n_tasks - 1; i >= 0; i--) {
+        task(batch, i, i % 3);
+        ++*(int *)context;
+    }
+}
+
+static void neither_history_nor_workers_change_a_column(void **state)
+{
+    (void)state;
+    struct grid_surface s = grid_surface_hills(2.0, 1.0);
+    struct iso_grid_point source[SOURCES];
+    make_sources(&s, source);
+    const double t_mm2[] = {100.0, 40.0};
+    struct iso_heat_grid *fresh = new_solver(&s, SOURCES, 2, 1);
+    struct iso_heat_grid *used = new_solver(&s, SOURCES, 2, 3);
+    int n_run = 0;
+    const struct iso_tasks tasks = {3, run_backwards, &n_run};
+    for (int n_times = 1; n_times <= 2; n_times++) {
+        const struct iso_heat_grid_request request = {source, SOURCES, t_mm2, n_times, 18.0};
+        const struct iso_heat_grid_request before = {&source[n_times], 2, &t_mm2[1], 1, 50.0};
+        assert_int_equal(iso_heat_grid(fresh, s.grid, &request, NULL), 0);
+        assert_int_equal(iso_heat_grid(used, s.grid, &before, &tasks), 0);
+        assert_int_equal(iso_heat_grid(used, s.grid, &request, &tasks), 0);
+        assert_int_equal(n_run, n_times * (2 + SOURCES));
+        for (int i = 0; i < SOURCES * n_times; i++) {
+            struct iso_grid_field a = iso_heat_grid_column(fresh, i / n_times, i % n_times);
+            struct iso_grid_field b = iso_heat_grid_column(used, i / n_times, i % n_times);
+            assert_memory_equal(&a.window, &b.window, sizeof a.window);
+            assert_true(difference(s.grid, a, b) == 0.0);
+        }
+    }
+    assert_int_equal(iso_heat_grid_effort(fresh).steps, iso_heat_grid_effort(used).steps);
+    assert_true(iso_heat_grid_effort(fresh).pixels > 1e5);
+    iso_heat_grid_free(fresh);
+    iso_heat_grid_free(used);
+    grid_surface_done(&s);
+}
+
+static void what_is_too_stiff_is_declined(void **state)
+{
+    (void)state;
+    struct grid_surface s = grid_surface_hills(2.0, 1.0);
+    struct iso_heat_grid *solver = new_solver(&s, 1, 1, 0);
+    struct iso_grid_point source = grid_surface_point(&s, 3.3, -4.1);
+    double t_mm2 = 100.0;
+    const struct iso_heat_grid_request request = {&source, 1, &t_mm2, 1, 18.0};
+    assert_int_equal(iso_heat_grid(solver, s.grid, &request, NULL), 0);
+    double stiffness = iso_heat_grid_effort(solver).stiffness_max;
+    assert_true(stiffness > 200.0 && stiffness < 1000.0);
+    t_mm2 *= 0.9 * ISO_HEAT_GRID_STIFFNESS_MAX / stiffness;
+    assert_int_equal(iso_heat_grid(solver, s.grid, &request, NULL), 0);
+    t_mm2 *= 1.2;
+    assert_int_equal(iso_heat_grid(solver, s.grid, &request, NULL), -ERANGE);
+    t_mm2 = 1e-5; /* hardly any time: the expansion still is one */
+    assert_int_equal(iso_heat_grid(solver, s.grid, &request, NULL), 0);
+    iso_heat_grid_free(solver);
+    grid_surface_done(&s);
+}
+
+static void bad_requests_are_refused(void **state)
+{
+    (void)state;
+    struct grid_surface s = grid_surface_hills(2.0, 1.0);
+    struct iso_heat_grid *solver = new_solver(&s, 1, 1, 0);
+    struct iso_grid_point source = grid_surface_point(&s, 3.3, -4.1), off = source;
+    struct iso_grid_point two[2] = {source, source};
+    off.corner[1] = 35 * s.grid->stride + 58; /* in the hole */
+    const double t[2] = {100.0, 100.0}, zero = 0.0, endless = INFINITY;
+    const struct iso_heat_grid_request bad[] = {
+        {&source, 0, t, 1, 18.0}, {two, 2, t, 1, 18.0},         {&source, 1, t, 0, 18.0},
+        {&source, 1, t, 2, 18.0}, {&source, 1, &zero, 1, 18.0}, {&source, 1, &endless, 1, 18.0},
+        {&source, 1, t, 1, 0.0},  {&source, 1, t, 1, NAN},      {&off, 1, t, 1, 18.0},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_int_equal(iso_heat_grid(solver, s.grid, &bad[i], NULL), -EINVAL);
+    }
+    int n_run = 0;
+    const struct iso_tasks crowd = {3, run_backwards, &n_run};
+    const struct iso_heat_grid_request good = {&source, 1, t, 1, 18.0};
+    assert_int_equal(iso_heat_grid(solver, s.grid, &good, &crowd), -EINVAL);
+    struct iso_grid *other = NULL;
+    assert_int_equal(iso_grid_new(s.grid->width, s.grid->height + 1, &other), 0);
+    assert_int_equal(iso_heat_grid(solver, other, &good, NULL), -EINVAL);
+    assert_int_equal(n_run, 0);
+    iso_grid_free(other);
+    const struct iso_heat_grid_options options[] = {{0, 1, 0},  {65, 1, 0},
+                                                    {1, 0, 0},  {1, ISO_HEAT_GRID_TIMES_MAX + 1, 0},
+                                                    {1, 1, -1}, {1, 1, 65}};
+    struct iso_heat_grid *none = NULL;
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
+        assert_int_equal(iso_heat_grid_new(s.grid, &options[i], &none), -EINVAL);
+    }
+    assert_null(none);
+    iso_heat_grid_free(NULL);
+    iso_heat_grid_free(solver);
+    grid_surface_done(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_operator_is_that_of_the_mesh),
+        cmocka_unit_test(the_bound_holds_and_is_close),
+#if defined __x86_64__
+        cmocka_unit_test(processors_agree_to_the_bit),
+#endif
+        cmocka_unit_test(the_expansion_is_the_exponential),
+        cmocka_unit_test(on_a_plane_heat_is_gaussian),
+        cmocka_unit_test(several_times_in_one_pass_are_the_times_one_by_one),
+        cmocka_unit_test(neither_history_nor_workers_change_a_column),
+        cmocka_unit_test(what_is_too_stiff_is_declined),
+        cmocka_unit_test(bad_requests_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

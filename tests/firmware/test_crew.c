@@ -1,0 +1,101 @@
+/* A crew runs every task of a batch once, no worker number twice at a time, batch after batch. */
+#include <errno.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "firmware/crew.h"
+
+enum { TASKS_MAX = 40, BATCHES = 300 };
+
+struct count {
+    int n_workers;
+    atomic_int runs[TASKS_MAX];
+    atomic_int busy[ISO_CREW_MAX];
+    atomic_int faults;
+    uint64_t result[TASKS_MAX];
+};
+
+static void work(void *batch, int task, int worker)
+{
+    struct count *count = batch;
+    bool known = worker >= 0 && worker < count->n_workers;
+    if (!known || atomic_fetch_add(&count->busy[worker], 1) != 0) {
+        atomic_fetch_add(&count->faults, 1);
+        return;
+    }
+    uint64_t value = (uint64_t)task + 1;
+    for (int i = 0; i < 2000; i++) { /* so long that others have time to come */
+        value = value * UINT64_C(6364136223846793005) + 1442695040888963407u;
+    }
+    count->result[task] = value;
+    atomic_fetch_add(&count->runs[task], 1);
+    atomic_fetch_sub(&count->busy[worker], 1);
+}
+
+static void every_task_runs_once(void **state)
+{
+    (void)state;
+    static struct count alone;
+    alone.n_workers = 1;
+    for (int i = 0; i < TASKS_MAX; i++) {
+        work(&alone, i, 0);
+    }
+    for (int n_workers = 1; n_workers <= 4; n_workers++) {
+        struct iso_crew *crew = NULL;
+        assert_int_equal(iso_crew_new(n_workers, &crew), 0);
+        const struct iso_tasks *tasks = iso_crew_tasks(crew);
+        assert_int_equal(tasks->n_workers, n_workers);
+        for (int b = 0; b < BATCHES; b++) {
+            static struct count count;
+            count = (struct count){.n_workers = n_workers};
+            int n_tasks = b % (TASKS_MAX + 1);
+            iso_tasks_run(tasks, work, &count, n_tasks);
+            assert_int_equal(count.faults, 0);
+            for (int i = 0; i < TASKS_MAX; i++) {
+                assert_int_equal(count.runs[i], i < n_tasks);
+                assert_true(count.result[i] == (i < n_tasks ? alone.result[i] : 0));
+            }
+        }
+        iso_crew_free(crew);
+    }
+}
+
+static void without_a_crew_the_caller_does_it(void **state)
+{
+    (void)state;
+    static struct count count;
+    count.n_workers = 1;
+    iso_tasks_run(NULL, work, &count, 12);
+    for (int i = 0; i < TASKS_MAX; i++) {
+        assert_int_equal(count.runs[i], i < 12);
+    }
+    assert_int_equal(count.faults, 0);
+}
+
+static void sizes_out_of_range_are_refused(void **state)
+{
+    (void)state;
+    struct iso_crew *none = NULL;
+    const int sizes[] = {0, -1, ISO_CREW_MAX + 1};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        assert_int_equal(iso_crew_new(sizes[i], &none), -EINVAL);
+    }
+    assert_null(none);
+    iso_crew_free(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_task_runs_once),
+        cmocka_unit_test(without_a_crew_the_caller_does_it),
+        cmocka_unit_test(sizes_out_of_range_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
