@@ -1,6 +1,7 @@
 #include "sim/generate/generate.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,7 +23,10 @@ struct preset {
     enum sim_expression expression; /* of probes and strangers; the gallery is neutral */
     struct sim_pose_range gallery_pose, probe_pose;
     int n_people, n_strangers, n_probes, n_sessions, n_per_kind, frames_per_visit;
-    double noise_scale;
+    int rest_sessions; /* of "training": the first of everybody are neutral, then mild */
+    double noise_scale, identity_variance; /* 0: the head model's own */
+    double near_mm,
+        far_mm; /* of later visits and strangers, in place of the sensor's; 0: its own */
     int png_level;
     bool bystander;   /* in visits */
     bool instruments; /* a sensor that sees nothing but skin is of no use */
@@ -37,6 +41,7 @@ struct job {
 };
 
 static int record_visits(struct job *job, struct iso_fault *fault);
+static int record_pairs(struct job *job, struct iso_fault *fault);
 static int record_repeats(struct job *job, struct iso_fault *fault);
 static int record_attacks(struct job *job, struct iso_fault *fault);
 static int record_not_faces(struct job *job, struct iso_fault *fault);
@@ -44,7 +49,7 @@ static int record_stored(struct job *job, struct iso_fault *fault);
 
 /* What presets of visits have in common. */
 #define VISITS                                                                     \
-    .record = record_visits, .n_people = 100, .n_strangers = 100, .n_probes = 200, \
+    .record = record_visits, .n_people = 100, .n_strangers = 100, .n_probes = 400, \
     .frames_per_visit = 1, .noise_scale = 1.0, .png_level = 4
 
 static const struct preset presets[] = {
@@ -67,12 +72,46 @@ static const struct preset presets[] = {
      .gallery_pose = {DEGREES(3), 0, 0},
      .probe_pose = {0, DEGREES(10), 0},
      .bystander = true},
+    {.name = "pairs",
+     .record = record_pairs,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_MILD,
+     .gallery_pose = {DEGREES(3), 0, 0},
+     .probe_pose = {0, DEGREES(10), 0},
+     .n_people = 50,
+     .n_strangers = 150,
+     .n_probes = 150,
+     .frames_per_visit = 12,
+     .noise_scale = 1.0,
+     .png_level = 4,
+     .bystander = true},
     {.name = "texas",
      VISITS,
      .sensor = &sim_sensor_texas,
      .expression = SIM_MILD,
      .gallery_pose = {DEGREES(2), 0, 0},
      .probe_pose = {0, DEGREES(5), 0}},
+    {.name = "hard", /* people who look alike */
+     VISITS,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_MILD,
+     .gallery_pose = {DEGREES(3), 0, 0},
+     .probe_pose = {0, DEGREES(10), 0},
+     .identity_variance = 0.36},
+    {.name = "pose",
+     VISITS,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_MILD,
+     .gallery_pose = {DEGREES(3), 0, 0},
+     .probe_pose = {0, DEGREES(10), DEGREES(35)}},
+    {.name = "far",
+     VISITS,
+     .sensor = &sim_sensor_astra,
+     .expression = SIM_MILD,
+     .gallery_pose = {DEGREES(3), 0, 0},
+     .probe_pose = {0, DEGREES(10), 0},
+     .near_mm = 900.0,
+     .far_mm = 1200.0},
     {.name = "landmarks",
      .record = record_repeats,
      .sensor = &sim_sensor_astra,
@@ -82,6 +121,17 @@ static const struct preset presets[] = {
      .n_sessions = 24, /* over 600 of 2400 lie beyond 25 degrees */
      .frames_per_visit = 1,
      .noise_scale = 2.5,
+     .png_level = 4},
+    {.name = "training", /* each person at rest, then mildly, then strongly moved */
+     .record = record_repeats,
+     .sensor = &sim_sensor_truedepth,
+     .expression = SIM_STRONG,
+     .probe_pose = {0, DEGREES(10), 0}, /* and the disc that the options give */
+     .rest_sessions = 2,
+     .n_people = 1000,
+     .n_sessions = 5,
+     .frames_per_visit = 1,
+     .noise_scale = 1.0,
      .png_level = 4},
     {.name = "attacks",
      .record = record_attacks,
@@ -121,7 +171,7 @@ struct sim_generate_options sim_generate_options_default(void)
         .pose_limit_rad = DEGREES(35),
         .frames_per_visit = 0,
         .noise_scale = -1.0,
-        .identity_variance = 1.0,
+        .identity_variance = -1.0,
     };
 }
 
@@ -136,29 +186,63 @@ static int frames_of(const struct job *job)
     return given > 0 ? given : job->preset->frames_per_visit;
 }
 
-/* One session of person `index`; the number of the session makes its name and its randomness. */
-static int record(struct job *job, char letter, int index, int session, enum sim_role role,
-                  struct iso_fault *fault)
+static double variance_of(const struct job *job)
+{
+    double given = job->options->identity_variance, own = job->preset->identity_variance;
+    return given >= 0.0 ? given : own > 0.0 ? own : 1.0;
+}
+
+/* The face a person makes: the gallery neutral; where there are sessions of rest, the first of them
+ * is neutral too and the others mild. */
+static enum sim_expression expression_of(const struct preset *preset, enum sim_role role,
+                                         int session)
+{
+    if (role == SIM_ROLE_GALLERY || (preset->rest_sessions > 0 && session == 1)) {
+        return SIM_NEUTRAL;
+    }
+    return session <= preset->rest_sessions ? SIM_MILD : preset->expression;
+}
+
+static struct sim_person person_of(const struct job *job, int index)
 {
     const struct sim_generate_options *o = job->options;
+    return sim_person_draw(o->population, o->seed, (uint32_t)index, variance_of(job));
+}
+
+/* A session of person `index`; its number makes its name and its randomness. */
+static struct sim_session_plan plan_of(const struct job *job, char letter, int index, int session,
+                                       enum sim_role role)
+{
     const struct preset *preset = job->preset;
     bool gallery = role == SIM_ROLE_GALLERY;
     struct sim_session_plan plan = {
         .row = {.role = role, .count = (size_t)frames_of(job)},
-        .person = sim_person_draw(o->population, o->seed, (uint32_t)index, o->identity_variance),
-        .expression = gallery ? SIM_NEUTRAL : preset->expression,
+        .person = person_of(job, index),
+        .expression = expression_of(preset, role, session),
         .pose = gallery ? preset->gallery_pose : preset->probe_pose,
+        .near_mm = gallery ? 0.0 : preset->near_mm,
+        .far_mm = gallery ? 0.0 : preset->far_mm,
         .sway = 1.0,
         .bystander = !gallery && preset->bystander,
         .open_hall = !gallery && preset->bystander, /* a wall might stand before the bystander */
     };
     if (preset->record == record_repeats) {
-        plan.pose.disc_rad = o->pose_limit_rad;
+        plan.pose.disc_rad = job->options->pose_limit_rad;
     }
     (void)snprintf(plan.row.subject, sizeof plan.row.subject, "%c%04d", letter, index);
     (void)snprintf(plan.row.session, sizeof plan.row.session, "s%d", session);
+    /* Who is in the corpus: what is learned from it must not be tested with it. */
+    (void)snprintf(plan.row.note, sizeof plan.row.note, "%s-%" PRIu64, job->options->population,
+                   job->options->seed);
     plan.random = sim_random_seeded(plan.person.key, sim_random_hash(preset->name),
                                     (uint64_t)session);
+    return plan;
+}
+
+static int record(struct job *job, char letter, int index, int session, enum sim_role role,
+                  struct iso_fault *fault)
+{
+    const struct sim_session_plan plan = plan_of(job, letter, index, session, role);
     return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
 }
 
@@ -181,6 +265,45 @@ static int record_visits(struct job *job, struct iso_fault *fault)
     return error;
 }
 
+/* A visit of person `index` with another one close behind; what that one is stands in the note. */
+static int record_pair(struct job *job, int index, int session, enum sim_role role, int behind,
+                       const char *note, struct iso_fault *fault)
+{
+    const char letter = role == SIM_ROLE_IMPOSTOR ? 'x' : 'p';
+    const struct sim_person other = person_of(job, behind);
+    struct sim_session_plan plan = plan_of(job, letter, index, session, role);
+    plan.behind = &other;
+    plan.behind_min_mm = 200.0;
+    (void)snprintf(plan.row.note, sizeof plan.row.note, "%s", note);
+    return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+}
+
+/* Everybody who is enrolled, and visits of two: an enrolled person with a stranger or with another
+ * enrolled one behind, in turns; a stranger with an enrolled one behind. */
+static int record_pairs(struct job *job, struct iso_fault *fault)
+{
+    int people = count_or(job->options->n_people, job->preset->n_people);
+    int strangers = count_or(job->options->n_strangers, job->preset->n_strangers);
+    int probes = count_or(job->options->n_probes, job->preset->n_probes);
+    int error = 0;
+    for (int i = 0; error == 0 && i < people; i++) {
+        struct sim_session_plan plan = plan_of(job, 'p', i, 0, SIM_ROLE_GALLERY);
+        plan.row.count *= 3; /* an enrolment takes its time */
+        error = sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+    }
+    for (int i = 0; error == 0 && i < probes; i++) {
+        const bool known = i % 2 != 0 && people > 1;
+        const int behind = known ? (i + 1) % people : people + strangers + i;
+        error = record_pair(job, i % people, 1 + i / people, SIM_ROLE_PROBE, behind,
+                            known ? "enrolled-behind" : "stranger-behind", fault);
+    }
+    for (int i = 0; error == 0 && i < strangers; i++) {
+        error = record_pair(job, people + i, 1, SIM_ROLE_IMPOSTOR, i % people, "enrolled-behind",
+                            fault);
+    }
+    return error;
+}
+
 /* The same sessions of everybody, and nobody enrolled. */
 static int record_repeats(struct job *job, struct iso_fault *fault)
 {
@@ -199,7 +322,7 @@ static int record_attacks(struct job *job, struct iso_fault *fault)
     struct sim_attacks_plan plan = {
         .population = o->population,
         .seed = o->seed,
-        .identity_variance = o->identity_variance,
+        .identity_variance = variance_of(job),
         .n_people = count_or(o->n_people, job->preset->n_people),
         .per_kind = count_or(o->n_per_kind, job->preset->n_per_kind),
         .frames = frames_of(job),
@@ -251,8 +374,8 @@ static int check(const struct sim_generate_options *o, struct iso_fault *fault)
     if (error != 0) {
         return error;
     }
-    if (isnan(o->noise_scale) || o->noise_scale > 100.0 ||
-        !(o->identity_variance >= 0.0 && o->identity_variance <= 100.0)) {
+    if (isnan(o->noise_scale) || o->noise_scale > 100.0 || isnan(o->identity_variance) ||
+        o->identity_variance > 100.0) {
         return iso_fault_set(fault, -EINVAL, "noise scale or identity variance outside 0..100");
     }
     if (!(o->pose_limit_rad > 0.0 && o->pose_limit_rad <= DEGREES(90))) {

@@ -7,19 +7,21 @@
 
 struct sim_generate_options {
     const char *ict_directory, *directory;
-    const char *preset;              /* "mild", "strong", "crowd", "texas", "landmarks", "attacks",
-                                      * "not-faces", "stored" */
+    const char *preset;              /* "mild", "strong", "crowd", "pairs", "texas", "hard", "pose",
+                                      * "far", "landmarks", "training", "attacks", "not-faces",
+                                      * "stored" */
     const struct sim_sensor *sensor; /* NULL: the preset's own */
     const char *population;
     uint64_t seed;
     int n_people, n_strangers,
-        n_probes;             /* the preset's own if < 0; probes of enrolled people, in all */
-    int frames_per_visit;     /* the preset's own if < 1 */
-    int n_sessions;           /* of every person of "landmarks"; the preset's own if < 0 */
-    int n_per_kind;           /* of "attacks", "not-faces"; the preset's own if < 0 */
-    double pose_limit_rad;    /* of "landmarks" */
+        n_probes;         /* the preset's own if < 0; probes of enrolled people, in all */
+    int frames_per_visit; /* the preset's own if < 1 */
+    int n_sessions; /* of every person of "landmarks" and "training"; the preset's own if < 0 */
+    int n_per_kind; /* of "attacks", "not-faces"; the preset's own if < 0 */
+    double pose_limit_rad;    /* of "landmarks" and "training" */
     double noise_scale;       /* of the sensor's random errors; the preset's own if < 0 */
-    double identity_variance; /* 1; 0.36: people who look alike */
+    double identity_variance; /* 1: the head model's; 0.36: people who look alike; the preset's own
+                                 if < 0 */
     bool infrared;            /* recordings have an infrared image beside the depth */
 };
 

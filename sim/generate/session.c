@@ -59,8 +59,9 @@ static void draw_stance(const struct sim_session_plan *plan, const struct sim_se
     stance->roll_rad = draw_angle(&plan->pose, random);
     stance->nose_mm.x = sim_random_between(random, -off_axis, off_axis);
     stance->nose_mm.y = sim_random_between(random, -off_axis, off_axis);
-    stance->nose_mm.z = sim_random_between(random, sensor->distance_min_mm,
-                                           sensor->distance_max_mm);
+    stance->nose_mm.z = plan->far_mm > 0.0 ? sim_random_between(random, plan->near_mm, plan->far_mm)
+                                           : sim_random_between(random, sensor->distance_min_mm,
+                                                                sensor->distance_max_mm);
     stance->nose_mm = iso_add(stance->nose_mm, plan->offset_mm);
     stance->body_yaw_rad = plan->body_yaw_rad;
 }
@@ -119,21 +120,25 @@ static struct sim_corpus_row row_of(const struct sim_session_plan *plan,
     return row;
 }
 
-/* Somebody 0.5 to 0.9 m behind the person, far enough to the side to be seen. */
-static int add_bystander(struct scene *scene, const struct sim_ict *ict)
+/* Somebody 0.5 (or what the plan says) to 0.9 m behind the person, far enough to the side to be
+ * seen. */
+static int add_bystander(struct scene *scene, const struct sim_ict *ict,
+                         const struct sim_session_plan *plan)
 {
     struct sim_random *random = &scene->random;
-    struct sim_person other = sim_person_draw("bystanders", sim_random_u64(random), 0, 1.0);
+    const struct sim_person anybody = sim_person_draw("bystanders", sim_random_u64(random), 0, 1.0);
+    const struct sim_person *other = plan->behind ? plan->behind : &anybody;
+    const double min_mm = plan->behind_min_mm > 0.0 ? plan->behind_min_mm : 500.0;
     struct sim_sitter_options options = {.hair = true, .torso = true};
     struct sim_stance *stance = &scene->bystander_stance;
     double side = sim_random_unit(random) < 0.5 ? -1.0 : 1.0;
     double x_mm = side * sim_random_between(random, 250.0, 400.0);
     double y_mm = sim_random_between(random, -120.0, 60.0);
-    struct iso_vec3 away = {x_mm, y_mm, sim_random_between(random, 500.0, 900.0)};
+    struct iso_vec3 away = {x_mm, y_mm, sim_random_between(random, min_mm, 900.0)};
     (void)sim_expression_draw(ict, SIM_MILD, random, stance->expression);
     stance->yaw_rad = sim_random_between(random, -0.3, 0.3);
     stance->nose_mm = iso_add(scene->stance.nose_mm, away);
-    return sim_sitter_new(ict, &other, &options, random, &scene->bystander);
+    return sim_sitter_new(ict, other, &options, random, &scene->bystander);
 }
 
 static int prepare(struct scene *scene, const struct sim_ict *ict, const struct sim_sensor *sensor,
@@ -145,7 +150,7 @@ static int prepare(struct scene *scene, const struct sim_ict *ict, const struct 
         error = sim_room_new(false, &scene->random, &scene->room);
     }
     if (error == 0 && plan->bystander) {
-        error = add_bystander(scene, ict);
+        error = add_bystander(scene, ict, plan);
     }
     scene->sway = plan->sway;
     scene->turn_rad = draw_vector(plan->sway * drift_rad, &scene->random);

@@ -19,14 +19,17 @@ struct sim_session_plan {
     struct sim_person person;
     enum sim_expression expression;
     struct sim_pose_range pose;
+    double near_mm, far_mm; /* where the nose tip is, if not where people stand before the sensor */
     bool open_hall;      /* no wall within the sensor's range (never one if it is for faces only) */
     double body_yaw_rad; /* pi shows the back of the head */
     double sway;         /* how much of a session's usual motion there is from frame to frame: 1
                             shifts from foot to foot, 0.1 stands as still as people can, 0 is a statue */
     bool frozen;         /* the first frame is repeated bit by bit */
     bool bystander;      /* somebody else stands behind and beside the person */
-    struct iso_vec3 offset_mm; /* added to the position: a face cut by the image border */
-    struct sim_random random;  /* everything that happens in the session */
+    const struct sim_person *behind; /* who; NULL: anybody */
+    double behind_min_mm;            /* how far at least, instead of the usual half metre */
+    struct iso_vec3 offset_mm;       /* added to the position: a face cut by the image border */
+    struct sim_random random;        /* everything that happens in the session */
 };
 
 /* Records the session as SUBJECT-SESSION. Fills in row.recording, and for a row of a person

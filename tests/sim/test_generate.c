@@ -239,7 +239,7 @@ static void bad_options_are_refused(void **state)
     bad.noise_scale = NAN;
     assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
     bad = options;
-    bad.identity_variance = -1.0;
+    bad.identity_variance = 101.0;
     assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
     bad = options;
     bad.pose_limit_rad = 0.0;
