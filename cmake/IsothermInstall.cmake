@@ -15,7 +15,7 @@ install(DIRECTORY core DESTINATION ${headers} FILES_MATCHING PATTERN "*.h"
 install(FILES core/isotherm.h DESTINATION ${headers})
 
 install(DIRECTORY core/data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/isotherm
-  FILES_MATCHING PATTERN "*.model" PATTERN "*.templates")
+  FILES_MATCHING PATTERN "*.model" PATTERN "*.templates" PATTERN "*.metric")
 install(FILES LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_file(cmake/isotherm.pc.in isotherm.pc @ONLY)

@@ -173,7 +173,7 @@ static void tell_recognition(const struct iso_appliance *appliance, const char *
 {
     const struct iso_appliance_events *events = &appliance->parts.events;
     events->recognition_status(events->context, appliance->mode, result, done, person, score,
-                               appliance->parts.config->decision.threshold);
+                               iso_config_threshold(appliance->parts.config));
 }
 
 /* The action has ended by itself; `tell` comes before, as it needs the mode. */
@@ -327,7 +327,7 @@ void iso__appliance_finish_recognition(struct iso_appliance *appliance,
     record.person = *person ? person : NULL;
     record.reason = result;
     record.score = verdict->score;
-    record.threshold = appliance->parts.config->decision.threshold;
+    record.threshold = iso_config_threshold(appliance->parts.config);
     record.frames = verdict->frames;
     if (verdict->attack_frames > 0) {
         record.attack_frames = verdict->attack_frames;

@@ -8,7 +8,7 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
 {
     const struct iso_config_decision *decision = &config->decision;
     return (struct iso_decision_options){
-        .threshold = decision->threshold,
+        .threshold = iso_config_threshold(config),
         .margin = decision->margin,
         .agree = decision->agree,
         .max_frames = decision->max_frames,
@@ -46,7 +46,7 @@ static void record_verdict(struct iso_appliance *appliance, const char *person,
     record.verdict = verdict_word(verdict);
     record.reason = iso_reason_name(verdict->reason);
     record.score = verdict->score;
-    record.threshold = appliance->parts.config->decision.threshold;
+    record.threshold = iso_config_threshold(appliance->parts.config);
     record.frames = verdict->frames;
     char image[ISO_IMAGE_TALLY_TEXT_SIZE];
     if (iso_image_tally_text(&appliance->image, image)) {
@@ -109,7 +109,7 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
     const struct iso_visit visit = {
         .verdict = verdict,
         .person = name,
-        .threshold = appliance->parts.config->decision.threshold,
+        .threshold = iso_config_threshold(appliance->parts.config),
         .latency_ns = now_ns - appliance->arrival_ns,
     };
     (void)snprintf(appliance->last_outcome, sizeof appliance->last_outcome, "%s%s%s",

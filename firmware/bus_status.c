@@ -139,7 +139,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     r = r < 0 ? r : append_checksum(reply, "algorithm", status.algorithm);
     r = r < 0 ? r
               : sd_bus_message_append(reply, "{sv}", "threshold", "d",
-                                      bus->parts->config->decision.threshold);
+                                      iso_config_threshold(bus->parts->config));
     r = r < 0 ? r
               : sd_bus_message_append(reply, "{sv}", "uptime-ms", "x",
                                       status.uptime_ns / ISO_NS_PER_MS);

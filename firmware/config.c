@@ -250,6 +250,14 @@ static const char *find_conflict(const struct iso_config *config)
     return NULL;
 }
 
+double iso_config_threshold(const struct iso_config *config)
+{
+    static const double of_level[] = {
+        [ISO_LEVEL_CONVENIENT] = 2.0, [ISO_LEVEL_BALANCED] = 3.0, [ISO_LEVEL_STRICT] = 4.0};
+    const double set = config->decision.threshold;
+    return set < 0.0 || set > 0.0 ? set : of_level[config->decision.level];
+}
+
 struct iso_config iso_config_default(void)
 {
     struct iso_config config = {0};

@@ -59,14 +59,23 @@ struct iso_config_recognition {
     char cascade[ISO_CONFIG_TEXT_SIZE];
 };
 
+/* How two faces are compared: by the learned metric, or by the distance of their curves. */
+enum iso_match_method { ISO_MATCH_BY_METRIC = 0, ISO_MATCH_BY_DISTANCE };
+
 struct iso_config_match {
+    enum iso_match_method method;
     double trim;
     int icp_iterations;
     enum iso_icp_transform transform;
 };
 
+/* How sure a match has to be, as the false match rate of a comparison: 1e-2, 1e-3, 1e-4. */
+enum iso_level { ISO_LEVEL_CONVENIENT = 0, ISO_LEVEL_BALANCED, ISO_LEVEL_STRICT };
+
 struct iso_config_decision {
-    double threshold, margin;
+    enum iso_level level;
+    double threshold; /* 0: the level's */
+    double margin;
     int agree, max_frames, attack_frames, gap_ms, refractory_ms;
 };
 
@@ -97,7 +106,7 @@ struct iso_config_bus {
 };
 
 struct iso_config_model {
-    char head[ISO_CONFIG_TEXT_SIZE], cohort[ISO_CONFIG_TEXT_SIZE];
+    char head[ISO_CONFIG_TEXT_SIZE], metric[ISO_CONFIG_TEXT_SIZE], cohort[ISO_CONFIG_TEXT_SIZE];
 };
 
 struct iso_config {
@@ -136,6 +145,10 @@ struct iso_config_key {
 
 extern const struct iso_config_key iso_config_keys[];
 extern const size_t iso_config_n_keys;
+
+/* The score from which on a face is taken for a person's: the threshold if one is set, else the
+ * level's. By metric, a score of s is as rare among strangers as 10^-s (core/match/metric.h). */
+double iso_config_threshold(const struct iso_config *config);
 
 /* What holds without a file. */
 struct iso_config iso_config_default(void);

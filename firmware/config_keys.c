@@ -113,15 +113,20 @@ const struct iso_config_key iso_config_keys[] = {
     {"recognition", "cascade", ISO_CONFIG_TEXT, false, AT(recognition, cascade), 0, 0, NULL, "",
      "the cascade that looks for the face in it; the one of the build if empty"},
 
+    {"match", "method", ISO_CONFIG_CHOICE, false, AT(match, method), 0, 0, "metric|distance",
+     "metric", "what compares two templates: the learned metric, or the distance of their curves"},
     {"match", "trim", ISO_CONFIG_NUMBER, false, AT(match, trim), 0.5, 1, NULL, "0.8",
-     "share of a template's points that counts, the closest ones"},
+     "share of a template's points that counts in a distance, the closest ones"},
     {"match", "icp_iterations", ISO_CONFIG_COUNT, false, AT(match, icp_iterations), 1, 100, NULL,
      "10", "steps of the registration of two templates"},
     {"match", "transform", ISO_CONFIG_CHOICE, false, AT(match, transform), 0, 0, "rigid|affine",
      "rigid", "what the registration may do"},
 
+    {"decision", "level", ISO_CONFIG_CHOICE, false, AT(decision, level), 0, 0,
+     "convenient|balanced|strict", "balanced",
+     "how rarely a stranger may pass for somebody, in one comparison: 1e-2, 1e-3, 1e-4"},
     {"decision", "threshold", ISO_CONFIG_NUMBER, false, AT(decision, threshold), -100, 100, NULL,
-     "0.62", "score from which on a face is taken for a person's"},
+     "0", "score from which on a face is taken for a person's; 0: the level's"},
     {"decision", "margin", ISO_CONFIG_NUMBER, false, AT(decision, margin), 0, 100, NULL, "0",
      "score by which the best person must lead the second"},
     {"decision", "agree", ISO_CONFIG_COUNT, false, AT(decision, agree), 1, 32, NULL, "2",
@@ -156,9 +161,9 @@ const struct iso_config_key iso_config_keys[] = {
     {"enroll", "stages", ISO_CONFIG_COUNT, false, AT(enroll, stages), 1, 16, NULL, "4",
      "usable frames that make an enrolment"},
     {"enroll", "agree_score", ISO_CONFIG_NUMBER, false, AT(enroll, agree_score), -100, 100, NULL,
-     "0.4", "score that the frames must have with each other"},
+     "2", "score that the frames must have with each other"},
     {"enroll", "duplicate_score", ISO_CONFIG_NUMBER, false, AT(enroll, duplicate_score), -100, 100,
-     NULL, "0.62", "score with somebody else from which on a face is a duplicate"},
+     NULL, "4", "score with somebody else from which on a face is a duplicate"},
     {"enroll", "yaw_max_deg", ISO_CONFIG_NUMBER, false, AT(enroll, yaw_max_deg), 1, 90, NULL, "15",
      "a face turned further to a side is not enrolled"},
     {"enroll", "pitch_max_deg", ISO_CONFIG_NUMBER, false, AT(enroll, pitch_max_deg), 1, 90, NULL,
@@ -188,8 +193,10 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"model", "head", ISO_CONFIG_TEXT, false, AT(model, head), 0, 0, NULL, "",
      "the head model; the installed one if empty"},
+    {"model", "metric", ISO_CONFIG_TEXT, false, AT(model, metric), 0, 0, NULL, "",
+     "the learned metric; the installed one if empty"},
     {"model", "cohort", ISO_CONFIG_TEXT, false, AT(model, cohort), 0, 0, NULL, "",
-     "the cohort that scores are normalised by; the installed one if empty"},
+     "the cohort that distances are normalised by; the installed one if empty"},
 };
 
 const size_t iso_config_n_keys = sizeof iso_config_keys / sizeof *iso_config_keys;

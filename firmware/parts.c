@@ -13,6 +13,9 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
     const struct iso_config *config = &parts->config;
     struct iso_pipeline_options options = {
         .head_path = or_installed(config->model.head, ISOTHERM_DATA_DIR "/head.model"),
+        .metric_path = config->match.method == ISO_MATCH_BY_METRIC
+                           ? or_installed(config->model.metric, ISOTHERM_DATA_DIR "/face.metric")
+                           : NULL,
         .cohort_path = or_installed(config->model.cohort, ISOTHERM_DATA_DIR "/cohort.templates"),
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),

@@ -10,6 +10,7 @@ enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
 
 struct pipeline {
     struct iso_head_model *head;
+    struct iso_metric *metric; /* NULL: by cohort */
     struct iso_cohort *cohort;
     struct iso_extractor *extractor;
     struct iso_match_options match;
@@ -55,6 +56,10 @@ static int pipeline_search(void *self, const struct iso_search_entry *entries, i
                            int capacity, int *n_hits)
 {
     const struct pipeline *pipeline = self;
+    if (pipeline->metric) {
+        return iso_search_by_metric(entries, n_entries, probe, pipeline->metric, hits, capacity,
+                                    n_hits);
+    }
     return iso_search(entries, n_entries, probe, pipeline->cohort, &pipeline->match, hits, capacity,
                       n_hits);
 }
@@ -87,6 +92,7 @@ static void pipeline_close(void *self)
     struct pipeline *pipeline = self;
     iso_face_check_free(pipeline->face_check);
     iso_extractor_free(pipeline->extractor);
+    iso_metric_free(pipeline->metric);
     iso_cohort_free(pipeline->cohort);
     iso_head_model_free(pipeline->head);
     free(pipeline);
@@ -124,6 +130,33 @@ static int load_head(struct pipeline *pipeline, const char *path, struct iso_fau
     return error ? refuse(path, error, what, fault) : 0;
 }
 
+/* What templates are compared with has to be of their algorithm. */
+static int check_algorithm(const struct pipeline *pipeline, const char *path, uint32_t algorithm,
+                           struct iso_fault *fault)
+{
+    const uint32_t own = iso_extractor_algorithm(pipeline->extractor);
+    return algorithm == own
+               ? 0
+               : iso_fault_set(fault, -EINVAL,
+                               "%s: made with another head model or other options (%08x, not %08x)",
+                               path, algorithm, own);
+}
+
+static int load_metric(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
+{
+    void *bytes = NULL;
+    size_t size = 0;
+    const char *what = NULL;
+    int error = iso_data_file_read(path, ISO_METRIC_BYTES_MAX, &bytes, &size, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_metric_parse(bytes, size, &pipeline->metric, &what);
+    free(bytes);
+    return error ? refuse(path, error, what, fault)
+                 : check_algorithm(pipeline, path, pipeline->metric->algorithm, fault);
+}
+
 static int load_cohort(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
 {
     void *bytes = NULL;
@@ -135,16 +168,8 @@ static int load_cohort(struct pipeline *pipeline, const char *path, struct iso_f
     }
     error = iso_cohort_parse(bytes, size, &pipeline->cohort, &what);
     free(bytes);
-    if (error) {
-        return refuse(path, error, what, fault);
-    }
-    if (iso_cohort_algorithm(pipeline->cohort) != iso_extractor_algorithm(pipeline->extractor)) {
-        return iso_fault_set(fault, -EINVAL,
-                             "%s: made with another head model or other options (%08x, not %08x)",
-                             path, iso_cohort_algorithm(pipeline->cohort),
-                             iso_extractor_algorithm(pipeline->extractor));
-    }
-    return 0;
+    return error ? refuse(path, error, what, fault)
+                 : check_algorithm(pipeline, path, iso_cohort_algorithm(pipeline->cohort), fault);
 }
 
 static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_options *options,
@@ -188,7 +213,8 @@ int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pip
         error = make_extractor(pipeline, options, fault);
     }
     if (!error) {
-        error = load_cohort(pipeline, options->cohort_path, fault);
+        error = options->metric_path ? load_metric(pipeline, options->metric_path, fault)
+                                     : load_cohort(pipeline, options->cohort_path, fault);
     }
     if (!error) {
         error = make_face_check(pipeline, options, fault);

@@ -1,8 +1,8 @@
 /* From a frame to those in the gallery who look most like it: the class that the appliance sees, so
  * that a test can put something else in its place, and the real one.
  *
- * The real one owns extractor, head model, cohort and options. One pipeline is used by one thread;
- * nothing is allocated per frame. */
+ * The real one owns extractor, head model, metric or cohort, and options. One pipeline is used by
+ * one thread; nothing is allocated per frame. */
 #ifndef ISO_FIRMWARE_PIPELINE_H
 #define ISO_FIRMWARE_PIPELINE_H
 
@@ -20,8 +20,8 @@ struct iso_pipeline_ops {
     int (*extract)(void *self, const struct iso_frame *frame, const char *sensor,
                    struct iso_extraction *out);
 
-    /* As iso_search with the pipeline's cohort and options. -ENODATA: the probe has too few
-     * points to say anything about it. */
+    /* As iso_search_by_metric, or iso_search with the pipeline's cohort and options. -ENODATA: the
+     * probe has too few points to say anything about it. */
     int (*search)(void *self, const struct iso_search_entry *entries, int n_entries,
                   const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
                   int *n_hits);
@@ -54,7 +54,9 @@ struct iso_pipeline {
 };
 
 struct iso_pipeline_options {
-    const char *head_path, *cohort_path;
+    const char *head_path;
+    const char *metric_path;            /* NULL: distances normalised by the cohort */
+    const char *cohort_path;            /* not read with a metric */
     struct iso_extract_options extract; /* sensor and clock are set by the pipeline */
     struct iso_match_options match;
     struct iso_clock clock; /* for the times of the stages */
@@ -62,11 +64,11 @@ struct iso_pipeline_options {
     const char *cascade_path; /* NULL or "": the one that the build found */
 };
 
-/* Reads model and cohort and makes everything ready. -ENOENT and other errors of reading the files,
- * -EBADMSG one of them is damaged, -EINVAL options out of range or a cohort that was made with
- * another model or other options, -ENOMEM; each with a line. A cascade that is named has to be
- * good: errors of iso_face_check_new; the build's own may be missing: images are then not checked.
- * What options->clock points to must outlive the pipeline. */
+/* Reads model and metric or cohort and makes everything ready. -ENOENT and other errors of reading
+ * the files, -EBADMSG one of them is damaged, -EINVAL options out of range or a metric or cohort
+ * that was made with another model or other options, -ENOMEM; each with a line. A cascade that is
+ * named has to be good: errors of iso_face_check_new; the build's own may be missing: images are
+ * then not checked. What options->clock points to must outlive the pipeline. */
 int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 

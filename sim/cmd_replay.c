@@ -1,6 +1,8 @@
 /* isotherm-sim replay: a corpus played to the appliance itself on a virtual clock. */
+#include <errno.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "sim/commands.h"
 #include "sim/data_file.h"
@@ -11,6 +13,16 @@ struct arguments {
     struct sim_rehearsal_options rehearsal;
 };
 
+static int parse_duplicates(const char *text, void *field)
+{
+    const bool allow = strcmp(text, "allow") == 0;
+    if (!allow && strcmp(text, "refuse") != 0) {
+        return -EINVAL;
+    }
+    *(bool *)field = allow;
+    return 0;
+}
+
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option options[] = {
@@ -18,10 +30,11 @@ static const struct sim_option options[] = {
     {"out", "DIR", "where visits.csv, gallery and log go; made, must not exist", sim_option_text,
      FIELD(rehearsal.state)},
     {"model", "FILE", "head model", sim_option_text, FIELD(rehearsal.model)},
-    {"cohort", "FILE", "templates that normalise the score", sim_option_text,
-     FIELD(rehearsal.cohort)},
+    {"metric", "FILE", "learned metric", sim_option_text, FIELD(rehearsal.metric)},
     {"threshold", "SCORE", "instead of the configuration's own", sim_option_number,
      FIELD(rehearsal.threshold)},
+    {"duplicates", "WORD", "people who look like somebody enrolled: allow, or refuse (default)",
+     parse_duplicates, FIELD(rehearsal.allow_duplicate)},
 };
 
 static const char usage[] =
@@ -47,7 +60,7 @@ static int play(const void *target, const struct sim_corpus *corpus, sim_visit_l
 int sim_cmd_replay(int argc, char **argv)
 {
     struct arguments arguments = {.rehearsal = {.model = SIM_DATA_FILE_MODEL,
-                                                .cohort = SIM_DATA_FILE_COHORT,
+                                                .metric = SIM_DATA_FILE_METRIC,
                                                 .threshold = NAN}};
     const struct sim_visit_command command = {
         .name = "replay",

@@ -5,15 +5,19 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "drivers/text.h"
 #include "sim/commands.h"
 #include "sim/data_file.h"
+#include "sim/eval/extract_options.h"
 #include "sim/options.h"
 #include "sim/train/head_picture.h"
 #include "sim/train/train_cohort.h"
 #include "sim/train/train_head.h"
+#include "sim/train/train_metric.h"
 
 struct arguments {
-    const char *ict, *out, *pictures, *model, *sensors;
+    const char *ict, *out, *pictures, *model, *sensors, *corpora;
+    int threads;
     size_t seed, n_people, n_vertices, n_identity, n_expression;
 };
 
@@ -38,6 +42,14 @@ static const struct sim_option cohort_options[] = {
      FIELD(sensors)},
     {"people", "N", "(64)", sim_option_count, FIELD(n_people)},
     {"seed", "S", "(1)", sim_option_count, FIELD(seed)},
+};
+
+static const struct sim_option metric_options[] = {
+    {"corpora", "DIR,DIR,...", "of preset training, with different people, to learn from",
+     sim_option_text, FIELD(corpora)},
+    {"out", "FILE", "the metric to write", sim_option_text, FIELD(out)},
+    {"model", "FILE", "the trained head model to extract with", sim_option_text, FIELD(model)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
 static int write_file(const char *path, const void *bytes, size_t size, struct iso_fault *fault)
@@ -216,6 +228,67 @@ static int train_cohort(const struct arguments *arguments, struct iso_fault *fau
     return error;
 }
 
+static int save_metric(const struct iso_metric *metric, const char *path, struct iso_fault *fault)
+{
+    void *bytes = NULL;
+    size_t size = 0;
+    int error = iso_metric_serialise(metric, &bytes, &size);
+    if (error) {
+        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+    error = write_file(path, bytes, size, fault);
+    free(bytes);
+    return error;
+}
+
+static void print_metric_report(const struct sim_train_metric_report *r)
+{
+    printf("learned from        %zu people, %zu of %zu frames\n", r->n_people, r->n_templates,
+           r->n_frames);
+    printf("variance explained  %.1f%%\n", 100.0 * r->explained);
+    printf("people held out     %zu mated comparisons, %zu others\n", r->n_mated, r->n_others);
+    for (int i = 0; i < 3; i++) {
+        printf("  at score %d        FMR %.2e, FNMR %.2f%%\n", 2 + i, r->fmr_at[i],
+               100.0 * r->false_non_match_at[i]);
+    }
+}
+
+static int train_metric(const struct arguments *arguments, struct iso_fault *fault)
+{
+    struct sim_train_metric_options options = sim_train_metric_options_default();
+    char names[4096];
+    char *words[SIM_METRIC_CORPORA_MAX];
+    if ((size_t)snprintf(names, sizeof names, "%s", arguments->corpora) >= sizeof names) {
+        return iso_fault_set(fault, -EINVAL, "--corpora: too long");
+    }
+    const size_t n = iso_text_split(names, ',', words, SIM_METRIC_CORPORA_MAX);
+    if (n > SIM_METRIC_CORPORA_MAX) {
+        return iso_fault_set(fault, -EINVAL, "--corpora: more than %d", SIM_METRIC_CORPORA_MAX);
+    }
+    for (size_t i = 0; i < n; i++) {
+        options.corpora[options.n_corpora++] = words[i];
+    }
+    options.threads = arguments->threads > 0 ? arguments->threads
+                                             : sim_threads_default(options.extract.heat);
+    struct iso_head_model *model = NULL;
+    struct iso_metric *metric = NULL;
+    struct sim_train_metric_report report;
+    int error = sim_head_model_load(arguments->model, &model, fault);
+    if (!error) {
+        options.model = model;
+        error = sim_train_metric(&options, &metric, &report, fault);
+    }
+    if (!error) {
+        error = save_metric(metric, arguments->out, fault);
+    }
+    if (!error) {
+        print_metric_report(&report);
+    }
+    iso_metric_free(metric);
+    iso_head_model_free(model);
+    return error;
+}
+
 static const struct target {
     const char *name, *summary;
     const struct sim_option *options;
@@ -226,6 +299,8 @@ static const struct target {
      head_options, sizeof head_options / sizeof *head_options, train_head},
     {"cohort", "Renders people in no gallery and writes the templates that normalise scores.",
      cohort_options, sizeof cohort_options / sizeof *cohort_options, train_cohort},
+    {"metric", "Learns from corpora of rendered people how likely two templates are one person's.",
+     metric_options, sizeof metric_options / sizeof *metric_options, train_metric},
 };
 
 static int complain(const struct iso_fault *fault, int exit_code)
@@ -249,9 +324,10 @@ static int run_target(const struct target *target, int argc, char **argv)
     struct iso_fault fault = {""};
     switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
     case SIM_OPTIONS_HELP:
-        printf("Usage: isotherm-sim train %s --ict DIR --out FILE [OPTION...]\n\n%s The same\n"
+        printf("Usage: isotherm-sim train %s --%s --out FILE [OPTION...]\n\n%s The same\n"
                "options make the same bytes.\n\n",
-               target->name, target->summary);
+               target->name, target->run == train_metric ? "corpora DIR,..." : "ict DIR",
+               target->summary);
         sim_options_help(&set, 1, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:
@@ -259,8 +335,10 @@ static int run_target(const struct target *target, int argc, char **argv)
     case SIM_OPTIONS_READ:
         break;
     }
-    if (!arguments.ict || !arguments.out) {
-        (void)iso_fault_set(&fault, 0, "--ict and --out are needed");
+    const bool from_corpora = target->run == train_metric;
+    if (!(from_corpora ? arguments.corpora : arguments.ict) || !arguments.out) {
+        (void)iso_fault_set(&fault, 0, "--%s and --out are needed",
+                            from_corpora ? "corpora" : "ict");
         return complain(&fault, SIM_EXIT_USAGE);
     }
     int error = target->run(&arguments, &fault);
@@ -281,6 +359,6 @@ int sim_cmd_train(int argc, char **argv)
         }
     }
     bool help = strcmp(name, "--help") == 0;
-    fprintf(help ? stdout : stderr, "Usage: isotherm-sim train head|cohort [OPTION...]\n");
+    fprintf(help ? stdout : stderr, "Usage: isotherm-sim train head|cohort|metric [OPTION...]\n");
     return help ? SIM_EXIT_OK : SIM_EXIT_USAGE;
 }

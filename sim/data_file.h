@@ -1,18 +1,24 @@
-/* Loads the data files that ship with the product: head model and cohort. */
+/* Loads the data files that ship with the product: head model, metric and cohort. */
 #ifndef SIM_DATA_FILE_H
 #define SIM_DATA_FILE_H
 
 #include "core/fault.h"
 #include "core/landmark/head_model.h"
 #include "core/match/cohort.h"
+#include "core/match/metric.h"
 
 /* Where they are installed. */
 #define SIM_DATA_FILE_MODEL  ISOTHERM_DATA_DIR "/head.model"
+#define SIM_DATA_FILE_METRIC ISOTHERM_DATA_DIR "/face.metric"
 #define SIM_DATA_FILE_COHORT ISOTHERM_DATA_DIR "/cohort.templates"
 
 /* -EBADMSG if the file is damaged, -EFBIG, -ENOMEM or the errno of open and read, each with a fault
  * "path: what is wrong". Free with iso_head_model_free. */
 int sim_head_model_load(const char *path, struct iso_head_model **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The same; free with iso_metric_free. */
+int sim_metric_load(const char *path, struct iso_metric **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* The same; free with iso_cohort_free. */

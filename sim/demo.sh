@@ -19,6 +19,7 @@ out=$(cd "$2" && pwd)
 corpus=$source_dir/sim/stored
 model=$source_dir/core/data/head.model
 cohort=$source_dir/core/data/cohort.templates
+metric=$source_dir/core/data/face.metric
 isotherm=$build/enroll/isotherm
 isothermd=$build/firmware/isothermd
 simulator=$build/sim/isotherm-sim
@@ -96,7 +97,7 @@ path = $run/state/audit.log
 address = $address
 [model]
 head = $model
-cohort = $cohort
+metric = $metric
 END
     "$isothermd" --config "$out/isotherm.conf" 2>"$out/isothermd.log" &
     daemon_pid=$!

@@ -1,6 +1,8 @@
 #include "core/match/search.h"
 
 #include <errno.h>
+#include <math.h>
+#include <string.h>
 
 /* Puts a hit in its place by falling score; a person keeps the best one only. */
 static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct iso_search_hit hit)
@@ -53,4 +55,50 @@ int iso_search(const struct iso_search_entry *entries, int n_entries,
     }
     *n_hits = n;
     return 0;
+}
+
+/* All templates of the person whose first entry is given; *n_entries says how many entries they
+ * are. A template with too few points adds nothing. */
+static int gather(const struct iso_search_entry *first, int n_left, const struct iso_metric *metric,
+                  struct iso_metric_vector *person, int *n_entries)
+{
+    person->n = 0;
+    for (*n_entries = 0; *n_entries < n_left; ++*n_entries) {
+        struct iso_metric_vector one;
+        if (first[*n_entries].person != first->person) {
+            return 0;
+        }
+        int error = iso_metric_project(metric, first[*n_entries].tmpl, &one);
+        if (error && error != -ENODATA) {
+            return error;
+        }
+        if (!error) {
+            iso_metric_vector_add(metric, &one, person);
+        }
+    }
+    return 0;
+}
+
+int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,
+                         const struct iso_template *probe, const struct iso_metric *metric,
+                         struct iso_search_hit *hits, int capacity, int *n_hits)
+{
+    struct iso_metric_vector seen, person = {.n = 0};
+    int error = iso_metric_project(metric, probe, &seen);
+    int n = 0;
+    for (int i = 0, taken = 0; !error && i < n_entries; i += taken) {
+        error = gather(&entries[i], n_entries - i, metric, &person, &taken);
+        if (!error && person.n > 0) {
+            insert_hit(hits, &n, capacity,
+                       (struct iso_search_hit){.person = entries[i].person,
+                                               .distance_mm = NAN,
+                                               .score = iso_metric_score(metric, &person, &seen)});
+        }
+    }
+    explicit_bzero(&seen, sizeof seen);
+    explicit_bzero(&person, sizeof person);
+    if (!error) {
+        *n_hits = n;
+    }
+    return error;
 }

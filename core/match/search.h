@@ -1,10 +1,11 @@
-/* 1:N search: a probe against every template of a gallery. */
+/* 1:N search: a probe against every template of a gallery, by metric or by distance. */
 #ifndef ISO_CORE_MATCH_SEARCH_H
 #define ISO_CORE_MATCH_SEARCH_H
 
 #include <stdint.h>
 
 #include "core/match/cohort.h"
+#include "core/match/metric.h"
 
 /* Refers to a template; the gallery keeps it alive. */
 struct iso_search_entry {
@@ -14,8 +15,8 @@ struct iso_search_entry {
 
 struct iso_search_hit {
     int64_t person;
-    double distance_mm;
-    double score; /* cohort-normalised; higher is more alike */
+    double distance_mm; /* of the closest template; NaN by metric */
+    double score;       /* higher is more alike */
 };
 
 /* The best hits by falling score, one a person (its best template): at most `capacity` of them are
@@ -27,5 +28,13 @@ int iso_search(const struct iso_search_entry *entries, int n_entries,
                const struct iso_template *probe, const struct iso_cohort *cohort,
                const struct iso_match_options *options, struct iso_search_hit *hits, int capacity,
                int *n_hits) __attribute__((warn_unused_result));
+
+/* The same by the learned metric: a person's score rests on all of that person's templates, which
+ * stand side by side in `entries`. -EINVAL if algorithms differ, -ENODATA if the probe has too few
+ * points. */
+int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,
+                         const struct iso_template *probe, const struct iso_metric *metric,
+                         struct iso_search_hit *hits, int capacity, int *n_hits)
+    __attribute__((warn_unused_result));
 
 #endif

@@ -123,7 +123,7 @@ static int make_config(struct rehearsal *r)
         {c->gallery.path, o->state, "/gallery.db"},
         {c->log.path, o->state, "/audit.log"},
         {c->model.head, o->model, ""},
-        {c->model.cohort, o->cohort, ""},
+        {c->model.metric, o->metric, ""},
     };
     *c = iso_config_default();
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
@@ -194,7 +194,8 @@ static int clear(struct rehearsal *r)
 
 static int enrol(struct rehearsal *r, const struct sim_corpus_row *row)
 {
-    const struct iso_enroll_request request = {.person = row->subject};
+    const struct iso_enroll_request request = {.person = row->subject,
+                                               .allow_duplicate = r->options->allow_duplicate};
     const int64_t end_ns = r->clock.now_ns + limit_ns;
     int error = iso_appliance_claim(r->appliance);
     r->enrol_done = false;

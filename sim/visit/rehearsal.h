@@ -9,8 +9,9 @@
 struct sim_rehearsal_options {
     const char *corpus;         /* directory */
     const char *state;          /* an empty directory for gallery, log and the sensor's slot */
-    const char *model, *cohort; /* files */
+    const char *model, *metric; /* files */
     double threshold;           /* decision.threshold; NaN: the configuration's own */
+    bool allow_duplicate;       /* people who look alike are enrolled all the same */
 };
 
 /* Enrols the subjects of role gallery, in the manifest's order, then plays the other rows, each

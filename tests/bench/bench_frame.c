@@ -27,11 +27,11 @@ static clock_function *const clocks[] = {sim_wall_ns, sim_thread_cpu_ns};
 enum { CLOCKS = sizeof clocks / sizeof *clocks };
 
 struct bench {
-    const char *directory, *model_path, *cohort_path;
+    const char *directory, *model_path, *metric_path;
     struct iso_extract_options extract;
     struct iso_match_options match;
     struct iso_head_model *model;
-    struct iso_cohort *cohort;
+    struct iso_metric *metric;
     struct sim_corpus *corpus;
     struct iso_extractor *extractor;
     clock_function *clock; /* in use */
@@ -124,8 +124,8 @@ static int time_frame(struct bench *bench, const struct iso_frame *frame, struct
             return error;
         }
         int64_t extracted_ns = bench->clock(NULL);
-        error = iso_search(bench->entries, (int)bench->n_enrolled, &extraction.tmpl, bench->cohort,
-                           &bench->match, &hit, 1, &n_hits);
+        error = iso_search_by_metric(bench->entries, (int)bench->n_enrolled, &extraction.tmpl,
+                                     bench->metric, &hit, 1, &n_hits);
         if (error) {
             return error == -ENODATA ? 0
                                      : iso_fault_set(fault, error, "search: %s", strerror(-error));
@@ -146,7 +146,7 @@ static int prepare(struct bench *bench, struct iso_fault *fault)
 {
     int error = sim_head_model_load(bench->model_path, &bench->model, fault);
     if (!error) {
-        error = sim_cohort_load(bench->cohort_path, &bench->cohort, fault);
+        error = sim_metric_load(bench->metric_path, &bench->metric, fault);
     }
     if (!error) {
         error = sim_corpus_read(bench->directory, &bench->corpus, fault);
@@ -191,15 +191,15 @@ static void release(struct bench *bench)
     free(bench->enrolled);
     iso_extractor_free(bench->extractor);
     sim_corpus_free(bench->corpus);
-    iso_cohort_free(bench->cohort);
+    iso_metric_free(bench->metric);
     iso_head_model_free(bench->model);
 }
 
 static void print_table(struct bench *bench)
 {
     bench_print_machine();
-    printf("%zu of %zu frames usable; %zu templates enrolled, cohort of %d; one thread\n\n",
-           bench->n_timed, bench->n_frames, bench->n_enrolled, iso_cohort_size(bench->cohort));
+    printf("%zu of %zu frames usable; %zu templates enrolled, metric of %d numbers; one thread\n\n",
+           bench->n_timed, bench->n_frames, bench->n_enrolled, bench->metric->n_dimensions);
     printf("ms                  wall              processor\n"
            "stage         median      p95      median      p95\n");
     for (int s = 0; s < TIMED; s++) {
@@ -218,14 +218,14 @@ static void print_table(struct bench *bench)
 static const struct sim_option own_options[] = {
     {"corpus", "DIR", "recordings and manifest.csv", sim_option_text, FIELD(directory)},
     {"model", "FILE", "head model", sim_option_text, FIELD(model_path)},
-    {"cohort", "FILE", "templates that normalise the score", sim_option_text, FIELD(cohort_path)},
+    {"metric", "FILE", "learned metric", sim_option_text, FIELD(metric_path)},
 };
 
 int main(int argc, char **argv)
 {
     struct bench bench = {
         .model_path = SIM_DATA_FILE_MODEL,
-        .cohort_path = SIM_DATA_FILE_COHORT,
+        .metric_path = SIM_DATA_FILE_METRIC,
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = sim_wall_ns,

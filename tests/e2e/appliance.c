@@ -32,7 +32,7 @@ static const char configuration[] = "[sensor]\nretry_ms = 50\nretry_max_ms = 100
                                     "[log]\npath = %s/audit.log\nsync = no\n"
                                     "[bus]\naddress = %s\n"
                                     "[model]\nhead = " DATA "head.model\n"
-                                    "cohort = " DATA "cohort.templates\n";
+                                    "metric = " DATA "face.metric\n";
 
 enum { READY_MS = 60 * 1000 };
 
@@ -95,7 +95,7 @@ static struct appliance the_appliance;
 bool appliance_find(void)
 {
     static const char *const needed[] = {APPLIANCE_CORPUS "/manifest.csv", DATA "head.model",
-                                         DATA "cohort.templates"};
+                                         DATA "face.metric"};
 
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
         if (!scratch_exists(needed[i])) {

@@ -26,7 +26,7 @@ struct appliance {
 };
 
 /* Starts the bus. False, with a line that says why, if the machine or the checkout has not what an
- * appliance needs: a dbus-daemon, the stored corpus, the trained model and cohort. */
+ * appliance needs: a dbus-daemon, the stored corpus, the trained model and metric. */
 bool appliance_find(void);
 
 /* cmocka set-up and tear-down of a group of tests: *state becomes the appliance, running. */

@@ -32,6 +32,25 @@ static void holds_defaults_without_a_file(void **state)
     assert_int_equal(config.match.transform, match.transform);
 }
 
+static void a_level_stands_for_a_threshold(void **state)
+{
+    static const struct {
+        const char *text;
+        double threshold;
+    } cases[] = {{"", 3},
+                 {"[decision]\nlevel = convenient\n", 2},
+                 {"[decision]\nlevel = strict\n", 4},
+                 {"[decision]\nlevel = strict\nthreshold = 2.5\n", 2.5},
+                 {"[decision]\nthreshold = -7\n", -7}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct iso_config config;
+        struct iso_fault fault = {""};
+        assert_int_equal(iso_config_parse("level", cases[i].text, &config, &fault), 0);
+        assert_true(iso_config_threshold(&config) == cases[i].threshold);
+    }
+}
+
 static void every_default_is_sound(void **state)
 {
     (void)state;
@@ -232,6 +251,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(holds_defaults_without_a_file),
+        cmocka_unit_test(a_level_stands_for_a_threshold),
         cmocka_unit_test(every_default_is_sound),
         cmocka_unit_test(reads_every_type),
         cmocka_unit_test(refuses_what_it_does_not_know),

@@ -41,7 +41,7 @@ static const char *write_configuration(const char *directory, const char *bus, c
     (void)snprintf(text, sizeof text,
                    "[sensor]\npath = %s/slot\n"
                    "[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\n[bus]\naddress = %s\n"
-                   "[model]\nhead = " DATA "/head.model\ncohort = " DATA "/cohort.templates\n%s",
+                   "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n%s",
                    directory, directory, directory, bus, more);
     scratch_write_text(path, text);
     return path;

@@ -12,6 +12,7 @@
 #include "tests/support/scratch.h"
 
 #define HEAD   ISOTHERM_SOURCE_DIR "/core/data/head.model"
+#define METRIC ISOTHERM_SOURCE_DIR "/core/data/face.metric"
 #define COHORT ISOTHERM_SOURCE_DIR "/core/data/cohort.templates"
 
 static struct iso_pipeline_options options(void)
@@ -89,6 +90,20 @@ static void refuses_a_cohort_of_other_options(void **state)
     expect_refusal(&wanted, -EINVAL, "made with another head model or other options");
 }
 
+static void refuses_a_metric_that_is_damaged_or_of_other_options(void **state)
+{
+    struct iso_pipeline_options wanted = options();
+    wanted.metric_path = "/nonexistent/metric";
+    expect_refusal(&wanted, -ENOENT, "/nonexistent/metric: No such file or directory");
+    wanted.metric_path = cut(*state, METRIC, 100);
+    expect_refusal(&wanted, -EBADMSG, "/cut: metric file: truncated");
+    wanted.metric_path = COHORT;
+    expect_refusal(&wanted, -EBADMSG, "not a metric file");
+    wanted.metric_path = METRIC;
+    wanted.extract.smoothing_mm += 1;
+    expect_refusal(&wanted, -EINVAL, "made with another head model or other options");
+}
+
 static void refuses_options_out_of_range(void **state)
 {
     struct iso_pipeline_options wanted = options();
@@ -97,7 +112,7 @@ static void refuses_options_out_of_range(void **state)
     expect_refusal(&wanted, -EINVAL, "extractor: options out of range");
 }
 
-static void recognises_a_stored_face(void **state)
+static void recognise_a_stored_face(const char *metric_path)
 {
     struct iso_pipeline_options wanted = options();
     struct iso_pipeline pipeline = {0};
@@ -105,7 +120,7 @@ static void recognises_a_stored_face(void **state)
     struct iso_recording *recording = NULL;
     struct iso_frame *frame = NULL;
     struct iso_extraction extraction;
-    (void)state;
+    wanted.metric_path = metric_path;
     if (iso_pipeline_open(&wanted, &pipeline, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -127,7 +142,7 @@ static void recognises_a_stored_face(void **state)
                      0);
     assert_int_equal(n, 1);
     assert_int_equal(hit.person, 31);
-    assert_true(hit.distance_mm < 0.01);
+    assert_true(metric_path ? hit.score > 4.0 : hit.distance_mm < 0.01);
 
     memset(frame->depth_mm, 0,
            (size_t)frame->width_px * (size_t)frame->height_px * sizeof *frame->depth_mm);
@@ -142,6 +157,18 @@ static void recognises_a_stored_face(void **state)
     iso_pipeline_close(&pipeline);
 }
 
+static void recognises_a_stored_face_by_metric(void **state)
+{
+    (void)state;
+    recognise_a_stored_face(METRIC);
+}
+
+static void recognises_a_stored_face_by_distance(void **state)
+{
+    (void)state;
+    recognise_a_stored_face(NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -149,7 +176,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(refuses_damaged_files, scratch_setup, scratch_teardown),
         cmocka_unit_test(refuses_a_cohort_of_other_options),
         cmocka_unit_test(refuses_options_out_of_range),
-        cmocka_unit_test(recognises_a_stored_face),
+        cmocka_unit_test_setup_teardown(refuses_a_metric_that_is_damaged_or_of_other_options,
+                                        scratch_setup, scratch_teardown),
+        cmocka_unit_test(recognises_a_stored_face_by_metric),
+        cmocka_unit_test(recognises_a_stored_face_by_distance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,7 +62,7 @@ static int rehearse(const char *directory, const char *state, double threshold,
         .corpus = directory,
         .state = scratch_path(directory, state),
         .model = ISOTHERM_SOURCE_DIR "/core/data/head.model",
-        .cohort = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
+        .metric = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
         .threshold = threshold,
     };
     struct iso_fault fault = {""};
@@ -126,7 +126,7 @@ static void the_threshold_decides(void **state)
 {
     struct sim_corpus *corpus = NULL;
     struct sim_visit visits[ROWS];
-    assert_int_equal(rehearse(*state, "strict", 1.01, &corpus, visits), 0);
+    assert_int_equal(rehearse(*state, "strict", 50.0, &corpus, visits), 0);
     const struct sim_visit_summary summary = sim_visit_judge(visits, VISITS);
     assert_int_equal(summary.people_admitted, 0);
     assert_int_equal(summary.impostors_let_in, 0);

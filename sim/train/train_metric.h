@@ -1,0 +1,41 @@
+/* Training of the metric (core/match/metric.h) on corpora of generated people.
+ *
+ * Every usable frame of every row goes through the extractor, as in an evaluation. A person is a
+ * subject of a corpus; corpora share nobody. One person in five is left out of the learning and
+ * calibrates the score afterwards. */
+#ifndef SIM_TRAIN_TRAIN_METRIC_H
+#define SIM_TRAIN_TRAIN_METRIC_H
+
+#include "core/extract.h"
+#include "core/fault.h"
+#include "core/match/metric.h"
+
+enum { SIM_METRIC_CORPORA_MAX = ISO_METRIC_ORIGINS_MAX };
+
+struct sim_train_metric_options {
+    const char *corpora[SIM_METRIC_CORPORA_MAX]; /* directories */
+    int n_corpora;
+    const struct iso_head_model *model;
+    struct iso_extract_options extract;
+    uint32_t landmarks; /* as in struct iso_metric */
+    int n_dimensions, threads;
+};
+
+/* All but the corpora, the model and the threads: the upper landmarks, 150 dimensions. */
+struct sim_train_metric_options sim_train_metric_options_default(void);
+
+struct sim_train_metric_report {
+    size_t n_frames, n_templates, n_people;  /* usable ones of all; people with a template */
+    size_t n_mated, n_others;                /* comparisons that calibrated the score */
+    double explained;                        /* share of the variance in the dimensions */
+    double fmr_at[3], false_non_match_at[3]; /* of those held out, at scores 2, 3 and 4 */
+};
+
+/* The same corpora make the same metric. -EINVAL for options out of range or a row without an
+ * origin in its note ("POPULATION-SEED", as `generate` writes); -ENODATA for too few people; errors
+ * of sim_corpus_read and sim_capture_all; -ENOMEM; each with a fault. */
+int sim_train_metric(const struct sim_train_metric_options *options, struct iso_metric **out,
+                     struct sim_train_metric_report *report, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,301 @@
+/* The metric: its file, registration, projection and score, on numbers that can be worked out. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "core/match/search.h"
+
+enum { RADII = 2, POINTS = 5, DIMENSIONS = 3 };
+
+/* Mean curves that lie in no plane, of landmarks 1 and 4; axes of which each looks at one value. */
+static struct iso_metric *new_metric(void)
+{
+    const struct iso_metric shape = {
+        .algorithm = 77,
+        .landmarks = 1U << 1 | 1U << 4,
+        .n_radii = RADII,
+        .n_points = POINTS,
+        .n_dimensions = DIMENSIONS,
+        .weight_min = 0.25f,
+        .gain = 0.5f,
+        .bias = -1.0f,
+        .n_origins = 2,
+        .origin = {"train-101", "train-102"},
+    };
+    struct iso_metric *m = NULL;
+    assert_int_equal(iso_metric_new(&shape, &m), 0);
+    assert_int_equal(m->n_values, 3 * RADII * 2 * POINTS);
+    for (int v = 0; v < m->n_values; v++) {
+        m->curve_mm[v] = 20.0f * (float)sin(1.7 * v) + (float)(v % 7);
+        for (int d = 0; d < DIMENSIONS; d++) {
+            m->axis[v * DIMENSIONS + d] = (float)cos(0.3 * v * (d + 1));
+        }
+    }
+    for (int d = 0; d < DIMENSIONS; d++) {
+        m->between[d] = 8.0f / (float)(d + 1);
+        m->centre[d] = 0.125f * (float)d;
+    }
+    return m;
+}
+
+/* The mean curves turned and shifted, and curves of other landmarks that do not matter. */
+static struct iso_template mean_template(const struct iso_metric *m, double turn_rad)
+{
+    struct iso_template t = {.algorithm = 77, .n_radii = RADII, .n_points = POINTS, .n_frames = 1};
+    const float *p = m->curve_mm;
+    for (int r = 0; r < RADII; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < POINTS; i++) {
+                float *out = t.points_mm[r][l][i];
+                t.weight[r][l][i] = 1.0f;
+                out[0] = (float)(l * i);
+                if (m->landmarks >> l & 1) {
+                    out[0] = (float)(cos(turn_rad) * (double)p[0] - sin(turn_rad) * (double)p[1]) +
+                             3;
+                    out[1] = (float)(sin(turn_rad) * (double)p[0] + cos(turn_rad) * (double)p[1]) -
+                             5;
+                    out[2] = p[2] + 7.0f;
+                    p += 3;
+                }
+            }
+        }
+    }
+    return t;
+}
+
+static void it_survives_its_bytes(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric(), *back = NULL;
+    void *bytes = NULL;
+    size_t size = 0;
+    assert_int_equal(iso_metric_serialise(m, &bytes, &size), 0);
+    assert_int_equal(iso_metric_parse(bytes, size, &back, NULL), 0);
+    assert_int_equal(back->algorithm, 77);
+    assert_int_equal(back->landmarks, 1 << 1 | 1 << 4);
+    assert_int_equal(back->n_origins, 2);
+    assert_string_equal(back->origin[1], "train-102");
+    assert_true(back->gain == 0.5f && back->bias == -1.0f && back->weight_min == 0.25f);
+    assert_memory_equal(back->curve_mm, m->curve_mm, (size_t)m->n_values * sizeof(float));
+    assert_memory_equal(back->between, m->between, DIMENSIONS * sizeof(float));
+    assert_memory_equal(back->centre, m->centre, DIMENSIONS * sizeof(float));
+    for (int i = 0; i < m->n_values * DIMENSIONS; i++) {
+        assert_true(fabsf(back->axis[i] - m->axis[i]) <= 0.5f / 32767.0f + 1e-7f);
+    }
+    free(bytes);
+    iso_metric_free(back);
+    iso_metric_free(m);
+}
+
+static void damaged_bytes_are_refused(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric(), *none = NULL;
+    void *bytes = NULL;
+    size_t size = 0;
+    assert_int_equal(iso_metric_serialise(m, &bytes, &size), 0);
+    for (size_t cut = 0; cut < size; cut++) {
+        assert_int_equal(iso_metric_parse(bytes, cut, &none, NULL), -EBADMSG);
+    }
+    for (size_t at = 0; at < size; at++) {
+        const char *fault = NULL;
+        ((uint8_t *)bytes)[at] ^= 0x20;
+        assert_int_equal(iso_metric_parse(bytes, size, &none, &fault), -EBADMSG);
+        assert_non_null(fault);
+        ((uint8_t *)bytes)[at] ^= 0x20;
+    }
+    assert_null(none);
+    free(bytes);
+    iso_metric_free(m);
+}
+
+static void what_is_out_of_range_is_not_made_or_written(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric(), *none = NULL;
+    void *bytes = NULL;
+    size_t size = 0;
+    struct iso_metric shape = *m;
+    shape.n_dimensions = ISO_METRIC_DIMENSIONS_MAX + 1;
+    assert_int_equal(iso_metric_new(&shape, &none), -EINVAL);
+    shape = *m;
+    shape.landmarks = 0;
+    assert_int_equal(iso_metric_new(&shape, &none), -EINVAL);
+    m->axis[4] = NAN;
+    assert_int_equal(iso_metric_serialise(m, &bytes, &size), -EINVAL);
+    m->axis[4] = 0.0f;
+    m->between[1] = -1.0f;
+    assert_int_equal(iso_metric_serialise(m, &bytes, &size), -EINVAL);
+    assert_null(bytes);
+    iso_metric_free(m);
+}
+
+static void residuals_do_not_see_how_a_face_is_placed(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric();
+    struct iso_template t = mean_template(m, 0.3);
+    float residual_mm[ISO_METRIC_VALUES_MAX];
+    assert_int_equal(iso_metric_residuals(m, &t, residual_mm), 0);
+    for (int v = 0; v < m->n_values; v++) {
+        assert_true(fabsf(residual_mm[v]) < 1e-4f);
+    }
+    /* A point that is not there leaves nothing, however wrong it is, and moves no other. */
+    t.points_mm[1][4][2][2] += 50.0f;
+    t.weight[1][4][2] = 0.0f;
+    assert_int_equal(iso_metric_residuals(m, &t, residual_mm), 0);
+    for (int v = 0; v < m->n_values; v++) {
+        assert_true(fabsf(residual_mm[v]) < 1e-4f);
+    }
+    t.weight[1][4][2] = 1.0f;
+    assert_int_equal(iso_metric_residuals(m, &t, residual_mm), 0);
+    assert_true(residual_mm[3 * (3 * POINTS + 2) + 2] > 30.0f);
+    iso_metric_free(m);
+}
+
+static void it_refuses_what_it_cannot_compare(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric();
+    struct iso_metric_vector out = {.n = 9};
+    struct iso_template t = mean_template(m, 0.0);
+    t.algorithm = 78;
+    assert_int_equal(iso_metric_project(m, &t, &out), -EINVAL);
+    t = mean_template(m, 0.0);
+    t.n_points = POINTS - 1;
+    assert_int_equal(iso_metric_project(m, &t, &out), -EINVAL);
+    t = mean_template(m, 0.0);
+    memset(t.weight[0], 0, sizeof t.weight[0]);
+    memset(t.weight[1][4], 0, sizeof t.weight[1][4]); /* a quarter is left */
+    assert_int_equal(iso_metric_project(m, &t, &out), -ENODATA);
+    assert_int_equal(out.n, 9);
+    iso_metric_free(m);
+}
+
+/* Squared, in standard deviations of a vector of so many templates. */
+static double length_of(const struct iso_metric *m, const struct iso_metric_vector *v)
+{
+    double length = 0.0;
+    for (int d = 0; d < DIMENSIONS; d++) {
+        const double x = (double)(v->scale * v->mean[d]);
+        length += x * x / (1.0 / v->n + (double)m->between[d]);
+    }
+    return length;
+}
+
+static void a_vector_has_the_length_that_is_expected(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric();
+    struct iso_template t = mean_template(m, 0.2);
+    struct iso_metric_vector once, twice;
+    t.points_mm[0][1][3][0] += 2.0f;
+    assert_int_equal(iso_metric_project(m, &t, &once), 0);
+    assert_true(fabs(length_of(m, &once) - DIMENSIONS) < 1e-4);
+    twice = once;
+    twice.mean[1] += 1.0f;
+    iso_metric_vector_add(m, &once, &twice);
+    assert_int_equal(twice.n, 2);
+    assert_true(fabs(length_of(m, &twice) - DIMENSIONS) < 1e-4);
+    assert_true(fabsf(twice.mean[1] - once.mean[1] - 0.5f) < 1e-5f);
+    assert_true(fabsf(twice.mean[2] - once.mean[2]) < 1e-5f);
+    iso_metric_free(m);
+}
+
+/* log density of n numbers that vary by 1 about a mean which they share, whose variance is b:
+ * covariance I + b 11', determinant 1 + n b, inverse I - b / (1 + n b) 11'. */
+static double log_density(const double *x, int n, double b)
+{
+    double sum = 0.0, square = 0.0;
+    for (int i = 0; i < n; i++) {
+        sum += x[i];
+        square += x[i] * x[i];
+    }
+    return -0.5 * (n * log(2.0 * M_PI) + log(1.0 + n * b) + square - b / (1.0 + n * b) * sum * sum);
+}
+
+static void a_score_is_the_likelihood_ratio_of_one_person_and_two(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric();
+    const struct iso_metric_vector a = {1, 1.0f, {2.0f, -1.0f, 0.5f}},
+                                   b = {1, 1.0f, {3.0f, 0.0f, -0.5f}};
+    const struct iso_metric_vector probe = {1, 1.0f, {2.2f, 1.0f, 0.7f}};
+    struct iso_metric_vector both = a;
+    iso_metric_vector_add(m, &b, &both);
+    both.scale = 1.0f; /* the model itself */
+    double ratio = 0.0;
+    for (int d = 0; d < DIMENSIONS; d++) {
+        const double x[3] = {(double)a.mean[d], (double)b.mean[d], (double)probe.mean[d]};
+        const double variance = (double)m->between[d];
+        ratio += log_density(x, 3, variance) - log_density(x, 2, variance) -
+                 log_density(&x[2], 1, variance);
+    }
+    assert_true(fabs(iso_metric_score(m, &both, &probe) - (0.5 * ratio - 1.0)) < 1e-5);
+    assert_true(fabs(iso_metric_score(m, &a, &b) - iso_metric_score(m, &b, &a)) < 1e-6);
+    const struct iso_metric_vector nobody = {.n = 0};
+    assert_true(iso_metric_score(m, &nobody, &probe) == -INFINITY);
+    iso_metric_free(m);
+}
+
+/* Person 5 has two templates, 6 one that is as good as empty, 7 one. */
+static void a_search_takes_all_templates_of_a_person_together(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric();
+    struct iso_template t[4];
+    struct iso_metric_vector v[4], both;
+    for (int i = 0; i < 4; i++) {
+        t[i] = mean_template(m, 0.1 * i);
+        for (int k = 0; k < POINTS; k++) {
+            t[i].points_mm[0][1][k][2] += (float)((i + 1) * (k % 3));
+        }
+        assert_int_equal(iso_metric_project(m, &t[i], &v[i]), 0);
+    }
+    both = v[0];
+    iso_metric_vector_add(m, &v[1], &both);
+    struct iso_template empty = t[2];
+    memset(empty.weight, 0, sizeof empty.weight);
+    const struct iso_search_entry entries[] = {{5, &t[0]}, {5, &t[1]}, {6, &empty}, {7, &t[2]}};
+    struct iso_search_hit hits[3];
+    int n = -1;
+    assert_int_equal(iso_search_by_metric(entries, 4, &t[3], m, hits, 3, &n), 0);
+    assert_int_equal(n, 2);
+    for (int i = 0; i < n; i++) {
+        const struct iso_metric_vector *person = hits[i].person == 5 ? &both : &v[2];
+        assert_true(hits[i].person == 5 || hits[i].person == 7);
+        assert_true(fabs(hits[i].score - iso_metric_score(m, person, &v[3])) < 1e-6);
+        assert_true(isnan(hits[i].distance_mm));
+    }
+    assert_true(hits[0].score >= hits[1].score && hits[0].person != hits[1].person);
+    assert_int_equal(iso_search_by_metric(entries, 0, &t[3], m, hits, 3, &n), 0);
+    assert_int_equal(n, 0);
+    n = 17;
+    assert_int_equal(iso_search_by_metric(entries, 4, &empty, m, hits, 3, &n), -ENODATA);
+    t[1].algorithm++;
+    assert_int_equal(iso_search_by_metric(entries, 4, &t[3], m, hits, 3, &n), -EINVAL);
+    assert_int_equal(n, 17);
+    iso_metric_free(m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(it_survives_its_bytes),
+        cmocka_unit_test(damaged_bytes_are_refused),
+        cmocka_unit_test(what_is_out_of_range_is_not_made_or_written),
+        cmocka_unit_test(residuals_do_not_see_how_a_face_is_placed),
+        cmocka_unit_test(it_refuses_what_it_cannot_compare),
+        cmocka_unit_test(a_vector_has_the_length_that_is_expected),
+        cmocka_unit_test(a_score_is_the_likelihood_ratio_of_one_person_and_two),
+        cmocka_unit_test(a_search_takes_all_templates_of_a_person_together),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,61 @@
+/* Two people at the door, one enrolled: who stands in front is the visitor. A small one of what
+ * `isotherm-sim generate --preset pairs` and `replay` do at length. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "sim/visit/rehearsal.h"
+#include "tests/sim/generated.h"
+#include "tests/support/scratch.h"
+
+static void pass(const struct sim_visit *visit, void *context)
+{
+    (void)visit;
+    (void)context;
+}
+
+static void who_stands_in_front_is_the_visitor(void **state)
+{
+    struct sim_generate_options pairs = generated_options("pairs", scratch_path(*state, "corpus"));
+    struct iso_fault fault = {""};
+    struct sim_visit visits[8];
+    size_t n = 0;
+    pairs.n_people = 1;
+    pairs.n_probes = 1;
+    pairs.n_strangers = 1;
+    pairs.frames_per_visit = 5;
+    struct sim_corpus *corpus = generated_corpus(&pairs);
+    const struct sim_rehearsal_options options = {
+        .corpus = pairs.directory,
+        .state = scratch_path(*state, "state"),
+        .model = ISOTHERM_SOURCE_DIR "/core/data/head.model",
+        .metric = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
+        .threshold = NAN,
+    };
+    scratch_mkdir(options.state);
+    if (sim_rehearse(&options, corpus, pass, NULL, visits, &n, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_int_equal(n, 2);
+    assert_string_equal(visits[0].row->note, "stranger-behind");
+    assert_true(visits[0].unlocked);
+    assert_string_equal(visits[0].verdict.person, "p0000");
+    assert_string_equal(visits[1].row->note, "enrolled-behind");
+    assert_false(visits[1].unlocked || visits[1].verdict.allow);
+    sim_corpus_free(corpus);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(who_stands_in_front_is_the_visitor, scratch_setup,
+                                        scratch_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,186 @@
+/* Learning of the metric, on samples whose covariances are known, and the metric that ships. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "core/extract.h"
+#include "sim/data_file.h"
+#include "sim/face/person.h"
+#include "sim/random.h"
+#include "sim/recording/corpus.h"
+#include "sim/train/metric_learn.h"
+
+enum { PEOPLE = 400, EACH = 6, DIMENSIONS = 3 };
+
+static struct iso_metric *new_metric(int dimensions)
+{
+    const struct iso_metric shape = {.landmarks = 1,
+                                     .n_radii = 1,
+                                     .n_points = 4,
+                                     .n_dimensions = dimensions,
+                                     .weight_min = 0.3f,
+                                     .gain = 1.0f};
+    struct iso_metric *m = NULL;
+    assert_int_equal(iso_metric_new(&shape, &m), 0);
+    return m;
+}
+
+/* Values 0, 1 and 2 differ between people by 6, 3 and 1 and within them by 1, 3 and 0.5; the rest
+ * is noise of 0.05. */
+static void draw(float *residual_mm, size_t *person, size_t width)
+{
+    static const double across[] = {6.0, 3.0, 1.0}, within[] = {1.0, 3.0, 0.5};
+    struct sim_random random = sim_random_seeded(5, 6, 7);
+    for (size_t p = 0; p < PEOPLE; p++) {
+        double mean[3];
+        for (int k = 0; k < 3; k++) {
+            mean[k] = 10.0 * k + across[k] * sim_random_normal(&random);
+        }
+        for (size_t e = 0; e < EACH; e++) {
+            float *row = &residual_mm[(p * EACH + e) * width];
+            person[p * EACH + e] = p;
+            for (size_t v = 0; v < width; v++) {
+                row[v] = (float)((v < 3 ? mean[v] + within[v] * sim_random_normal(&random)
+                                        : 0.05 * sim_random_normal(&random)));
+            }
+        }
+    }
+}
+
+static void it_finds_what_tells_people_apart(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric(DIMENSIONS);
+    const size_t width = (size_t)m->n_values;
+    float *residual_mm = calloc(PEOPLE * EACH * width, sizeof *residual_mm);
+    size_t *person = calloc(PEOPLE * EACH, sizeof *person);
+    assert_true(residual_mm && person);
+    draw(residual_mm, person, width);
+    const struct sim_metric_samples samples = {PEOPLE * EACH, PEOPLE, residual_mm, person};
+    double explained = 0.0;
+    assert_int_equal(sim_metric_learn(&samples, m, &explained), 0);
+    assert_true(explained > 0.995 && explained <= 1.0);
+    /* Ratios of variances: 36, 4 and 1; 10 % is three standard errors of 400 people. */
+    static const double expected[] = {36.0, 4.0, 1.0};
+    for (int d = 0; d < DIMENSIONS; d++) {
+        assert_true(fabs((double)m->between[d] / expected[d] - 1.0) < 0.25);
+    }
+    /* Within a person every dimension has the variance 1; over all, the mean 0. */
+    for (size_t d = 0; d < DIMENSIONS; d++) {
+        double all = 0.0, inside = 0.0;
+        for (size_t p = 0; p < PEOPLE; p++) {
+            double y[EACH], mean = 0.0;
+            for (size_t e = 0; e < EACH; e++) {
+                y[e] = -(double)m->centre[d];
+                for (size_t v = 0; v < width; v++) {
+                    y[e] += (double)residual_mm[(p * EACH + e) * width + v] *
+                            (double)m->axis[v * DIMENSIONS + d];
+                }
+                mean += y[e] / EACH;
+            }
+            for (size_t e = 0; e < EACH; e++) {
+                inside += (y[e] - mean) * (y[e] - mean) / (PEOPLE * (EACH - 1));
+            }
+            all += mean / PEOPLE;
+        }
+        assert_true(fabs(inside - 1.0) < 0.01 && fabs(all) < 0.01);
+    }
+    free(residual_mm);
+    free(person);
+    iso_metric_free(m);
+}
+
+static void too_few_people_teach_nothing(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric(DIMENSIONS);
+    float residual_mm[5 * 12] = {0};
+    const size_t person[5] = {0, 1, 2, 3, 4};
+    const struct sim_metric_samples samples = {5, 5, residual_mm, person};
+    assert_int_equal(sim_metric_learn(&samples, m, NULL), -ENODATA);
+    iso_metric_free(m);
+}
+
+/* Ratios whose tail falls off by a decade every 4, from 1e-1 at -3. */
+static void a_score_says_how_rare_it_is_among_strangers(void **state)
+{
+    (void)state;
+    enum { N = 20000 };
+    double *ratio = calloc(N, sizeof *ratio);
+    assert_non_null(ratio);
+    for (int i = 0; i < N; i++) {
+        ratio[(7919 * (size_t)i) % N] = -3.0 - 4.0 * (log10((i + 1.0) / N) + 1.0);
+    }
+    float gain = 0.0f, bias = 0.0f;
+    assert_int_equal(sim_metric_calibrate(ratio, 500, &gain, &bias), -ENODATA);
+    assert_int_equal(sim_metric_calibrate(ratio, N, &gain, &bias), 0);
+    assert_true(fabsf(gain - 0.25f) < 0.01f);
+    assert_true(fabsf(gain * -3.0f + bias - 1.0f) < 0.05f);
+    assert_true(fabsf(gain * 5.0f + bias - 3.0f) < 0.05f);
+    for (int i = 0; i < N; i++) {
+        ratio[i] = 1.0;
+    }
+    assert_int_equal(sim_metric_calibrate(ratio, N, &gain, &bias), -EDOM);
+    free(ratio);
+}
+
+/* Nobody that the shipped metric was learned from may be in a test: people of the population
+ * `train` only, and of none that a committed corpus names. */
+static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
+{
+    (void)state;
+    struct iso_fault fault = {""};
+    struct iso_metric *metric = NULL;
+    struct sim_corpus *stored = NULL;
+    assert_int_equal(sim_metric_load(ISOTHERM_SOURCE_DIR "/core/data/face.metric", &metric, &fault),
+                     0);
+    assert_int_equal(sim_corpus_read(ISOTHERM_SOURCE_DIR "/sim/stored", &stored, &fault), 0);
+    assert_true(metric->n_origins >= 2);
+    const size_t length = strlen(SIM_POPULATION_TRAIN "-");
+    for (int i = 0; i < metric->n_origins; i++) {
+        assert_int_equal(strncmp(metric->origin[i], SIM_POPULATION_TRAIN "-", length), 0);
+        for (size_t row = 0; row < stored->n_rows; row++) {
+            assert_string_not_equal(metric->origin[i], stored->rows[row].note);
+        }
+    }
+    sim_corpus_free(stored);
+    iso_metric_free(metric);
+}
+
+static void the_shipped_metric_fits_the_shipped_head_model(void **state)
+{
+    (void)state;
+    struct iso_fault fault = {""};
+    struct iso_metric *metric = NULL;
+    struct iso_head_model *model = NULL;
+    struct iso_extractor *extractor = NULL;
+    const struct iso_extract_options options = iso_extract_options_default();
+    assert_int_equal(sim_metric_load(ISOTHERM_SOURCE_DIR "/core/data/face.metric", &metric, &fault),
+                     0);
+    assert_int_equal(
+        sim_head_model_load(ISOTHERM_SOURCE_DIR "/core/data/head.model", &model, &fault), 0);
+    assert_int_equal(iso_extractor_new(model, &options, &extractor), 0);
+    assert_int_equal(metric->algorithm, iso_extractor_algorithm(extractor));
+    iso_extractor_free(extractor);
+    iso_head_model_free(model);
+    iso_metric_free(metric);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(it_finds_what_tells_people_apart),
+        cmocka_unit_test(too_few_people_teach_nothing),
+        cmocka_unit_test(a_score_says_how_rare_it_is_among_strangers),
+        cmocka_unit_test(the_shipped_metric_knows_nobody_who_is_tested),
+        cmocka_unit_test(the_shipped_metric_fits_the_shipped_head_model),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
