@@ -11,6 +11,7 @@ install(DIRECTORY core DESTINATION ${headers} FILES_MATCHING PATTERN "*.h"
   REGEX "/(lanes|chebyshev|grid_stencil|grid_step|grid_band|level_search|tracer_store)[.]h$" EXCLUDE
   PATTERN "template_points.h" EXCLUDE
   PATTERN "lanczos.h" EXCLUDE
+  REGEX "/shape/(collaborative|describe|gallery|principal|vocabulary)[.]h$" EXCLUDE
   PATTERN "data" EXCLUDE)
 install(FILES core/isotherm.h DESTINATION ${headers})
 

@@ -2,11 +2,12 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int read_stream(const char *path, FILE *file, size_t max_bytes, char **text,
+static int read_stream(const char *path, FILE *file, size_t max_bytes, char **out, size_t *out_size,
                        struct iso_fault *fault)
 {
     size_t capacity = 4096, size = 0;
@@ -31,11 +32,10 @@ static int read_stream(const char *path, FILE *file, size_t max_bytes, char **te
         error = iso_fault_set(fault, errno ? -errno : -EIO, "%s: %m", path);
     } else if (size > max_bytes) {
         error = iso_fault_set(fault, -EFBIG, "%s: longer than %zu bytes", path, max_bytes);
-    } else if (memchr(bytes, 0, size)) {
-        error = iso_fault_set(fault, -EBADMSG, "%s: not a text file (it holds a NUL byte)", path);
     } else {
         bytes[size] = '\0';
-        *text = bytes;
+        *out = bytes;
+        *out_size = size;
         bytes = NULL;
     }
 out:
@@ -43,14 +43,30 @@ out:
     return error;
 }
 
-int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
+int iso_text_read_bytes(const char *path, size_t max_bytes, char **bytes, size_t *size,
+                        struct iso_fault *fault)
 {
     FILE *file = fopen(path, "re");
     if (!file) {
         return iso_fault_set(fault, -errno, "%s: %m", path);
     }
-    int error = read_stream(path, file, max_bytes, text, fault);
+    int error = read_stream(path, file, max_bytes, bytes, size, fault);
     (void)fclose(file);
+    return error;
+}
+
+int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    int error = iso_text_read_bytes(path, max_bytes, &bytes, &size, fault);
+    if (!error && memchr(bytes, 0, size)) {
+        free(bytes);
+        return iso_fault_set(fault, -EBADMSG, "%s: not a text file (it holds a NUL byte)", path);
+    }
+    if (!error) {
+        *text = bytes;
+    }
     return error;
 }
 
@@ -122,6 +138,20 @@ int iso_text_count(const char *text, size_t *out)
     }
     *out = strtoul(text, NULL, 10);
     return 0;
+}
+
+size_t iso_text_words(char *line, char **words, size_t max)
+{
+    size_t n = 0;
+    for (char *at = line + strspn(line, " \t"); *at; n++) {
+        char *end = at + strcspn(at, " \t");
+        if (n < max) {
+            words[n] = at;
+        }
+        at = end + strspn(end, " \t");
+        *end = '\0';
+    }
+    return n;
 }
 
 int iso_text_find_long_line(const char *text, size_t max_bytes)

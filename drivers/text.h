@@ -14,6 +14,11 @@
 int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* The same for files that may be binary: NUL bytes are let through, `size` does not count the one
+ * behind the last. */
+int iso_text_read_bytes(const char *path, size_t max_bytes, char **bytes, size_t *size,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* A walk over the lines of a string, which it cuts up. */
 struct iso_text_lines {
     char *rest;
@@ -31,6 +36,10 @@ size_t iso_text_line_count(const char *text);
 /* Cuts a line at every separator; returns how many fields there are and stores the first max of
  * them. An empty line is one empty field. */
 size_t iso_text_split(char *line, char separator, char **fields, size_t max);
+
+/* The same at runs of spaces and tabs, which do not count at the ends: a blank line has no words.
+ */
+size_t iso_text_words(char *line, char **words, size_t max);
 
 /* The number, from 1, of the first line that is longer than max_bytes, or 0: libinih cuts lines
  * silently at 200 bytes, so that longer ones are refused before it sees them. */

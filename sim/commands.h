@@ -16,6 +16,7 @@ int sim_cmd_generate(int argc, char **argv);
 int sim_cmd_train(int argc, char **argv);
 int sim_cmd_eval(int argc, char **argv);
 int sim_cmd_landmarks(int argc, char **argv);
+int sim_cmd_shapes(int argc, char **argv);
 int sim_cmd_show(int argc, char **argv);
 int sim_cmd_replay(int argc, char **argv);
 int sim_cmd_record(int argc, char **argv);

@@ -63,6 +63,34 @@ static const char *mesh_fault(const struct iso_mesh *mesh)
     return fault;
 }
 
+static int reserve(void **array, size_t element, int32_t wanted, int32_t *capacity)
+{
+    if (wanted <= *capacity) {
+        return 0;
+    }
+    int32_t doubled = *capacity <= INT32_MAX / 2 ? 2 * *capacity : INT32_MAX;
+    int32_t room = doubled > wanted ? doubled : wanted;
+    void *moved = realloc(*array, (size_t)room * element);
+    if (!moved) {
+        return -ENOMEM;
+    }
+    *array = moved;
+    *capacity = room;
+    return 0;
+}
+
+int iso_mesh_reserve(struct iso_mesh *mesh, int32_t n_vertices, int32_t n_triangles)
+{
+    void *vertices = mesh->vertices_mm, *triangles = mesh->triangles;
+    int error = reserve(&vertices, sizeof *mesh->vertices_mm, n_vertices, &mesh->vertex_capacity);
+    mesh->vertices_mm = vertices;
+    if (!error) {
+        error = reserve(&triangles, sizeof *mesh->triangles, n_triangles, &mesh->triangle_capacity);
+        mesh->triangles = triangles;
+    }
+    return error;
+}
+
 int iso_mesh_check(const struct iso_mesh *mesh, const char **fault)
 {
     const char *text = mesh_fault(mesh);

@@ -29,6 +29,11 @@ int iso_mesh_new(int32_t vertex_capacity, int32_t triangle_capacity, struct iso_
     __attribute__((warn_unused_result));
 void iso_mesh_free(struct iso_mesh *mesh);
 
+/* Makes room for at least so many, doubling, so that a mesh of unknown size can be built one by
+ * one; not for frames. What is there stays. -ENOMEM. */
+int iso_mesh_reserve(struct iso_mesh *mesh, int32_t n_vertices, int32_t n_triangles)
+    __attribute__((warn_unused_result));
+
 /* Every index in range, no triangle with a repeated corner, every coordinate finite; else -EINVAL
  * with *fault (if not NULL) set to a static text. */
 int iso_mesh_check(const struct iso_mesh *mesh, const char **fault)

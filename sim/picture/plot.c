@@ -17,8 +17,8 @@ struct colour {
 
 /* Okabe and Ito 2008: told apart with any colour vision. */
 static const struct colour series_colours[] = {
-    {0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62, 0.45},
-    {0.80, 0.47, 0.65}, {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91},
+    {0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
+    {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91}, {0.10, 0.10, 0.10}, {0.55, 0.35, 0.20},
 };
 static const struct colour ink = {0.13, 0.15, 0.18}, faint = {0.45, 0.48, 0.52},
                            grid = {0.90, 0.91, 0.92};
@@ -152,6 +152,32 @@ static void draw_legend(cairo_t *cr, const struct sim_plot *plot)
     }
 }
 
+/* A line for each, in a corner of the axes' box. */
+static void draw_legend_lines(cairo_t *cr, const struct sim_plot *plot)
+{
+    enum { LINE_PX = 22, WIDTH = 190 };
+    size_t n_colours = sizeof series_colours / sizeof *series_colours, n_lines = 0;
+    for (size_t i = 0; i < plot->n_series; i++) {
+        n_lines += plot->series[i].label != NULL;
+    }
+    double height = LINE_PX * (double)n_lines, x = right_px - WIDTH;
+    double y = plot->legend == SIM_LEGEND_UPPER ? top_px + 12.0 : bottom_px - 12.0 - height;
+    cairo_set_source_rgba(cr, 1.0, 1.0, 1.0, 0.85);
+    cairo_rectangle(cr, x - 8.0, y - 4.0, WIDTH, height + 8.0);
+    cairo_fill(cr);
+    cairo_set_font_size(cr, 14.0);
+    cairo_set_line_width(cr, 4.0);
+    for (size_t i = 0; i < plot->n_series; i++) {
+        if (plot->series[i].label) {
+            y += LINE_PX;
+            set_colour(cr, series_colours[i % n_colours], 1.0);
+            draw_line(cr, x, y - 10.0, x + 24.0, y - 10.0);
+            set_colour(cr, ink, 1.0);
+            sim_picture_text(cr, plot->series[i].label, x + 34.0, y - 5.0, 0.0);
+        }
+    }
+}
+
 int sim_plot_write(const struct sim_plot *plot, const char *path, struct iso_fault *fault)
 {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, WIDTH_PX, HEIGHT_PX);
@@ -166,7 +192,11 @@ int sim_plot_write(const struct sim_plot *plot, const char *path, struct iso_fau
         draw_series(cr, plot, &plot->series[i], series_colours[i % n_colours]);
     }
     draw_frame(cr, plot);
-    draw_legend(cr, plot);
+    if (plot->legend == SIM_LEGEND_LINE) {
+        draw_legend(cr, plot);
+    } else {
+        draw_legend_lines(cr, plot);
+    }
     cairo_destroy(cr);
     return sim_png_file_write(surface, path, fault);
 }

@@ -19,8 +19,15 @@ struct sim_series {
     const double *x, *y; /* [n] */
 };
 
+enum sim_legend {
+    SIM_LEGEND_LINE = 0, /* in one line above the axes' box */
+    SIM_LEGEND_UPPER,    /* a line a series, in the upper right corner of the box */
+    SIM_LEGEND_LOWER,    /* likewise in the lower right one */
+};
+
 struct sim_plot {
     const char *title, *subtitle; /* the subtitle may be NULL */
+    enum sim_legend legend;
     struct sim_axis x, y;
     size_t n_series;
     const struct sim_series *series;

@@ -84,6 +84,15 @@ for picture in depth fit mesh heat isotherms; do
     }
 done
 
+expect 0 '' shapes eval --help
+expect 2 'Usage: isotherm-sim shapes' shapes
+expect 2 '--out is needed' shapes generate
+expect 2 "--preset: 'square' is unknown" shapes generate --preset square --out "$work/s"
+expect 2 '--corpus and --out are needed' shapes eval --corpus x
+expect 2 "--distort: 'rain:1' is no KIND:LEVEL" shapes eval --distort rain:1
+expect 3 'nowhere/manifest.csv' shapes eval --corpus "$work/nowhere" --out "$work/s"
+expect 3 'nowhere/manifest.csv' shapes tables --corpus "$work/nowhere" --out "$work/s"
+
 expect 0 '' record --help
 expect 2 '--sensor, --frames and --out or --oni are needed' record --sensor replay --frames 3
 expect 3 "no sensor 'kinect9'" record --sensor kinect9 --frames 1 --out "$work/r"

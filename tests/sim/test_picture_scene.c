@@ -188,8 +188,13 @@ static void test_plot_file(void **state)
 {
     const double x[] = {1, 2, 3}, y[] = {20, 60, 90};
     const struct sim_series series = {"people", SIM_SERIES_MARKED, 3, x, y};
-    const struct sim_plot plot = {
-        "Title", NULL, {"x", SIM_SCALE_LINEAR, 1, 3}, {"y", SIM_SCALE_LINEAR, 0, 100}, 1, &series};
+    const struct sim_plot plot = {"Title",
+                                  NULL,
+                                  SIM_LEGEND_LINE,
+                                  {"x", SIM_SCALE_LINEAR, 1, 3},
+                                  {"y", SIM_SCALE_LINEAR, 0, 100},
+                                  1,
+                                  &series};
     const char *path = scratch_path(*state, "plot.png");
     struct iso_fault fault = {""};
     assert_int_equal(sim_plot_write(&plot, path, &fault), 0);

@@ -1,0 +1,35 @@
+/* How each method of method.h describes a shape; and what they share. Each fills a description that
+ * is all zero; iso_shape_describe frees what a failing one leaves in it. */
+#ifndef ISO_CORE_SHAPE_DESCRIBE_H
+#define ISO_CORE_SHAPE_DESCRIBE_H
+
+#include "core/shape/method.h"
+
+int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_td(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_cp_td(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_cp_hk_plain(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out);
+
+/* Makes room for the given parts (zeros). -ENOMEM. */
+int iso_describe_parts(struct iso_shape_description *out, int32_t n_parts, const int32_t *part_size)
+    __attribute__((warn_unused_result));
+
+/* Adds values [n][stride] to a histogram of 2 or more bins over from..to, each by its weight, split
+ * between the two bins whose middles it lies between; what lies outside counts in the first or last
+ * bin. */
+void iso_describe_histogram(const double *value, int32_t n, int stride, const double *weight,
+                            double from, double to, int bins, float *histogram);
+
+/* n eigenvalues from the first non-trivial one on, normalised: how far each is from where it would
+ * be if all rose evenly (as Weyl (1911) has it for high ones) at their mean slope, in shares of
+ * that; times `weight`. Less sensitive to missing parts than eigenvalues over the first one, which
+ * is as much at stake as any. 0 where the shape has fewer. */
+void iso_describe_eigenvalues(const struct iso_shape *shape, int n, double weight, float *out);
+
+#endif

@@ -1,0 +1,136 @@
+/* Methods whose vertices become words: Shape Google, and those of chapter 5 for shapes with
+ * colours.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/shape/describe.h"
+#include "core/shape/heat_signature.h"
+#include "core/shape/scale_invariant.h"
+
+enum {
+    GOOGLE_TIMES = 193, /* tau over 12 octaves in steps of 1/16 */
+    GOOGLE_AMPLITUDES = 6,
+    W_TIMES = 128, /* tau 0.01 .. 8 in steps of 1/16 (5.3) */
+    W_AMPLITUDES = 20,
+    LEVELS = 4, /* of each channel in a histogram of colours */
+};
+
+/* The unit of time at tau = 0, in areas of the shape: what the eigenpairs resolve. */
+static const double google_unit = 1.0 / 1024.0;
+static const double w_unit = 1.0 / 200.0;
+
+static int make_bags(const struct iso_shape *shape, int32_t n_bags, int32_t n_values,
+                     struct iso_shape_description *out)
+{
+    size_t n = (size_t)shape->mesh->n_vertices;
+    out->n_bags = n_bags;
+    out->n_points = shape->mesh->n_vertices;
+    out->n_values = n_values;
+    out->local = calloc((size_t)n_bags * n * (size_t)n_values, sizeof *out->local);
+    out->weight = calloc(n, sizeof *out->weight);
+    if (!out->local || !out->weight) {
+        return -ENOMEM;
+    }
+    for (size_t v = 0; v < n; v++) {
+        out->weight[v] = (float)(shape->area[v] / shape->total_area);
+    }
+    return 0;
+}
+
+/* Shape Google (Bronstein, Bronstein, Guibas and Ovsjanikov, ACM TOG 30, 2011): SI-HKS everywhere,
+ * alpha = 2, the first 6 frequencies. */
+int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    size_t n = (size_t)shape->mesh->n_vertices;
+    double t[GOOGLE_TIMES];
+    double *course = malloc(n * GOOGLE_TIMES * sizeof *course);
+    struct iso_fourier *fourier = NULL;
+    iso_heat_times_alpha(google_unit * shape->total_area, 2.0, 0.0, 1.0 / 16.0, GOOGLE_TIMES, t);
+    int error = course ? make_bags(shape, 1, GOOGLE_AMPLITUDES, out) : -ENOMEM;
+    error = error ? error : iso_describe_parts(out, 0, NULL);
+    error = error ? error : iso_fourier_new(GOOGLE_TIMES - 1, GOOGLE_AMPLITUDES, &fourier);
+    error = error ? error : iso_heat_signature(shape->pairs, 0, t, GOOGLE_TIMES, course);
+    error = error ? error : iso_si_hks(fourier, course, shape->mesh->n_vertices, out->local);
+    iso_fourier_free(fourier);
+    free(course);
+    return error;
+}
+
+/* Scale-invariant amplitudes of K(x, x, t) for one operator, into one bag. */
+static int amplitudes_of(const struct iso_eigenpairs *pairs, double total_area, float *local)
+{
+    double t[W_TIMES];
+    double *course = malloc((size_t)pairs->n * W_TIMES * sizeof *course);
+    struct iso_fourier *fourier = NULL;
+    iso_heat_times_alpha(w_unit * total_area, 2.0, 0.01, 1.0 / 16.0, W_TIMES, t);
+    int error = course ? iso_fourier_new(W_TIMES, W_AMPLITUDES, &fourier) : -ENOMEM;
+    error = error ? error : iso_heat_signature(pairs, 0, t, W_TIMES, course);
+    error = error ? error : iso_si_hk(fourier, course, pairs->n, local);
+    iso_fourier_free(fourier);
+    free(course);
+    return error;
+}
+
+/* W-HKS of each channel (5.3), a bag for each. */
+static int describe_channels(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    size_t bag = (size_t)shape->mesh->n_vertices * W_AMPLITUDES;
+    int error = make_bags(shape, ISO_CHANNELS, W_AMPLITUDES, out);
+    for (int c = 0; !error && c < ISO_CHANNELS; c++) {
+        error = amplitudes_of(shape->weighted[c], shape->total_area, &out->local[(size_t)c * bag]);
+    }
+    return error;
+}
+
+/* The share of a colour in one cell of the histogram, each channel split between two levels. */
+static void add_colour(const struct iso_colour *colour, float weight, float *histogram)
+{
+    int level[ISO_CHANNELS];
+    float above[ISO_CHANNELS];
+    for (int c = 0; c < ISO_CHANNELS; c++) {
+        float at = colour->channel[c] * (float)(LEVELS - 1);
+        level[c] = at >= (float)(LEVELS - 1) ? LEVELS - 2 : (int)at;
+        above[c] = at - (float)level[c];
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        float share = weight;
+        int cell = 0;
+        for (int c = 0; c < ISO_CHANNELS; c++) {
+            int up = corner >> c & 1;
+            share *= up ? above[c] : 1.0f - above[c];
+            cell = cell * LEVELS + level[c] + up;
+        }
+        histogram[cell] += share;
+    }
+}
+
+static int describe_colours(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    const int32_t sizes[] = {LEVELS * LEVELS * LEVELS};
+    int error = iso_describe_parts(out, 1, sizes);
+    for (int32_t v = 0; !error && v < shape->mesh->n_vertices; v++) {
+        add_colour(&shape->colour[v], out->weight[v], out->whole);
+    }
+    return error;
+}
+
+int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    int error = describe_channels(shape, out);
+    return error ? error : iso_describe_parts(out, 0, NULL);
+}
+
+int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    int error = describe_channels(shape, out);
+    return error ? error : describe_colours(shape, out);
+}
+
+int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    int error = make_bags(shape, 1, W_AMPLITUDES, out);
+    error = error ? error : amplitudes_of(shape->pairs, shape->total_area, out->local);
+    return error ? error : describe_colours(shape, out);
+}

@@ -1,0 +1,199 @@
+/* Methods of chapter 4: heat that is released at critical points. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/shape/critical_points.h"
+#include "core/shape/describe.h"
+#include "core/shape/heat_signature.h"
+#include "core/shape/scale_invariant.h"
+
+enum {
+    TIMES = 100, /* 4.2.1, 4.3.3 */
+    BINS = 100,
+    EIGENVALUES = ISO_SHAPE_PAIRS - 1,
+    AMPLITUDES = 6,
+};
+
+/* Times are measured by the area of the shape: eigenvalues and eigenfunctions are normalised by it
+ * (4.2). The first one is what 100 pairs resolve. At the last one heat has come through the shape
+ * (CP-HK: amplitudes want the whole course), or through a limb and not to where other parts may be
+ * missing (CP-TD). */
+static const double first_time = 1.0 / 400.0;
+static const double last_time_td = 0.5;
+static const double last_time_hk = 4.0;
+
+/* The weight of the eigenvalues beside the histograms of CP-TD. */
+static const double eigenvalue_weight = 3.0;
+
+/* The time of the heat mean signature whose minimum is the one point of 4.2.3. */
+static const double mean_time = 1.0 / 64.0;
+
+/* What is worked on: heat [n][TIMES] of one point. */
+struct bench {
+    const struct iso_shape *shape;
+    int32_t n;
+    double t[TIMES];
+    double *heat;
+    double *weight; /* [n]: share of the area over the number of points */
+};
+
+static int bench_init(struct bench *bench, const struct iso_shape *shape, double last_time)
+{
+    size_t n = (size_t)shape->mesh->n_vertices;
+    *bench = (struct bench){.shape = shape, .n = shape->mesh->n_vertices};
+    iso_heat_times(first_time * shape->total_area, last_time * shape->total_area, TIMES, bench->t);
+    bench->heat = malloc(n * TIMES * sizeof *bench->heat);
+    bench->weight = malloc(n * sizeof *bench->weight);
+    return bench->heat && bench->weight ? 0 : -ENOMEM;
+}
+
+static void bench_done(struct bench *bench)
+{
+    free(bench->heat);
+    free(bench->weight);
+}
+
+static void share_weight(struct bench *bench, int32_t n_points)
+{
+    for (int32_t v = 0; v < bench->n; v++) {
+        bench->weight[v] = bench->shape->area[v] / (bench->shape->total_area * n_points);
+    }
+}
+
+/* Heat of one point at each time, over its own temperature there: histograms of 0..1. */
+static int add_temperatures(struct bench *bench, int32_t source, float *histogram)
+{
+    int error = iso_heat_from_vertex(bench->shape->pairs, source, 0, bench->t, TIMES, bench->heat);
+    for (int j = 0; !error && j < TIMES; j++) {
+        double own = bench->heat[(size_t)source * TIMES + (size_t)j];
+        iso_describe_histogram(&bench->heat[j], bench->n, TIMES, bench->weight, 0.0, own, BINS,
+                               &histogram[(size_t)j * BINS]);
+    }
+    return error;
+}
+
+/* CP-TD. The histograms of all points are added rather than put behind each other: the points of
+ * two shapes have no order in common, and differ in number. */
+static int describe_temperatures(const struct iso_shape *shape,
+                                 const struct iso_critical_points *points,
+                                 struct iso_shape_description *out)
+{
+    const int32_t sizes[] = {TIMES * BINS + EIGENVALUES};
+    struct bench bench;
+    int error = bench_init(&bench, shape, last_time_td);
+    error = error ? error : iso_describe_parts(out, 1, sizes);
+    if (!error) {
+        share_weight(&bench, points->n);
+        iso_describe_eigenvalues(shape, EIGENVALUES, eigenvalue_weight, &out->whole[TIMES * BINS]);
+    }
+    for (int32_t i = 0; !error && i < points->n; i++) {
+        error = add_temperatures(&bench, points->vertex[i], out->whole);
+    }
+    bench_done(&bench);
+    return error;
+}
+
+int iso_describe_cp_td(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    struct iso_critical_points points = {0};
+    int error = iso_shape_critical_points(shape, &points);
+    error = error ? error : describe_temperatures(shape, &points, out);
+    iso_critical_points_done(&points);
+    return error;
+}
+
+int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    int32_t coldest = 0;
+    double *mean = malloc((size_t)shape->mesh->n_vertices * sizeof *mean);
+    int error = mean ? 0 : -ENOMEM;
+    error = error ? error
+                  : iso_heat_mean_signature(shape->pairs, mean_time * shape->total_area, mean);
+    for (int32_t v = 0; !error && v < shape->mesh->n_vertices; v++) {
+        coldest = mean[v] < mean[coldest] ? v : coldest;
+    }
+    struct iso_critical_points point = {1, &coldest};
+    error = error ? error : describe_temperatures(shape, &point, out);
+    free(mean);
+    return error;
+}
+
+/* Amplitudes lie in 0..1, their sum being 1; the higher ones in a smaller range. */
+static double amplitude_range(int w)
+{
+    return w == 0 ? 0.5 : 0.25;
+}
+
+/* The courses of heat of one point, without the constant that it ends in, as amplitudes. */
+static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier, int32_t source,
+                          float *amplitude, float *histogram)
+{
+    int error = iso_heat_from_vertex(bench->shape->pairs, source, 1, bench->t, TIMES, bench->heat);
+    error = error ? error : iso_si_hk(fourier, bench->heat, bench->n, amplitude);
+    if (error) {
+        return error;
+    }
+    for (int32_t i = 0; i < bench->n * AMPLITUDES; i++) {
+        bench->heat[i] = (double)amplitude[i]; /* the courses are done with */
+    }
+    for (int w = 0; w < AMPLITUDES; w++) {
+        iso_describe_histogram(&bench->heat[w], bench->n, AMPLITUDES, bench->weight, 0.0,
+                               amplitude_range(w), BINS, &histogram[(size_t)w * BINS]);
+    }
+    return 0;
+}
+
+/* The histograms of CP-HK, the same number of points from all shapes weighing the same. */
+static int describe_amplitudes(const struct iso_shape *shape,
+                               const struct iso_critical_points *points, float *histogram)
+{
+    struct bench bench;
+    struct iso_fourier *fourier = NULL;
+    float *amplitude = malloc((size_t)shape->mesh->n_vertices * AMPLITUDES * sizeof *amplitude);
+    int error = bench_init(&bench, shape, last_time_hk);
+    error = error || amplitude ? error : -ENOMEM;
+    error = error ? error : iso_fourier_new(TIMES, AMPLITUDES, &fourier);
+    if (!error) {
+        share_weight(&bench, points->n);
+    }
+    for (int32_t i = 0; !error && i < points->n; i++) {
+        error = add_amplitudes(&bench, fourier, points->vertex[i], amplitude, histogram);
+    }
+    iso_fourier_free(fourier);
+    bench_done(&bench);
+    free(amplitude);
+    return error;
+}
+
+/* The number of points stands beside histograms whose sum is 1: a point more or less is a tenth. */
+static const float per_point = 0.1f;
+
+int iso_describe_cp_hk_plain(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    const int32_t sizes[] = {BINS, BINS, BINS, BINS, BINS, BINS, 1};
+    struct iso_critical_points points = {0};
+    int error = iso_shape_critical_points(shape, &points);
+    error = error ? error : iso_describe_parts(out, AMPLITUDES + 1, sizes);
+    error = error ? error : describe_amplitudes(shape, &points, out->whole);
+    if (!error) {
+        out->whole[AMPLITUDES * BINS] = per_point * (float)points.n;
+    }
+    iso_critical_points_done(&points);
+    return error;
+}
+
+int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_description *out)
+{
+    const int32_t sizes[] = {BINS, BINS, BINS, BINS, BINS, BINS, 1, EIGENVALUES};
+    struct iso_critical_points points = {0};
+    int error = iso_shape_critical_points(shape, &points);
+    error = error ? error : iso_describe_parts(out, AMPLITUDES + 2, sizes);
+    error = error ? error : describe_amplitudes(shape, &points, out->whole);
+    if (!error) {
+        out->whole[AMPLITUDES * BINS] = per_point * (float)points.n;
+        iso_describe_eigenvalues(shape, EIGENVALUES, 1.0, &out->whole[AMPLITUDES * BINS + 1]);
+    }
+    iso_critical_points_done(&points);
+    return error;
+}

@@ -1,0 +1,29 @@
+/* What classifiers keep of the features they learn from. */
+#ifndef ISO_CORE_SHAPE_GALLERY_H
+#define ISO_CORE_SHAPE_GALLERY_H
+
+#include "core/shape/classifier.h"
+
+struct iso_gallery {
+    struct iso_feature_layout layout;
+    int32_t n, n_classes;
+    float *feature; /* [n][layout.size] */
+    int32_t *label; /* [n] */
+};
+
+/* A copy. -ENOMEM. */
+int iso_gallery_init(struct iso_gallery *gallery, const struct iso_labelled *training)
+    __attribute__((warn_unused_result));
+void iso_gallery_done(struct iso_gallery *gallery);
+
+/* Makes each part of a feature of unit length; a part of zeros stays. */
+void iso_gallery_normalise(const struct iso_feature_layout *layout, float *feature);
+
+/* For each class the lowest of its distances, as a score: the higher the better. */
+void iso_gallery_score(const struct iso_gallery *gallery, const double *distance, double *score);
+
+/* The operations of core/shape/classifier.h that this library has. */
+extern const struct iso_classifier_ops iso_classifier_nn_l1, iso_classifier_nn_l2,
+    iso_classifier_crc_rls, iso_classifier_rcr, iso_classifier_naive_bayes;
+
+#endif

@@ -1,0 +1,139 @@
+#include "core/shape/method.h"
+
+#include <string.h>
+
+#include "core/shape/describe.h"
+
+static const struct iso_shape_method shape_dna = {
+    .name = "shape-dna",
+    .title = "Shape-DNA",
+    .source = "Reuter, Wolter and Peinecke 2006",
+    .coding = ISO_CODING_PLAIN,
+    .norm = ISO_NORM_L2,
+    .classifier = "nn-l2",
+    .describe = iso_describe_shape_dna,
+};
+
+static const struct iso_shape_method td = {
+    .name = "td",
+    .title = "TD",
+    .source = "Fang, Sun, Kim and Ramani 2011; Abdelrahman 2013, 3.4.5",
+    .coding = ISO_CODING_PLAIN,
+    .norm = ISO_NORM_L2,
+    .classifier = "nn-l2",
+    .describe = iso_describe_td,
+};
+
+static const struct iso_shape_method cp_td = {
+    .name = "cp-td",
+    .title = "CP-TD",
+    .source = "Abdelrahman 2013, 4.2.1",
+    .coding = ISO_CODING_PLAIN,
+    .norm = ISO_NORM_L2,
+    .classifier = "nn-l2",
+    .describe = iso_describe_cp_td,
+};
+
+static const struct iso_shape_method srcp_td = {
+    .name = "srcp-td",
+    .title = "SRCP-TD",
+    .source = "Abdelrahman 2013, 4.2.2",
+    .coding = ISO_CODING_REDUCED,
+    .size = 64,
+    .norm = ISO_NORM_L2,
+    .classifier = "crc-rls",
+    .describe = iso_describe_cp_td,
+};
+
+static const struct iso_shape_method srcp_td_one = {
+    .name = "srcp-td-one",
+    .title = "SRCP-TD, one point",
+    .source = "Abdelrahman 2013, 4.2.3, table 4.3",
+    .coding = ISO_CODING_REDUCED,
+    .size = 64,
+    .norm = ISO_NORM_L2,
+    .classifier = "crc-rls",
+    .describe = iso_describe_cp_td_one,
+};
+
+static const struct iso_shape_method cp_hk = {
+    .name = "cp-hk",
+    .title = "CP-HK",
+    .source = "Abdelrahman 2013, 4.3.3",
+    .coding = ISO_CODING_PLAIN,
+    .norm = ISO_NORM_L1,
+    .classifier = "rcr",
+    .describe = iso_describe_cp_hk,
+};
+
+static const struct iso_shape_method cp_hk_plain = {
+    .name = "cp-hk-plain",
+    .title = "CP-HK without eigenvalues",
+    .source = "Abdelrahman 2013, 4.3.7",
+    .coding = ISO_CODING_PLAIN,
+    .norm = ISO_NORM_L1,
+    .classifier = "svm",
+    .describe = iso_describe_cp_hk_plain,
+};
+
+static const struct iso_shape_method shape_google = {
+    .name = "shape-google",
+    .title = "Shape Google",
+    .source = "Bronstein, Bronstein, Guibas and Ovsjanikov 2011",
+    .coding = ISO_CODING_BAGS,
+    .size = 64,
+    .norm = ISO_NORM_L1,
+    .classifier = "nn-l1",
+    .describe = iso_describe_shape_google,
+};
+
+static const struct iso_shape_method w_hks1 = {
+    .name = "w-hks1",
+    .title = "W-HKS1",
+    .source = "Abdelrahman 2013, 5.3",
+    .colour = true,
+    .coding = ISO_CODING_BAGS,
+    .size = 64,
+    .norm = ISO_NORM_L1,
+    .classifier = "nn-l1",
+    .describe = iso_describe_w_hks1,
+};
+
+static const struct iso_shape_method w_hks2 = {
+    .name = "w-hks2",
+    .title = "W-HKS2",
+    .source = "Abdelrahman 2013, 5.4",
+    .colour = true,
+    .coding = ISO_CODING_BAGS,
+    .size = 64,
+    .norm = ISO_NORM_L1,
+    .classifier = "nn-l1",
+    .describe = iso_describe_w_hks2,
+};
+
+static const struct iso_shape_method si_hk_colour = {
+    .name = "si-hk-colour",
+    .title = "SI-HK and colours (A2)",
+    .source = "Cerri et al., 3DOR 2013",
+    .colour = true,
+    .coding = ISO_CODING_BAGS,
+    .size = 64,
+    .norm = ISO_NORM_L1,
+    .classifier = "nn-l1",
+    .describe = iso_describe_si_hk_colour,
+};
+
+const struct iso_shape_method *const iso_shape_methods[] = {
+    &shape_dna,   &td,           &cp_td,  &srcp_td, &srcp_td_one,  &cp_hk,
+    &cp_hk_plain, &shape_google, &w_hks1, &w_hks2,  &si_hk_colour, NULL,
+};
+
+const struct iso_shape_method *iso_shape_method_find(const char *name)
+{
+    for (const struct iso_shape_method *const *method = iso_shape_methods; *method; method++) {
+        if (strcmp((*method)->name, name) == 0) {
+            return *method;
+        }
+    }
+    return NULL;
+}

@@ -1,0 +1,52 @@
+/* How well a matrix of distances retrieves shapes of the query's class: the measures of the
+ * Princeton Shape Benchmark (Shilane, Min, Kazhdan and Funkhouser, SMI 2004), and the average
+ * dynamic recall of SHREC'13 (Cerri et al., "Retrieval on textured 3D models", 3DOR 2013; Typke,
+ * Veltkamp and Wiering, ICME 2006).
+ *
+ * Each row is a query, each column an item that may be retrieved. Ties are broken by the order of
+ * the items. A query of whose class there is nothing to be retrieved does not count. */
+#ifndef ISO_CORE_SHAPE_RETRIEVAL_H
+#define ISO_CORE_SHAPE_RETRIEVAL_H
+
+#include <stdint.h>
+
+enum {
+    ISO_RECALL_LEVELS = 20,   /* of the precision-recall curve: 1/20, 2/20, ... 1 */
+    ISO_E_MEASURE_FIRST = 32, /* items that are looked at */
+};
+
+struct iso_retrieval {
+    int32_t n_queries; /* that count */
+    double nearest;    /* NN: share of queries whose first item is of their class */
+    double first_tier,
+        second_tier;  /* recall within the first C, 2 C items; C: how many there are */
+    double e_measure; /* 2 / (1 / precision + 1 / recall) over the first 32 items */
+    double dcg;       /* discounted cumulative gain over that of a perfect ranking */
+    double adr;       /* average dynamic recall */
+    double precision[ISO_RECALL_LEVELS]; /* highest at this recall or more, mean over queries */
+};
+
+struct iso_ranked {
+    int32_t n_queries, n_items;
+    const double *distance;     /* [n_queries][n_items] */
+    const int32_t *query_class; /* [n_queries] */
+    const int32_t *item_class;  /* [n_items] */
+    /* Wider classes, for ADR: of the first C items only those of the class are relevant, of those
+     * further down (as many as the wider class has) all of the wider class. NULL: the same. */
+    const int32_t *query_wider, *item_wider;
+    /* [n_queries]: the item that is the query itself, or what it was made of, and is left out of
+     * its row; -1: none. NULL: none for any. */
+    const int32_t *own;
+};
+
+/* Measures one query (nearest 0 or 1, n_queries 1 or, if it does not count, 0 and all else 0).
+ * -ENOMEM. */
+int iso_retrieval_query(const struct iso_ranked *ranked, int32_t query, struct iso_retrieval *out)
+    __attribute__((warn_unused_result));
+
+/* The means over all queries that count. -EINVAL for an own item out of range, or
+ * distances that are not numbers; -ENOMEM. */
+int iso_retrieval_measure(const struct iso_ranked *ranked, struct iso_retrieval *out)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,297 @@
+#include "core/shape/shape.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Relative residual of the eigenpairs; their values are far better (its square). */
+static const double pairs_tolerance = 1e-8;
+
+/* Area over the square of the longest edge, below which a triangle is a line. */
+static const double least_roundness = 1e-8;
+
+static bool has_area(const struct iso_mesh *mesh, int32_t t)
+{
+    const int32_t *v = mesh->triangles[t];
+    double longest = 0.0;
+    for (int k = 0; k < 3; k++) {
+        struct iso_vec3 edge = iso_sub(mesh->vertices_mm[v[(k + 1) % 3]], mesh->vertices_mm[v[k]]);
+        longest = fmax(longest, iso_dot(edge, edge));
+    }
+    return longest > 0.0 && iso_mesh_triangle_area(mesh, t) >= least_roundness * longest;
+}
+
+/* The vertex that stands for the component of v; shortens the way on the way. */
+static int32_t root_of(int32_t *parent, int32_t v)
+{
+    while (parent[v] != v) {
+        parent[v] = parent[parent[v]];
+        v = parent[v];
+    }
+    return v;
+}
+
+/* The component of the largest area: parent[v] becomes its root's for all of its vertices. Returns
+ * that root, or -1 for a mesh without area. */
+static int32_t largest_part(const struct iso_mesh *mesh, int32_t *parent, double *area)
+{
+    for (int32_t v = 0; v < mesh->n_vertices; v++) {
+        parent[v] = v;
+        area[v] = 0.0;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        const int32_t *v = mesh->triangles[t];
+        if (has_area(mesh, t)) {
+            int32_t root = root_of(parent, v[0]);
+            parent[root_of(parent, v[1])] = root;
+            parent[root_of(parent, v[2])] = root;
+        }
+    }
+    int32_t best = -1;
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        if (has_area(mesh, t)) {
+            int32_t root = root_of(parent, mesh->triangles[t][0]);
+            area[root] += iso_mesh_triangle_area(mesh, t);
+            best = best < 0 || area[root] > area[best] ? root : best;
+        }
+    }
+    return best;
+}
+
+/* Copies the largest part, with its colours. `parent` and then `number` share their room. */
+static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t *number,
+                     double *area, struct iso_shape *shape)
+{
+    int32_t best = largest_part(mesh, number, area), n = 0, triangles = 0;
+    if (best < 0) {
+        return -ENODATA;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        triangles += has_area(mesh, t) && root_of(number, mesh->triangles[t][0]) == best;
+    }
+    for (int32_t v = 0; v < mesh->n_vertices; v++) {
+        area[v] = root_of(number, v) == best ? 1.0 : 0.0;
+        n += area[v] > 0.0;
+    }
+    if (n < ISO_SHAPE_VERTICES_MIN) {
+        return -ENODATA;
+    }
+    int error = iso_mesh_new(n, triangles, &shape->mesh);
+    shape->colour = colour ? calloc((size_t)n, sizeof *colour) : NULL;
+    if (error || (colour && !shape->colour)) {
+        return -ENOMEM;
+    }
+    struct iso_mesh *part = shape->mesh;
+    for (int32_t v = 0; v < mesh->n_vertices; v++) {
+        number[v] = -1;
+        if (area[v] > 0.0) {
+            number[v] = part->n_vertices;
+            part->vertices_mm[part->n_vertices] = mesh->vertices_mm[v];
+            if (colour) {
+                shape->colour[part->n_vertices] = colour[v];
+            }
+            part->n_vertices++;
+        }
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        const int32_t *v = mesh->triangles[t];
+        if (number[v[0]] >= 0 && has_area(mesh, t)) {
+            for (int k = 0; k < 3; k++) {
+                part->triangles[part->n_triangles][k] = number[v[k]];
+            }
+            part->n_triangles++;
+        }
+    }
+    return 0;
+}
+
+static int take_part(const struct iso_mesh *mesh, const struct iso_colour *colour,
+                     struct iso_shape *shape)
+{
+    size_t n = (size_t)mesh->n_vertices + 1;
+    int32_t *number = calloc(n, sizeof *number);
+    double *area = calloc(n, sizeof *area);
+    int error = number && area ? copy_part(mesh, colour, number, area, shape) : -ENOMEM;
+    free(number);
+    free(area);
+    return error;
+}
+
+/* A third of the triangles around each vertex, and the sum. */
+static int measure_area(struct iso_shape *shape)
+{
+    const struct iso_mesh *mesh = shape->mesh;
+    shape->area = calloc((size_t)mesh->n_vertices, sizeof *shape->area);
+    if (!shape->area) {
+        return -ENOMEM;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        double area = iso_mesh_triangle_area(mesh, t);
+        shape->total_area += area;
+        for (int k = 0; k < 3; k++) {
+            shape->area[mesh->triangles[t][k]] += area / 3.0;
+        }
+    }
+    return 0;
+}
+
+static int assemble(struct iso_shape *shape)
+{
+    int32_t n = shape->mesh->n_vertices, nnz = n + 3 * shape->mesh->n_triangles;
+    int error = iso_symmetric_new(n, nnz, &shape->stiffness);
+    error = error ? error : iso_symmetric_new(n, nnz, &shape->mass);
+    return error ? error
+                 : iso_stiffness_mass(shape->mesh, ISO_MASS_CONSISTENT, shape->stiffness,
+                                      shape->mass);
+}
+
+/* Neighbours are where the matrices have entries: the lower triangle, then its mirror image. */
+static int find_neighbours(struct iso_shape *shape)
+{
+    const struct iso_symmetric *a = shape->stiffness;
+    size_t n = (size_t)a->n;
+    int32_t *start = calloc(n + 2, sizeof *start);
+    shape->neighbour_start = start;
+    shape->neighbour = calloc(2 * (size_t)a->nnz, sizeof *shape->neighbour);
+    if (!start || !shape->neighbour) {
+        return -ENOMEM;
+    }
+    start++; /* while it is filled, start[v] is where the next neighbour of v goes */
+    for (int32_t j = 0; j < a->n; j++) {
+        for (int32_t at = a->column_start[j] + 1; at < a->column_start[j + 1]; at++) {
+            start[j + 1]++;
+            start[a->row[at] + 1]++;
+        }
+    }
+    for (size_t v = 0; v < n; v++) {
+        start[v + 1] += start[v];
+    }
+    for (int32_t j = 0; j < a->n; j++) {
+        for (int32_t at = a->column_start[j] + 1; at < a->column_start[j + 1]; at++) {
+            shape->neighbour[start[j]++] = a->row[at];
+            shape->neighbour[start[a->row[at]]++] = j;
+        }
+    }
+    return 0;
+}
+
+/* Marks all neighbours of marked vertices. */
+static void widen(const struct iso_shape *shape, const uint8_t *from, uint8_t *to)
+{
+    for (int32_t v = 0; v < shape->mesh->n_vertices; v++) {
+        to[v] = from[v];
+        for (int32_t at = shape->neighbour_start[v]; at < shape->neighbour_start[v + 1]; at++) {
+            to[v] |= from[shape->neighbour[at]];
+        }
+    }
+}
+
+static int find_boundary(struct iso_shape *shape)
+{
+    size_t n = (size_t)shape->mesh->n_vertices;
+    int32_t(*adjacent)[3] = calloc((size_t)shape->mesh->n_triangles, sizeof *adjacent);
+    uint8_t *one_edge = calloc(n, 1);
+    shape->near_boundary = calloc(n, 1);
+    int error = adjacent && one_edge && shape->near_boundary ? 0 : -ENOMEM;
+    error = error ? error : iso_mesh_adjacency(shape->mesh, adjacent);
+    if (!error) {
+        iso_mesh_boundary(shape->mesh, (const int32_t(*)[3])adjacent, shape->near_boundary);
+        widen(shape, shape->near_boundary, one_edge);
+        widen(shape, one_edge, shape->near_boundary);
+    }
+    free(adjacent);
+    free(one_edge);
+    return error;
+}
+
+static bool valid_colours(const struct iso_colour *colour, int32_t n)
+{
+    for (int32_t v = 0; colour && v < n; v++) {
+        for (int c = 0; c < ISO_CHANNELS; c++) {
+            if (!(colour[v].channel[c] >= 0.0f && colour[v].channel[c] <= 1.0f)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static int solve(const struct iso_shape *shape, const struct iso_symmetric *stiffness,
+                 const struct iso_symmetric *mass, int32_t wanted, struct iso_eigenpairs **out)
+{
+    int32_t most = shape->mesh->n_vertices / 2;
+    return iso_eigenpairs_new(stiffness, mass, wanted < most ? wanted : most, pairs_tolerance, out);
+}
+
+/* The spectra of the manifolds whose densities are the channels. */
+static int solve_weighted(struct iso_shape *shape)
+{
+    struct iso_symmetric *stiffness = NULL, *mass = NULL;
+    int32_t n = shape->mesh->n_vertices, room = shape->stiffness->nnz_capacity;
+    double *density = malloc((size_t)n * sizeof *density);
+    int error = density ? 0 : -ENOMEM;
+    error = error ? error : iso_symmetric_new(n, room, &stiffness);
+    error = error ? error : iso_symmetric_new(n, room, &mass);
+    for (int c = 0; !error && c < ISO_CHANNELS; c++) {
+        for (int32_t v = 0; v < n; v++) {
+            density[v] = fmax(ISO_SHAPE_DENSITY_MIN, (double)shape->colour[v].channel[c]);
+        }
+        error = iso_stiffness_mass_weighted(shape->mesh, ISO_MASS_CONSISTENT, density, stiffness,
+                                            mass);
+        error = error
+                    ? error
+                    : solve(shape, stiffness, mass, ISO_SHAPE_WEIGHTED_PAIRS, &shape->weighted[c]);
+    }
+    iso_symmetric_free(stiffness);
+    iso_symmetric_free(mass);
+    free(density);
+    return error;
+}
+
+int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
+                  struct iso_shape **out)
+{
+    if (n_pairs < 0 || iso_mesh_check(mesh, NULL) || !valid_colours(colour, mesh->n_vertices)) {
+        return -EINVAL;
+    }
+    struct iso_shape *shape = calloc(1, sizeof *shape);
+    if (!shape) {
+        return -ENOMEM;
+    }
+    int error = take_part(mesh, colour, shape);
+    error = error ? error : measure_area(shape);
+    error = error ? error : assemble(shape);
+    error = error ? error : find_neighbours(shape);
+    error = error ? error : find_boundary(shape);
+    error = error ? error
+                  : solve(shape, shape->stiffness, shape->mass, n_pairs ? n_pairs : ISO_SHAPE_PAIRS,
+                          &shape->pairs);
+    error = error || !colour ? error : solve_weighted(shape);
+    if (error) {
+        iso_shape_free(shape);
+        return error;
+    }
+    *out = shape;
+    return 0;
+}
+
+void iso_shape_free(struct iso_shape *shape)
+{
+    if (shape) {
+        iso_mesh_free(shape->mesh);
+        free(shape->colour);
+        free(shape->area);
+        free(shape->near_boundary);
+        free(shape->neighbour_start);
+        free(shape->neighbour);
+        iso_symmetric_free(shape->stiffness);
+        iso_symmetric_free(shape->mass);
+        iso_eigenpairs_free(shape->pairs);
+        for (int c = 0; c < ISO_CHANNELS; c++) {
+            iso_eigenpairs_free(shape->weighted[c]);
+        }
+        free(shape);
+    }
+}

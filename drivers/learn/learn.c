@@ -1,0 +1,31 @@
+#include "drivers/learn/learn.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "drivers/learn/ops.h"
+
+const struct iso_classifier_ops *const iso_learn_classifiers[] = {
+#ifdef ISOTHERM_LIBSVM
+    &iso_learn_svm,
+#endif
+#ifdef ISOTHERM_OPENCV_ML
+    &iso_learn_decision_tree,
+#endif
+    NULL,
+};
+
+static const struct iso_classifier_ops *find(const struct iso_classifier_ops *const *table,
+                                             const char *name)
+{
+    while (*table && strcmp((*table)->name, name) != 0) {
+        table++;
+    }
+    return *table;
+}
+
+const struct iso_classifier_ops *iso_learn_find(const char *name)
+{
+    const struct iso_classifier_ops *found = find(iso_classifiers, name);
+    return found ? found : find(iso_learn_classifiers, name);
+}

@@ -1,0 +1,19 @@
+/* Decision trees in plain C: the one place that knows OpenCV's ml. Nothing is thrown out of it. */
+#ifndef ISO_DRIVERS_LEARN_TREE_H
+#define ISO_DRIVERS_LEARN_TREE_H
+
+#include <stdint.h>
+
+struct iso_tree;
+
+/* Learns from n features of `size` values with labels 0 or above. -EINVAL what OpenCV refuses,
+ * -ENOMEM. */
+int iso_tree_new(const float *feature, const int32_t *label, int32_t n, int32_t size,
+                 struct iso_tree **out) __attribute__((warn_unused_result));
+void iso_tree_free(struct iso_tree *tree);
+
+/* The label that the tree tells. -EDOM, -ENOMEM. */
+int iso_tree_tell(const struct iso_tree *tree, const float *feature, int32_t *label)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,106 @@
+#include "drivers/mesh/mesh_file.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "drivers/mesh/mesh_build.h"
+#include "drivers/text.h"
+
+static const size_t bytes_most = (size_t)1 << 30;
+
+void iso_coloured_mesh_done(struct iso_coloured_mesh *mesh)
+{
+    iso_mesh_free(mesh->mesh);
+    free(mesh->colour);
+    *mesh = (struct iso_coloured_mesh){NULL, NULL};
+}
+
+const char *iso_mesh_format_suffix(enum iso_mesh_format format)
+{
+    static const char *const names[ISO_MESH_FORMATS] = {"off", "obj", "ply", "stl", "vert"};
+    return (unsigned)format < ISO_MESH_FORMATS ? names[format] : NULL;
+}
+
+int iso_mesh_parse(enum iso_mesh_format format, const char *name, char *bytes, size_t size,
+                   char *tri, struct iso_coloured_mesh *out, struct iso_fault *fault)
+{
+    struct iso__mesh_build build;
+    int error = iso__mesh_build_init(&build, name, fault);
+    if (error) {
+        return error;
+    }
+    bool binary = format == ISO_MESH_FORMAT_PLY || format == ISO_MESH_FORMAT_STL;
+    if (!binary && memchr(bytes, 0, size)) {
+        error = iso_fault_set(fault, -EBADMSG, "%s: not a text file (it holds a NUL byte)", name);
+    } else if (format == ISO_MESH_FORMAT_OFF) {
+        error = iso__mesh_read_off(&build, bytes);
+    } else if (format == ISO_MESH_FORMAT_OBJ) {
+        error = iso__mesh_read_obj(&build, bytes);
+    } else if (format == ISO_MESH_FORMAT_PLY) {
+        error = iso__mesh_read_ply(&build, bytes, size);
+    } else if (format == ISO_MESH_FORMAT_STL) {
+        error = iso__mesh_read_stl(&build, bytes, size);
+    } else {
+        error = iso__mesh_read_tosca(&build, bytes, tri);
+    }
+    error = error ? error : iso__mesh_build_finish(&build, out);
+    iso__mesh_build_done(&build);
+    return error;
+}
+
+static int format_of(const char *path, enum iso_mesh_format *out, struct iso_fault *fault)
+{
+    const char *dot = strrchr(path, '.');
+    for (int f = 0; dot && !strchr(dot, '/') && f < ISO_MESH_FORMATS; f++) {
+        if (strcasecmp(dot + 1, iso_mesh_format_suffix((enum iso_mesh_format)f)) == 0) {
+            *out = (enum iso_mesh_format)f;
+            return 0;
+        }
+    }
+    return iso_fault_set(fault, -ENOTSUP, "%s: not named .off, .obj, .ply, .stl or .vert", path);
+}
+
+/* The text of the .tri beside a .vert. */
+static int read_tri(const char *path, char **text, struct iso_fault *fault)
+{
+    char beside[PATH_MAX];
+    int n = snprintf(beside, sizeof beside, "%.*stri", (int)(strlen(path) - strlen("vert")), path);
+    if (n < 0 || n >= (int)sizeof beside) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: name too long", path);
+    }
+    return iso_text_read(beside, bytes_most, text, fault);
+}
+
+int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct iso_fault *fault)
+{
+    enum iso_mesh_format format = ISO_MESH_FORMAT_OFF;
+    struct iso_coloured_mesh read = {NULL, NULL};
+    char *bytes = NULL, *tri = NULL;
+    size_t size = 0;
+    int error = format_of(path, &format, fault);
+    error = error ? error : iso_text_read_bytes(path, bytes_most, &bytes, &size, fault);
+    if (!error && format == ISO_MESH_FORMAT_TOSCA) {
+        error = read_tri(path, &tri, fault);
+    }
+    error = error ? error : iso_mesh_parse(format, path, bytes, size, tri, &read, fault);
+    free(bytes);
+    free(tri);
+    if (!error) {
+        error = iso_mesh_mend(&read, NULL);
+        if (error) {
+            (void)iso_fault_set(fault, error, "%s: %s", path,
+                                error == -ENOMEM ? "out of memory" : "no triangle is left of it");
+        }
+    }
+    if (error) {
+        iso_coloured_mesh_done(&read);
+        return error;
+    }
+    *out = read;
+    return 0;
+}

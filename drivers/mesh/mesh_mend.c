@@ -1,0 +1,182 @@
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/mesh/mesh_file.h"
+
+struct keyed {
+    struct iso_vec3 at;
+    int32_t vertex;
+};
+
+static int compare_places(const void *a, const void *b)
+{
+    const struct keyed *p = a, *q = b;
+    if (p->at.x != q->at.x) {
+        return p->at.x < q->at.x ? -1 : 1;
+    }
+    if (p->at.y != q->at.y) {
+        return p->at.y < q->at.y ? -1 : 1;
+    }
+    if (p->at.z != q->at.z) {
+        return p->at.z < q->at.z ? -1 : 1;
+    }
+    return (p->vertex > q->vertex) - (p->vertex < q->vertex);
+}
+
+/* first[v]: the lowest vertex in the place of v. */
+static int find_first(const struct iso_mesh *mesh, int32_t *first)
+{
+    size_t n = (size_t)mesh->n_vertices;
+    struct keyed *order = calloc(n, sizeof *order);
+    if (!order) {
+        return -ENOMEM;
+    }
+    for (size_t v = 0; v < n; v++) {
+        order[v] = (struct keyed){mesh->vertices_mm[v], (int32_t)v};
+    }
+    qsort(order, n, sizeof *order, compare_places);
+    for (size_t i = 0; i < n; i++) {
+        bool same = i > 0 && order[i].at.x == order[i - 1].at.x &&
+                    order[i].at.y == order[i - 1].at.y && order[i].at.z == order[i - 1].at.z;
+        first[order[i].vertex] = same ? first[order[i - 1].vertex] : order[i].vertex;
+    }
+    free(order);
+    return 0;
+}
+
+/* Three corners by rising index, and where the triangle stood. */
+struct corners {
+    int32_t sorted[3], triangle;
+};
+
+static int compare_corners(const void *a, const void *b)
+{
+    const struct corners *p = a, *q = b;
+    for (int k = 0; k < 3; k++) {
+        if (p->sorted[k] != q->sorted[k]) {
+            return p->sorted[k] < q->sorted[k] ? -1 : 1;
+        }
+    }
+    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
+}
+
+static struct corners corners_of(const struct iso_mesh *mesh, const int32_t *first, int32_t t)
+{
+    const int32_t *c = mesh->triangles[t];
+    int32_t a = first[c[0]], b = first[c[1]], d = first[c[2]];
+    int32_t low = a < b ? a : b, high = a < b ? b : a;
+    struct corners out = {.triangle = t};
+    out.sorted[0] = d < low ? d : low;
+    out.sorted[2] = d > high ? d : high;
+    out.sorted[1] = d < low ? low : d > high ? high : d;
+    return out;
+}
+
+/* keep[t]: 1 for the first triangle of three different places. */
+static int find_triangles(const struct iso_mesh *mesh, const int32_t *first, uint8_t *keep,
+                          struct iso_mesh_mended *report)
+{
+    struct corners *order = calloc((size_t)mesh->n_triangles, sizeof *order);
+    size_t n = 0;
+    if (!order) {
+        return -ENOMEM;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        struct corners c = corners_of(mesh, first, t);
+        if (c.sorted[0] == c.sorted[1] || c.sorted[1] == c.sorted[2]) {
+            report->collapsed++;
+        } else {
+            order[n++] = c;
+        }
+    }
+    qsort(order, n, sizeof *order, compare_corners);
+    for (size_t i = 0; i < n; i++) {
+        bool same = i > 0 &&
+                    memcmp(order[i].sorted, order[i - 1].sorted, sizeof order[i].sorted) == 0;
+        keep[order[i].triangle] = !same;
+        report->repeated += same;
+    }
+    free(order);
+    return n > 0 ? 0 : -EBADMSG;
+}
+
+/* Colours of vertices in one place are averaged into the first's. */
+static void mix_colours(struct iso_colour *colour, const int32_t *first, int32_t n, int32_t *count)
+{
+    for (int32_t v = 0; v < n; v++) {
+        count[v] = 1;
+    }
+    for (int32_t v = 0; v < n; v++) {
+        int32_t f = first[v];
+        for (int k = 0; f != v && k < 3; k++) {
+            float *mean = &colour[f].channel[k];
+            *mean += (colour[v].channel[k] - *mean) / (float)(count[f] + 1);
+        }
+        count[f] += f != v;
+    }
+}
+
+/* Moves what is kept to the front; `renamed` is scratch. */
+static void compact(struct iso_coloured_mesh *coloured, const int32_t *first, const uint8_t *keep,
+                    int32_t *renamed, struct iso_mesh_mended *report)
+{
+    struct iso_mesh *mesh = coloured->mesh;
+    int32_t n_triangles = 0, n_vertices = 0;
+    if (coloured->colour) {
+        mix_colours(coloured->colour, first, mesh->n_vertices, renamed);
+    }
+    memset(renamed, 0, (size_t)mesh->n_vertices * sizeof *renamed);
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        if (keep[t]) {
+            int32_t *c = mesh->triangles[n_triangles++];
+            for (int k = 0; k < 3; k++) {
+                c[k] = first[mesh->triangles[t][k]];
+                renamed[c[k]] = 1;
+            }
+        }
+    }
+    for (int32_t v = 0; v < mesh->n_vertices; v++) {
+        report->merged += first[v] != v;
+        report->unused += first[v] == v && !renamed[v];
+        if (renamed[v]) {
+            mesh->vertices_mm[n_vertices] = mesh->vertices_mm[v];
+            if (coloured->colour) {
+                coloured->colour[n_vertices] = coloured->colour[v];
+            }
+            renamed[v] = n_vertices++;
+        }
+    }
+    for (int32_t t = 0; t < n_triangles; t++) {
+        for (int k = 0; k < 3; k++) {
+            mesh->triangles[t][k] = renamed[mesh->triangles[t][k]];
+        }
+    }
+    mesh->n_vertices = n_vertices;
+    mesh->n_triangles = n_triangles;
+}
+
+int iso_mesh_mend(struct iso_coloured_mesh *coloured, struct iso_mesh_mended *report)
+{
+    struct iso_mesh *mesh = coloured->mesh;
+    size_t n = (size_t)mesh->n_vertices, n_triangles = (size_t)mesh->n_triangles;
+    if (n == 0 || n_triangles == 0) {
+        return -EBADMSG;
+    }
+    struct iso_mesh_mended mended = {0, 0, 0, 0};
+    int32_t *first = calloc(n, sizeof *first), *renamed = calloc(n, sizeof *renamed);
+    uint8_t *keep = calloc(n_triangles, 1);
+    int error = first && renamed && keep ? find_first(mesh, first) : -ENOMEM;
+    error = error ? error : find_triangles(mesh, first, keep, &mended);
+    if (!error) {
+        compact(coloured, first, keep, renamed, &mended);
+        if (report) {
+            *report = mended;
+        }
+    }
+    free(first);
+    free(renamed);
+    free(keep);
+    return error;
+}

@@ -1,0 +1,221 @@
+/* isotherm-sim shapes: retrieval of non-rigid shapes by what heat tells of them. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/commands.h"
+#include "sim/eval/extract_options.h"
+#include "sim/shapes/crops.h"
+#include "sim/shapes/generate.h"
+#include "sim/shapes/study.h"
+#include "sim/shapes/tables.h"
+
+struct arguments {
+    struct sim_shapes_options generate;
+    struct sim_shapes_study_options study;
+    struct sim_tables_options tables;
+    struct sim_crops_options crops;
+    int threads;
+};
+
+#define FIELD(name) offsetof(struct arguments, name)
+
+static const struct sim_option generate_options[] = {
+    {"preset", "plain|textured", "what kind of corpus (plain)", sim_option_text,
+     FIELD(generate.preset)},
+    {"out", "DIR", "where the meshes go (made if it is missing)", sim_option_text,
+     FIELD(generate.out)},
+    {"seed", "S", "(1)", sim_option_count, FIELD(generate.seed)},
+    {"classes", "N", "kinds of creature (12 plain, 10 textured)", sim_option_count,
+     FIELD(generate.classes)},
+    {"shapes", "N", "plain: in all (148)", sim_option_count, FIELD(generate.shapes)},
+    {"vertices", "N", "of each shape (3000)", sim_option_count, FIELD(generate.vertices)},
+    {"format", "off|ply|vert", "of the files (off plain, ply textured); vert: TOSCA",
+     sim_option_text, FIELD(generate.format)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
+static const struct sim_option eval_options[] = {
+    {"corpus", "DIR", "meshes and manifest.csv (file,class)", sim_option_text, FIELD(study.corpus)},
+    {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
+     FIELD(study.out)},
+    {"method", "NAME|all", "descriptor (all)", sim_option_text, FIELD(study.method)},
+    {"classifier", "NAME|all", "(what goes with the method)", sim_option_text,
+     FIELD(study.classifier)},
+    {"distort", "KIND:LEVEL",
+     "queries are distorted: white, shot, scale, missing, stretch or bulge, 1..3",
+     sim_distortion_parse, FIELD(study.distortion)},
+    {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
+     FIELD(study.smooth)},
+    {"vertices", "N", "thin meshes that have more (0: none)", sim_option_int,
+     FIELD(study.vertices)},
+    {"seed", "S", "of distortions, vocabularies and folds (1)", sim_option_count,
+     FIELD(study.seed)},
+    {"pictures", "N", "draw the first N matches of some queries (10; 0: none)", sim_option_int,
+     FIELD(study.pictures)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
+static const struct sim_option tables_options[] = {
+    {"corpus", "DIR", "shapes for those of the nonrigid world", sim_option_text,
+     FIELD(tables.corpus)},
+    {"large", "DIR", "for SHREC'11 (the same)", sim_option_text, FIELD(tables.large)},
+    {"textured", "DIR", "with colours, for SHREC'13 (no tables 5.1 and 5.2)", sim_option_text,
+     FIELD(tables.textured)},
+    {"out", "DIR", "where tables.csv goes (made if it is missing)", sim_option_text,
+     FIELD(tables.out)},
+    {"queries", "N", "shapes that are distorted (36; 0: all)", sim_option_count,
+     FIELD(tables.queries)},
+    {"smooth", "N", "double steps of Taubin's filter before all else (10)", sim_option_int,
+     FIELD(tables.smooth)},
+    {"seed", "S", "(1)", sim_option_count, FIELD(tables.seed)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
+static int add_corpus(const char *text, void *field)
+{
+    struct sim_crops_options *crops = field;
+    if (crops->n_corpora == SIM_CROPS_CORPORA_MAX) {
+        return -EINVAL;
+    }
+    crops->corpus[crops->n_corpora++] = text;
+    return 0;
+}
+
+static const struct sim_option crops_options[] = {
+    {"corpus", "DIR", "recordings and manifest.csv; may be repeated", add_corpus, FIELD(crops)},
+    {"out", "DIR", "where the meshes go (made if it is missing)", sim_option_text,
+     FIELD(crops.out)},
+    {"rows", "N", "of each corpus, evenly spread (0: all)", sim_option_count, FIELD(crops.rows)},
+};
+
+/* Threads of our own do the work: OpenBLAS's, where that is the BLAS, would only be in their way.
+ */
+extern void openblas_set_num_threads(int n) __attribute__((weak));
+
+static void quieten_blas(void)
+{
+    if (openblas_set_num_threads) {
+        openblas_set_num_threads(1);
+    }
+}
+
+static int run_generate(struct arguments *arguments, struct iso_fault *fault)
+{
+    int32_t n = 0;
+    if (!arguments->generate.out) {
+        return iso_fault_set(fault, -EINVAL, "--out is needed");
+    }
+    arguments->generate.threads = arguments->threads;
+    int error = sim_shapes_generate(&arguments->generate, &n, fault);
+    if (!error) {
+        printf("%d shapes in %s\n", n, arguments->generate.out);
+    }
+    return error;
+}
+
+static int run_eval(struct arguments *arguments, struct iso_fault *fault)
+{
+    if (!arguments->study.corpus || !arguments->study.out) {
+        return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
+    }
+    quieten_blas();
+    arguments->study.threads = arguments->threads;
+    return sim_shapes_study(&arguments->study, stdout, fault);
+}
+
+static int run_tables(struct arguments *arguments, struct iso_fault *fault)
+{
+    if (!arguments->tables.corpus || !arguments->tables.out) {
+        return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
+    }
+    quieten_blas();
+    arguments->tables.threads = arguments->threads;
+    return sim_shapes_tables(&arguments->tables, stdout, fault);
+}
+
+static int run_crops(struct arguments *arguments, struct iso_fault *fault)
+{
+    int32_t n = 0, n_empty = 0;
+    if (!arguments->crops.out) {
+        return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
+    }
+    int error = sim_crops_write(&arguments->crops, &n, &n_empty, fault);
+    if (!error) {
+        printf("%d shapes in %s; %d frames with too little in them\n", n, arguments->crops.out,
+               n_empty);
+    }
+    return error;
+}
+
+static const struct target {
+    const char *name, *needs, *summary;
+    const struct sim_option *options;
+    size_t n_options;
+    int (*run)(struct arguments *arguments, struct iso_fault *fault);
+} targets[] = {
+    {"generate", "--out DIR",
+     "Makes creatures in many poses: a corpus of non-rigid shapes. The same options make the same\n"
+     "bytes.",
+     generate_options, sizeof generate_options / sizeof *generate_options, run_generate},
+    {"eval", "--corpus DIR --out DIR",
+     "Measures how well methods and classifiers retrieve the shapes of a corpus.", eval_options,
+     sizeof eval_options / sizeof *eval_options, run_eval},
+    {"tables", "--corpus DIR --out DIR",
+     "Prints tables 4.1-4.13, 5.1 and 5.2 of the dissertation for corpora of ours, with its own\n"
+     "figures beside them.",
+     tables_options, sizeof tables_options / sizeof *tables_options, run_tables},
+    {"crops", "--corpus DIR --out DIR",
+     "Cuts the foremost thing out of recorded frames: a corpus of faces and of what is none.",
+     crops_options, sizeof crops_options / sizeof *crops_options, run_crops},
+};
+
+static int complain(const struct iso_fault *fault, int exit_code)
+{
+    fprintf(stderr, "isotherm-sim shapes: %s\n", fault->text);
+    return exit_code;
+}
+
+static int run_target(const struct target *target, int argc, char **argv)
+{
+    struct arguments arguments = {
+        .generate = {.preset = "plain", .seed = 1},
+        .study = {.method = "all", .seed = 1, .pictures = 10},
+        .tables = {.queries = 36, .smooth = 10, .seed = 1},
+        .threads = sim_threads_default(ISO_HEAT_DIRECT),
+    };
+    struct sim_option_set set = {target->options, target->n_options, &arguments};
+    struct iso_fault fault = {""};
+    switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
+    case SIM_OPTIONS_HELP:
+        printf("Usage: isotherm-sim shapes %s %s [OPTION...]\n\n%s\n\n", target->name,
+               target->needs, target->summary);
+        sim_options_help(&set, 1, stdout);
+        return SIM_EXIT_OK;
+    case SIM_OPTIONS_REFUSED:
+        return complain(&fault, SIM_EXIT_USAGE);
+    case SIM_OPTIONS_READ:
+        break;
+    }
+    int error = target->run(&arguments, &fault);
+    if (!error) {
+        return SIM_EXIT_OK;
+    }
+    return complain(&fault, error == -EINVAL   ? SIM_EXIT_USAGE
+                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
+                                               : SIM_EXIT_FAULT);
+}
+
+int sim_cmd_shapes(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
+        if (strcmp(name, targets[i].name) == 0) {
+            return run_target(&targets[i], argc - 1, argv + 1);
+        }
+    }
+    bool help = strcmp(name, "--help") == 0;
+    fprintf(help ? stdout : stderr,
+            "Usage: isotherm-sim shapes generate|eval|tables|crops [OPTION...]\n");
+    return help ? SIM_EXIT_OK : SIM_EXIT_USAGE;
+}

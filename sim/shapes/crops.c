@@ -1,0 +1,193 @@
+#include "sim/shapes/crops.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "core/shape/shape.h"
+#include "core/surface/clean.h"
+#include "core/surface/triangulate.h"
+#include "sim/eval/capture.h"
+#include "sim/shapes/manifest.h"
+#include "sim/shapes/mesh_writer.h"
+
+enum { CROP_PX_MAX = 1 << 18, DEPTH_MAX_MM = 4096 };
+static const double slab_mm = 80.0, radius_mm = 100.0, pitch_mm = 4.0, jump_mm = 20.0;
+
+struct cutter {
+    const struct sim_crops_options *options;
+    struct iso_cleaner *cleaner;
+    struct iso_triangulator *triangulator;
+    struct iso_coloured_mesh crop;
+    struct sim_shape_row *rows;
+    int32_t n, n_empty;
+};
+
+/* The depth before which a hundredth of the measured pixels lie; 0 if none is measured. */
+static int foremost_mm(const struct iso_frame *frame)
+{
+    static const size_t share = 100;
+    size_t count[DEPTH_MAX_MM] = {0}, total = 0, sum = 0;
+    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
+        float z = frame->depth_mm[i];
+        if (z > 0.0f && z < (float)DEPTH_MAX_MM) {
+            count[(int)z]++;
+            total++;
+        }
+    }
+    int z = 0;
+    while (z + 1 < DEPTH_MAX_MM && sum * share < total) {
+        sum += count[z++];
+    }
+    return z;
+}
+
+/* The middle of the foremost thing; false if there is none. */
+static bool find_centre(const struct iso_frame *frame, struct iso_vec3 *out)
+{
+    double front_mm = foremost_mm(frame), n = 0.0;
+    struct iso_vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
+        double z = (double)frame->depth_mm[i];
+        if (z > 0.0 && z <= front_mm + slab_mm) {
+            sum = iso_add(sum, iso_frame_point_at(frame, i % frame->width_px, i / frame->width_px));
+            n += 1.0;
+        }
+    }
+    if (n > 0.0) {
+        *out = iso_scale(1.0 / n, sum);
+    }
+    return n > 0.0;
+}
+
+/* From the camera's frame (y down, z away) to that of the viewer's, as pictures have it. */
+static void turn(struct iso_mesh *mesh)
+{
+    for (int32_t i = 0; i < mesh->n_vertices; i++) {
+        struct iso_vec3 p = mesh->vertices_mm[i];
+        mesh->vertices_mm[i] = iso_vec3(p.x, -p.y, -p.z);
+    }
+}
+
+/* Fills cutter->crop. -ENODATA for too little. */
+static int cut(struct cutter *cutter, const struct iso_frame *frame)
+{
+    const struct iso_frame *part;
+    struct iso_vec3 centre_mm;
+    if (!find_centre(frame, &centre_mm)) {
+        return -ENODATA;
+    }
+    int error = iso_clean(cutter->cleaner, frame, centre_mm, radius_mm, pitch_mm, &part);
+    error = error ? error : iso_triangulate(cutter->triangulator, part, cutter->crop.mesh);
+    if (!error) {
+        turn(cutter->crop.mesh);
+    }
+    return error || cutter->crop.mesh->n_vertices >= ISO_SHAPE_VERTICES_MIN ? error : -ENODATA;
+}
+
+static int keep(struct cutter *cutter, size_t corpus, const struct sim_corpus_row *from,
+                struct iso_fault *fault)
+{
+    char path[PATH_MAX];
+    struct sim_shape_row *row = &cutter->rows[cutter->n];
+    int named = snprintf(row->file, sizeof row->file, "%zu-%s-%zu.off", corpus, from->recording,
+                         from->first);
+    (void)snprintf(row->class_name, sizeof row->class_name, "%s",
+                   strcmp(from->subject, "none") == 0 ? "not-face" : "face");
+    int length = snprintf(path, sizeof path, "%s/%s", cutter->options->out, row->file);
+    if ((size_t)named >= sizeof row->file || (size_t)length >= sizeof path) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", from->recording);
+    }
+    int error = sim_mesh_write(path, &cutter->crop, fault);
+    cutter->n += error == 0;
+    return error;
+}
+
+static int cut_row(struct cutter *cutter, size_t corpus, const struct sim_corpus_row *row,
+                   struct iso_fault *fault)
+{
+    struct iso_recording *recording = NULL;
+    struct iso_frame *frame = NULL;
+    int error = sim_recording_open(cutter->options->corpus[corpus], row->recording, &recording,
+                                   fault);
+    if (error) {
+        return error;
+    }
+    error = iso_recording_frame_new(recording, &frame);
+    error = error ? iso_fault_set(fault, error, "%s: out of memory", row->recording)
+                  : iso_recording_read(recording, row->first, frame, fault);
+    if (!error) {
+        error = cut(cutter, frame);
+        if (error == -ENODATA) {
+            cutter->n_empty++;
+            error = 0;
+        } else {
+            error = error ? iso_fault_set(fault, error, "%s: %s", row->recording, strerror(-error))
+                          : keep(cutter, corpus, row, fault);
+        }
+    }
+    iso_frame_free(frame);
+    iso_recording_close(recording);
+    return error;
+}
+
+static int cut_corpus(struct cutter *cutter, size_t number, struct iso_fault *fault)
+{
+    struct sim_corpus *corpus = NULL;
+    int error = sim_corpus_read(cutter->options->corpus[number], &corpus, fault);
+    if (error) {
+        return error;
+    }
+    size_t wanted = cutter->options->rows, n = corpus->n_rows;
+    wanted = wanted > 0 && wanted < n ? wanted : n;
+    struct sim_shape_row *rows = realloc(cutter->rows, ((size_t)cutter->n + wanted) * sizeof *rows);
+    if (rows) {
+        cutter->rows = rows;
+    } else {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", cutter->options->corpus[number]);
+    }
+    for (size_t i = 0; !error && i < wanted; i++) {
+        error = cut_row(cutter, number, &corpus->rows[i * n / wanted], fault);
+    }
+    sim_corpus_free(corpus);
+    return error;
+}
+
+static int make_room(struct cutter *cutter)
+{
+    const struct iso_triangulate_options triangulate = {.jump_mm = jump_mm, .largest_only = true};
+    int error = iso_cleaner_new(CROP_PX_MAX, &cutter->cleaner);
+    error = error ? error : iso_triangulator_new(CROP_PX_MAX, &triangulate, &cutter->triangulator);
+    return error ? error : iso_mesh_new(CROP_PX_MAX, 2 * CROP_PX_MAX, &cutter->crop.mesh);
+}
+
+int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written, int32_t *n_empty,
+                    struct iso_fault *fault)
+{
+    struct cutter cutter = {.options = options};
+    if (options->n_corpora < 1 || options->n_corpora > SIM_CROPS_CORPORA_MAX) {
+        return iso_fault_set(fault, -EINVAL, "1 to %d corpora are needed", SIM_CROPS_CORPORA_MAX);
+    }
+    if (mkdir(options->out, 0777) != 0 && errno != EEXIST) {
+        return iso_fault_set(fault, -errno, "%s: %s", options->out, strerror(errno));
+    }
+    int error = make_room(&cutter);
+    error = error ? iso_fault_set(fault, error, "out of memory") : 0;
+    for (size_t i = 0; !error && i < options->n_corpora; i++) {
+        error = cut_corpus(&cutter, i, fault);
+    }
+    error = error ? error : sim_shape_manifest_write(options->out, cutter.rows, cutter.n, fault);
+    iso_cleaner_free(cutter.cleaner);
+    iso_triangulator_free(cutter.triangulator);
+    iso_coloured_mesh_done(&cutter.crop);
+    free(cutter.rows);
+    if (!error) {
+        *n_written = cutter.n;
+        *n_empty = cutter.n_empty;
+    }
+    return error;
+}

@@ -1,0 +1,33 @@
+/* What stands before a depth sensor as a corpus of shapes: is it a face, by methods that know
+ * nothing of faces?
+ *
+ * Of a frame the foremost thing is cut out, the same way whatever it is: the middle of all that
+ * lies at most 80 mm behind the nearest hundredth of the measured pixels, and of what is within
+ * 100 mm of that, cleaned, at 4 mm a pixel, the largest piece, seen from the front: x right, y up,
+ * z towards the sensor, mm. The extractor has no part in it.
+ *
+ * Crops of recordings of real people are biometric data, as those are. */
+#ifndef SIM_SHAPES_CROPS_H
+#define SIM_SHAPES_CROPS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+
+enum { SIM_CROPS_CORPORA_MAX = 8 };
+
+struct sim_crops_options {
+    size_t n_corpora;
+    const char *corpus[SIM_CROPS_CORPORA_MAX]; /* directories of recordings */
+    const char *out;                           /* directory, made if it is missing */
+    size_t rows; /* of each corpus, evenly spread over its manifest; 0: all */
+};
+
+/* Writes OFF files and manifest.csv, class `face` or, for subject `none`, `not-face`; of each row
+ * the first frame. *n_written: how many shapes, *n_empty: frames with too little in them. -EINVAL
+ * without a corpus; errors of reading and writing; -ENOMEM; each with a fault. */
+int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written, int32_t *n_empty,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

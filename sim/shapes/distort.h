@@ -1,0 +1,42 @@
+/* What happens to shapes before they are measured: noise, scale, missing parts, deformations.
+ *
+ * Noise is given by its ratio to the signal: NSR is the variance of what is added over the variance
+ * of the coordinates about their mean (Abdelrahman 2013, section 4.2.4). */
+#ifndef SIM_SHAPES_DISTORT_H
+#define SIM_SHAPES_DISTORT_H
+
+#include "drivers/mesh/mesh_file.h"
+#include "sim/random.h"
+
+enum sim_distortion_kind {
+    SIM_DISTORTION_WHITE,   /* normal noise on every coordinate; NSR 0.0001, 0.001, 0.01 */
+    SIM_DISTORTION_SHOT,    /* the same energy on one vertex in a hundred */
+    SIM_DISTORTION_SCALE,   /* larger or smaller by 1.5, 2, 3 */
+    SIM_DISTORTION_MISSING, /* 5, 10, 20 % of the surface about a point cut away */
+    SIM_DISTORTION_STRETCH, /* along a random axis by 1.1, 1.25, 1.5, the volume kept */
+    SIM_DISTORTION_BULGE,   /* swollen and shrunk smoothly: by 2, 4, 6 % of the size, rms */
+    SIM_DISTORTIONS
+};
+
+enum { SIM_DISTORTION_LEVELS = 3 };
+
+struct sim_distortion {
+    enum sim_distortion_kind kind;
+    int level; /* 1..3 */
+};
+
+/* "white", "shot", "scale", "missing", "stretch", "bulge"; NULL for none. */
+const char *sim_distortion_name(enum sim_distortion_kind kind);
+
+/* The figure of a level, as above: NSR, factor or share. */
+double sim_distortion_strength(struct sim_distortion distortion);
+
+/* From "white:2". -EINVAL. A sim_option_parser. */
+int sim_distortion_parse(const char *text, void *field);
+
+/* Changes a mesh in place; the same for the same state of `random`. -EINVAL for a level out of
+ * range or a mesh of fewer than 4 vertices, -ENOMEM; the mesh is then as it was. */
+int sim_distort(struct sim_distortion distortion, struct sim_random *random,
+                struct iso_coloured_mesh *mesh) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,194 @@
+#include "sim/shapes/manifest.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/path.h"
+#include "drivers/text.h"
+#include "sim/eval/report_file.h"
+
+enum { BYTES_MAX = 16 << 20, ROWS_MAX = 100000 };
+
+static const char header[] = "file,class";
+
+static bool is_word(const char *word)
+{
+    size_t length = strlen(word);
+    for (size_t i = 0; i < length; i++) {
+        unsigned char c = (unsigned char)word[i];
+        if (c < ' ' || c == 127 || c == '"') {
+            return false;
+        }
+    }
+    return length > 0 && length < SIM_SHAPE_NAME_MAX;
+}
+
+/* A file in the directory or below it. */
+static bool is_file(const char *word)
+{
+    return is_word(word) && word[0] != '/' && word[0] != '.' && !strstr(word, "/.");
+}
+
+static int parse_rows(const char *name, char *text, struct sim_shape_manifest *manifest,
+                      struct iso_fault *fault)
+{
+    struct iso_text_lines lines = iso_text_lines_of(text);
+    char *line = iso_text_next_line(&lines), *field[2];
+    if (!line || strcmp(line, header) != 0) {
+        return iso_fault_set(fault, -EBADMSG, "%s:1: header is not `%s`", name, header);
+    }
+    while ((line = iso_text_next_line(&lines))) {
+        struct sim_shape_row *row = &manifest->rows[manifest->n];
+        size_t n = iso_text_split(line, ',', field, 2);
+        if (n != 2) {
+            return iso_fault_set(fault, -EBADMSG, "%s:%u: %zu fields instead of 2", name,
+                                 lines.number, n);
+        }
+        if (!is_file(field[0]) || !is_word(field[1])) {
+            return iso_fault_set(fault, -EBADMSG, "%s:%u: bad %s '%.60s'", name, lines.number,
+                                 is_file(field[0]) ? "class" : "file",
+                                 is_file(field[0]) ? field[1] : field[0]);
+        }
+        (void)snprintf(row->file, sizeof row->file, "%s", field[0]);
+        (void)snprintf(row->class_name, sizeof row->class_name, "%s", field[1]);
+        manifest->n++;
+    }
+    return manifest->n > 0 ? 0 : iso_fault_set(fault, -EBADMSG, "%s: no rows", name);
+}
+
+static int compare_files(const void *a, const void *b)
+{
+    const struct sim_shape_row *const *p = a, *const *q = b;
+    return strcmp((*p)->file, (*q)->file);
+}
+
+static int check_files(const char *name, const struct sim_shape_manifest *manifest,
+                       struct iso_fault *fault)
+{
+    const struct sim_shape_row **order = calloc((size_t)manifest->n, sizeof *order);
+    int error = 0;
+    if (!order) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
+    }
+    for (int32_t i = 0; i < manifest->n; i++) {
+        order[i] = &manifest->rows[i];
+    }
+    qsort(order, (size_t)manifest->n, sizeof *order, compare_files);
+    for (int32_t i = 1; i < manifest->n && !error; i++) {
+        if (strcmp(order[i]->file, order[i - 1]->file) == 0) {
+            error = iso_fault_set(fault, -EBADMSG, "%s: '%s' stands there twice", name,
+                                  order[i]->file);
+        }
+    }
+    free(order);
+    return error;
+}
+
+/* The number of the class of row i: that of the first row whose class agrees in `length(row)`
+ * characters, or the next free one. */
+static int32_t number_of(const struct sim_shape_manifest *manifest, const int32_t *numbers,
+                         int32_t i, bool wider, int32_t n_so_far)
+{
+    const char *mine = manifest->rows[i].class_name;
+    size_t length = wider ? strcspn(mine, "/") : strlen(mine);
+    for (int32_t j = 0; j < i; j++) {
+        const char *other = manifest->rows[j].class_name;
+        size_t other_length = wider ? strcspn(other, "/") : strlen(other);
+        if (length == other_length && memcmp(mine, other, length) == 0) {
+            return numbers[j];
+        }
+    }
+    return n_so_far;
+}
+
+static void number_classes(struct sim_shape_manifest *manifest)
+{
+    for (int32_t i = 0; i < manifest->n; i++) {
+        int32_t c = number_of(manifest, manifest->class_of, i, false, manifest->n_classes);
+        int32_t w = number_of(manifest, manifest->wider_of, i, true, manifest->n_wider);
+        manifest->class_of[i] = c;
+        manifest->wider_of[i] = w;
+        if (c == manifest->n_classes) {
+            manifest->class_name[manifest->n_classes++] = manifest->rows[i].class_name;
+        }
+        manifest->n_wider += w == manifest->n_wider;
+    }
+}
+
+int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shape_manifest **out,
+                             struct iso_fault *fault)
+{
+    size_t most = iso_text_line_count(text);
+    if (most > ROWS_MAX) {
+        return iso_fault_set(fault, -EBADMSG, "%s: more than %d rows", name, (int)ROWS_MAX);
+    }
+    char *copy = strdup(text);
+    struct sim_shape_manifest *manifest = calloc(1, sizeof *manifest);
+    if (manifest) {
+        manifest->rows = calloc(most, sizeof *manifest->rows);
+        manifest->class_of = calloc(most, sizeof *manifest->class_of);
+        manifest->wider_of = calloc(most, sizeof *manifest->wider_of);
+        manifest->class_name = calloc(most, sizeof *manifest->class_name);
+    }
+    int error = 0;
+    if (!copy || !manifest || !manifest->rows || !manifest->class_of || !manifest->wider_of ||
+        !manifest->class_name) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
+    }
+    error = error ? error : parse_rows(name, copy, manifest, fault);
+    error = error ? error : check_files(name, manifest, fault);
+    free(copy);
+    if (error) {
+        sim_shape_manifest_free(manifest);
+        return error;
+    }
+    number_classes(manifest);
+    *out = manifest;
+    return 0;
+}
+
+void sim_shape_manifest_free(struct sim_shape_manifest *manifest)
+{
+    if (manifest) {
+        free(manifest->rows);
+        free(manifest->class_of);
+        free(manifest->wider_of);
+        free(manifest->class_name);
+        free(manifest);
+    }
+}
+
+int sim_shape_manifest_read(const char *directory, struct sim_shape_manifest **out,
+                            struct iso_fault *fault)
+{
+    char path[PATH_MAX], *text = NULL;
+    int error = iso_path_join(directory, "manifest.csv", path, fault);
+    error = error ? error : iso_text_read(path, BYTES_MAX, &text, fault);
+    error = error ? error : sim_shape_manifest_parse(path, text, out, fault);
+    free(text);
+    return error;
+}
+
+struct rows {
+    const struct sim_shape_row *row;
+    int32_t n;
+};
+
+static void write_rows(const void *context, FILE *out)
+{
+    const struct rows *rows = context;
+    fprintf(out, "%s\n", header);
+    for (int32_t i = 0; i < rows->n; i++) {
+        fprintf(out, "%s,%s\n", rows->row[i].file, rows->row[i].class_name);
+    }
+}
+
+int sim_shape_manifest_write(const char *directory, const struct sim_shape_row *rows, int32_t n,
+                             struct iso_fault *fault)
+{
+    const struct rows all = {rows, n};
+    return sim_report_file(directory, "manifest.csv", write_rows, &all, fault);
+}

@@ -1,0 +1,204 @@
+#include "sim/shapes/sheet.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sim/picture/png_file.h"
+#include "sim/picture/scene.h"
+
+enum { CELL_PX = 120, LABEL_PX = 18, ROWS_MAX = 20, COLUMNS_MAX = 16 };
+
+static const uint32_t query_hex = 0xc8b8a0, match_hex = 0xd0a070, wrong_hex = 0x8fd694;
+
+/* One picture of a sheet. */
+struct cell {
+    int32_t row; /* of the manifest; -1: nothing */
+    bool query, wrong;
+};
+
+struct sheet {
+    const struct sim_bank_options *how;
+    int n_rows, n_columns;
+    struct cell cell[ROWS_MAX][COLUMNS_MAX];
+};
+
+/* From the front left and somewhat above, all of it in the picture. */
+static struct sim_view view_of(const struct iso_mesh *mesh)
+{
+    struct iso_vec3 low = mesh->vertices_mm[0], high = low;
+    for (int32_t v = 1; v < mesh->n_vertices; v++) {
+        struct iso_vec3 p = mesh->vertices_mm[v];
+        low = iso_vec3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
+        high = iso_vec3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+    }
+    double size = iso_norm(iso_sub(high, low));
+    return (struct sim_view){
+        .yaw_rad = 0.7,
+        .pitch_rad = 0.35,
+        .centre_mm = iso_scale(0.5, iso_add(low, high)),
+        .distance_mm = 6.0 * size,
+        .height_mm = size,
+    };
+}
+
+static struct sim_colour *linear_colours(const struct iso_coloured_mesh *mesh)
+{
+    struct sim_colour *out = calloc((size_t)mesh->mesh->n_vertices, sizeof *out);
+    for (int32_t v = 0; out && v < mesh->mesh->n_vertices; v++) {
+        const float *c = mesh->colour[v].channel;
+        out[v] = sim_colour_hex((uint32_t)lrintf(255.0f * c[0]) << 16 |
+                                (uint32_t)lrintf(255.0f * c[1]) << 8 |
+                                (uint32_t)lrintf(255.0f * c[2]));
+    }
+    return out;
+}
+
+static int draw_mesh(const struct iso_coloured_mesh *mesh, const struct cell *cell,
+                     cairo_surface_t **out)
+{
+    struct sim_canvas *canvas = NULL;
+    struct sim_scene *scene = NULL;
+    struct sim_colour *colours = mesh->colour && !cell->wrong ? linear_colours(mesh) : NULL;
+    struct sim_view view = view_of(mesh->mesh);
+    const struct sim_surface_style style = {
+        .base = sim_colour_hex(cell->wrong   ? wrong_hex
+                               : cell->query ? query_hex
+                                             : match_hex),
+        .vertex = colours,
+    };
+    int error = sim_canvas_new(CELL_PX, CELL_PX, sim_colour_hex(cell->query ? 0xd4dde8 : 0xf4f6f8),
+                               sim_colour_hex(cell->query ? 0xa8b6c8 : 0xd8dee4), &canvas);
+    error = error ? error : sim_scene_new(mesh->mesh, &view, canvas, &scene);
+    error = error ? error : sim_scene_shade(scene, &style);
+    if (!error) {
+        *out = sim_canvas_surface(canvas);
+    }
+    sim_scene_free(scene);
+    sim_canvas_free(canvas);
+    free(colours);
+    return error;
+}
+
+static int draw_cell(cairo_t *cr, const struct sheet *sheet, int row, int column,
+                     struct iso_fault *fault)
+{
+    const struct cell *cell = &sheet->cell[row][column];
+    struct sim_bank_options how = *sheet->how;
+    how.distortion = cell->query ? how.distortion : NULL;
+    struct iso_coloured_mesh mesh = {NULL, NULL};
+    cairo_surface_t *picture = NULL;
+    int error = sim_bank_read(&how, cell->row, &mesh, fault);
+    if (error) {
+        return error;
+    }
+    error = draw_mesh(&mesh, cell, &picture);
+    iso_coloured_mesh_done(&mesh);
+    if (error) {
+        return iso_fault_set(fault, error, "%s: cannot be drawn: %s",
+                             sheet->how->manifest->rows[cell->row].file, strerror(-error));
+    }
+    double x = column * CELL_PX, y = row * (CELL_PX + LABEL_PX);
+    cairo_set_source_surface(cr, picture, x, y);
+    cairo_paint(cr);
+    cairo_surface_destroy(picture);
+    cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+    sim_picture_text(cr, sheet->how->manifest->rows[cell->row].class_name, x + 0.5 * CELL_PX,
+                     y + CELL_PX + 0.75 * LABEL_PX, 0.5);
+    return 0;
+}
+
+static int draw(const struct sheet *sheet, const char *path, struct iso_fault *fault)
+{
+    cairo_surface_t *surface = cairo_image_surface_create(
+        CAIRO_FORMAT_RGB24, CELL_PX * sheet->n_columns, (CELL_PX + LABEL_PX) * sheet->n_rows);
+    cairo_t *cr = cairo_create(surface);
+    cairo_set_source_rgb(cr, 1, 1, 1);
+    cairo_paint(cr);
+    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cr, 11.0);
+    int error = 0;
+    for (int r = 0; r < sheet->n_rows; r++) {
+        for (int c = 0; c < sheet->n_columns && !error; c++) {
+            error = sheet->cell[r][c].row < 0 ? 0 : draw_cell(cr, sheet, r, c, fault);
+        }
+    }
+    cairo_destroy(cr);
+    if (error) {
+        cairo_surface_destroy(surface);
+        return error;
+    }
+    return sim_png_file_write(surface, path, fault);
+}
+
+static void clear(struct sheet *sheet, const struct sim_bank_options *how, int n_rows, int columns)
+{
+    memset(sheet, 0, sizeof *sheet);
+    sheet->how = how;
+    sheet->n_rows = n_rows < ROWS_MAX ? n_rows : ROWS_MAX;
+    sheet->n_columns = columns < COLUMNS_MAX ? columns : COLUMNS_MAX;
+    for (int r = 0; r < ROWS_MAX; r++) {
+        for (int c = 0; c < COLUMNS_MAX; c++) {
+            sheet->cell[r][c].row = -1;
+        }
+    }
+}
+
+int sim_sheet_classes(const struct sim_bank_options *how, int columns, const char *path,
+                      struct iso_fault *fault)
+{
+    struct sheet sheet;
+    int filled[ROWS_MAX] = {0};
+    clear(&sheet, how, how->manifest->n_classes, columns);
+    for (int32_t i = 0; i < how->manifest->n; i++) {
+        int32_t c = how->manifest->class_of[i];
+        if (c < sheet.n_rows && filled[c] < sheet.n_columns) {
+            sheet.cell[c][filled[c]++].row = i;
+        }
+    }
+    return draw(&sheet, path, fault);
+}
+
+/* The items of one query but its own, nearest first, as many as there is room for. */
+static void fill_matches(struct sheet *sheet, int r, const struct sim_features *features,
+                         int32_t query, const double *distance)
+{
+    double last = -INFINITY;
+    int32_t last_item = -1;
+    for (int c = 1; c < sheet->n_columns; c++) {
+        int32_t best = -1;
+        for (int32_t i = 0; i < features->items->n; i++) {
+            bool after = distance[i] > last || (distance[i] == last && i > last_item);
+            if (i != features->own[query] && after && (best < 0 || distance[i] < distance[best])) {
+                best = i;
+            }
+        }
+        if (best < 0) {
+            break;
+        }
+        last = distance[best];
+        last_item = best;
+        sheet->cell[r][c].row = features->items->row[best];
+        sheet->cell[r][c].wrong = features->item_class[best] != features->query_class[query];
+    }
+}
+
+int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_features *features,
+                      const double *distance, int columns, const char *path,
+                      struct iso_fault *fault)
+{
+    struct sheet sheet;
+    bool shown[ROWS_MAX] = {false};
+    clear(&sheet, how, features->manifest->n_classes, columns);
+    for (int32_t q = 0; q < features->queries->n; q++) {
+        int32_t c = features->query_class[q];
+        if (c < sheet.n_rows && !shown[c]) {
+            shown[c] = true;
+            sheet.cell[c][0].row = features->queries->row[q];
+            sheet.cell[c][0].query = true;
+            fill_matches(&sheet, c, features, q, distance + (size_t)q * (size_t)features->items->n);
+        }
+    }
+    return draw(&sheet, path, fault);
+}

@@ -1,0 +1,38 @@
+/* isotherm-sim shapes eval: a corpus against itself, or its distorted shapes against it, by methods
+ * and classifiers; result files. */
+#ifndef SIM_SHAPES_STUDY_H
+#define SIM_SHAPES_STUDY_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include "core/fault.h"
+#include "sim/shapes/distort.h"
+
+struct sim_shapes_study_options {
+    const char *corpus, *out;
+    const char *method;     /* a name, or "all": those that the corpus has what they need for */
+    const char *classifier; /* a name, or "all"; NULL: what goes with each method */
+    struct sim_distortion distortion; /* level 0: none */
+    size_t seed;
+    int smooth;   /* see sim_smooth */
+    int vertices; /* meshes of more are thinned; 0: none are */
+    int pictures; /* matches of a query in a picture; 0: no pictures */
+    int threads;
+};
+
+/* Prints a line for each method and classifier, and writes below `out`:
+ *
+ *   measures.csv                       all measures, and times
+ *   precision-recall.png               of all that rank
+ *   shapes.png                         some shapes of each class
+ *   METHOD-CLASSIFIER/distances.csv    a line for each query: its file, then the distance to every
+ *                                      item; a query's own item is at 0 and never counts
+ *   METHOD-CLASSIFIER/confusion.csv    how often each class was told for each
+ *   METHOD-CLASSIFIER/matches.png      first matches of a query of each class
+ *
+ * -EINVAL for an unknown name; errors of the banks and of writing; each with a fault. */
+int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,426 @@
+#include "sim/shapes/tables.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "drivers/learn/learn.h"
+#include "sim/eval/report_file.h"
+#include "sim/shapes/paper.h"
+#include "sim/shapes/retrieve.h"
+
+enum { METHODS_MAX = 16, CACHE_MAX = 32 };
+
+/* A corpus with what was found out about it. */
+struct corpus {
+    const char *directory;
+    struct sim_shape_manifest *manifest;
+    const struct iso_shape_method *method[METHODS_MAX]; /* those that its tables ask for */
+    int n_methods;
+    struct sim_bank_options how;
+    struct sim_bank *items, *distorted[SIM_DISTORTIONS][SIM_DISTORTION_LEVELS];
+    int32_t *query_row; /* which shapes are distorted */
+    int32_t n_queries;
+    struct {
+        int method, size;
+        struct sim_features *features;
+    } cache[CACHE_MAX];
+    int n_cached;
+};
+
+/* A row that was measured. */
+struct measured {
+    bool done;
+    int32_t n_queries;
+    double figure[SIM_PAPER_FIGURES];
+};
+
+struct tables {
+    const struct sim_tables_options *options;
+    struct corpus corpus[SIM_PAPER_SETS], *of_set[SIM_PAPER_SETS];
+    struct measured *measured[SIM_PAPER_TABLES]; /* [n_rows] */
+};
+
+/* ---- corpora ---------------------------------------------------------------------- */
+
+static int index_of(const struct corpus *corpus, const char *method)
+{
+    int m = 0;
+    while (m < corpus->n_methods && strcmp(corpus->method[m]->name, method) != 0) {
+        m++;
+    }
+    return m;
+}
+
+static void collect_methods(const struct tables *tables, struct corpus *corpus)
+{
+    for (int t = 0; t < SIM_PAPER_TABLES; t++) {
+        const struct sim_paper_table *table = &sim_paper_tables[t];
+        for (int r = 0; tables->of_set[table->set] == corpus && r < table->n_rows; r++) {
+            const char *name = table->rows[r].method;
+            if (name && index_of(corpus, name) == corpus->n_methods &&
+                corpus->n_methods < METHODS_MAX) {
+                corpus->method[corpus->n_methods++] = iso_shape_method_find(name);
+            }
+        }
+    }
+}
+
+/* The first shapes of every class in turn, until there are as many queries as wanted. */
+static int choose_queries(const struct tables *tables, struct corpus *corpus)
+{
+    const struct sim_shape_manifest *manifest = corpus->manifest;
+    size_t wanted = tables->options->queries;
+    corpus->query_row = calloc((size_t)manifest->n, sizeof *corpus->query_row);
+    int32_t *turn = calloc((size_t)manifest->n, sizeof *turn);
+    int32_t *seen = calloc((size_t)manifest->n_classes, sizeof *seen);
+    int error = corpus->query_row && turn && seen ? 0 : -ENOMEM;
+    for (int32_t i = 0; !error && i < manifest->n; i++) {
+        turn[i] = seen[manifest->class_of[i]]++;
+    }
+    for (int32_t round = 0; !error && round < manifest->n; round++) {
+        for (int32_t i = 0; i < manifest->n; i++) {
+            if (turn[i] == round && (wanted == 0 || (size_t)corpus->n_queries < wanted)) {
+                corpus->query_row[corpus->n_queries++] = i;
+            }
+        }
+    }
+    free(turn);
+    free(seen);
+    return error;
+}
+
+static void print_bank(const struct corpus *corpus, FILE *out)
+{
+    const struct sim_bank *bank = corpus->items;
+    fprintf(
+        out,
+        "%s: %d shapes of %d classes, %.0f vertices in the mean; %.1f s by %d threads, %.0f MB\n",
+        corpus->directory, bank->n, corpus->manifest->n_classes, bank->mean_vertices,
+        bank->elapsed_seconds, corpus->how.threads, (double)bank->peak_kib / 1024.0);
+    fprintf(out, "  seconds of a processor: eigenpairs %.1f", bank->shape_seconds);
+    for (int m = 0; m < bank->n_methods; m++) {
+        fprintf(out, ", %s %.1f", corpus->method[m]->name, bank->seconds[m]);
+    }
+    fputs("\n", out);
+    (void)fflush(out);
+}
+
+static int open_corpus(const struct tables *tables, struct corpus *corpus, FILE *out,
+                       struct iso_fault *fault)
+{
+    int error = sim_shape_manifest_read(corpus->directory, &corpus->manifest, fault);
+    if (error) {
+        return error;
+    }
+    collect_methods(tables, corpus);
+    error = choose_queries(tables, corpus);
+    corpus->how = (struct sim_bank_options){
+        .corpus = corpus->directory,
+        .manifest = corpus->manifest,
+        .methods = corpus->method,
+        .n_methods = corpus->n_methods,
+        .seed = tables->options->seed,
+        .smooth = tables->options->smooth,
+        .threads = tables->options->threads,
+    };
+    error = error ? error : sim_bank_new(&corpus->how, &corpus->items, fault);
+    if (!error) {
+        print_bank(corpus, out);
+    }
+    return error;
+}
+
+static void close_corpus(struct corpus *corpus)
+{
+    for (int i = 0; i < corpus->n_cached; i++) {
+        sim_features_free(corpus->cache[i].features);
+    }
+    for (int k = 0; k < SIM_DISTORTIONS; k++) {
+        for (int l = 0; l < SIM_DISTORTION_LEVELS; l++) {
+            sim_bank_free(corpus->distorted[k][l]);
+        }
+    }
+    sim_bank_free(corpus->items);
+    sim_shape_manifest_free(corpus->manifest);
+    free(corpus->query_row);
+}
+
+/* The queries of a row: the items, or some of them distorted, described when first asked for. */
+static int queries_of(struct corpus *corpus, struct sim_distortion distortion,
+                      const struct sim_bank **out, struct iso_fault *fault)
+{
+    if (distortion.level == 0) {
+        *out = corpus->items;
+        return 0;
+    }
+    struct sim_bank **known = &corpus->distorted[distortion.kind][distortion.level - 1];
+    if (!*known) {
+        struct sim_bank_options how = corpus->how;
+        how.rows = corpus->query_row;
+        how.n_rows = corpus->n_queries;
+        how.distortion = &distortion;
+        int error = sim_bank_new(&how, known, fault);
+        if (error) {
+            return error;
+        }
+    }
+    *out = *known;
+    return 0;
+}
+
+static int features_of(struct corpus *corpus, const char *method, int size, uint64_t seed,
+                       struct sim_features **out)
+{
+    int m = index_of(corpus, method);
+    for (int i = 0; i < corpus->n_cached; i++) {
+        if (corpus->cache[i].method == m && corpus->cache[i].size == size) {
+            *out = corpus->cache[i].features;
+            return 0;
+        }
+    }
+    if (corpus->n_cached == CACHE_MAX) {
+        return -ENOSPC;
+    }
+    const struct sim_features_options options = {
+        .method = corpus->method[m], .index = m, .size = size, .seed = seed};
+    int error = sim_features_new(corpus->manifest, corpus->items, &options, out);
+    if (!error) {
+        corpus->cache[corpus->n_cached].method = m;
+        corpus->cache[corpus->n_cached].size = size;
+        corpus->cache[corpus->n_cached++].features = *out;
+    }
+    return error;
+}
+
+/* ---- rows ---------------------------------------------------------------------------- */
+
+static int measure_retrieval(const struct sim_features *features,
+                             const struct iso_classifier_ops *classifier, int threads,
+                             enum sim_paper_columns columns, double *figure)
+{
+    struct iso_retrieval r;
+    double *distance = calloc((size_t)features->queries->n * (size_t)features->items->n,
+                              sizeof *distance);
+    int error = distance ? sim_features_rank(features, classifier, threads, distance) : -ENOMEM;
+    error = error ? error : sim_features_measure(features, distance, &r);
+    if (!error) {
+        figure[0] = r.nearest;
+        figure[1] = r.first_tier;
+        figure[2] = r.second_tier;
+        figure[3] = columns == SIM_PAPER_TEXTURED ? r.adr : r.e_measure;
+        figure[4] = r.dcg;
+    }
+    free(distance);
+    return error;
+}
+
+static int measure_row(const struct tables *tables, struct corpus *corpus,
+                       enum sim_paper_columns columns, const struct sim_paper_row *row,
+                       struct measured *out, struct iso_fault *fault)
+{
+    const struct iso_classifier_ops *classifier = iso_learn_find(row->classifier);
+    const struct sim_bank *queries = NULL;
+    struct sim_features *features = NULL;
+    if (!classifier) {
+        return 0; /* of a library that this build lacks: the row stays empty */
+    }
+    int error = queries_of(corpus, row->distortion, &queries, fault);
+    error = error ? error
+                  : features_of(corpus, row->method, row->size, tables->options->seed, &features);
+    error = error ? error : sim_features_ask(features, queries);
+    if (!error && columns == SIM_PAPER_CLASSES) {
+        struct iso_confusion_rates told;
+        error = sim_features_classify(features, classifier, tables->options->seed,
+                                      tables->options->threads, NULL, &told);
+        const double figure[] = {told.tp_rate, told.fp_rate, told.precision, told.recall,
+                                 told.roc_area};
+        memcpy(out->figure, figure, error ? 0 : sizeof figure);
+    } else if (!error) {
+        error = measure_retrieval(features, classifier, tables->options->threads, columns,
+                                  out->figure);
+    }
+    if (error && fault->text[0] == '\0') {
+        (void)iso_fault_set(fault, error, "%s by %s: %s", row->method, row->classifier,
+                            strerror(-error));
+    }
+    out->done = !error;
+    out->n_queries = error ? 0 : queries->n;
+    return error;
+}
+
+/* ---- output ---------------------------------------------------------------------------- */
+
+static bool has_figures(const struct sim_paper_row *row)
+{
+    return row->figure[0] > 0.0;
+}
+
+static void print_figures(const double *figure, int n, bool there, FILE *out)
+{
+    for (int i = 0; i < n; i++) {
+        if (there) {
+            fprintf(out, " %6.3f", figure[i]);
+        } else {
+            fprintf(out, " %6s", "-");
+        }
+    }
+}
+
+static void print_row(const struct sim_paper_table *table, int r, const struct measured *measured,
+                      FILE *out)
+{
+    const struct sim_paper_row *row = &table->rows[r];
+    int n = sim_paper_n_columns(table->columns);
+    char what[32] = "";
+    if (row->distortion.level > 0) {
+        (void)snprintf(what, sizeof what, "%s:%d", sim_distortion_name(row->distortion.kind),
+                       row->distortion.level);
+    } else if (row->size > 0) {
+        (void)snprintf(what, sizeof what, "%d", row->size);
+    }
+    fprintf(out, "  %-13s %-13s %-9s |", row->method ? row->method : row->title,
+            row->classifier ? row->classifier : "", what);
+    print_figures(measured->figure, n, measured->done, out);
+    fputs(" |", out);
+    print_figures(row->figure, n, has_figures(row), out);
+    if (measured->done) {
+        fprintf(out, " | %d", measured->n_queries);
+    }
+    fputc('\n', out);
+    (void)fflush(out);
+}
+
+static void print_header(const struct sim_paper_table *table, const struct corpus *corpus,
+                         FILE *out)
+{
+    static const char *const sets[SIM_PAPER_SETS] = {"nonrigid world", "SHREC'11", "SHREC'13"};
+    int n = sim_paper_n_columns(table->columns);
+    fprintf(out, "\nTable %s. %s. Ours: %s; dissertation's: %s\n", table->number, table->title,
+            corpus->directory, sets[table->set]);
+    fprintf(out, "  %-37s |", "");
+    for (int side = 0; side < 2; side++) {
+        for (int i = 0; i < n; i++) {
+            fprintf(out, " %6s", sim_paper_column_name(table->columns, i));
+        }
+        fputs(side == 0 ? " |" : " | queries\n", out);
+    }
+}
+
+static void write_csv(const void *context, FILE *out)
+{
+    const struct tables *tables = context;
+    fputs("table,method,classifier,size,distortion,level,queries,measure,ours,dissertation\n", out);
+    for (int t = 0; t < SIM_PAPER_TABLES; t++) {
+        const struct sim_paper_table *table = &sim_paper_tables[t];
+        for (int r = 0; tables->measured[t] && r < table->n_rows; r++) {
+            const struct sim_paper_row *row = &table->rows[r];
+            const struct measured *m = &tables->measured[t][r];
+            for (int i = 0; i < sim_paper_n_columns(table->columns); i++) {
+                bool distorted = row->distortion.level > 0;
+                fprintf(
+                    out, "%s,%s,%s,%d,%s,%d,%d,%s,", table->number,
+                    row->method ? row->method : row->title, row->classifier ? row->classifier : "",
+                    row->size, distorted ? sim_distortion_name(row->distortion.kind) : "",
+                    row->distortion.level, m->n_queries, sim_paper_column_name(table->columns, i));
+                if (m->done) {
+                    fprintf(out, "%.6f", m->figure[i]);
+                }
+                fputc(',', out);
+                if (has_figures(row)) {
+                    fprintf(out, "%g", row->figure[i]);
+                }
+                fputc('\n', out);
+            }
+        }
+    }
+}
+
+/* ---- all of it ------------------------------------------------------------------------- */
+
+/* Which corpus stands for which data set. */
+static void assign(struct tables *tables)
+{
+    const char *const directories[SIM_PAPER_SETS] = {
+        [SIM_PAPER_NONRIGID_WORLD] = tables->options->corpus,
+        [SIM_PAPER_SHREC11] = tables->options->large,
+        [SIM_PAPER_SHREC13] = tables->options->textured,
+    };
+    for (int s = 0; s < SIM_PAPER_SETS; s++) {
+        tables->corpus[s].directory = directories[s];
+        tables->of_set[s] = directories[s] ? &tables->corpus[s] : NULL;
+    }
+    if (!directories[SIM_PAPER_SHREC11]) {
+        tables->of_set[SIM_PAPER_SHREC11] = tables->of_set[SIM_PAPER_NONRIGID_WORLD];
+    }
+}
+
+static int run_table(struct tables *tables, int t, FILE *out, struct iso_fault *fault)
+{
+    const struct sim_paper_table *table = &sim_paper_tables[t];
+    struct corpus *corpus = tables->of_set[table->set];
+    if (!corpus) {
+        return 0;
+    }
+    tables->measured[t] = calloc((size_t)table->n_rows, sizeof *tables->measured[t]);
+    if (!tables->measured[t]) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    print_header(table, corpus, out);
+    int error = 0;
+    for (int r = 0; r < table->n_rows && !error; r++) {
+        struct measured *measured = &tables->measured[t][r];
+        if (table->rows[r].method) {
+            error = measure_row(tables, corpus, table->columns, &table->rows[r], measured, fault);
+        }
+        if (!error) {
+            print_row(table, r, measured, out);
+        }
+    }
+    return error;
+}
+
+static int run(struct tables *tables, FILE *out, struct iso_fault *fault)
+{
+    const char *directory = tables->options->out;
+    int error = 0;
+    if (mkdir(directory, 0777) != 0 && errno != EEXIST) {
+        return iso_fault_set(fault, -errno, "%s: %m", directory);
+    }
+    for (int s = 0; s < SIM_PAPER_SETS && !error; s++) {
+        if (tables->of_set[s] == &tables->corpus[s]) {
+            error = open_corpus(tables, &tables->corpus[s], out, fault);
+        }
+    }
+    for (int t = 0; t < SIM_PAPER_TABLES && !error; t++) {
+        error = run_table(tables, t, out, fault);
+    }
+    return error ? error : sim_report_file(directory, "tables.csv", write_csv, tables, fault);
+}
+
+int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struct iso_fault *fault)
+{
+    struct iso_fault unread = {""};
+    struct tables *tables = calloc(1, sizeof *tables);
+    fault = fault ? fault : &unread;
+    fault->text[0] = '\0';
+    if (!tables) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    tables->options = options;
+    assign(tables);
+    int error = run(tables, out, fault);
+    if (error && fault->text[0] == '\0') {
+        (void)iso_fault_set(fault, error, "%s", strerror(-error));
+    }
+    for (int s = 0; s < SIM_PAPER_SETS; s++) {
+        close_corpus(&tables->corpus[s]);
+    }
+    for (int t = 0; t < SIM_PAPER_TABLES; t++) {
+        free(tables->measured[t]);
+    }
+    free(tables);
+    return error;
+}

@@ -1,0 +1,24 @@
+/* Coats of creatures: colours that are painted at rest and stay where they are on the skin. */
+#ifndef SIM_SHAPES_TEXTURE_H
+#define SIM_SHAPES_TEXTURE_H
+
+#include "core/shape/shape.h"
+#include "sim/random.h"
+
+enum sim_texture {
+    SIM_TEXTURE_STRIPES, /* dark bands across the body, over sand */
+    SIM_TEXTURE_SPOTS,   /* dark rosettes over ochre */
+    SIM_TEXTURE_PATCHES, /* large brown patches on white */
+    SIM_TEXTURE_SHADED,  /* green back, pale belly */
+    SIM_TEXTURE_MARBLED, /* blue veins on grey */
+    SIM_TEXTURES
+};
+
+/* "stripes"; NULL for none. */
+const char *sim_texture_name(enum sim_texture texture);
+
+/* The colour at a place of a creature at rest (see skeleton.h); another `key` moves the pattern. */
+struct iso_colour sim_texture_colour(enum sim_texture texture, uint64_t key,
+                                     struct iso_vec3 rest_mm);
+
+#endif

@@ -1,0 +1,303 @@
+/* Corpora of shapes: manifest, generator, study and tables, on a few small creatures. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "drivers/mesh/mesh_file.h"
+#include "sim/shapes/generate.h"
+#include "sim/shapes/manifest.h"
+#include "sim/shapes/mesh_writer.h"
+#include "sim/shapes/study.h"
+#include "sim/shapes/tables.h"
+#include "tests/support/near.h"
+#include "tests/support/scratch.h"
+
+static void generate(const char *out, const char *preset, const char *format, size_t classes,
+                     int threads)
+{
+    const struct sim_shapes_options options = {
+        .preset = preset,
+        .out = out,
+        .format = format,
+        .seed = 2,
+        .classes = classes,
+        .shapes = 9,
+        .vertices = 400,
+        .threads = threads,
+    };
+    struct iso_fault fault = {""};
+    int32_t n = 0;
+    if (sim_shapes_generate(&options, &n, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_int_equal(n, strcmp(preset, "plain") == 0 ? 9 : 24 * (int)classes);
+}
+
+static char *read_text(const char *directory, const char *name)
+{
+    size_t size;
+    char *bytes = scratch_read(scratch_path(directory, name), &size);
+    char *text = calloc(size + 1, 1);
+    assert_non_null(text);
+    memcpy(text, bytes, size);
+    free(bytes);
+    return text;
+}
+
+static int run_study(const struct sim_shapes_study_options *options, char **printed,
+                     struct iso_fault *fault)
+{
+    size_t size;
+    FILE *out = open_memstream(printed, &size);
+    int error = sim_shapes_study(options, out, fault);
+    (void)fclose(out);
+    return error;
+}
+
+static void reads_manifests(void **state)
+{
+    struct sim_shape_manifest *manifest = NULL;
+    struct iso_fault fault = {""};
+    (void)state;
+    assert_int_equal(sim_shape_manifest_parse("m",
+                                              "file,class\na/b.off,dog/spots\nc.off,cat\n"
+                                              "d.off,dog/plain\ne.off,dog/spots\n",
+                                              &manifest, &fault),
+                     0);
+    assert_int_equal(manifest->n, 4);
+    assert_int_equal(manifest->n_classes, 3);
+    assert_int_equal(manifest->n_wider, 2);
+    assert_int_equal(manifest->class_of[3], manifest->class_of[0]);
+    assert_int_not_equal(manifest->class_of[2], manifest->class_of[0]);
+    assert_int_equal(manifest->wider_of[2], manifest->wider_of[0]);
+    assert_string_equal(manifest->class_name[2], "dog/plain");
+    sim_shape_manifest_free(manifest);
+    static const struct {
+        const char *text, *words;
+    } wrong[] = {
+        {"file;class\n", "m:1: header"},
+        {"file,class\n", "m: no rows"},
+        {"file,class\na\n", "m:2: 1 fields"},
+        {"file,class\na,b,c\n", "m:2: 3 fields"},
+        {"file,class\n../a,b\n", "m:2: bad file '../a'"},
+        {"file,class\na/../b,b\n", "m:2: bad file"},
+        {"file,class\na,\n", "m:2: bad class"},
+        {"file,class\na,b\na,c\n", "'a' stands there twice"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        manifest = NULL;
+        assert_int_equal(sim_shape_manifest_parse("m", wrong[i].text, &manifest, &fault), -EBADMSG);
+        assert_non_null(strstr(fault.text, wrong[i].words));
+        assert_null(manifest);
+    }
+}
+
+static void writes_what_is_read(void **state)
+{
+    struct iso_fault fault = {""};
+    static const char *const names[] = {"a.off", "a.ply", "a.vert"};
+    struct iso_coloured_mesh mesh = {NULL, NULL}, back = {NULL, NULL};
+    scratch_write_text(scratch_path(*state, "in.off"),
+                       "COFF\n4 2 0\n0 0 0 255 0 3 255\n1.5 0 0 0 9 0 255\n1 1.25 0 0 0 8 255\n"
+                       "0 1 -7 1 2 3 255\n3 0 1 2\n3 0 2 3\n");
+    assert_int_equal(iso_mesh_file_read(scratch_path(*state, "in.off"), &mesh, &fault), 0);
+    for (size_t i = 0; i < 3; i++) {
+        const char *path = scratch_path(*state, names[i]);
+        assert_int_equal(sim_mesh_write(path, &mesh, &fault), 0);
+        assert_int_equal(iso_mesh_file_read(path, &back, &fault), 0);
+        assert_int_equal(back.mesh->n_vertices, 4);
+        assert_memory_equal(back.mesh->vertices_mm, mesh.mesh->vertices_mm,
+                            4 * sizeof(struct iso_vec3));
+        assert_memory_equal(back.mesh->triangles, mesh.mesh->triangles, 2 * sizeof(int32_t[3]));
+        assert_true((back.colour != NULL) == (i < 2));
+        for (int v = 0; back.colour && v < 4; v++) {
+            assert_near(back.colour[v].channel[2], mesh.colour[v].channel[2], 1e-6);
+        }
+        iso_coloured_mesh_done(&back);
+    }
+    assert_int_equal(sim_mesh_write(scratch_path(*state, "a.stl"), &mesh, &fault), -ENOTSUP);
+    assert_int_equal(sim_mesh_write(scratch_path(*state, "no/a.off"), &mesh, &fault), -ENOENT);
+    iso_coloured_mesh_done(&mesh);
+}
+
+static void generates_the_same_whatever_the_threads(void **state)
+{
+    const char *one = scratch_path(*state, "one"), *two = scratch_path(*state, "two");
+    static const char *const files[] = {"manifest.csv", "man-01.off", "dog-03.off"};
+    generate(one, "plain", NULL, 3, 1);
+    generate(two, "plain", NULL, 3, 3);
+    for (size_t i = 0; i < 3; i++) {
+        char *a = read_text(one, files[i]), *b = read_text(two, files[i]);
+        assert_string_equal(a, b);
+        free(a);
+        free(b);
+    }
+}
+
+static void refuses_bad_requests(void **state)
+{
+    struct sim_shapes_options options = {.preset = "round", .out = *state, .threads = 1};
+    struct iso_fault fault = {""};
+    int32_t n = 77;
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -EINVAL);
+    options.preset = "textured";
+    options.format = "vert";
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -EINVAL);
+    assert_non_null(strstr(fault.text, "--format: 'vert' is none of off, ply"));
+    options.format = NULL;
+    options.vertices = 100;
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -EINVAL);
+    options.vertices = 400;
+    options.out = scratch_path(*state, "no/where");
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -ENOENT);
+    assert_int_equal(n, 77);
+}
+
+/* Corpora in TOSCA's files, and what is common in them: a hole, a fin on an edge, a second piece.
+ */
+static void retrieves_from_tosca_files(void **state)
+{
+    const char *corpus = scratch_path(*state, "tosca"), *out = scratch_path(*state, "out");
+    struct iso_fault fault = {""};
+    char *printed = NULL;
+    generate(corpus, "plain", "vert", 3, 2);
+    char *tri = read_text(corpus, "dog-01.tri"), *vert = read_text(corpus, "dog-01.vert");
+    char *longer = NULL, *hole = strchr(strchr(tri, '\n') + 1, '\n') + 1;
+    assert_true(asprintf(&longer, "%s1 1 2\n1 2 401\n1 402 403\n402 403 404\n1 2 3\n", hole) > 0);
+    scratch_write_text(scratch_path(corpus, "dog-01.tri"), longer);
+    free(longer);
+    assert_true(asprintf(&longer, "%s500 0 0\n600 0 0\n600 1 0\n600 0 1\n9 9 9\n", vert) > 0);
+    scratch_write_text(scratch_path(corpus, "dog-01.vert"), longer);
+    free(longer);
+    free(tri);
+    free(vert);
+    const struct sim_shapes_study_options options = {.corpus = corpus,
+                                                     .out = out,
+                                                     .threads = 2,
+                                                     .method = "shape-dna",
+                                                     .seed = 1,
+                                                     .pictures = 3};
+    if (run_study(&options, &printed, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_non_null(strstr(printed, "9 shapes of 3 classes"));
+    free(printed);
+    char *measures = read_text(out, "measures.csv");
+    double nn = 0.0;
+    assert_int_equal(sscanf(strchr(measures, '\n') + 1, "shape-dna,nn-l%*d,9,%lf", &nn), 1);
+    assert_true(nn > 0.7);
+    free(measures);
+    assert_true(scratch_exists(scratch_path(out, "shapes.png")));
+    assert_true(scratch_exists(scratch_path(out, "precision-recall.png")));
+}
+
+static void distances_leave_nothing_out(void **state)
+{
+    const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
+    struct sim_shapes_study_options options = {.corpus = corpus,
+                                               .out = out,
+                                               .threads = 2,
+                                               .method = "cp-hk",
+                                               .classifier = "nn-l2",
+                                               .seed = 1,
+                                               .distortion = {SIM_DISTORTION_SCALE, 3}};
+    struct iso_fault fault = {""};
+    char *printed = NULL;
+    generate(corpus, "plain", NULL, 3, 2);
+    assert_int_equal(run_study(&options, &printed, &fault), 0);
+    free(printed);
+    char *text = read_text(scratch_path(out, "cp-hk-nn-l2"), "distances.csv"), *rest = text;
+    int lines = 0;
+    for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n"), lines++) {
+        int commas = 0;
+        for (const char *c = line; *c; c++) {
+            commas += *c == ',';
+        }
+        assert_int_equal(commas, 9);
+    }
+    assert_int_equal(lines, 10);
+    free(text);
+    int told = 0, a = 0, b = 0, c = 0;
+    text = read_text(scratch_path(out, "cp-hk-nn-l2"), "confusion.csv");
+    rest = strchr(text, '\n') + 1;
+    for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n")) {
+        assert_int_equal(sscanf(strchr(line, ',') + 1, "%d,%d,%d", &a, &b, &c), 3);
+        assert_int_equal(a + b + c, 3);
+        told += a + b + c;
+    }
+    assert_int_equal(told, 9);
+    free(text);
+    options.method = "w-hks2"; /* wants colours */
+    assert_int_equal(run_study(&options, &printed, &fault), -ENODATA);
+    assert_non_null(strstr(fault.text, ".off: too small, or without colours"));
+    free(printed);
+    options.method = "astrology";
+    assert_int_equal(run_study(&options, &printed, &fault), -EINVAL);
+    free(printed);
+    options.method = "cp-hk";
+    options.classifier = "oracle";
+    assert_int_equal(run_study(&options, &printed, &fault), -EINVAL);
+    free(printed);
+    scratch_write_text(scratch_path(corpus, "dog-01.off"), "OFF\n1 0 0\n");
+    options.classifier = NULL;
+    assert_int_equal(run_study(&options, &printed, &fault), -EBADMSG);
+    assert_non_null(strstr(fault.text, "dog-01.off: ends within the vertices"));
+    free(printed);
+    options.corpus = scratch_path(*state, "nowhere");
+    assert_int_equal(run_study(&options, &printed, &fault), -ENOENT);
+    free(printed);
+}
+
+static void tables_have_both_sides(void **state)
+{
+    const char *plain = scratch_path(*state, "p"), *textured = scratch_path(*state, "t");
+    const char *out = scratch_path(*state, "tables");
+    const struct sim_tables_options options = {
+        .corpus = plain, .textured = textured, .out = out, .queries = 3, .seed = 1, .threads = 2};
+    struct iso_fault fault = {""};
+    char *printed = NULL;
+    size_t size;
+    generate(plain, "plain", NULL, 3, 2);
+    generate(textured, "textured", NULL, 1, 2);
+    FILE *stream = open_memstream(&printed, &size);
+    if (sim_shapes_tables(&options, stream, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    (void)fclose(stream);
+    static const char *const numbers[] = {"4.1.", "4.5.", "4.8.", "4.10.", "4.13.", "5.1.", "5.2."};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        char title[32];
+        (void)snprintf(title, sizeof title, "Table %s ", numbers[i]);
+        assert_non_null(strstr(printed, title));
+    }
+    free(printed);
+    char *csv = read_text(out, "tables.csv");
+    assert_non_null(strstr(csv, "\n4.8,shape-dna,nn-l2,0,white,3,3,NN,"));
+    assert_non_null(strstr(csv, "\n5.2,PHOG,,0,,0,0,NN,,0.951\n"));
+    free(csv);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_manifests),
+        cmocka_unit_test_setup_teardown(writes_what_is_read, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(generates_the_same_whatever_the_threads, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(refuses_bad_requests, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(retrieves_from_tosca_files, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(distances_leave_nothing_out, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(tables_have_both_sides, scratch_setup, scratch_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
