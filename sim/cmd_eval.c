@@ -4,23 +4,48 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "drivers/path.h"
 #include "sim/commands.h"
 #include "sim/data_file.h"
 #include "sim/eval/eval.h"
 #include "sim/eval/extract_options.h"
+#include "sim/eval/method_options.h"
 #include "sim/eval/report.h"
+#include "sim/eval/report_methods.h"
+
+enum { CORPORA_MAX = 16 };
+
+struct corpora {
+    size_t n;
+    const char *directory[CORPORA_MAX];
+};
 
 struct arguments {
+    struct corpora corpora;
     struct sim_eval_options eval;
-    const char *out, *method;
+    struct sim_method_choice choice;
+    const char *out, *train;
 };
 
 #define FIELD(name) offsetof(struct arguments, name)
 
+static int add_corpus(const char *text, void *field)
+{
+    struct corpora *corpora = field;
+    if (corpora->n == CORPORA_MAX) {
+        return -EINVAL;
+    }
+    corpora->directory[corpora->n++] = text;
+    return 0;
+}
+
 static const struct sim_option own_options[] = {
-    {"corpus", "DIR", "recordings and manifest.csv", sim_option_text, FIELD(eval.corpus)},
+    {"corpus", "DIR", "recordings and manifest.csv; may be repeated", add_corpus, FIELD(corpora)},
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text, FIELD(out)},
-    {"method", "hfpc", "how faces are described and compared", sim_option_text, FIELD(method)},
+    {"method", "NAME,...|all", "how faces are described and compared (hfpc)", sim_option_methods,
+     FIELD(choice)},
+    {"train", "DIR", "corpus of other people that methods learn from", sim_option_text,
+     FIELD(train)},
     {"fuse", "N", "frames of a row in one sample (0: all of them)", sim_option_count,
      FIELD(eval.fuse)},
     {"gallery-limit", "N", "enrol the first N people (0: all)", sim_option_count,
@@ -28,29 +53,70 @@ static const struct sim_option own_options[] = {
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads,
      FIELD(eval.threads)},
     {"model", "FILE", "head model", sim_option_text, FIELD(eval.model)},
+    {"metric", "FILE", "learned metric that makes the score", sim_option_text, FIELD(eval.metric)},
     {"cohort", "FILE", "templates that normalise the score", sim_option_text, FIELD(eval.cohort)},
 };
 
-static int run(const struct arguments *arguments, struct iso_fault *fault)
+static int make_directory(const char *path, struct iso_fault *fault)
 {
-    if (mkdir(arguments->out, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
-    }
-    struct sim_eval *eval = NULL;
-    int error = sim_eval_run(&arguments->eval, &eval, fault);
-    if (error) {
-        return error;
-    }
+    return mkdir(path, 0777) == 0 || errno == EEXIST
+               ? 0
+               : iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
+}
+
+static int report(const struct sim_eval *eval, const char *out, struct iso_fault *fault)
+{
     sim_report_text(eval, stdout);
-    error = sim_report_csv(eval, arguments->out, fault);
-    if (!error) {
-        error = sim_report_json(eval, arguments->out, fault);
+    sim_contest_left_out(eval, stdout);
+    (void)fflush(stdout); /* the next corpus may take a while */
+    int error = sim_report_csv(eval, out, fault);
+    error = error ? error : sim_report_json(eval, out, fault);
+    return error ? error : sim_report_plots(eval, out, fault);
+}
+
+/* Evaluates one corpus; of several, each has a folder of its own under the results. */
+static int run_one(const struct arguments *arguments, const char *corpus, struct sim_contest *out,
+                   struct iso_fault *fault)
+{
+    struct sim_eval_options options = arguments->eval;
+    struct sim_eval *eval = NULL;
+    options.corpus = corpus;
+    int error = sim_eval_run(&options, &eval, fault);
+    if (!error && sim_contest_of(eval, out)) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", corpus);
     }
-    if (!error) {
-        error = sim_report_plots(eval, arguments->out, fault);
+    char own[PATH_MAX];
+    const char *directory = arguments->out;
+    if (!error && arguments->corpora.n > 1) {
+        error = iso_path_join(arguments->out, out->corpus, own, fault);
+        error = error ? error : make_directory(own, fault);
+        directory = own;
     }
+    error = error ? error : report(eval, directory, fault);
     sim_eval_free(eval);
     return error;
+}
+
+static int run(struct arguments *arguments, struct iso_fault *fault)
+{
+    struct sim_contest contests[CORPORA_MAX];
+    struct sim_training_set *training = NULL;
+    size_t n = arguments->corpora.n;
+    int error = make_directory(arguments->out, fault);
+    error = error ? error
+                  : sim_method_choice_apply(&arguments->choice, arguments->train, &arguments->eval,
+                                            &training, fault);
+    for (size_t i = 0; i < n && !error; i++) {
+        error = run_one(arguments, arguments->corpora.directory[i], &contests[i], fault);
+    }
+    sim_training_set_free(training);
+    if (error || (arguments->choice.n < 2 && n < 2)) {
+        return error;
+    }
+    for (size_t i = 0; i < n; i++) {
+        sim_contest_text(&contests[i], stdout);
+    }
+    return sim_contest_csv(contests, n, arguments->out, fault);
 }
 
 static int complain(const struct iso_fault *fault, int exit_code)
@@ -65,7 +131,6 @@ int sim_cmd_eval(int argc, char **argv)
         .eval = {.model = SIM_DATA_FILE_MODEL,
                  .extract = iso_extract_options_default(),
                  .match = iso_match_options_default()},
-        .method = "hfpc",
     };
     const struct sim_option_set sets[] = {
         {own_options, sizeof own_options / sizeof *own_options, &arguments},
@@ -78,20 +143,19 @@ int sim_cmd_eval(int argc, char **argv)
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim eval --corpus DIR --out DIR [OPTION...]\n\n"
              "Enrols the gallery of a corpus, searches it for every probe, and writes scores.csv,\n"
-             "landmarks.csv, cmc.csv, det.csv, summary.json and plots.\n");
+             "landmarks.csv, cmc.csv, det.csv, growth.csv, curves.csv, summary.json and plots; "
+             "with\n"
+             "several methods or corpora also methods.csv, and all of them in one table.\n");
         sim_options_help(sets, n_sets, stdout);
+        sim_method_choice_help(stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:
         return complain(&fault, SIM_EXIT_USAGE);
     case SIM_OPTIONS_READ:
         break;
     }
-    if (!arguments.eval.corpus || !arguments.out) {
+    if (arguments.corpora.n == 0 || !arguments.out) {
         (void)iso_fault_set(&fault, 0, "--corpus and --out are needed");
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    if (strcmp(arguments.method, "hfpc") != 0) {
-        (void)iso_fault_set(&fault, 0, "--method: '%s' is unknown (hfpc)", arguments.method);
         return complain(&fault, SIM_EXIT_USAGE);
     }
     if (arguments.eval.threads == 0) {

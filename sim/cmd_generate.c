@@ -27,6 +27,7 @@ enum option_id {
     OPTION_NOISE,
     OPTION_VARIANCE,
     OPTION_IR,
+    OPTION_MARKS,
     OPTION_OUT,
     OPTION_HELP,
 };
@@ -47,6 +48,7 @@ static const struct option options[] = {
     {"noise-scale", required_argument, NULL, OPTION_NOISE},
     {"identity-variance", required_argument, NULL, OPTION_VARIANCE},
     {"ir", no_argument, NULL, OPTION_IR},
+    {"marks", no_argument, NULL, OPTION_MARKS},
     {"out", required_argument, NULL, OPTION_OUT},
     {"help", no_argument, NULL, OPTION_HELP},
     {NULL, 0, NULL, 0},
@@ -87,6 +89,8 @@ static void print_help(void)
          "  --seed S                 (1)\n"
          "  --noise-scale X          factor on the sensor's random errors (1; landmarks 2.5)\n"
          "  --identity-variance X    spread of the people; 0.36: they look alike (1; hard 0.36)\n"
+         "  --marks                  25 points in landmarks.csv, for anthroface-25, not\n"
+         "                           only the twelve\n"
          "  --ir                     an infrared image beside every depth frame (ir/)\n"
          "\n"
          "Sensors:");
@@ -175,6 +179,9 @@ static bool take_option(enum option_id option, const char *value, struct sim_gen
             return false;
         }
         to->seed = (uint64_t)seed;
+        return true;
+    case OPTION_MARKS:
+        to->marks = true;
         return true;
     case OPTION_IR:
         to->infrared = true;

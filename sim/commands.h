@@ -13,6 +13,7 @@ enum sim_exit {
 };
 
 int sim_cmd_generate(int argc, char **argv);
+int sim_cmd_import(int argc, char **argv);
 int sim_cmd_train(int argc, char **argv);
 int sim_cmd_eval(int argc, char **argv);
 int sim_cmd_landmarks(int argc, char **argv);

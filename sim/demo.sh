@@ -18,7 +18,6 @@ build=$(cd "$1" && pwd)
 out=$(cd "$2" && pwd)
 corpus=$source_dir/sim/stored
 model=$source_dir/core/data/head.model
-cohort=$source_dir/core/data/cohort.templates
 metric=$source_dir/core/data/face.metric
 isotherm=$build/enroll/isotherm
 isothermd=$build/firmware/isothermd
@@ -170,7 +169,7 @@ heading 'isotherm status'
 
 heading 'Pictures'
 "$simulator" show --recording "$corpus/p01-enrol" --frame 0 --what isotherms --model "$model" --out "$out/isotherms.png"
-"$simulator" eval --corpus "$corpus" --model "$model" --cohort "$cohort" --out "$out/eval"
+"$simulator" eval --corpus "$corpus" --model "$model" --metric "$metric" --out "$out/eval"
 
 heading 'Results'
 echo "visits            $out/visits.csv"

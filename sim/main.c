@@ -9,6 +9,7 @@ static const struct command {
     int (*run)(int argc, char **argv);
 } commands[] = {
     {"generate", "render a corpus of synthetic faces through a sensor model", sim_cmd_generate},
+    {"import", "make a corpus of a public database of 3D faces", sim_cmd_import},
     {"train", "make the head model, metric and cohort that ship with the product", sim_cmd_train},
     {"eval", "measure recognition on a corpus", sim_cmd_eval},
     {"landmarks", "measure landmarks, gates and presentation attacks on a corpus",

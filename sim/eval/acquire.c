@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FUSED_MAX = 64 }; /* of iso_template_fuse */
-
 static void keep(void *context, size_t number, const struct sim_capture *capture)
 {
     struct sim_acquisition *a = context;
@@ -15,9 +13,9 @@ static void keep(void *context, size_t number, const struct sim_capture *capture
 /* Fuses the usable frames of a sample. */
 static int make_sample(const struct sim_capture *captures, struct sim_sample *sample)
 {
-    const struct iso_template *usable[FUSED_MAX];
+    const struct iso_template *usable[SIM_SAMPLE_CAPTURES_MAX];
     int n = 0;
-    for (size_t i = 0; i < sample->n_captures && n < FUSED_MAX; i++) {
+    for (size_t i = 0; i < sample->n_captures && n < SIM_SAMPLE_CAPTURES_MAX; i++) {
         const struct iso_extraction *e = &captures[sample->first_capture + i].extraction;
         if (e->outcome == ISO_CAPTURE_OK) {
             usable[n++] = &e->tmpl;
@@ -39,7 +37,7 @@ static int make_sample(const struct sim_capture *captures, struct sim_sample *sa
 static size_t group_size(const struct sim_corpus_row *row, size_t fuse)
 {
     size_t size = fuse > 0 && fuse < row->count ? fuse : row->count;
-    return size < FUSED_MAX ? size : FUSED_MAX;
+    return size < SIM_SAMPLE_CAPTURES_MAX ? size : SIM_SAMPLE_CAPTURES_MAX;
 }
 
 static int make_samples(const struct sim_corpus *corpus, size_t fuse, struct sim_acquisition *a,

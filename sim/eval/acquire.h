@@ -9,6 +9,8 @@
 
 #include "sim/eval/capture.h"
 
+enum { SIM_SAMPLE_CAPTURES_MAX = 64 }; /* as many as iso_template_fuse takes */
+
 struct sim_sample {
     size_t row;
     size_t first_capture, n_captures;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 const double sim_fmr_targets[SIM_FMR_TARGETS] = {1e-1, 1e-2, 1e-3, 1e-4};
-const double sim_fpir_targets[SIM_FPIR_TARGETS] = {1e-1, 1e-2};
+const double sim_fpir_targets[SIM_FPIR_TARGETS] = {1e-1, 1e-2, 1e-3};
 
 /* What the functions below read and fill in. */
 struct analysing {

@@ -13,12 +13,12 @@
 
 enum {
     SIM_FMR_TARGETS = 4,
-    SIM_FPIR_TARGETS = 2,
+    SIM_FPIR_TARGETS = 3,
     SIM_CONDITION_MIN = 5, /* searches of a condition that is reported */
 };
 
 extern const double sim_fmr_targets[SIM_FMR_TARGETS];   /* 1e-1 .. 1e-4 */
-extern const double sim_fpir_targets[SIM_FPIR_TARGETS]; /* 1e-1, 1e-2 */
+extern const double sim_fpir_targets[SIM_FPIR_TARGETS]; /* 1e-1 .. 1e-3 */
 
 enum sim_probe_kind { SIM_PROBE_MATED, SIM_PROBE_STRANGER, SIM_PROBE_NONE, SIM_PROBE_KINDS };
 

@@ -12,6 +12,7 @@
 struct capturing {
     const char *directory;
     const struct sim_corpus *corpus;
+    const struct sim_capture_options *options;
     sim_capture_visitor *visit;
     void *visit_context;
     size_t *first_number;              /* of each row */
@@ -81,6 +82,11 @@ static int capture_row(void *context, int worker, size_t row)
     for (size_t i = 0; !error && i < r->count; i++) {
         capture = (struct sim_capture){.row = row, .frame = r->first + i};
         error = capture_frame(work, worker, recording, frame, &capture);
+        if (!error && work->options->inspect && capture.extraction.outcome == ISO_CAPTURE_OK) {
+            error = work->options->inspect(work->options->inspect_context,
+                                           work->first_number[row] + i, work->extractors[worker],
+                                           frame, &capture);
+        }
         if (!error) {
             work->visit(work->visit_context, work->first_number[row] + i, &capture);
         }
@@ -140,7 +146,7 @@ int sim_capture_all(const char *directory, const struct sim_corpus *corpus,
                     void *context, struct sim_capture_origin *origin, struct iso_fault *fault)
 {
     size_t threads = (size_t)options->threads;
-    struct capturing work = {directory, corpus, visit, context, NULL, NULL, NULL};
+    struct capturing work = {directory, corpus, options, visit, context, NULL, NULL, NULL};
     struct sim_capture_origin found = {0};
     work.first_number = calloc(corpus->n_rows, sizeof *work.first_number);
     work.extractors = calloc(threads, sizeof *work.extractors);

@@ -31,10 +31,19 @@ size_t sim_corpus_frames(const struct sim_corpus *corpus);
 int sim_recording_open(const char *directory, const char *name, struct iso_recording **out,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Looks at an extractor right after a frame that was usable, while it still holds the face, and at
+ * the frame: what other methods than the appliance's need. Called by several threads at once, once
+ * for each number. 0 or a negative errno, which ends the whole. */
+typedef int sim_capture_inspector(void *context, size_t number,
+                                  const struct iso_extractor *extractor,
+                                  const struct iso_frame *frame, const struct sim_capture *capture);
+
 struct sim_capture_options {
     const struct iso_head_model *model;
     struct iso_extract_options extract; /* its clock and sensor are set here */
     int threads;                        /* 1..64 */
+    sim_capture_inspector *inspect;     /* or NULL */
+    void *inspect_context;
 };
 
 /* Of which kind the templates are. */

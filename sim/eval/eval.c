@@ -1,11 +1,13 @@
 #include "sim/eval/eval.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
+#include "sim/eval/method_match.h"
 
 static int load(struct sim_eval *eval, struct iso_fault *fault)
 {
@@ -13,48 +15,186 @@ static int load(struct sim_eval *eval, struct iso_fault *fault)
     if (!error && eval->options.cohort) {
         error = sim_cohort_load(eval->options.cohort, &eval->cohort, fault);
     }
+    if (!error && eval->options.metric) {
+        error = sim_metric_load(eval->options.metric, &eval->metric, fault);
+    }
     if (!error) {
         error = sim_corpus_read(eval->options.corpus, &eval->corpus, fault);
     }
     return error;
 }
 
-static int acquire(struct sim_eval *eval, struct iso_fault *fault)
+static int check_metric(const struct sim_eval *eval, struct iso_fault *fault)
 {
-    const struct sim_capture_options options = {
-        .model = eval->model,
-        .extract = eval->options.extract,
-        .threads = eval->options.threads,
-    };
-    int error = sim_acquire(eval->options.corpus, eval->corpus, &options, eval->options.fuse,
-                            &eval->acquisition, fault);
-    if (!error && eval->cohort &&
-        iso_cohort_algorithm(eval->cohort) != eval->acquisition->origin.algorithm) {
+    const struct iso_metric *metric = eval->metric;
+    if (!metric) {
+        return 0;
+    }
+    if (metric->algorithm != eval->acquisition->origin.algorithm) {
+        return iso_fault_set(fault, -EBADMSG, "%s: made by algorithm %08x, templates are of %08x",
+                             eval->options.metric, (unsigned)metric->algorithm,
+                             (unsigned)eval->acquisition->origin.algorithm);
+    }
+    /* What was learned must not be tested with those it was learned from. */
+    for (size_t row = 0; row < eval->corpus->n_rows; row++) {
+        for (int i = 0; i < metric->n_origins; i++) {
+            if (strcmp(eval->corpus->rows[row].note, metric->origin[i]) == 0) {
+                return iso_fault_set(fault, -EBADMSG, "%s: was learned from the people of %s (%s)",
+                                     eval->options.metric, eval->options.corpus, metric->origin[i]);
+            }
+        }
+    }
+    return 0;
+}
+
+static bool wants_faces(const struct sim_eval *eval)
+{
+    for (size_t i = 0; i < eval->n_methods; i++) {
+        if (sim_method_pairwise(eval->methods[i].method)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int check_cohort(const struct sim_eval *eval, struct iso_fault *fault)
+{
+    if (eval->cohort && iso_cohort_algorithm(eval->cohort) != eval->acquisition->origin.algorithm) {
         return iso_fault_set(fault, -EBADMSG, "%s: made by algorithm %08x, templates are of %08x",
                              eval->options.cohort, (unsigned)iso_cohort_algorithm(eval->cohort),
                              (unsigned)eval->acquisition->origin.algorithm);
     }
-    return error;
+    return 0;
 }
 
-static int compare(struct sim_eval *eval, struct iso_fault *fault)
+static int acquire(struct sim_eval *eval, struct iso_fault *fault)
 {
-    const struct sim_eval_options *o = &eval->options;
-    int error = sim_gallery_new(eval->corpus, eval->acquisition, o->gallery_limit, &eval->gallery);
-    if (!error) {
-        error = sim_match(eval->corpus, eval->acquisition, eval->gallery, eval->cohort, &o->match,
-                          o->threads, &eval->matches);
+    struct sim_capture_options options = {
+        .model = eval->model,
+        .extract = eval->options.extract,
+        .threads = eval->options.threads,
+    };
+    const char *directory = eval->options.corpus;
+    bool faces = wants_faces(eval);
+    int error = faces ? sim_scans_new(eval->corpus, &eval->faces) : 0;
+    if (error) {
+        return iso_fault_set(fault, error, "%s: out of memory", directory);
     }
-    if (!error) {
-        error = sim_analyse(eval->corpus, eval->acquisition, eval->gallery, eval->matches,
-                            &eval->analysis);
+    options.inspect = faces ? sim_scans_inspect : NULL;
+    options.inspect_context = eval->faces;
+    error = sim_acquire(directory, eval->corpus, &options, eval->options.fuse, &eval->acquisition,
+                        fault);
+    error = error ? error : check_cohort(eval, fault);
+    error = error ? error : check_metric(eval, fault);
+    return error || !faces
+               ? error
+               : sim_scans_fuse(directory, eval->corpus, eval->acquisition, eval->faces, fault);
+}
+
+/* What the method knows before it sees anybody. */
+static int teach(struct sim_eval *eval, const struct sim_method *method, const void **knowledge,
+                 struct iso_fault *fault)
+{
+    *knowledge = NULL;
+    if (method->infrared && !sim_scans_infrared(eval->faces)) {
+        return iso_fault_set(fault, -EINVAL, "%s: %s has frames without an infrared image",
+                             method->name, eval->options.corpus);
     }
+    if (!method->train) {
+        return 0;
+    }
+    if (!eval->options.training) {
+        return iso_fault_set(fault, -EINVAL, "%s: has to learn from a training corpus",
+                             method->name);
+    }
+    bool marks[SIM_MARKS];
+    sim_scans_marks(eval->faces, marks);
+    return sim_training_set_teach(eval->options.training, method, marks, knowledge, fault);
+}
+
+static int out_of_range(int error, struct iso_fault *fault)
+{
     return error ? iso_fault_set(fault, error, "comparing templates: %s",
                                  error == -EINVAL ? "an option is out of range" : strerror(-error))
                  : 0;
 }
 
-static int measure_landmarks(struct sim_eval *eval, struct iso_fault *fault)
+static int search(struct sim_eval *eval, struct sim_eval_method *m, struct iso_fault *fault)
+{
+    const struct sim_eval_options *o = &eval->options;
+    if (!sim_method_pairwise(m->method)) {
+        const struct sim_scoring scoring = {eval->metric, eval->cohort, o->match};
+        return out_of_range(sim_match(eval->corpus, eval->acquisition, eval->gallery, &scoring,
+                                      o->threads, &m->matches),
+                            fault);
+    }
+    const void *knowledge;
+    int error = teach(eval, m->method, &knowledge, fault);
+    if (error) {
+        return error;
+    }
+    error = sim_method_match(m->method, knowledge, eval->corpus, eval->acquisition, eval->gallery,
+                             eval->faces, o->threads, &m->matches);
+    return error ? iso_fault_set(fault, error, "%s: %s", m->method->name, strerror(-error)) : 0;
+}
+
+static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct iso_fault *fault)
+{
+    int64_t begin_ns = sim_wall_ns(NULL);
+    int error = search(eval, m, &m->fault);
+    if (error == -EINVAL && eval->options.lenient && sim_method_pairwise(m->method)) {
+        return 0; /* left out */
+    }
+    if (!error) {
+        error = out_of_range(
+            sim_analyse(eval->corpus, eval->acquisition, eval->gallery, m->matches, &m->analysis),
+            &m->fault);
+    }
+    m->wall_ns = sim_wall_ns(NULL) - begin_ns;
+    return error ? iso_fault_set(fault, error, "%s", m->fault.text) : 0;
+}
+
+/* The appliance's own method comes last: it alone may call a sample not acquired after all, and the
+ * others are to be measured on every sample that was. */
+static int compare(struct sim_eval *eval, struct iso_fault *fault)
+{
+    int error = sim_gallery_new(eval->corpus, eval->acquisition, eval->options.gallery_limit,
+                                &eval->gallery);
+    error = out_of_range(error, fault);
+    for (int own = 0; own < 2; own++) {
+        for (size_t i = 0; !error && i < eval->n_methods; i++) {
+            struct sim_eval_method *m = &eval->methods[i];
+            if (sim_method_pairwise(m->method) == (own == 0)) {
+                error = compare_by(eval, m, fault);
+            }
+        }
+    }
+    for (size_t i = 0; !error && i < eval->n_methods && !eval->matches; i++) {
+        eval->matches = eval->methods[i].matches;
+        eval->analysis = eval->methods[i].analysis;
+    }
+    return error || eval->matches
+               ? error
+               : iso_fault_set(fault, -EINVAL, "%s", eval->methods[0].fault.text);
+}
+
+/* The mean length of a deviation without the constant offsets; NaN if nothing is known. */
+static double mean_error(const struct sim_deviation *deviation,
+                         const struct iso_vec3 offset_mm[ISO_LANDMARKS])
+{
+    double sum = 0.0;
+    int n = 0;
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        if (deviation->known[l]) {
+            sum += iso_norm(iso_sub(deviation->error_mm[l], offset_mm[l]));
+            n++;
+        }
+    }
+    return n > 0 ? sum / n : NAN;
+}
+
+/* Errors of the landmarks, all together and (error_mm, [n_captures], NaN: not known) of each. */
+static int measure_landmarks(struct sim_eval *eval, double *error_mm, struct iso_fault *fault)
 {
     const struct sim_acquisition *a = eval->acquisition;
     struct sim_truth *truth = NULL;
@@ -75,9 +215,56 @@ static int measure_landmarks(struct sim_eval *eval, struct iso_fault *fault)
     if (!error) {
         error = sim_landmark_errors(eval->corpus, deviations, n, offset_mm, eval->landmarks);
     }
+    for (size_t i = 0, k = 0; !error && i < a->n_captures; i++) {
+        bool usable = a->captures[i].extraction.outcome == ISO_CAPTURE_OK;
+        error_mm[i] = usable ? mean_error(&deviations[k], offset_mm) : NAN;
+        k += usable;
+    }
     free(deviations);
     free(truth);
     return error ? iso_fault_set(fault, error, "landmarks: %s", strerror(-error)) : 0;
+}
+
+static int draw_curves(struct sim_eval *eval, const double *error_mm)
+{
+    double(*factor)[SIM_FACTORS] = calloc(eval->matches->n_probes + 1, sizeof *factor);
+    if (!factor) {
+        return -ENOMEM;
+    }
+    sim_factors_measure(eval->corpus, eval->acquisition, eval->matches, error_mm, factor);
+    int error = sim_curves_of(eval->analysis, eval->matches, (const double(*)[SIM_FACTORS])factor,
+                              eval->analysis->verification.at_fmr[2].at.threshold, eval->curves);
+    free(factor);
+    return error;
+}
+
+/* What the first method's results depend on. */
+static int look_closer(struct sim_eval *eval, struct iso_fault *fault)
+{
+    double *error_mm = calloc(eval->acquisition->n_captures + 1, sizeof *error_mm);
+    if (!error_mm) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", eval->options.corpus);
+    }
+    int error = measure_landmarks(eval, error_mm, fault);
+    if (!error) {
+        error = draw_curves(eval, error_mm);
+        error = error ? error
+                      : sim_growth_of(eval->gallery, eval->matches, eval->analysis,
+                                      sim_fpir_targets[1], &eval->growth);
+        error = error ? iso_fault_set(fault, error, "%s: out of memory", eval->options.corpus) : 0;
+    }
+    free(error_mm);
+    return error;
+}
+
+static void choose_methods(struct sim_eval *eval)
+{
+    const struct sim_eval_options *o = &eval->options;
+    eval->n_methods = o->n_methods > 0 ? o->n_methods : 1;
+    eval->methods[0].method = &sim_method_hfpc;
+    for (size_t i = 0; i < o->n_methods; i++) {
+        eval->methods[i].method = o->methods[i];
+    }
 }
 
 int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
@@ -92,8 +279,13 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     eval->options = *options;
+    choose_methods(eval);
     int64_t begin_ns = sim_wall_ns(NULL);
     error = load(eval, fault);
+    if (!error && options->training) {
+        error = sim_training_set_check(options->training, options->corpus, eval->corpus,
+                                       &eval->trained_apart, fault);
+    }
     if (!error) {
         error = acquire(eval, fault);
     }
@@ -101,7 +293,7 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
         error = compare(eval, fault);
     }
     if (!error) {
-        error = measure_landmarks(eval, fault);
+        error = look_closer(eval, fault);
     }
     if (error) {
         sim_eval_free(eval);
@@ -115,10 +307,14 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
 void sim_eval_free(struct sim_eval *eval)
 {
     if (eval) {
-        sim_analysis_free(eval->analysis);
-        sim_matches_free(eval->matches);
+        for (size_t i = 0; i < eval->n_methods; i++) {
+            sim_analysis_free(eval->methods[i].analysis);
+            sim_matches_free(eval->methods[i].matches);
+        }
+        sim_scans_free(eval->faces);
         sim_gallery_free(eval->gallery);
         sim_acquisition_free(eval->acquisition);
+        iso_metric_free(eval->metric);
         iso_cohort_free(eval->cohort);
         iso_head_model_free(eval->model);
         sim_corpus_free(eval->corpus);

@@ -37,7 +37,8 @@ int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisitio
     g->n_templates_of = calloc(n, sizeof *g->n_templates_of);
     g->templates = calloc(n, sizeof *g->templates);
     g->person = calloc(n, sizeof *g->person);
-    if (!g->names || !g->n_templates_of || !g->templates || !g->person) {
+    g->sample = calloc(n, sizeof *g->sample);
+    if (!g->names || !g->n_templates_of || !g->templates || !g->person || !g->sample) {
         sim_gallery_free(g);
         return -ENOMEM;
     }
@@ -50,6 +51,7 @@ int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisitio
         size_t person = add_person(g, row->subject, limit > 0 ? limit : n);
         if (person != SIM_NOBODY && sample->acquired) {
             g->templates[g->n_templates] = &sample->tmpl;
+            g->sample[g->n_templates] = i;
             g->person[g->n_templates++] = person;
             g->n_templates_of[person]++;
         }
@@ -65,6 +67,7 @@ void sim_gallery_free(struct sim_gallery *gallery)
         free(gallery->n_templates_of);
         free(gallery->templates);
         free(gallery->person);
+        free(gallery->sample);
         free(gallery);
     }
 }

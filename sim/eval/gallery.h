@@ -13,6 +13,7 @@ struct sim_gallery {
     size_t *n_templates_of;                /* [n_people]; 0: failed to enrol */
     const struct iso_template **templates; /* [n_templates]; the samples' */
     size_t *person;                        /* [n_templates] */
+    size_t *sample;                        /* [n_templates]: of the acquisition */
 };
 
 /* Enrols the first `limit` people (0: all). The gallery refers to the corpus and the acquisition.

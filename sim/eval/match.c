@@ -11,8 +11,8 @@
 struct matching {
     struct sim_acquisition *acquisition;
     const struct sim_gallery *gallery;
-    const struct iso_cohort *cohort;
-    const struct iso_match_options *options;
+    const struct sim_scoring *scoring;
+    struct iso_metric_vector *enrolled; /* [n_people], with a metric */
     struct sim_matches *matches;
 };
 
@@ -23,7 +23,7 @@ static int measure(const struct matching *work, const struct iso_template *probe
     const struct sim_gallery *gallery = work->gallery;
     for (size_t i = 0; i < gallery->n_templates; i++) {
         double d;
-        int error = iso_match_distance(probe, gallery->templates[i], work->options, &d);
+        int error = iso_match_distance(probe, gallery->templates[i], &work->scoring->match, &d);
         if (error == -ENODATA) {
             continue; /* too few points in common: as far away as can be */
         }
@@ -36,24 +36,62 @@ static int measure(const struct matching *work, const struct iso_template *probe
     return 0;
 }
 
+/* The vectors of the people, each from all of that person's templates. */
+static int enrol(const struct matching *work)
+{
+    const struct sim_gallery *gallery = work->gallery;
+    const struct iso_metric *metric = work->scoring->metric;
+    for (size_t i = 0; metric && i < gallery->n_templates; i++) {
+        struct iso_metric_vector one;
+        int error = iso_metric_project(metric, gallery->templates[i], &one);
+        if (error && error != -ENODATA) {
+            return error;
+        }
+        if (!error) {
+            iso_metric_vector_add(metric, &one, &work->enrolled[gallery->person[i]]);
+        }
+    }
+    return 0;
+}
+
+/* A probe that the score cannot be told of is one that was not acquired. */
+static int give_up(struct sim_sample *sample, int error)
+{
+    if (error == -ENODATA) {
+        sample->acquired = false;
+        sample->reason = ISO_CAPTURE_TOO_FEW_POINTS;
+        return 0;
+    }
+    return error;
+}
+
+static int search_by_metric(const struct matching *work, struct sim_sample *sample,
+                            double *distance_mm, double *score)
+{
+    const struct iso_metric *metric = work->scoring->metric;
+    struct iso_metric_vector probe;
+    int error = iso_metric_project(metric, &sample->tmpl, &probe);
+    for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
+        score[p] = iso_metric_score(metric, &work->enrolled[p], &probe);
+        distance_mm[p] = NAN;
+    }
+    return error ? give_up(sample, error) : 0;
+}
+
 static int search(const struct matching *work, struct sim_sample *sample, double *distance_mm,
                   double *score)
 {
+    const struct iso_cohort *cohort = work->scoring->cohort;
     struct iso_cohort_norm norm = {0};
-    if (work->cohort) {
-        int error = iso_cohort_normalise(work->cohort, &sample->tmpl, work->options, &norm);
-        if (error == -ENODATA) {
-            sample->acquired = false;
-            sample->reason = ISO_CAPTURE_TOO_FEW_POINTS;
-            return 0;
-        }
+    if (cohort) {
+        int error = iso_cohort_normalise(cohort, &sample->tmpl, &work->scoring->match, &norm);
         if (error) {
-            return error;
+            return give_up(sample, error);
         }
     }
     int error = measure(work, &sample->tmpl, distance_mm);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
-        score[p] = work->cohort ? iso_cohort_score(norm, distance_mm[p]) : -distance_mm[p];
+        score[p] = cohort ? iso_cohort_score(norm, distance_mm[p]) : -distance_mm[p];
     }
     return error;
 }
@@ -65,26 +103,22 @@ static int match_probe(void *context, int worker, size_t probe)
     struct sim_matches *m = work->matches;
     double *distance_mm = m->distance_mm + probe * m->n_people;
     double *score = m->score + probe * m->n_people;
-    for (size_t p = 0; p < m->n_people; p++) {
-        distance_mm[p] = INFINITY;
-        score[p] = -INFINITY;
-    }
     struct sim_sample *sample = &work->acquisition->samples[m->sample[probe]];
     if (!sample->acquired) {
         return 0;
     }
     int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
-    int error = search(work, sample, distance_mm, score);
+    int error = work->scoring->metric ? search_by_metric(work, sample, distance_mm, score)
+                                      : search(work, sample, distance_mm, score);
     m->cpu_ns[probe] = sim_thread_cpu_ns(NULL) - cpu_ns;
     m->wall_ns[probe] = sim_wall_ns(NULL) - wall_ns;
     return error;
 }
 
-int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
-              const struct sim_gallery *gallery, const struct iso_cohort *cohort,
-              const struct iso_match_options *options, int threads, struct sim_matches **out)
+int sim_matches_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
+                    size_t n_people, struct sim_matches **out)
 {
-    size_t n_samples = acquisition->n_samples, n_people = gallery->n_people;
+    size_t n_samples = acquisition->n_samples;
     struct sim_matches *m = calloc(1, sizeof *m);
     if (!m) {
         return -ENOMEM;
@@ -95,15 +129,41 @@ int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisiti
     m->score = calloc(n_samples * n_people + 1, sizeof *m->score);
     m->wall_ns = calloc(n_samples, sizeof *m->wall_ns);
     m->cpu_ns = calloc(n_samples, sizeof *m->cpu_ns);
-    int error = m->sample && m->distance_mm && m->score && m->wall_ns && m->cpu_ns ? 0 : -ENOMEM;
-    for (size_t i = 0; !error && i < n_samples; i++) {
+    if (!m->sample || !m->distance_mm || !m->score || !m->wall_ns || !m->cpu_ns) {
+        sim_matches_free(m);
+        return -ENOMEM;
+    }
+    for (size_t i = 0; i < n_samples; i++) {
         if (corpus->rows[acquisition->samples[i].row].role != SIM_ROLE_GALLERY) {
             m->sample[m->n_probes++] = i;
         }
     }
+    for (size_t i = 0; i < m->n_probes * n_people; i++) {
+        m->distance_mm[i] = INFINITY;
+        m->score[i] = -INFINITY;
+    }
+    *out = m;
+    return 0;
+}
+
+int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
+              const struct sim_gallery *gallery, const struct sim_scoring *scoring, int threads,
+              struct sim_matches **out)
+{
+    const size_t n_people = gallery->n_people;
+    struct sim_matches *m = NULL;
+    int error = sim_matches_new(corpus, acquisition, n_people, &m);
     if (!error) {
-        struct matching work = {acquisition, gallery, cohort, options, m};
-        error = sim_parallel(threads, m->n_probes, match_probe, &work);
+        struct matching work = {acquisition, gallery, scoring, NULL, m};
+        work.enrolled = calloc(n_people + 1, sizeof *work.enrolled);
+        error = work.enrolled ? enrol(&work) : -ENOMEM;
+        if (!error) {
+            error = sim_parallel(threads, m->n_probes, match_probe, &work);
+        }
+        if (work.enrolled) {
+            explicit_bzero(work.enrolled, (n_people + 1) * sizeof *work.enrolled);
+        }
+        free(work.enrolled);
     }
     if (error) {
         sim_matches_free(m);

@@ -8,7 +8,8 @@
 #include "sim/eval/eval.h"
 
 /* scores.csv: every comparison; landmarks.csv: what was found in every usable frame; cmc.csv;
- * det.csv. */
+ * det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: by what a search
+ * was like. */
 int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -16,7 +17,7 @@ int sim_report_csv(const struct sim_eval *eval, const char *directory, struct is
 int sim_report_json(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* cmc.png, det.png, scores.png */
+/* cmc.png, det.png, scores.png, growth.png, and curve-FACTOR.png for every factor that varies */
 int sim_report_plots(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -62,16 +62,41 @@ static void write_det(const void *context, FILE *out)
     }
 }
 
+static void write_curves(const void *context, FILE *out)
+{
+    const struct sim_eval *eval = context;
+    fputs("factor,low,mean,high,searches,not_rank_1,non_matches,fnmr,fnmr_low,fnmr_high\n", out);
+    for (int f = 0; f < SIM_FACTORS; f++) {
+        for (size_t i = 0; i < eval->curves[f].n_bins; i++) {
+            const struct sim_curve_bin *b = &eval->curves[f].bins[i];
+            struct sim_interval interval = sim_rate_interval(b->non_match);
+            fprintf(out, "%s,%.6f,%.6f,%.6f,%zu,%zu,%zu,%.6f,%.6f,%.6f\n",
+                    sim_factor_name((enum sim_factor)f), b->low, b->mean, b->high,
+                    b->non_match.trials, b->not_rank_1.events, b->non_match.events,
+                    sim_rate_value(b->non_match), interval.low, interval.high);
+        }
+    }
+}
+
+static void write_growth(const void *context, FILE *out)
+{
+    const struct sim_eval *eval = context;
+    fputs("people,fpir,fnir,fnir_at_fpir\n", out);
+    for (size_t i = 0; i < eval->growth.n; i++) {
+        const struct sim_growth_point *p = &eval->growth.points[i];
+        fprintf(out, "%zu,%.8f,%.8f,%.8f\n", p->n_people, p->fpir, p->fnir, p->fnir_at_fpir);
+    }
+}
+
 int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
 {
     static const struct {
         const char *name;
         sim_report_writer *rows;
     } files[] = {
-        {"scores.csv", write_scores},
-        {"landmarks.csv", write_landmarks},
-        {"cmc.csv", write_cmc},
-        {"det.csv", write_det},
+        {"scores.csv", write_scores}, {"landmarks.csv", write_landmarks},
+        {"cmc.csv", write_cmc},       {"det.csv", write_det},
+        {"growth.csv", write_growth}, {"curves.csv", write_curves},
     };
     int error = 0;
     for (size_t i = 0; !error && i < sizeof files / sizeof *files; i++) {

@@ -11,11 +11,15 @@ static json_t *settings_json(const struct sim_eval *eval)
     json_t *match = json_pack("{s:f, s:i, s:s}", "trim", o->match.trim, "icp_iterations",
                               o->match.icp_iterations, "transform",
                               o->match.transform == ISO_ICP_AFFINE ? "affine" : "rigid");
-    return json_pack(
-        "{s:s, s:s, s:s, s:I, s:I, s:s, s:o, s:o}", "method", "hfpc", "algorithm", algorithm,
-        "score", eval->cohort ? "cohort-normalised" : "negative distance, mm", "fuse",
-        (json_int_t)o->fuse, "gallery_limit", (json_int_t)o->gallery_limit, "sensor",
-        eval->acquisition->origin.sensor, "extract", sim_json_extract(&o->extract), "match", match);
+    return json_pack("{s:s, s:s, s:s, s:I, s:I, s:s, s:o, s:o}", "method",
+                     sim_eval_first(eval)->name, "algorithm", algorithm, "score",
+                     sim_method_pairwise(sim_eval_first(eval)) ? "negative distance"
+                     : eval->metric                            ? "metric"
+                     : eval->cohort                            ? "cohort-normalised"
+                                                               : "negative distance, mm",
+                     "fuse", (json_int_t)o->fuse, "gallery_limit", (json_int_t)o->gallery_limit,
+                     "sensor", eval->acquisition->origin.sensor, "extract",
+                     sim_json_extract(&o->extract), "match", match);
 }
 
 static json_t *reasons_json(const size_t reason[SIM_REASONS])
@@ -105,6 +109,18 @@ static json_t *identification_json(const struct sim_eval *eval)
     return object;
 }
 
+static json_t *growth_json(const struct sim_growth *growth)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; i < growth->n; i++) {
+        const struct sim_growth_point *p = &growth->points[i];
+        json_array_append_new(array, json_pack("{s:I, s:f, s:f, s:f}", "people",
+                                               (json_int_t)p->n_people, "fpir", p->fpir, "fnir",
+                                               p->fnir, "fnir_at_fpir", p->fnir_at_fpir));
+    }
+    return array;
+}
+
 static json_t *conditions_json(const struct sim_analysis *a)
 {
     json_t *array = json_array();
@@ -141,13 +157,14 @@ int sim_report_json(const struct sim_eval *eval, const char *directory, struct i
         return error;
     }
     json_t *summary = json_pack(
-        "{s:i, s:s, s:o, s:o, s:o, s:o, s:{s:I, s:I, s:I}, s:o, s:o, s:o}", "format", 1, "corpus",
-        eval->options.corpus, "settings", settings_json(eval), "acquisition",
+        "{s:i, s:s, s:o, s:o, s:o, s:o, s:{s:I, s:I, s:I}, s:o, s:o, s:o, s:o}", "format", 1,
+        "corpus", eval->options.corpus, "settings", settings_json(eval), "acquisition",
         acquisition_json(eval), "verification", verification_json(&a->verification),
         "identification", identification_json(eval), "not_faces", "samples",
         (json_int_t)a->n_kind[SIM_PROBE_NONE], "accepted",
         (json_int_t)a->probe_reason[SIM_PROBE_NONE][ISO_CAPTURE_OK], "matched",
-        (json_int_t)a->none_matched, "conditions", conditions_json(a), "landmarks",
-        sim_json_landmarks(eval->landmarks), "latency_ms", latencies_json(a));
+        (json_int_t)a->none_matched, "growth", growth_json(&eval->growth), "conditions",
+        conditions_json(a), "landmarks", sim_json_landmarks(eval->landmarks), "latency_ms",
+        latencies_json(a));
     return sim_json_file(summary, path, fault);
 }

@@ -22,75 +22,128 @@ static int out_of_memory(const char *name, struct iso_fault *fault)
     return iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
 }
 
+enum { RANKS_MAX = 20, CURVES_MAX = SIM_METHODS };
+
+/* The methods that were not left out. */
+static size_t list_methods(const struct sim_eval *eval,
+                           const struct sim_eval_method *methods[CURVES_MAX])
+{
+    size_t n = 0;
+    for (size_t i = 0; i < eval->n_methods; i++) {
+        if (eval->methods[i].analysis) {
+            methods[n++] = &eval->methods[i];
+        }
+    }
+    return n;
+}
+
+/* A method's curve needs a name only beside others. */
+static const char *label_of(const struct sim_eval_method *method, size_t n_methods)
+{
+    return n_methods > 1 ? method->method->name : NULL;
+}
+
 static int plot_cmc(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
 {
-    enum { RANKS_MAX = 20 };
-    const struct sim_identification *id = &eval->analysis->identification;
-    double rank[RANKS_MAX], rate[RANKS_MAX], worst = 100.0;
+    const struct sim_eval_method *methods[CURVES_MAX];
+    size_t n_methods = list_methods(eval, methods);
     size_t n = eval->gallery->n_people < RANKS_MAX ? eval->gallery->n_people : RANKS_MAX;
-    if (id->n_searches == 0 || n < 2) {
+    size_t n_searches = eval->analysis->identification.n_searches;
+    double rank[RANKS_MAX], rate[CURVES_MAX][RANKS_MAX], worst = 100.0;
+    struct sim_series series[CURVES_MAX];
+    if (n_searches == 0 || n < 2) {
         return 0;
     }
-    for (size_t r = 0; r < n; r++) {
-        rank[r] = (double)(r + 1);
-        rate[r] = 100.0 * sim_rate_value(sim_rank_rate(id->searches, id->n_searches, r + 1));
-        worst = fmin(worst, rate[r]);
+    for (size_t m = 0; m < n_methods; m++) {
+        const struct sim_identification *id = &methods[m]->analysis->identification;
+        for (size_t r = 0; r < n; r++) {
+            rank[r] = (double)(r + 1);
+            rate[m][r] = 100.0 * sim_rate_value(sim_rank_rate(id->searches, n_searches, r + 1));
+            worst = fmin(worst, rate[m][r]);
+        }
+        series[m] = (struct sim_series){label_of(methods[m], n_methods), SIM_SERIES_MARKED, n, rank,
+                                        rate[m]};
     }
     char subtitle[96];
-    (void)snprintf(subtitle, sizeof subtitle, "%zu searches of %zu people", id->n_searches,
+    (void)snprintf(subtitle, sizeof subtitle, "%zu searches of %zu people", n_searches,
                    eval->gallery->n_people);
-    const struct sim_series series = {NULL, SIM_SERIES_MARKED, n, rank, rate};
     const struct sim_plot plot = {
         .title = "Cumulative match characteristic",
         .subtitle = subtitle,
+        .legend = n_methods > 1 ? SIM_LEGEND_LOWER : SIM_LEGEND_LINE,
         .x = {"rank", SIM_SCALE_LINEAR, 1.0, (double)n},
         .y = {"searches that find the person, %", SIM_SCALE_LINEAR,
               fmax(0.0, 10.0 * floor((worst - 5.0) / 10.0)), 100.0},
-        .n_series = 1,
-        .series = &series,
+        .n_series = n_methods,
+        .series = series,
     };
     return write_plot(&plot, directory, "cmc.png", fault);
 }
 
-static int plot_det(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
+static const double det_lowest = 1e-4, det_highest = 0.5;
+
+/* The part of a DET curve that the axes show; x has room for n_det of both coordinates. */
+static struct sim_series det_series(const struct sim_verification *v, const char *label, double *x)
 {
-    const struct sim_verification *v = &eval->analysis->verification;
-    if (v->n_det == 0) {
-        return 0;
-    }
-    double *fmr = calloc(v->n_det, sizeof *fmr), *fnmr = calloc(v->n_det, sizeof *fnmr);
-    if (!fmr || !fnmr) {
-        free(fmr);
-        free(fnmr);
-        return out_of_memory("det.png", fault);
-    }
-    const double lowest = 1e-4, highest = 0.5, ends[] = {lowest, highest};
+    double *y = x + v->n_det;
     size_t n = 0;
     for (size_t i = 0; i < v->n_det; i++) {
         const struct sim_det_point *point = &v->det[i];
-        if (point->fmr >= lowest && point->fmr <= highest && point->fnmr <= highest) {
-            fmr[n] = point->fmr;
-            fnmr[n++] = point->fnmr;
+        if (point->fmr >= det_lowest && point->fmr <= det_highest && point->fnmr <= det_highest) {
+            x[n] = point->fmr;
+            y[n++] = point->fnmr;
         }
     }
+    return (struct sim_series){label, SIM_SERIES_LINE, n, x, y};
+}
+
+static int draw_det(const struct sim_eval *eval, const struct sim_series *series, size_t n_series,
+                    const char *directory, struct iso_fault *fault)
+{
+    const struct sim_verification *v = &eval->analysis->verification;
     char subtitle[128];
-    (void)snprintf(subtitle, sizeof subtitle, "%zu mated, %zu non-mated comparisons; EER %.2f %%",
-                   v->scores.n_mated, v->scores.n_non_mated, 100.0 * v->eer);
-    const struct sim_series series[] = {
-        {NULL, SIM_SERIES_LINE, n, fmr, fnmr},
-        {NULL, SIM_SERIES_DASHED, 2, ends, ends},
-    };
+    int length = snprintf(subtitle, sizeof subtitle, "%zu mated, %zu non-mated comparisons",
+                          v->scores.n_mated, v->scores.n_non_mated);
+    if (n_series == 2) { /* of one method, and the diagonal */
+        (void)snprintf(subtitle + length, sizeof subtitle - (size_t)length, "; EER %.2f %%",
+                       100.0 * v->eer);
+    }
     const struct sim_plot plot = {
         .title = "Detection error trade-off",
         .subtitle = subtitle,
-        .x = {"false match rate", SIM_SCALE_NORMAL, lowest, highest},
-        .y = {"false non-match rate", SIM_SCALE_NORMAL, lowest, highest},
-        .n_series = 2,
+        .legend = n_series > 2 ? SIM_LEGEND_UPPER : SIM_LEGEND_LINE,
+        .x = {"false match rate", SIM_SCALE_NORMAL, det_lowest, det_highest},
+        .y = {"false non-match rate", SIM_SCALE_NORMAL, det_lowest, det_highest},
+        .n_series = n_series,
         .series = series,
     };
-    int error = write_plot(&plot, directory, "det.png", fault);
-    free(fmr);
-    free(fnmr);
+    return write_plot(&plot, directory, "det.png", fault);
+}
+
+static int plot_det(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
+{
+    const struct sim_eval_method *methods[CURVES_MAX];
+    size_t n_methods = list_methods(eval, methods), n_points = 0, n = 0;
+    struct sim_series series[CURVES_MAX + 1];
+    if (eval->analysis->verification.n_det == 0) {
+        return 0;
+    }
+    for (size_t m = 0; m < n_methods; m++) {
+        n_points += methods[m]->analysis->verification.n_det;
+    }
+    double *x = calloc(2 * n_points, sizeof *x);
+    if (!x) {
+        return out_of_memory("det.png", fault);
+    }
+    for (size_t m = 0; m < n_methods; m++) {
+        const struct sim_verification *v = &methods[m]->analysis->verification;
+        series[m] = det_series(v, label_of(methods[m], n_methods), x + 2 * n);
+        n += v->n_det;
+    }
+    const double ends[] = {det_lowest, det_highest};
+    series[n_methods] = (struct sim_series){NULL, SIM_SERIES_DASHED, 2, ends, ends};
+    int error = draw_det(eval, series, n_methods + 1, directory, fault);
+    free(x);
     return error;
 }
 
@@ -124,6 +177,15 @@ static double lowest_finite(const struct sim_score *scores, size_t n)
     return scores[i].score;
 }
 
+/* Scores are those of the first method. */
+static const char *score_label(const struct sim_eval *eval)
+{
+    return sim_method_pairwise(sim_eval_first(eval)) ? "score (negative distance)"
+           : eval->metric                            ? "score (metric)"
+           : eval->cohort                            ? "score (cohort-normalised)"
+                                                     : "score (negative distance, mm)";
+}
+
 static int plot_scores(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
 {
     const struct sim_verification *v = &eval->analysis->verification;
@@ -150,8 +212,7 @@ static int plot_scores(const struct sim_eval *eval, const char *directory, struc
     const struct sim_plot plot = {
         .title = "Scores",
         .subtitle = "dashed: threshold at FMR 0.1 %",
-        .x = {eval->cohort ? "score (cohort-normalised)" : "score (negative distance, mm)",
-              SIM_SCALE_LINEAR, from, to},
+        .x = {score_label(eval), SIM_SCALE_LINEAR, from, to},
         .y = {"share of comparisons, %", SIM_SCALE_LINEAR, 0.0, 1.05 * highest},
         .n_series = 3,
         .series = series,
@@ -159,11 +220,74 @@ static int plot_scores(const struct sim_eval *eval, const char *directory, struc
     return write_plot(&plot, directory, "scores.png", fault);
 }
 
+static int plot_growth(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
+{
+    const struct sim_growth *growth = &eval->growth;
+    double people[SIM_GROWTH_MAX], fpir[SIM_GROWTH_MAX], fnir[SIM_GROWTH_MAX], highest = 1.0;
+    if (growth->n < 2) {
+        return 0;
+    }
+    for (size_t i = 0; i < growth->n; i++) {
+        people[i] = (double)growth->points[i].n_people;
+        fpir[i] = 100.0 * growth->points[i].fpir;
+        fnir[i] = 100.0 * growth->points[i].fnir_at_fpir;
+        highest = fmax(highest, fmax(fpir[i], fnir[i]));
+    }
+    const struct sim_series series[] = {
+        {"FPIR at one threshold", SIM_SERIES_MARKED, growth->n, people, fpir},
+        {"FNIR at FPIR 1 %", SIM_SERIES_MARKED, growth->n, people, fnir},
+    };
+    const struct sim_plot plot = {
+        .title = "Identification by people enrolled",
+        .x = {"people enrolled", SIM_SCALE_LOG, people[0], people[growth->n - 1]},
+        .y = {"error rate, %", SIM_SCALE_LINEAR, 0.0, 1.05 * highest},
+        .n_series = 2,
+        .series = series,
+    };
+    return write_plot(&plot, directory, "growth.png", fault);
+}
+
+static int plot_curve(const struct sim_eval *eval, enum sim_factor factor, const char *directory,
+                      struct iso_fault *fault)
+{
+    const struct sim_curve *curve = &eval->curves[factor];
+    double x[SIM_CURVE_BINS], y[3][SIM_CURVE_BINS], highest = 1.0;
+    for (size_t i = 0; i < curve->n_bins; i++) {
+        struct sim_interval interval = sim_rate_interval(curve->bins[i].non_match);
+        x[i] = curve->bins[i].mean;
+        y[0][i] = 100.0 * sim_rate_value(curve->bins[i].non_match);
+        y[1][i] = 100.0 * interval.low;
+        y[2][i] = 100.0 * interval.high;
+        highest = fmax(highest, y[2][i]);
+    }
+    const struct sim_series series[] = {
+        {NULL, SIM_SERIES_MARKED, curve->n_bins, x, y[0]},
+        {NULL, SIM_SERIES_DASHED, curve->n_bins, x, y[1]},
+        {NULL, SIM_SERIES_DASHED, curve->n_bins, x, y[2]},
+    };
+    const struct sim_plot plot = {
+        .title = "False non-match rate at FMR 0.1 %",
+        .subtitle = "dashed: 95 % intervals",
+        .x = {sim_factor_label(factor), SIM_SCALE_LINEAR, x[0], x[curve->n_bins - 1]},
+        .y = {"false non-match rate, %", SIM_SCALE_LINEAR, 0.0, 1.05 * highest},
+        .n_series = 3,
+        .series = series,
+    };
+    char name[64];
+    (void)snprintf(name, sizeof name, "curve-%s.png", sim_factor_name(factor));
+    return write_plot(&plot, directory, name, fault);
+}
+
 int sim_report_plots(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
 {
     int error = plot_cmc(eval, directory, fault);
-    if (!error) {
-        error = plot_det(eval, directory, fault);
+    error = error ? error : plot_det(eval, directory, fault);
+    error = error ? error : plot_scores(eval, directory, fault);
+    error = error ? error : plot_growth(eval, directory, fault);
+    for (int f = 0; f < SIM_FACTORS && !error; f++) {
+        if (eval->curves[f].n_bins > 1 && eval->analysis->verification.n_det > 0) {
+            error = plot_curve(eval, (enum sim_factor)f, directory, fault);
+        }
     }
-    return error ? error : plot_scores(eval, directory, fault);
+    return error;
 }

@@ -73,6 +73,50 @@ static void print_identification(const struct sim_eval *eval, FILE *out)
         (void)snprintf(name, sizeof name, "FNIR at FPIR %.0e", sim_fpir_targets[k]);
         print_rate(out, name, id->at_fpir[k].fnir);
     }
+    if (id->n_strangers > 0) {
+        fprintf(out, "  %-24s %7.1e\n", "smallest FPIR supported",
+                sim_rate_smallest(id->n_strangers));
+    }
+}
+
+static void print_growth(const struct sim_growth *growth, FILE *out)
+{
+    if (growth->n == 0) {
+        return;
+    }
+    fprintf(
+        out,
+        "By people enrolled:   FPIR %%    FNIR %%   FNIR %% at FPIR %.0e   (the first two at the "
+        "threshold %.3f)\n",
+        growth->target_fpir, growth->threshold);
+    for (size_t i = 0; i < growth->n; i++) {
+        const struct sim_growth_point *p = &growth->points[i];
+        fprintf(out, "  %16zu %9.3f %9.2f %12.2f\n", p->n_people, 100.0 * p->fpir, 100.0 * p->fnir,
+                100.0 * p->fnir_at_fpir);
+    }
+}
+
+static void print_curves(const struct sim_eval *eval, FILE *out)
+{
+    if (eval->analysis->verification.n_det == 0) {
+        return;
+    }
+    fprintf(out,
+            "By what a search was like (non-matches at FMR %.0e, 95 %% intervals):\n"
+            "                       from      mean        to  searches  not rank 1 %%   FNMR %%\n",
+            sim_fmr_targets[2]);
+    for (int f = 0; f < SIM_FACTORS; f++) {
+        const struct sim_curve *curve = &eval->curves[f];
+        for (size_t i = 0; i < curve->n_bins && curve->n_bins > 1; i++) {
+            const struct sim_curve_bin *b = &curve->bins[i];
+            struct sim_interval interval = sim_rate_interval(b->non_match);
+            fprintf(out, "  %-15s %9.2f %9.2f %9.2f %9zu %13.2f %8.2f  [%.1f, %.1f]\n",
+                    i == 0 ? sim_factor_name((enum sim_factor)f) : "", b->low, b->mean, b->high,
+                    b->non_match.trials, 100.0 * sim_rate_value(b->not_rank_1),
+                    100.0 * sim_rate_value(b->non_match), 100.0 * interval.low,
+                    100.0 * interval.high);
+        }
+    }
 }
 
 static void print_conditions(const struct sim_analysis *a, FILE *out)
@@ -134,8 +178,12 @@ static void print_latencies(const struct sim_eval *eval, FILE *out)
 void sim_report_text(const struct sim_eval *eval, FILE *out)
 {
     const struct sim_analysis *a = eval->analysis;
-    fprintf(out, "Corpus %s; score: %s\n", eval->options.corpus,
-            eval->cohort ? "cohort-normalised" : "negative distance, mm (no cohort)");
+    fprintf(out, "Corpus %s; method: %s; score: %s\n", eval->options.corpus,
+            sim_eval_first(eval)->name,
+            sim_method_pairwise(sim_eval_first(eval)) ? "negative distance"
+            : eval->metric                            ? "learned metric"
+            : eval->cohort                            ? "cohort-normalised"
+                                                      : "negative distance, mm (no cohort)");
     print_acquisition(eval, out);
     print_verification(&a->verification, out);
     print_identification(eval, out);
@@ -144,7 +192,9 @@ void sim_report_text(const struct sim_eval *eval, FILE *out)
                 a->probe_reason[SIM_PROBE_NONE][ISO_CAPTURE_OK], a->n_kind[SIM_PROBE_NONE],
                 a->none_matched, sim_fmr_targets[2]);
     }
+    print_growth(&eval->growth, out);
     print_conditions(a, out);
+    print_curves(eval, out);
     print_landmarks(eval, out);
     print_latencies(eval, out);
 }

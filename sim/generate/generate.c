@@ -405,6 +405,7 @@ int sim_generate(const struct sim_generate_options *options, struct iso_fault *f
             .directory = options->directory,
             .noise_scale = noise_scale >= 0.0 ? noise_scale : job.preset->noise_scale,
             .png_level = job.preset->png_level,
+            .marks = options->marks,
             .infrared = options->infrared,
         };
         error = sim_studio_new(&studio, &job.studio, fault);

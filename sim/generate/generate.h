@@ -22,6 +22,7 @@ struct sim_generate_options {
     double noise_scale;       /* of the sensor's random errors; the preset's own if < 0 */
     double identity_variance; /* 1: the head model's; 0.36: people who look alike; the preset's own
                                  if < 0 */
+    bool marks;               /* 25 points in landmarks.csv, not only the twelve */
     bool infrared;            /* recordings have an infrared image beside the depth */
 };
 

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "sim/methods/anthroface.h"
 #include "sim/recording/recording_writer.h"
 
 static const int64_t frame_period_ns = 33333333;
@@ -81,13 +82,29 @@ static int add_row(struct sim_studio *studio, const struct sim_corpus_row *row)
     return 0;
 }
 
+static bool is_landmark(const char *name)
+{
+    for (int i = 0; i < ISO_LANDMARKS; i++) {
+        if (strcmp(iso_landmark_name((enum iso_landmark)i), name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static int write_landmarks(struct sim_recording_writer *writer, const struct sim_truth *truth,
-                           struct iso_fault *fault)
+                           bool marks, struct iso_fault *fault)
 {
     int error = 0;
     for (int i = 0; error == 0 && i < ISO_LANDMARKS; i++) {
         error = sim_recording_writer_landmark(writer, iso_landmark_name((enum iso_landmark)i),
                                               truth->landmark_mm[i], fault);
+    }
+    for (int i = 0; error == 0 && marks && i < SIM_MARKS; i++) {
+        if (!is_landmark(sim_marks[i].name)) {
+            error = sim_recording_writer_landmark(writer, sim_marks[i].name,
+                                                  truth->ibug_mm[sim_marks[i].ibug], fault);
+        }
     }
     return error;
 }
@@ -135,7 +152,7 @@ static int record_frame(struct sim_studio *studio, struct sim_recording_writer *
     studio->frame->t_ns = index * frame_period_ns;
     error = sim_recording_writer_append(writer, studio->frame, fault);
     if (error == 0 && take->truth_known) {
-        error = write_landmarks(writer, &take->truth, fault);
+        error = write_landmarks(writer, &take->truth, studio->options.marks, fault);
     }
     return error;
 }

@@ -9,7 +9,11 @@
 static int measure(struct sim_study *study, struct iso_fault *fault)
 {
     const struct sim_study_options *o = &study->options;
-    const struct sim_capture_options options = {study->model, o->extract, o->threads};
+    const struct sim_capture_options options = {
+        .model = study->model,
+        .extract = o->extract,
+        .threads = o->threads,
+    };
     int error = sim_measure(o->corpus, study->corpus, &options, &study->measurement, fault);
     if (error) {
         return error;

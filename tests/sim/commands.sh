@@ -31,7 +31,7 @@ expect() {
 expect 0 '' eval --help
 expect 0 '' show --help
 expect 2 '--corpus and --out are needed' eval
-expect 2 "--method: 'eigenfaces' is unknown" eval --corpus x --out "$work/out" --method eigenfaces
+expect 2 "--method: 'eigenfaces' is no NAME,...|all" eval --corpus x --out "$work/out" --method eigenfaces
 expect 2 "--threads: '0' is no N" eval --threads 0
 expect 3 'nowhere' eval --corpus "$work/nowhere" --model "$model" --out "$work/out"
 expect 3 'nowhere/head.model' eval --corpus "$work" --model "$work/nowhere/head.model" --out "$work/out"
@@ -92,6 +92,10 @@ expect 2 '--corpus and --out are needed' shapes eval --corpus x
 expect 2 "--distort: 'rain:1' is no KIND:LEVEL" shapes eval --distort rain:1
 expect 3 'nowhere/manifest.csv' shapes eval --corpus "$work/nowhere" --out "$work/s"
 expect 3 'nowhere/manifest.csv' shapes tables --corpus "$work/nowhere" --out "$work/s"
+expect 0 '' import --help
+expect 2 '--database, --from and --out are needed' import --database frgc
+expect 2 "--database: 'lfw' is unknown" import --database lfw --from "$work" --out "$work/imported"
+expect 3 'no file is named as those of gavab' import --database gavab --from "$work" --out "$work/imported"
 
 expect 0 '' record --help
 expect 2 '--sensor, --frames and --out or --oni are needed' record --sensor replay --frames 3

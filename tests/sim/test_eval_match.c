@@ -91,10 +91,9 @@ static void test_gallery_limit(void **state)
 static struct sim_matches *match(const struct sim_gallery *gallery, const struct iso_cohort *cohort,
                                  int threads)
 {
-    struct iso_match_options options = iso_match_options_default();
+    const struct sim_scoring scoring = {.cohort = cohort, .match = iso_match_options_default()};
     struct sim_matches *matches = NULL;
-    assert_int_equal(sim_match(&corpus, &acquisition, gallery, cohort, &options, threads, &matches),
-                     0);
+    assert_int_equal(sim_match(&corpus, &acquisition, gallery, &scoring, threads, &matches), 0);
     return matches;
 }
 

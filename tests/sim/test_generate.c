@@ -14,6 +14,7 @@
 #include "core/landmark/landmark.h"
 #include "drivers/recording/recording.h"
 #include "sim/generate/generate.h"
+#include "sim/methods/anthroface.h"
 #include "sim/recording/corpus.h"
 #include "tests/support/scratch.h"
 
@@ -305,9 +306,112 @@ static void infrared_leaves_the_depths(void **state)
     }
 }
 
+/* The marks of the first frame of a recording; free with free(). */
+static struct iso_recording_landmark *marks_of(const char *directory, const char *name,
+                                               size_t n_wanted)
+{
+    struct iso_recording *recording = NULL;
+    struct iso_recording_landmark *rows = NULL;
+    size_t n_rows;
+    assert_int_equal(iso_recording_open(scratch_path(directory, name), &recording, NULL), 0);
+    assert_int_equal(iso_recording_landmarks(recording, &rows, &n_rows, NULL), 0);
+    assert_int_equal(n_rows, n_wanted);
+    iso_recording_close(recording);
+    return rows;
+}
+
+static struct sim_generate_options one_frame(const char *preset, const char *directory)
+{
+    struct sim_generate_options options = small(directory);
+    options.preset = preset;
+    options.frames_per_visit = 1;
+    return options;
+}
+
+/* Enrolment where the sensor is used, visits from afar; and every marked point written. */
+static void far_visits_are_far(void **state)
+{
+    struct sim_generate_options options = one_frame("far", scratch_path(*state, "far"));
+    options.marks = true;
+    generate(&options);
+    struct iso_recording_landmark *near_by = marks_of(options.directory, "p0000-s0", SIM_MARKS);
+    assert_true(near_by[ISO_LM_NOSE_TIP].point_mm.z < 880.0);
+    free(near_by);
+    static const char *const visits[] = {"p0000-s1", "p0001-s1", "p0000-s2", "x0002-s1"};
+    for (size_t i = 0; i < 4; i++) {
+        struct iso_recording_landmark *rows = marks_of(options.directory, visits[i], SIM_MARKS);
+        assert_in_range((int)rows[ISO_LM_NOSE_TIP].point_mm.z, 880, 1220);
+        for (int m = 0; m < SIM_MARKS; m++) {
+            assert_true(sim_mark_find(rows[m].name) >= 0);
+            for (int k = 0; k < m; k++) {
+                assert_string_not_equal(rows[k].name, rows[m].name);
+            }
+        }
+        free(rows);
+    }
+}
+
+/* How far the corners of the eyes are from each other. */
+static double eye_distance(const char *directory, const char *name)
+{
+    struct iso_recording_landmark *rows = marks_of(directory, name, ISO_LANDMARKS);
+    double d = iso_norm(iso_sub(rows[ISO_LM_EYE_OUT_R].point_mm, rows[ISO_LM_EYE_OUT_L].point_mm));
+    free(rows);
+    return d;
+}
+
+/* A variance of 0.36 makes every difference from the mean face 0.6 times as large. */
+static void hard_people_look_alike(void **state)
+{
+    char hard[256], wide[256], mean[256];
+    (void)strcpy(hard, scratch_path(*state, "hard"));
+    (void)strcpy(wide, scratch_path(*state, "wide"));
+    (void)strcpy(mean, scratch_path(*state, "mean"));
+    struct sim_generate_options options = one_frame("hard", hard);
+    options.n_probes = options.n_strangers = 0;
+    generate(&options);
+    options.directory = wide;
+    options.identity_variance = 1.0;
+    generate(&options);
+    options.directory = mean;
+    options.identity_variance = 0.0;
+    generate(&options);
+    for (int p = 0; p < 2; p++) {
+        const char *name = p == 0 ? "p0000-s0" : "p0001-s0";
+        double average = eye_distance(mean, name);
+        double near_by = eye_distance(hard, name) - average;
+        double apart = eye_distance(wide, name) - average;
+        assert_true(fabs(apart) > 0.5);
+        assert_true(fabs(near_by - 0.6 * apart) < 0.05);
+    }
+}
+
+static void turned_visits_stay_on_the_disc(void **state)
+{
+    struct sim_generate_options options = one_frame("pose", scratch_path(*state, "pose"));
+    struct sim_corpus *corpus = NULL;
+    int farthest = 0;
+    options.n_people = 1;
+    options.n_probes = 8;
+    options.n_strangers = 0;
+    generate(&options);
+    assert_int_equal(sim_corpus_read(options.directory, &corpus, NULL), 0);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        int yaw, pitch, limit = corpus->rows[i].role == SIM_ROLE_GALLERY ? 15 : 35;
+        assert_int_equal(sscanf(corpus->rows[i].pose, "y%dp%d", &yaw, &pitch), 2);
+        assert_true(abs(yaw) <= limit && abs(pitch) <= 25);
+        farthest = abs(yaw) > farthest ? abs(yaw) : farthest;
+    }
+    assert_true(farthest > 15);
+    sim_corpus_free(corpus);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(far_visits_are_far),
+        cmocka_unit_test(hard_people_look_alike),
+        cmocka_unit_test(turned_visits_stay_on_the_disc),
         cmocka_unit_test(the_manifest_says_who_is_where),
         cmocka_unit_test(the_same_options_make_the_same_bytes),
         cmocka_unit_test(every_sensor_sees_the_landmarks),

@@ -1,0 +1,49 @@
+/* How recognition depends on what a search was like: error rates over bins of a quantity that was
+ * measured of each probe. */
+#ifndef SIM_EVAL_CURVE_H
+#define SIM_EVAL_CURVE_H
+
+#include "sim/eval/analysis.h"
+
+enum sim_factor {
+    SIM_FACTOR_LANDMARK_ERROR, /* mean distance from the true landmarks, constant offsets taken off,
+                                  mm; where they are known */
+    SIM_FACTOR_NOISE,          /* residual of the fitted head, mm */
+    SIM_FACTOR_DISTANCE,       /* nose tip from the sensor, mm */
+    SIM_FACTOR_POSE,           /* angle between face and camera, degrees */
+    SIM_FACTOR_EXPRESSION,     /* norm of the fitted expression, standard deviations */
+    SIM_FACTOR_FUSED,          /* frames in the sample's template */
+    SIM_FACTOR_AGE,            /* sessions since enrolment: the number that the name of the session
+                                  ends with, less that of the person's first gallery row */
+    SIM_FACTORS
+};
+
+/* "landmark-error", ... and with its unit, for axes. */
+const char *sim_factor_name(enum sim_factor factor);
+const char *sim_factor_label(enum sim_factor factor);
+
+enum { SIM_CURVE_BINS = 5 };
+
+struct sim_curve_bin {
+    double low, mean, high;                /* of the factor */
+    struct sim_rate not_rank_1, non_match; /* of mated searches that were acquired */
+};
+
+/* Bins hold about the same number of searches each; a value is never split between two. */
+struct sim_curve {
+    size_t n_bins; /* fewer than 2: the factor is not known, or the same for all */
+    struct sim_curve_bin bins[SIM_CURVE_BINS];
+};
+
+/* What is known of each probe, [n_probes][SIM_FACTORS], NaN where it is not: the landmark error is
+ * `landmark_error_mm` of its first capture ([n_captures]). */
+void sim_factors_measure(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
+                         const struct sim_matches *matches, const double *landmark_error_mm,
+                         double (*factor)[SIM_FACTORS]);
+
+/* One curve for each factor. A search that scores below the threshold is a non-match. -ENOMEM. */
+int sim_curves_of(const struct sim_analysis *analysis, const struct sim_matches *matches,
+                  const double (*factor)[SIM_FACTORS], double threshold,
+                  struct sim_curve out[SIM_FACTORS]) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,34 @@
+/* How the error rates of identification grow with the number of people enrolled.
+ *
+ * A search of N people is taken to be one of N drawn from the M that are really enrolled: the exact
+ * expectation over all such draws (hypergeometric), for every search. With the threshold kept, FPIR
+ * grows about as 1 - (1 - FMR)^N (ISO/IEC 19795-1:2021; Grother and Phillips 2004); with FPIR kept,
+ * FNIR grows. */
+#ifndef SIM_EVAL_GROWTH_H
+#define SIM_EVAL_GROWTH_H
+
+#include "sim/eval/analysis.h"
+
+enum { SIM_GROWTH_MAX = 16 };
+
+struct sim_growth_point {
+    size_t n_people;
+    double fpir, fnir;   /* at the threshold of the target FPIR with everybody enrolled */
+    double fnir_at_fpir; /* at the threshold that keeps the target FPIR with so many */
+};
+
+struct sim_growth {
+    double target_fpir, threshold;
+    size_t n; /* 0: no searches, no strangers, or nobody enrolled */
+    struct sim_growth_point points[SIM_GROWTH_MAX]; /* 10, 20, 50, 100, ... people, and all */
+};
+
+/* -ENOMEM. */
+int sim_growth_of(const struct sim_gallery *gallery, const struct sim_matches *matches,
+                  const struct sim_analysis *analysis, double target_fpir, struct sim_growth *out)
+    __attribute__((warn_unused_result));
+
+/* The chance that none of k particular ones of m is among n drawn without replacement. */
+double sim_growth_missed(size_t m, size_t k, size_t n);
+
+#endif

@@ -1,0 +1,18 @@
+/* Searches by a pairwise method: what match.h does for the appliance's. */
+#ifndef SIM_EVAL_METHOD_MATCH_H
+#define SIM_EVAL_METHOD_MATCH_H
+
+#include "sim/eval/match.h"
+#include "sim/eval/scans.h"
+#include "sim/methods/method.h"
+
+/* Describes every sample that was acquired and compares every probe with every enrolled person,
+ * who counts by the nearest of his or her descriptions. A face that cannot be described is as far
+ * from everybody as can be. The `distance_mm` of the result is in the method's own unit, the score
+ * its negative. Subjects are not looked at. -ENOMEM or the errors of the method. */
+int sim_method_match(const struct sim_method *method, const void *knowledge,
+                     const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
+                     const struct sim_gallery *gallery, const struct sim_scans *faces, int threads,
+                     struct sim_matches **out) __attribute__((warn_unused_result));
+
+#endif

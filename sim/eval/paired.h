@@ -1,0 +1,27 @@
+/* Whether one method errs less than another on the same searches: a paired test over people.
+ *
+ * The searches of one person are not independent, so that people are what is drawn: each has the
+ * difference of the two methods' numbers of errors. If the methods were alike, every person's
+ * difference could as well have the other sign (permutation test of paired differences: Fisher
+ * 1935, Pitman 1937). The test is two-sided: p is the share of all choices of signs whose sum is at
+ * least as far from 0 as the one observed. */
+#ifndef SIM_EVAL_PAIRED_H
+#define SIM_EVAL_PAIRED_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct sim_paired {
+    size_t first_errors, second_errors; /* of all searches */
+    size_t people;                      /* with a search */
+    size_t first_better, second_better; /* people for whom one errs less than the other */
+    double p;                           /* 1 if they differ for nobody */
+};
+
+/* first[i], second[i]: 1 if the method erred in search i, 0 if not; person[i] < n_people whose it
+ * is. Every sign is tried if at most 16 people differ, else 99,999 drawn ones and the one observed
+ * (Davison and Hinkley 1997), reproducibly. -ENOMEM. */
+int sim_paired_test(const uint8_t *first, const uint8_t *second, const uint32_t *person, size_t n,
+                    uint32_t n_people, struct sim_paired *out) __attribute__((warn_unused_result));
+
+#endif

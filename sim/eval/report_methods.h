@@ -1,0 +1,29 @@
+/* Several methods on one or more corpora: the table, and the same for other programs. */
+#ifndef SIM_EVAL_REPORT_METHODS_H
+#define SIM_EVAL_REPORT_METHODS_H
+
+#include <stdio.h>
+
+#include "sim/eval/verdict.h"
+
+/* The results of one corpus; they outlive the evaluation. */
+struct sim_contest {
+    char corpus[SIM_CORPUS_NAME_MAX]; /* the last part of its path */
+    size_t n_verdicts;
+    struct sim_verdict verdicts[SIM_METHODS];
+    size_t n_people, n_searches, n_strangers, n_non_mated;
+};
+
+/* -ENOMEM. */
+int sim_contest_of(const struct sim_eval *eval, struct sim_contest *out)
+    __attribute__((warn_unused_result));
+
+/* The table of one corpus, methods in lines; then what was left out, and why. */
+void sim_contest_text(const struct sim_contest *contest, FILE *out);
+void sim_contest_left_out(const struct sim_eval *eval, FILE *out);
+
+/* methods.csv: a line a method and corpus. */
+int sim_contest_csv(const struct sim_contest *contests, size_t n, const char *directory,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,34 @@
+/* The measured faces of a corpus, for methods that are not the appliance's. */
+#ifndef SIM_EVAL_SCANS_H
+#define SIM_EVAL_SCANS_H
+
+#include "sim/eval/acquire.h"
+#include "sim/methods/scan.h"
+
+struct sim_scans {
+    size_t n_captures, n_samples;
+    struct sim_scan **of_capture; /* [n_captures]; NULL: not usable, or already fused */
+    struct sim_scan **of_sample;  /* [n_samples], by sim_scans_fuse; NULL: not acquired */
+};
+
+/* Room for the captures of a corpus. -ENOMEM. */
+int sim_scans_new(const struct sim_corpus *corpus, struct sim_scans **out)
+    __attribute__((warn_unused_result));
+void sim_scans_free(struct sim_scans *faces);
+
+/* For sim_capture_options.inspect, with the faces as its context. */
+sim_capture_inspector sim_scans_inspect;
+
+/* Reads marked points from landmarks.csv of the recordings (methods/anthroface.h has their names),
+ * then joins the faces of every sample that was acquired. Errors of reading; -ENOMEM. */
+int sim_scans_fuse(const char *directory, const struct sim_corpus *corpus,
+                   const struct sim_acquisition *acquisition, struct sim_scans *faces,
+                   struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* The points that are marked on the faces of all samples; none if there is no face. */
+void sim_scans_marks(const struct sim_scans *faces, bool marks[SIM_MARKS]);
+
+/* Whether there are faces, and every frame of theirs had an infrared image. */
+bool sim_scans_infrared(const struct sim_scans *faces);
+
+#endif

@@ -1,0 +1,28 @@
+/* What a comparison of methods says about one of them on one corpus. */
+#ifndef SIM_EVAL_VERDICT_H
+#define SIM_EVAL_VERDICT_H
+
+#include "sim/eval/eval.h"
+#include "sim/eval/paired.h"
+
+enum { SIM_VERDICT_FMR = 2 }; /* index of the FMR of the table: 1e-3 */
+
+struct sim_verdict {
+    const struct sim_method *method;
+    int64_t wall_ns;                      /* it took, learning included */
+    struct sim_rate rank_1, rank_4, lost; /* lost: mated searches without a comparison */
+    double eer;                           /* NaN: too few comparisons */
+    struct sim_interval eer_interval;
+    /* At an FMR of 1e-3, or the lowest of the targets that the comparisons support. */
+    double fmr;
+    struct sim_operating_point at;
+    /* Against the first method: errors at rank 1, and non-matches at that FMR. */
+    struct sim_paired at_rank_1, at_fmr;
+};
+
+/* The verdict on method number `index`, which was not left out, compared with the first that was
+ * not. -ENOMEM. */
+int sim_verdict_of(const struct sim_eval *eval, size_t index, struct sim_verdict *out)
+    __attribute__((warn_unused_result));
+
+#endif

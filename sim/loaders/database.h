@@ -1,0 +1,41 @@
+/* Public databases of 3D faces: how their files are named, and read.
+ *
+ * None of them may be passed on; whoever has a licence can import it (loaders/import.h). */
+#ifndef SIM_LOADERS_DATABASE_H
+#define SIM_LOADERS_DATABASE_H
+
+#include <stdbool.h>
+
+#include "core/frame/frame.h"
+#include "sim/recording/corpus.h"
+
+struct sim_database_options {
+    double level_mm; /* of a grey level, of databases of range images */
+};
+
+struct sim_database {
+    const char *name;
+    const char *source; /* who made it, and what it holds */
+    double unit_mm;     /* of a count in recordings of it */
+
+    /* What a file's name says: subject, session, pose, expression and note of the row. *neutral:
+     * the person is at rest and looks ahead, or the name does not say. False for names that are not
+     * of scans. */
+    bool (*describe)(const char *file, struct sim_corpus_row *row, bool *neutral);
+
+    /* Reads a scan into a new frame. -EBADMSG, -EFBIG, -ENOMEM or the errno of open and read, each
+     * with a fault. */
+    int (*read)(const char *path, const struct sim_database_options *options,
+                struct iso_frame **out, struct iso_fault *fault);
+};
+
+extern const struct sim_database sim_database_texas, sim_database_frgc, sim_database_bosphorus,
+    sim_database_bu3dfe, sim_database_gavab, sim_database_casia;
+
+/* All of them, ended by NULL. */
+extern const struct sim_database *const sim_databases[];
+
+/* By name, or NULL. */
+const struct sim_database *sim_database_find(const char *name);
+
+#endif

@@ -1,0 +1,24 @@
+/* What an infrared image says of the skin: how much light a place scatters back, compared with the
+ * skin around it.
+ *
+ * An image is mostly lamp and shape. What is left of it once both are taken out is the pattern of
+ * brows, lips, lids and nostrils:
+ *
+ *  1. The mean of the image over a pixel of the face's grid, where the depth there is the face's.
+ *  2. Over the cosine between the surface and the line of sight (Lambert; a lamp beside the lens),
+ *     times the square of the range of a pinhole camera.
+ *  3. Smoothed over 2.5 mm (dots of a projector, noise of the sensor), then over its own mean about
+ *     the place, a Gaussian of 15 mm: what the light does slowly, with or without the lamp's
+ *     fall-off, goes; so does the skin's own tone.
+ *  4. Within 0.25..4; 1 where it is not known. */
+#ifndef SIM_METHODS_REFLECTANCE_H
+#define SIM_METHODS_REFLECTANCE_H
+
+#include "sim/methods/scan.h"
+
+/* Fills face->reflectance, which is made, from the frame that the face was measured in. A frame
+ * without an image leaves it NULL. -ENOMEM. */
+int sim_reflectance_measure(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
+                            struct sim_scan *face) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,147 @@
+/* Heat front propagation contours on a weighted manifold: chapter 5 brought back to the faces.
+ *
+ * Heat flows on the face as if the skin that scatters much infrared light were denser (Abdelrahman
+ * 2013, 5.11 to 5.13; the weight is that of methods/reflectance.h), so that isotherms bend about
+ * brows, lips and lids as well as about the relief. All else is what the appliance does when it
+ * compares by distance: mesh, sources, t, radii (the areas enclosed are those of the surface, not
+ * of the density), sampling by polar angle, trimmed distance. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/heat/heat_kernel.h"
+#include "core/isotherm/face_isotherms.h"
+#include "core/match/distance.h"
+#include "sim/methods/method.h"
+#include "sim/methods/scan_mesh.h"
+
+/* Everything between a face and its template. */
+struct work {
+    struct sim_scan_mesh *face;
+    double *density; /* [n_vertices] */
+    double *heat;    /* [ISO_LANDMARKS][n_vertices] */
+    struct iso_symmetric *stiffness, *mass;
+    struct iso_heat_direct *solver;
+    struct iso_tracer *tracer;
+};
+
+static void work_done(struct work *w)
+{
+    sim_scan_mesh_free(w->face);
+    free(w->density);
+    free(w->heat);
+    iso_symmetric_free(w->stiffness);
+    iso_symmetric_free(w->mass);
+    iso_heat_direct_free(w->solver);
+    iso_tracer_free(w->tracer);
+}
+
+static int make_room(struct work *w)
+{
+    int32_t n = w->face->mesh->n_vertices, nnz = n + 3 * w->face->mesh->n_triangles;
+    const struct iso_heat_direct_options direct = {.n_capacity = n, .nnz_capacity = nnz};
+    int error = iso_symmetric_new(n, nnz, &w->stiffness);
+    error = error ? error : iso_symmetric_new(n, nnz, &w->mass);
+    error = error ? error : iso_heat_direct_new(&direct, &w->solver);
+    error = error ? error : iso_tracer_new(w->face->mesh->n_triangles, &w->tracer);
+    w->density = calloc((size_t)n, sizeof *w->density);
+    w->heat = calloc((size_t)ISO_LANDMARKS * (size_t)n, sizeof *w->heat);
+    return error || (w->density && w->heat) ? error : -ENOMEM;
+}
+
+static int release_heat(const struct sim_scan *face, double t_mm2, struct work *w)
+{
+    const struct iso_mesh *mesh = w->face->mesh;
+    for (int32_t i = 0; i < mesh->n_vertices; i++) {
+        w->density[i] = (double)face->reflectance[w->face->pixel[i]];
+    }
+    int error = iso_stiffness_mass_weighted(mesh, ISO_MASS_CONSISTENT, w->density, w->stiffness,
+                                            w->mass);
+    return error ? error
+                 : iso_heat_direct(w->solver, mesh, w->stiffness, w->mass, w->face->sources,
+                                   ISO_LANDMARKS, &t_mm2, 1, w->heat);
+}
+
+/* Surface that was filled in does not count. */
+static void weigh(const struct sim_scan *face, struct iso_template *tmpl)
+{
+    for (int i = 0; i < tmpl->n_radii * ISO_LANDMARKS * tmpl->n_points; i++) {
+        int k = i % tmpl->n_points, l = i / tmpl->n_points % ISO_LANDMARKS;
+        int r = i / tmpl->n_points / ISO_LANDMARKS;
+        const float *p = tmpl->points_mm[r][l][k];
+        double z, share = 0.0;
+        (void)sim_scan_height(face, (double)p[0], (double)p[1], &z, &share);
+        tmpl->weight[r][l][k] *= (float)share;
+    }
+}
+
+static int trace(const struct iso_extract_options *options, const struct sim_scan *face,
+                 const struct work *w, struct iso_template *tmpl)
+{
+    struct iso_heated_face heated = {
+        .mesh = w->face->mesh,
+        .adjacent = (const int32_t(*)[3])w->face->adjacent,
+        .heat = w->heat,
+    };
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        heated.landmark_mm[l] = iso_mesh_point_at(w->face->mesh, w->face->sources[l]);
+    }
+    tmpl->n_radii = (uint16_t)options->n_radii;
+    tmpl->n_points = (uint16_t)options->n_points;
+    tmpl->n_frames = 1;
+    for (int r = 0; r < options->n_radii; r++) {
+        tmpl->radius_mm[r] = (float)options->radius_mm[r];
+    }
+    int error = iso_face_isotherms(w->tracer, &heated, tmpl);
+    if (!error) {
+        weigh(face, tmpl);
+    }
+    return error;
+}
+
+static void discard(void *description)
+{
+    if (description) {
+        iso_template_wipe(description);
+        free(description);
+    }
+}
+
+static int describe(const void *knowledge, const struct sim_scan *face, void **description)
+{
+    (void)knowledge;
+    if (!face->reflectance) {
+        return -ENODATA;
+    }
+    const struct iso_extract_options options = iso_extract_options_default();
+    struct work w = {0};
+    struct iso_template *tmpl = calloc(1, sizeof *tmpl);
+    int error = tmpl ? sim_scan_mesh_new(face, 1, &w.face) : -ENOMEM;
+    error = error ? error : make_room(&w);
+    error = error ? error : release_heat(face, options.t_mm2, &w);
+    error = error ? error : trace(&options, face, &w, tmpl);
+    work_done(&w);
+    if (error) {
+        discard(tmpl);
+        return error;
+    }
+    *description = tmpl;
+    return 0;
+}
+
+static int distance(const void *knowledge, const void *probe, const void *gallery, double *out)
+{
+    (void)knowledge;
+    const struct iso_match_options options = iso_match_options_default();
+    return iso_match_distance(probe, gallery, &options, out);
+}
+
+const struct sim_method sim_method_hfpc_weighted = {
+    .name = "hfpc-weighted",
+    .source = "Abdelrahman 2013, chapters 6 and 5: the appliance's contours by distance, of heat "
+              "whose density is the skin's infrared reflectance",
+    .infrared = true,
+    .describe = describe,
+    .discard = discard,
+    .distance = distance,
+};

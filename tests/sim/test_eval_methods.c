@@ -1,0 +1,262 @@
+/* Several methods on a few stored recordings, and what they may learn from. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "sim/eval/method_options.h"
+#include "sim/eval/report.h"
+#include "sim/eval/report_methods.h"
+#include "tests/support/scratch.h"
+
+#define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
+#define MODEL  ISOTHERM_SOURCE_DIR "/core/data/head.model"
+#define HEADER "recording,first,count,subject,session,role,pose,expression,note\n"
+
+static const char *const recordings[] = {"p01-enrol", "p02-enrol", "p01-v1",    "p02-v1", "x01-v1",
+                                         "p03-enrol", "p03-v1",    "p04-enrol", "p04-v1"};
+
+static const char tested[] = HEADER "p01-enrol,0,1,p01,s0,gallery,,,test-2\n"
+                                    "p02-enrol,1,1,p02,s0,gallery,,,test-2\n"
+                                    "p01-v1,0,1,p01,s3,probe,,mild,test-2\n"
+                                    "p02-v1,1,1,p02,s5,probe,,mild,test-2\n"
+                                    "x01-v1,0,1,x01,s1,impostor,,,test-2\n";
+
+static const char learned[] = HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
+                                     "p03-v1,0,1,p03,s1,probe,,,train-7\n"
+                                     "p04-enrol,0,1,p04,s0,probe,,,train-7\n"
+                                     "p04-v1,0,1,p04,s1,probe,,,train-7\n";
+
+/* Two corpora of links to stored recordings. */
+static void make_corpus(const char *directory, const char *manifest)
+{
+    scratch_mkdir(directory);
+    for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
+        char stored[4096];
+        (void)snprintf(stored, sizeof stored, "%s/%s", STORED, recordings[i]);
+        assert_int_equal(symlink(stored, scratch_path(directory, recordings[i])), 0);
+    }
+    scratch_write_text(scratch_path(directory, "manifest.csv"), manifest);
+}
+
+static int setup(void **state)
+{
+    int error = scratch_setup(state);
+    if (!error) {
+        make_corpus(scratch_path(*state, "tested"), tested);
+        make_corpus(scratch_path(*state, "learned"), learned);
+    }
+    return error;
+}
+
+static struct sim_eval_options options_for(const char *directory)
+{
+    return (struct sim_eval_options){
+        .corpus = scratch_path(directory, "tested"),
+        .model = MODEL,
+        .threads = 2,
+        .extract = iso_extract_options_default(),
+        .match = iso_match_options_default(),
+    };
+}
+
+static struct sim_training_set *choose(const char *methods, const char *train,
+                                       struct sim_eval_options *options)
+{
+    struct sim_method_choice choice;
+    struct sim_training_set *training = NULL;
+    struct iso_fault fault = {""};
+    assert_int_equal(sim_option_methods(methods, &choice), 0);
+    if (sim_method_choice_apply(&choice, train, options, &training, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return training;
+}
+
+static struct sim_eval *evaluate(const struct sim_eval_options *options)
+{
+    struct sim_eval *eval = NULL;
+    struct iso_fault fault = {""};
+    if (sim_eval_run(options, &eval, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return eval;
+}
+
+static void expect_refusal(const struct sim_eval_options *options, const char *words)
+{
+    struct sim_eval *eval = NULL;
+    struct iso_fault fault = {""};
+    assert_int_equal(sim_eval_run(options, &eval, &fault), -EINVAL);
+    assert_null(eval);
+    if (!strstr(fault.text, words)) {
+        fail_msg("'%s' does not say '%s'", fault.text, words);
+    }
+}
+
+static const struct sim_matches *matches_of(const struct sim_eval *eval,
+                                            const struct sim_method *method)
+{
+    for (size_t i = 0; i < eval->n_methods; i++) {
+        if (eval->methods[i].method == method) {
+            return eval->methods[i].matches;
+        }
+    }
+    return NULL;
+}
+
+/* Every method but the one that needs infrared, which the stored corpus has none of, and their own
+ * results: what hfpc makes of it is the same as alone. */
+static void test_all_methods(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    struct sim_eval *alone = evaluate(&options);
+    struct sim_training_set *training = choose("all", scratch_path(*state, "learned"), &options);
+    struct sim_eval *eval = evaluate(&options);
+    struct sim_contest contest;
+    assert_int_equal(sim_training_set_faces(training), 4);
+    assert_int_equal(sim_training_set_people(training), 2);
+    assert_true(eval->trained_apart);
+    assert_int_equal(eval->n_methods, SIM_METHODS);
+    assert_ptr_equal(eval->matches, eval->methods[0].matches);
+    assert_memory_equal(alone->matches->score, eval->matches->score, 3 * 2 * sizeof(double));
+    assert_int_equal(sim_contest_of(eval, &contest), 0);
+    assert_string_equal(contest.corpus, "tested");
+    assert_int_equal(contest.n_verdicts, SIM_METHODS - 1);
+    for (size_t i = 0; i < contest.n_verdicts; i++) {
+        const struct sim_verdict *v = &contest.verdicts[i];
+        const struct sim_matches *m = matches_of(eval, v->method);
+        assert_int_equal(v->rank_1.trials, 2);
+        for (int k = 0; k < 3 * 2; k++) { /* every comparison was made */
+            assert_true(isfinite(m->score[k]) && isfinite(m->distance_mm[k]));
+        }
+        bool learns = v->method->train != NULL; /* from two people: little */
+        bool coarse = v->method == &sim_method_cp_hk;
+        assert_true(learns || coarse || v->rank_1.events == 2);
+    }
+    assert_int_equal(sim_contest_csv(&contest, 1, *state, NULL), 0);
+    size_t size;
+    char *csv = scratch_read(scratch_path(*state, "methods.csv"), &size);
+    assert_non_null(memmem(csv, size, "tested,icp-upper,2,1,4,2,2,1.000000", 35));
+    free(csv);
+    struct iso_fault fault = {""};
+    assert_int_equal(sim_report_plots(eval, *state, &fault), 0);
+    assert_true(scratch_exists(scratch_path(*state, "det.png")));
+    sim_eval_free(eval);
+    sim_eval_free(alone);
+    sim_training_set_free(training);
+}
+
+/* Without anything to learn from, `all` leaves out who has to; by name it is refused. */
+static void test_nothing_to_learn_from(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    assert_null(choose("all", NULL, &options));
+    options.methods[1] = &sim_method_icp_upper; /* the printed one takes its time */
+    options.methods[2] = &sim_method_eigensurfaces;
+    options.n_methods = 3;
+    struct sim_eval *eval = evaluate(&options);
+    struct sim_contest contest;
+    assert_int_equal(sim_contest_of(eval, &contest), 0);
+    assert_int_equal(contest.n_verdicts, 2);
+    assert_null(eval->methods[2].analysis);
+    assert_non_null(strstr(eval->methods[2].fault.text, "eigensurfaces: has to learn"));
+    sim_eval_free(eval);
+    options.lenient = false;
+    expect_refusal(&options, "eigensurfaces: has to learn");
+}
+
+/* Frames without infrared: refused by name, whose frames they are and what they lack said. */
+static void test_infrared_is_needed(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    assert_null(choose("hfpc-weighted", NULL, &options));
+    expect_refusal(&options, "hfpc-weighted: ");
+    expect_refusal(&options, "tested has frames without an infrared image");
+}
+
+static void test_nobody_is_learned_from_and_tested(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    struct sim_training_set *training = choose("eigensurfaces", scratch_path(*state, "tested"),
+                                               &options);
+    expect_refusal(&options, "learned from and tested with");
+    sim_training_set_free(training);
+    /* Another directory, the same people by their note. */
+    make_corpus(scratch_path(*state, "mixed"), HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
+                                                      "p04-enrol,0,1,p04,s0,probe,,,test-2\n");
+    training = choose("eigensurfaces", scratch_path(*state, "mixed"), &options);
+    expect_refusal(&options, "p04-enrol (test-2)");
+    sim_training_set_free(training);
+    /* Nothing is said of who they are: not refused, and not vouched for. */
+    make_corpus(scratch_path(*state, "silent"), HEADER "p03-enrol,0,1,p03,s0,probe,,,\n"
+                                                       "p03-v1,0,1,p03,s1,probe,,,train-7\n");
+    training = choose("eigensurfaces", scratch_path(*state, "silent"), &options);
+    struct sim_eval *eval = evaluate(&options);
+    assert_false(eval->trained_apart);
+    sim_eval_free(eval);
+    sim_training_set_free(training);
+}
+
+static void test_curves_and_growth(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    struct sim_eval *eval = evaluate(&options);
+    const struct sim_curve *age = &eval->curves[SIM_FACTOR_AGE];
+    assert_int_equal(age->n_bins, 2);
+    assert_float_equal(age->bins[0].mean, 3.0, 0.0);
+    assert_float_equal(age->bins[1].high, 5.0, 0.0);
+    assert_int_equal(age->bins[1].non_match.trials, 1);
+    assert_int_equal(eval->curves[SIM_FACTOR_FUSED].n_bins, 1);
+    assert_int_equal(eval->curves[SIM_FACTOR_LANDMARK_ERROR].n_bins, 2);
+    const struct sim_curve *distance = &eval->curves[SIM_FACTOR_DISTANCE];
+    assert_true(distance->bins[0].low > 300.0 && distance->bins[1].high < 1500.0);
+    assert_true(distance->bins[0].high < distance->bins[1].low);
+    assert_int_equal(eval->growth.n, 1);
+    assert_int_equal(eval->growth.points[0].n_people, 2);
+    assert_int_equal(sim_report_csv(eval, *state, NULL), 0);
+    size_t size;
+    char *csv = scratch_read(scratch_path(*state, "curves.csv"), &size);
+    assert_non_null(memmem(csv, size, "\nage,3.000000,3.000000,3.000000,1,0,", 36));
+    free(csv);
+    sim_eval_free(eval);
+}
+
+static void test_choice(void **state)
+{
+    (void)state;
+    struct sim_method_choice choice = {0};
+    assert_int_equal(sim_option_methods("icp,hfpc", &choice), 0);
+    assert_int_equal(choice.n, 2);
+    assert_false(choice.all);
+    assert_ptr_equal(choice.methods[0], &sim_method_icp);
+    assert_int_equal(sim_option_methods("icp,icp", &choice), -EINVAL);
+    assert_int_equal(sim_option_methods("", &choice), -EINVAL);
+    assert_int_equal(sim_option_methods("icp,", &choice), -EINVAL);
+    assert_int_equal(sim_option_methods("all,icp", &choice), -EINVAL);
+    assert_int_equal(choice.n, 2); /* untouched */
+    assert_int_equal(sim_option_methods("all", &choice), 0);
+    assert_true(choice.all);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_all_methods, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_nothing_to_learn_from, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_infrared_is_needed, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_nobody_is_learned_from_and_tested, setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_curves_and_growth, setup, scratch_teardown),
+        cmocka_unit_test(test_choice),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
