@@ -31,6 +31,8 @@ vm-check:
 	cmake/install_packages.sh build test vm
 	cmake --preset dev
 	cmake --build --preset dev
+	cmake --preset asan-ubsan
+	cmake --build --preset asan-ubsan --target isothermd isotherm vm_usb_endurance
 	tests/vm/run.sh build/dev build/vm
 
 bench:

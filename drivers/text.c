@@ -116,6 +116,13 @@ size_t iso_text_split(char *line, char separator, char **fields, size_t max)
     return n;
 }
 
+void iso_text_copy_end(const char *text, char *to, size_t size)
+{
+    const size_t length = strlen(text);
+    const bool fits = length < size;
+    (void)snprintf(to, size, "%s%s", fits ? "" : "...", fits ? text : text + length - (size - 4));
+}
+
 int iso_text_number(const char *text, double *out)
 {
     char *end;

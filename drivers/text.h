@@ -50,6 +50,10 @@ enum { ISO_TEXT_INI_LINE_MAX = 190 };
 /* Prints "KEY = VALUE\n" with as few digits as still give back the same double. */
 void iso_text_print_number(FILE *stream, const char *key, double value);
 
+/* Copies a text, or its end with "..." before it if it does not fit into `size` bytes (8 or more).
+ */
+void iso_text_copy_end(const char *text, char *to, size_t size);
+
 /* A decimal number, the whole string, finite: digits, sign, point, exponent; no spaces, no
  * hexadecimal, no names. -EINVAL else. */
 int iso_text_number(const char *text, double *out) __attribute__((warn_unused_result));

@@ -1,5 +1,6 @@
 #include "enroll/diagnosis.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "enroll/state.h"
@@ -36,6 +37,51 @@ static void judge_version(struct cli_diagnosis *diagnosis, const json_t *state)
                              "); install both from one release and restart isothermd");
 }
 
+/* What to do about a fault is in what the daemon says of it: the first words that occur decide. */
+struct remedy {
+    const char *words, *remedy;
+};
+
+static const char *find_remedy(const struct remedy *remedies, size_t n, const char *fault,
+                               const char *otherwise)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (strstr(fault, remedies[i].words)) {
+            return remedies[i].remedy;
+        }
+    }
+    return otherwise;
+}
+
+static const char *remedy_for_sensor(const char *fault)
+{
+    static const struct remedy remedies[] = {
+        {"Permission denied", "install the board's udev rule; the daemon's user has to be in the "
+                              "group of the device: video for /dev/video*"},
+        {"option 'calibration'", "calibrate the cameras: isotherm-sim calibrate, and name its file "
+                                 "in [sensor] of isotherm.conf(5)"},
+        {"rms", "calibrate the cameras anew: isotherm-sim calibrate"},
+        {"No such file", "name a file that is there in [sensor] of isotherm.conf(5)"},
+        {"option '", "mend [sensor] in isotherm.conf(5)"},
+        {"no sensor '",
+         "that driver is not in this build: mend [sensor], or build with its library"},
+        {"busy", "end the other program that has the camera: fuser -v /dev/video*"},
+        {"in use", "end the other program that has the camera"},
+        {"none of the pixel formats", "this node gives no such pictures: v4l2-ctl --list-formats; "
+                                      "a camera has several nodes"},
+        {"is no camera", "name a node that takes pictures: v4l2-ctl --list-devices"},
+        {"gives ", "its calibration or camera file is for another size: calibrate, or mend it"},
+        {"No space left", "the USB bus is full: put the cameras on two buses, or lower fps"},
+        {"no frame for", "it is silent: its cable, power and USB port; the daemon keeps trying"},
+        {"gone", "its cable and power; the daemon keeps trying"},
+        {"No such device", "is it plugged in? its name in [sensor] of isotherm.conf(5)"},
+        {"no camera '", "name one that there is in [sensor] of isotherm.conf(5); cam --list"},
+    };
+    return find_remedy(remedies, sizeof remedies / sizeof *remedies, fault,
+                       "check its cable and power, and [sensor] in isotherm.conf(5); the daemon "
+                       "keeps trying");
+}
+
 static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *word = cli_state_text(state, "sensor-state");
@@ -49,8 +95,7 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
     (void)snprintf(found, sizeof found, "%s%s%s", word ? word : "not told",
                    cause && *cause ? ": " : "", cause ? cause : "");
     cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_BAD, found,
-                      "check its cable and power, and [sensor] in isotherm.conf(5); the daemon "
-                      "keeps trying");
+                      remedy_for_sensor(cause ? cause : ""));
 }
 
 /* What the daemon's driver sees, if it can tell. */
@@ -58,9 +103,31 @@ static void judge_devices(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *devices = cli_state_text(state, "sensor-devices");
 
-    if (devices && *devices) {
+    if (devices && strstr(devices, "cannot be opened")) {
+        cli_diagnosis_add(diagnosis, "devices", CLI_CHECK_ODD, devices, remedy_for_sensor(devices));
+    } else if (devices && *devices) {
         cli_diagnosis_add(diagnosis, "devices", CLI_CHECK_GOOD, devices, NULL);
     }
+}
+
+/* Pictures that are worse than half a pixel off their model are matched wrongly. */
+static void judge_calibration(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *calibration = cli_state_text(state, "sensor-calibration");
+    const char *pixels = calibration ? strstr(calibration, " px rms") : NULL;
+
+    if (!calibration || !*calibration) {
+        return;
+    }
+    while (pixels && pixels > calibration && pixels[-1] != ' ') {
+        pixels--;
+    }
+    const bool bad = pixels && strtod(pixels, NULL) > 0.5;
+    const bool unknown = strstr(calibration, "by hand") != NULL;
+    cli_diagnosis_add(
+        diagnosis, "calibration", bad || unknown ? CLI_CHECK_ODD : CLI_CHECK_GOOD, calibration,
+        bad || unknown ? "calibrate the cameras with a checkerboard: isotherm-sim calibrate"
+                       : NULL);
 }
 
 static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
@@ -88,12 +155,9 @@ static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
                       "a fault of its lines or of the sensor, see there; isotherm log");
 }
 
-/* What to do about a line is in what the daemon says of it. */
 static const char *remedy_for_lines(const char *fault)
 {
-    static const struct {
-        const char *words, *remedy;
-    } remedies[] = {
+    static const struct remedy remedies[] = {
         {"no such GPIO chip", "is the board plugged in, its driver loaded? gpiodetect lists chips, "
                               "isotherm.conf(5) says how lines are named"},
         {"has such a line",
@@ -106,18 +170,16 @@ static const char *remedy_for_lines(const char *fault)
                               "group of /dev/gpiochip*"},
         {"No such device", "the GPIO chip is gone: its cable and power; the daemon keeps trying"},
     };
-    for (size_t i = 0; i < sizeof remedies / sizeof *remedies; i++) {
-        if (strstr(fault, remedies[i].words)) {
-            return remedies[i].remedy;
-        }
-    }
-    return "check its wiring, and [door] in isotherm.conf(5)";
+    return find_remedy(remedies, sizeof remedies / sizeof *remedies, fault,
+                       "check its wiring, and [door] in isotherm.conf(5)");
 }
 
 static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *back_end = cli_state_text(state, "door");
     const char *fault = cli_state_text(state, "door-fault");
+    const char *lines = cli_state_text(state, "door-lines");
+    char found[256];
 
     if (!back_end || !fault) {
         cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, "not told",
@@ -128,7 +190,9 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
         cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_ODD, "null: nothing is switched",
                           "set [door] backend and its lines in isotherm.conf(5)");
     } else {
-        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_GOOD, back_end, NULL);
+        (void)snprintf(found, sizeof found, "%s%s%s", back_end, lines && *lines ? ": " : "",
+                       lines ? lines : "");
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_GOOD, found, NULL);
     }
 }
 
@@ -186,6 +250,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_version(diagnosis, state);
     judge_sensor(diagnosis, state);
     judge_devices(diagnosis, state);
+    judge_calibration(diagnosis, state);
     judge_door(diagnosis, state);
     judge_lines(diagnosis, state);
     judge_model(diagnosis, state);

@@ -310,6 +310,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .door_fault = appliance->door.broken ? appliance->door.fault : "",
         .sensor_state = appliance->keeper.sensor ? "started" : "lost",
         .sensor_model = appliance->keeper.model,
+        .sensor_calibration = appliance->keeper.calibration,
         .sensor_fault = appliance->keeper.fault,
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,

@@ -162,13 +162,14 @@ struct iso_appliance_counts {
 struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
-    const char *door_fault;      /* why its lines do not work; "" while they do */
-    const char *sensor_state;    /* "started", "lost" */
-    const char *sensor_model;    /* "" while unknown */
-    const char *sensor_fault;    /* the last one; "" */
-    const char *last_outcome;    /* of a visit: "allow anna", "deny", ""  */
-    const char *image_check;     /* "off", "flag", "veto", "absent" (pipeline.h) */
-    const struct iso_view *view; /* of the last frame that was looked at; NULL: there was none */
+    const char *door_fault;         /* why its lines do not work; "" while they do */
+    const char *sensor_state;       /* "started", "lost" */
+    const char *sensor_model;       /* "" while unknown */
+    const char *sensor_calibration; /* "" while unknown, or if it has none */
+    const char *sensor_fault;       /* the last one; "" */
+    const char *last_outcome;       /* of a visit: "allow anna", "deny", ""  */
+    const char *image_check;        /* "off", "flag", "veto", "absent" (pipeline.h) */
+    const struct iso_view *view;    /* of the last frame that was looked at; NULL: there was none */
     struct iso_appliance_counts counts;
     uint64_t frames;
     uint32_t model, algorithm;

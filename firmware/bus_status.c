@@ -34,30 +34,65 @@ static int append_text(sd_bus_message *reply, const char *key, const char *value
     return sd_bus_message_append(reply, "{sv}", key, "s", clean);
 }
 
-struct device_list {
-    char text[256];
+/* "ONE; TWO; ..." */
+struct word_list {
+    char text[300];
     size_t used;
 };
 
-static void list_device(const struct iso_sensor_device *device, void *context)
+static void add_words(struct word_list *list, const char *format, const char *first,
+                      const char *second)
 {
-    struct device_list *list = context;
     const size_t room = sizeof list->text - list->used;
-    const int length = snprintf(list->text + list->used, room, "%s%s (%s)",
-                                list->used > 0 ? "; " : "", device->id, device->label);
+    char words[300];
+    (void)snprintf(words, sizeof words, format, first, second);
+    const int length = snprintf(list->text + list->used, room, "%s%s", list->used > 0 ? "; " : "",
+                                words);
     list->used += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
 }
 
-/* What the sensor's driver sees. Not while the sensor is lost: to look for devices anew takes a
- * driver too long to keep the door waiting, and the fault then says what there is. */
+static void list_device(const struct iso_sensor_device *device, void *context)
+{
+    add_words(context, "%.200s (%.90s)", device->id, device->label);
+}
+
+/* What the sensor's driver sees. While the sensor is lost, only of a driver that looks in a moment:
+ * others would keep the door waiting, and the fault then says what there is. */
 static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool sensor_runs)
 {
-    struct device_list list = {.text = ""};
+    struct word_list list = {.text = ""};
     const char *back_end = bus->parts->config->sensor.backend;
-    if (sensor_runs && iso_sensor_probe(back_end, list_device, &list, NULL)) {
+    if ((sensor_runs || iso_sensor_probes_at_once(back_end)) &&
+        iso_sensor_probe(back_end, list_device, &list, NULL)) {
         list.text[0] = '\0'; /* it cannot tell */
     }
     return append_text(reply, "sensor-devices", list.text);
+}
+
+/* Which lines the configuration names. */
+static int append_lines(sd_bus_message *reply, const struct iso_config_door *door)
+{
+    const struct {
+        const char *name, *line;
+    } lines[] = {
+        {"relay", door->relay},
+        {"led_granted", door->led_granted},
+        {"led_refused", door->led_refused},
+        {"buzzer", door->buzzer},
+        {"projector", door->projector},
+        {"contact", door->contact},
+        {"exit_button", door->exit_button},
+        {"tamper", door->tamper},
+        {"wiegand_d0", door->wiegand_d0},
+        {"wiegand_d1", door->wiegand_d1},
+    };
+    struct word_list list = {.text = ""};
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        if (lines[i].line[0]) {
+            add_words(&list, "%s %.60s", lines[i].name, lines[i].line);
+        }
+    }
+    return append_text(reply, "door-lines", list.text);
 }
 
 static int append_checksum(sd_bus_message *reply, const char *key, uint32_t value)
@@ -94,6 +129,7 @@ static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
         {"sensor", bus->parts->config->sensor.backend},
         {"sensor-model", status->sensor_model},
         {"sensor-state", status->sensor_state},
+        {"sensor-calibration", status->sensor_calibration},
         {"sensor-fault", status->sensor_fault},
         {"door", bus->parts->config->door.backend},
         {"door-fault", status->door_fault},
@@ -133,6 +169,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     int r = sd_bus_message_open_container(reply, 'a', "{sv}");
     r = r < 0 ? r : append_texts(reply, bus, &status);
     r = r < 0 ? r : append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
+    r = r < 0 ? r : append_lines(reply, &bus->parts->config->door);
     r = r < 0 ? r : append_gallery(reply, bus);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
     r = r < 0 ? r : append_checksum(reply, "model", status.model);

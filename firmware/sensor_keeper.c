@@ -104,6 +104,8 @@ enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, in
         keeper->frames++;
         if (iso_sensor_describe(keeper->sensor, &description) == 0) {
             (void)snprintf(keeper->model, sizeof keeper->model, "%s", description.model);
+            (void)snprintf(keeper->calibration, sizeof keeper->calibration, "%s",
+                           description.calibration);
         }
         return ISO_SENSOR_FRAME;
     }

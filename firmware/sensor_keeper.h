@@ -35,9 +35,10 @@ struct iso_sensor_keeper {
     int64_t heard_ns;          /* RUNNING: the last sign of life */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;
-    char model[32];  /* of the sensor; "" while unknown */
-    int error;       /* the last one, negative errno; 0 if there was none */
-    char fault[256]; /* what it was, in words */
+    char model[32];       /* of the sensor; "" while unknown */
+    char calibration[96]; /* the same */
+    int error;            /* the last one, negative errno; 0 if there was none */
+    char fault[256];      /* what it was, in words */
 };
 
 enum iso_sensor_news {

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include <libcamera/libcamera.h>
+#include <libcamera/property_ids.h>
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -23,7 +25,8 @@ using namespace libcamera;
 /* The grey formats, the best first. */
 const PixelFormat wanted[] = {formats::R8, formats::R12, formats::R10, formats::YUYV};
 
-std::atomic_flag in_use = ATOMIC_FLAG_INIT; /* there is a manager */
+std::atomic_flag in_use = ATOMIC_FLAG_INIT;     /* there is a manager */
+std::atomic<const CameraManager *> of_the_pair; /* that of the open pair */
 
 struct mapping {
     uint8_t *at = nullptr;
@@ -77,7 +80,7 @@ class Eye
             return -ENODEV;
         }
         if (camera_->start(&controls_)) {
-            return -EIO;
+            return explain();
         }
         streaming_ = true;
         for (auto &request : requests_) {
@@ -154,6 +157,16 @@ class Eye
     }
 
   private:
+    /* A camera that was just pulled out does not start, and libcamera hears of it a little later.
+     */
+    int explain()
+    {
+        struct pollfd told = {fd_, POLLIN, 0};
+        (void)poll(&told, 1, 900);
+        std::lock_guard<std::mutex> lock(mutex_);
+        return lost_ ? -ENODEV : -EIO;
+    }
+
     int configure(const iso_libcamera_options &options)
     {
         for (const PixelFormat &format : wanted) {
@@ -251,6 +264,15 @@ class Eye
     int fd_;
 };
 
+void tell_all(const CameraManager &manager, void (*tell)(const char *, const char *, void *),
+              void *context)
+{
+    for (const auto &camera : manager.cameras()) {
+        const auto model = camera->properties().get(properties::Model);
+        tell(camera->id().c_str(), model ? model->c_str() : "", context);
+    }
+}
+
 std::string list(const CameraManager &manager)
 {
     std::string names;
@@ -320,6 +342,7 @@ int iso_libcamera_pair_open(const struct iso_libcamera_options *options,
         in_use.clear();
         return error;
     }
+    of_the_pair = &pair->manager;
     *out = pair;
     return 0;
 }
@@ -327,9 +350,37 @@ int iso_libcamera_pair_open(const struct iso_libcamera_options *options,
 void iso_libcamera_pair_close(struct iso_libcamera_pair *pair)
 {
     if (pair) {
+        of_the_pair = nullptr;
         delete pair;
         in_use.clear();
     }
+}
+
+int iso_libcamera_list(void (*tell)(const char *id, const char *model, void *context),
+                       void *context)
+{
+    const CameraManager *manager = of_the_pair;
+    if (!manager && in_use.test_and_set()) {
+        return -EBUSY;
+    }
+    int error = 0;
+    try {
+        if (manager) {
+            tell_all(*manager, tell, context);
+        } else {
+            CameraManager own;
+            error = own.start() ? -EIO : 0;
+            tell_all(own, tell, context);
+        }
+    } catch (const std::bad_alloc &) {
+        error = -ENOMEM;
+    } catch (...) {
+        error = -EIO;
+    }
+    if (!manager) {
+        in_use.clear();
+    }
+    return error;
 }
 
 int iso_libcamera_start(struct iso_libcamera_pair *pair, int camera)

@@ -32,6 +32,12 @@ int iso_libcamera_pair_open(const struct iso_libcamera_options *options,
     __attribute__((warn_unused_result));
 void iso_libcamera_pair_close(struct iso_libcamera_pair *pair);
 
+/* Tells of every camera that libcamera sees: how it names it, and its model. May be called while a
+ * pair is open. 0 also if there is none; -EBUSY a pair is just being opened by another thread,
+ * -EIO, -ENOMEM. */
+int iso_libcamera_list(void (*tell)(const char *id, const char *model, void *context),
+                       void *context) __attribute__((warn_unused_result));
+
 /* Camera 0 or 1. -EIO, -ENODEV and what else the operation of the same name may return in
  * picture_source.h. */
 int iso_libcamera_start(struct iso_libcamera_pair *pair, int camera)

@@ -29,6 +29,7 @@ struct iso_sensor_description {
     bool intensity;          /* frames carry one */
     double unit_mm;          /* depths are whole multiples of this; 0 if they are not */
     double rate_hz;          /* frames a second when all is well; 0 if that is not fixed */
+    char calibration[96];    /* what it measures by, in words; "" if the device knows itself */
 };
 
 /* A device that a back end could open. */
@@ -55,6 +56,9 @@ struct iso_sensor_ops {
      * may be called while there are some. May block for a second. 0 also if there is no device;
      * -EIO the bus or the driver cannot be asked. */
     int (*probe)(iso_sensor_visitor *visit, void *context, struct iso_fault *fault);
+
+    /* Whether probe looks in a moment, so that a door need not wait for it. */
+    bool probes_at_once;
 
     /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds. The
      * options and the clock's struct are copied or read during the call; unknown keys are refused
@@ -163,6 +167,9 @@ const char *iso_sensor_name(const struct iso_sensor *sensor);
 
 /* The registered back ends: name number i, or NULL from the end on. */
 const char *iso_sensor_registered(size_t i);
+
+/* Whether a registered back end can tell what devices there are in a moment. */
+bool iso_sensor_probes_at_once(const char *name);
 
 /* Tells the visitor of every device that a registered back end could open. -ENOENT unknown name,
  * -ENOSYS the back end cannot tell, else the errors of ops->probe. */

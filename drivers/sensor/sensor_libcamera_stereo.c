@@ -8,8 +8,6 @@
 #include <time.h>
 
 #include "drivers/sensor/libcamera_pair.h"
-#include "drivers/sensor/picture_format.h"
-#include "drivers/sensor/picture_stream.h"
 #include "drivers/sensor/sensor_stereo.h"
 
 static const char owner[] = "sensor libcamera-stereo";
@@ -24,7 +22,6 @@ struct pair {
     struct iso_sensor_stereo stereo;
     struct iso_libcamera_pair *cameras;
     struct eye eyes[ISO_EYES];
-    struct iso_picture_stream *stream;
     char serial[64];
 };
 
@@ -125,45 +122,27 @@ static int64_t monotonic_ns(void *context)
     return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
 }
 
-static int read_options(const struct iso_option *options, size_t n_options,
-                        struct iso_libcamera_options *out, int64_t *tolerance_ns,
-                        struct iso_fault *fault)
-{
-    static const char *const known[] = {"left",    "right",  "calibration", "fps", "pair_ms",
-                                        "near_mm", "far_mm", "confidence",  NULL};
-    double fps = 0.0, pair_ms = 0.0;
-    int error = iso_options_check(owner, options, n_options, known, fault);
-    for (int eye = 0; !error && eye < ISO_EYES; eye++) {
-        error = iso_options_required(owner, options, n_options, eye_names[eye], &out->ids[eye],
-                                     fault);
-    }
-    error = error ? error
-                  : iso_options_number(owner, options, n_options, "fps", 1.0, 1000.0, 0.0, &fps,
-                                       fault);
-    error = error ? error
-                  : iso_options_number(owner, options, n_options, "pair_ms", 0.1, 1000.0, 4.0,
-                                       &pair_ms, fault);
-    out->fps = (int)fps;
-    *tolerance_ns = (int64_t)(pair_ms * 1e6);
-    return error;
-}
-
 static void pair_close(void *self)
 {
     struct pair *pair = self;
-    iso_picture_stream_close(pair->stream);
-    iso_libcamera_pair_close(pair->cameras);
     iso_sensor_stereo_done(&pair->stereo);
+    iso_libcamera_pair_close(pair->cameras);
     free(pair);
 }
 
-static int open_cameras(struct pair *pair, struct iso_libcamera_options *cameras,
+static int open_cameras(struct pair *pair, const struct iso_sensor_stereo_cameras *cameras,
                         struct iso_picture_stream_options *stream, struct iso_fault *fault)
 {
     char text[ISO_LIBCAMERA_TEXT];
-    cameras->width_px = stream->width_px = pair->stereo.width_px;
-    cameras->height_px = stream->height_px = pair->stereo.height_px;
-    int error = iso_libcamera_pair_open(cameras, &pair->cameras, text);
+    const struct iso_libcamera_options options = {
+        .ids = {cameras->ids[ISO_EYE_LEFT], cameras->ids[ISO_EYE_RIGHT]},
+        .width_px = pair->stereo.width_px,
+        .height_px = pair->stereo.height_px,
+        .fps = cameras->fps};
+    stream->width_px = options.width_px;
+    stream->height_px = options.height_px;
+    stream->tolerance_ns = cameras->tolerance_ns;
+    int error = iso_libcamera_pair_open(&options, &pair->cameras, text);
     if (error) {
         return iso_fault_set(fault, error, "%s: libcamera: %s", owner, text);
     }
@@ -176,23 +155,20 @@ static int open_cameras(struct pair *pair, struct iso_libcamera_options *cameras
                                                          .give_back = eye_give_back,
                                                          .fd = eye_fd};
     }
-    return iso_picture_stream_open(stream, &pair->stream, fault);
+    return iso_picture_stream_open(stream, &pair->stereo.base.stream, fault);
 }
 
 static int pair_open(const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
-    struct iso_libcamera_options cameras = {.fps = 0};
+    struct iso_sensor_stereo_cameras cameras;
     struct iso_picture_stream_options stream = {
         .owner = owner, .clock = clock, .monotonic_ns = monotonic_ns, .n_cameras = ISO_EYES};
     struct pair *pair = calloc(1, sizeof *pair);
     if (!pair) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
     }
-    int error = read_options(options, n_options, &cameras, &stream.tolerance_ns, fault);
-    if (!error) {
-        error = iso_sensor_stereo_init(owner, options, n_options, &pair->stereo, fault);
-    }
+    int error = iso_sensor_stereo_init(owner, options, n_options, &pair->stereo, &cameras, fault);
     if (!error) {
         (void)snprintf(pair->serial, sizeof pair->serial, "%s", cameras.ids[ISO_EYE_LEFT]);
         error = open_cameras(pair, &cameras, &stream, fault);
@@ -205,31 +181,28 @@ static int pair_open(const struct iso_option *options, size_t n_options,
     return 0;
 }
 
-/* ---- streaming -------------------------------------------------------------- */
+/* ---- what there is ---------------------------------------------------------- */
 
-static int pair_start(void *self, struct iso_fault *fault)
+struct visit {
+    iso_sensor_visitor *visit;
+    void *context;
+};
+
+static void tell(const char *id, const char *model, void *context)
 {
-    struct pair *pair = self;
-    return iso_picture_stream_start(pair->stream, fault);
+    const struct visit *visit = context;
+    struct iso_sensor_device device;
+    (void)snprintf(device.id, sizeof device.id, "%s", id);
+    (void)snprintf(device.label, sizeof device.label, "%s", model);
+    visit->visit(&device, visit->context);
 }
 
-static int pair_stop(void *self)
+static int pair_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
 {
-    struct pair *pair = self;
-    return iso_picture_stream_stop(pair->stream);
-}
-
-static int pair_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
-                     struct iso_fault *fault)
-{
-    struct pair *pair = self;
-    return iso_sensor_stereo_wait(&pair->stereo, pair->stream, owner, deadline_ns, frame, fault);
-}
-
-static int pair_poll_fd(void *self)
-{
-    struct pair *pair = self;
-    return iso_picture_stream_fd(pair->stream);
+    struct visit told = {visit, context};
+    return iso_libcamera_list(tell, &told)
+               ? iso_fault_set(fault, -EIO, "%s: libcamera cannot be asked", owner)
+               : 0;
 }
 
 static int pair_describe(void *self, struct iso_sensor_description *out)
@@ -239,20 +212,15 @@ static int pair_describe(void *self, struct iso_sensor_description *out)
     return 0;
 }
 
-static void pair_health(void *self, struct iso_sensor_device_health *out)
-{
-    const struct pair *pair = self;
-    out->dropped = iso_picture_stream_dropped(pair->stream);
-}
-
 const struct iso_sensor_ops iso_sensor_libcamera_stereo_ops = {
     .name = "libcamera-stereo",
+    .probe = pair_probe,
     .open = pair_open,
-    .start = pair_start,
-    .wait = pair_wait,
-    .poll_fd = pair_poll_fd,
+    .start = iso_picture_sensor_start,
+    .wait = iso_sensor_stereo_wait,
+    .poll_fd = iso_picture_sensor_poll_fd,
     .describe = pair_describe,
-    .health = pair_health,
-    .stop = pair_stop,
+    .health = iso_picture_sensor_health,
+    .stop = iso_picture_sensor_stop,
     .close = pair_close,
 };

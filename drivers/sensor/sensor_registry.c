@@ -68,6 +68,12 @@ int iso_sensor_open(const char *name, const struct iso_option *options, size_t n
                : unknown_back_end(name, fault);
 }
 
+bool iso_sensor_probes_at_once(const char *name)
+{
+    const struct iso_sensor_ops *ops = find(name);
+    return ops && ops->probe && ops->probes_at_once;
+}
+
 int iso_sensor_probe(const char *name, iso_sensor_visitor *visit, void *context,
                      struct iso_fault *fault)
 {

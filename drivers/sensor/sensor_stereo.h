@@ -3,32 +3,43 @@
 #define ISO_DRIVERS_SENSOR_SENSOR_STEREO_H
 
 #include "drivers/option.h"
-#include "drivers/sensor/picture_stream.h"
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/picture_sensor.h"
 #include "drivers/stereo/stereo.h"
 
+/* The begin of a stereo back end's own object. */
 struct iso_sensor_stereo {
+    struct iso_picture_sensor base;
+    const char *owner; /* of the faults: "sensor v4l2-stereo" */
     struct iso_stereo *stereo;
     struct iso_frame *frame;
     uint8_t *pictures[ISO_EYES]; /* [height_px * width_px] each, to be filled in */
     int width_px, height_px;
+    char calibration[96]; /* as in the description */
 };
 
-/* From the options calibration, near_mm, far_mm and confidence. -EINVAL with *fault naming the
- * option or what is wrong with the file; -ENOMEM. */
+/* What the options say of the cameras. */
+struct iso_sensor_stereo_cameras {
+    const char *ids[ISO_EYES]; /* left, right: the options' texts */
+    int fps;                   /* 0: as they are */
+    int64_t tolerance_ns;
+};
+
+/* From the options left, right, fps, pair_ms, calibration, near_mm, far_mm and confidence; there
+ * are no others. Opens no stream yet. -EINVAL with *fault naming the option or what is wrong with
+ * the file; -ENOMEM. `owner` outlives the object. */
 int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, size_t n_options,
-                           struct iso_sensor_stereo *out, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
-
-/* An all-zero one is fine. */
-void iso_sensor_stereo_done(struct iso_sensor_stereo *stereo);
-
-/* The next pair of a stream of two cameras, matched: as the wait of a sensor. */
-int iso_sensor_stereo_wait(struct iso_sensor_stereo *stereo, struct iso_picture_stream *stream,
-                           const char *owner, int64_t deadline_ns, const struct iso_frame **frame,
+                           struct iso_sensor_stereo *out, struct iso_sensor_stereo_cameras *cameras,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Model "stereo", the size, and the serial as given. */
+/* Closes the stream, too. An all-zero one is fine. */
+void iso_sensor_stereo_done(struct iso_sensor_stereo *stereo);
+
+/* The next pair of the stream, matched: the wait of a sensor whose object begins with one of these.
+ */
+int iso_sensor_stereo_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
+                           struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Model "stereo", the size, the calibration, and the serial as given. */
 void iso_sensor_stereo_describe(const struct iso_sensor_stereo *stereo, const char *serial,
                                 struct iso_sensor_description *out);
 

@@ -8,7 +8,7 @@
 
 #include "drivers/recording/recording.h"
 #include "drivers/sensor/picture_format.h"
-#include "drivers/sensor/picture_stream.h"
+#include "drivers/sensor/picture_sensor.h"
 #include "drivers/sensor/sensor_v4l2_node.h"
 #include "drivers/text.h"
 
@@ -17,9 +17,10 @@ static const char owner[] = "sensor v4l2";
 enum { CAMERA_FILE_MAX = 65536 };
 
 struct v4l2 {
+    struct iso_picture_sensor base;
     struct iso_recording_meta meta;
+    char camera_file[64];           /* where that is from, or the end of it */
     struct iso_v4l2_node *nodes[2]; /* depth, and infrared or NULL */
-    struct iso_picture_stream *stream;
     struct iso_frame *frame;
     bool has_ir;
 };
@@ -44,33 +45,30 @@ static int read_options(const struct iso_option *options, size_t n_options, stru
 {
     static const char *const known[] = {"device", "camera", "ir_device", "fps", "pair_ms", NULL};
     const char *device = NULL, *camera = NULL, *ir = NULL;
-    double fps = 0.0, pair_ms = 0.0;
+    int fps = 0;
     int error = iso_options_check(owner, options, n_options, known, fault);
     error = error ? error
                   : iso_options_required(owner, options, n_options, "device", &device, fault);
     error = error ? error
                   : iso_options_required(owner, options, n_options, "camera", &camera, fault);
     error = error ? error
-                  : iso_options_number(owner, options, n_options, "fps", 1.0, 1000.0, 0.0, &fps,
-                                       fault);
-    error = error ? error
-                  : iso_options_number(owner, options, n_options, "pair_ms", 0.1, 1000.0, 4.0,
-                                       &pair_ms, fault);
+                  : iso_picture_sensor_options(owner, options, n_options, &fps, &out->tolerance_ns,
+                                               fault);
     error = error ? error : read_camera(camera, &v4l2->meta, fault);
     if (error) {
         return error;
     }
+    iso_text_copy_end(camera, v4l2->camera_file, sizeof v4l2->camera_file);
     ir = iso_options_find(options, n_options, "ir_device");
     v4l2->has_ir = ir && *ir;
     out->n_cameras = v4l2->has_ir ? 2 : 1;
-    out->tolerance_ns = (int64_t)(pair_ms * 1e6);
     out->width_px = v4l2->meta.camera.width_px;
     out->height_px = v4l2->meta.camera.height_px;
     wishes[0] = (struct iso_v4l2_wish){.owner = owner,
                                        .path = device,
                                        .width_px = v4l2->meta.camera.width_px,
                                        .height_px = v4l2->meta.camera.height_px,
-                                       .fps = (int)fps,
+                                       .fps = fps,
                                        .formats = {V4L2_PIX_FMT_Z16}};
     wishes[1] = wishes[0];
     wishes[1].path = ir;
@@ -81,7 +79,7 @@ static int read_options(const struct iso_option *options, size_t n_options, stru
 static void v4l2_close(void *self)
 {
     struct v4l2 *v4l2 = self;
-    iso_picture_stream_close(v4l2->stream);
+    iso_picture_stream_close(v4l2->base.stream);
     iso_v4l2_node_close(v4l2->nodes[0]);
     iso_v4l2_node_close(v4l2->nodes[1]);
     iso_frame_free(v4l2->frame);
@@ -109,7 +107,7 @@ int iso_sensor_v4l2_open_on(const struct iso_v4l2_system *system, const struct i
         }
     }
     if (!error) {
-        error = iso_picture_stream_open(&stream, &v4l2->stream, fault);
+        error = iso_picture_stream_open(&stream, &v4l2->base.stream, fault);
     }
     const struct iso_camera *camera = &v4l2->meta.camera;
     if (!error &&
@@ -132,24 +130,12 @@ static int v4l2_open(const struct iso_option *options, size_t n_options,
 
 /* ---- streaming -------------------------------------------------------------- */
 
-static int v4l2_start(void *self, struct iso_fault *fault)
-{
-    struct v4l2 *v4l2 = self;
-    return iso_picture_stream_start(v4l2->stream, fault);
-}
-
-static int v4l2_stop(void *self)
-{
-    struct v4l2 *v4l2 = self;
-    return iso_picture_stream_stop(v4l2->stream);
-}
-
 static int v4l2_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
                      struct iso_fault *fault)
 {
     struct v4l2 *v4l2 = self;
     struct iso_picture_set set;
-    int error = iso_picture_stream_wait(v4l2->stream, deadline_ns, &set, fault);
+    int error = iso_picture_stream_wait(v4l2->base.stream, deadline_ns, &set, fault);
     if (error) {
         return error;
     }
@@ -163,12 +149,6 @@ static int v4l2_wait(void *self, int64_t deadline_ns, const struct iso_frame **f
     return 0;
 }
 
-static int v4l2_poll_fd(void *self)
-{
-    struct v4l2 *v4l2 = self;
-    return iso_picture_stream_fd(v4l2->stream);
-}
-
 static int v4l2_describe(void *self, struct iso_sensor_description *out)
 {
     const struct v4l2 *v4l2 = self;
@@ -177,24 +157,22 @@ static int v4l2_describe(void *self, struct iso_sensor_description *out)
                                            .intensity = v4l2->has_ir,
                                            .unit_mm = v4l2->meta.unit_mm};
     (void)snprintf(out->model, sizeof out->model, "%s", v4l2->meta.sensor);
+    (void)snprintf(out->calibration, sizeof out->calibration, "%s, %g mm a count",
+                   v4l2->camera_file, v4l2->meta.unit_mm);
     (void)snprintf(out->serial, sizeof out->serial, "%s", iso_v4l2_node_bus(v4l2->nodes[0]));
     return 0;
 }
 
-static void v4l2_health(void *self, struct iso_sensor_device_health *out)
-{
-    const struct v4l2 *v4l2 = self;
-    out->dropped = iso_picture_stream_dropped(v4l2->stream);
-}
-
 const struct iso_sensor_ops iso_sensor_v4l2_ops = {
     .name = "v4l2",
+    .probe = iso_v4l2_probe_kernel,
+    .probes_at_once = true,
     .open = v4l2_open,
-    .start = v4l2_start,
+    .start = iso_picture_sensor_start,
     .wait = v4l2_wait,
-    .poll_fd = v4l2_poll_fd,
+    .poll_fd = iso_picture_sensor_poll_fd,
     .describe = v4l2_describe,
-    .health = v4l2_health,
-    .stop = v4l2_stop,
+    .health = iso_picture_sensor_health,
+    .stop = iso_picture_sensor_stop,
     .close = v4l2_close,
 };

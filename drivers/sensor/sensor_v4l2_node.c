@@ -216,6 +216,13 @@ static int add_buffer(struct iso_v4l2_node *node, unsigned index)
     return call(node, VIDIOC_QBUF, &buffer);
 }
 
+/* A device that was pulled out may say so only when it is asked. */
+static bool is_gone(const struct iso_v4l2_node *node)
+{
+    struct v4l2_capability capability;
+    return call(node, VIDIOC_QUERYCAP, &capability) == -ENODEV;
+}
+
 static int node_start(void *self, struct iso_fault *fault)
 {
     struct iso_v4l2_node *node = self;
@@ -234,7 +241,8 @@ static int node_start(void *self, struct iso_fault *fault)
     }
     if (error) {
         (void)node_stop(node);
-        return complain(node, error == -EINVAL ? -EIO : error, "does not stream", fault);
+        error = is_gone(node) ? -ENODEV : error == -EINVAL ? -EIO : error;
+        return complain(node, error, "does not stream", fault);
     }
     return 0;
 }
@@ -259,15 +267,11 @@ static int node_stop(void *self)
     return error && error != -ENODEV ? -EIO : error;
 }
 
-/* A device that was pulled out may say so only when it is asked. */
 static int explain(struct iso_v4l2_node *node, int error, struct iso_fault *fault)
 {
-    struct v4l2_capability capability;
-    if (error != -ENODEV && call(node, VIDIOC_QUERYCAP, &capability) == -ENODEV) {
-        error = -ENODEV;
-    }
-    return iso_fault_set(fault, error == -ENODEV ? -ENODEV : -EIO, "%s: %s: %s", node->owner,
-                         node->path, error == -ENODEV ? "the device is gone" : "the stream broke");
+    error = error == -ENODEV || is_gone(node) ? -ENODEV : -EIO;
+    return iso_fault_set(fault, error, "%s: %s: %s", node->owner, node->path,
+                         error == -ENODEV ? "the device is gone" : "the stream broke");
 }
 
 /* When the picture was taken; when it arrived, if the driver keeps another clock. */

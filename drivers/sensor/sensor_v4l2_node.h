@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "drivers/sensor/picture_source.h"
+#include "drivers/sensor/sensor.h"
 #include "drivers/sensor/sensor_v4l2_system.h"
 
 enum { ISO_V4L2_FORMATS_MAX = 8 };
@@ -37,5 +38,13 @@ struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node);
 /* The card's name and where it is plugged in; owned by the node. */
 const char *iso_v4l2_node_card(const struct iso_v4l2_node *node);
 const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node);
+
+/* Tells of every node /dev/video0 to 63 that takes pictures (label: card, bus and pixel formats),
+ * or that may not be opened (label: why). Always 0. */
+int iso_v4l2_probe(const struct iso_v4l2_system *system, iso_sensor_visitor *visit, void *context);
+
+/* The same as an operation of the sensor class, on the kernel. */
+int iso_v4l2_probe_kernel(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 #endif

@@ -1,8 +1,6 @@
 #include "drivers/stereo/calibration.h"
 
 #include <errno.h>
-#include <ini.h>
-#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -12,60 +10,58 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/ini_table.h"
 #include "drivers/text.h"
 
 enum { FILE_MAX_BYTES = 65536 };
 
-/* What is gathered while the lines go by. */
+/* What a file says. */
 struct parse {
     struct iso_stereo_calibration calibration;
     struct iso_vec3 turn_rad;
     int format;
-    uint64_t seen;           /* bit i: keys[i] was given */
-    struct iso_fault reason; /* of the first line at fault, without the file's name */
 };
 
-enum kind { KIND_INTEGER, KIND_NUMBER };
+enum { REQUIRED, OPTIONAL }; /* marks: what was not measured, or is none, may be left out */
 
 #define IN(field) offsetof(struct parse, field)
-#define CAMERA_KEYS(section, eye)                                                           \
-    {section, "width_px", KIND_INTEGER, false, IN(calibration.camera[eye].width_px)},       \
-        {section, "height_px", KIND_INTEGER, false, IN(calibration.camera[eye].height_px)}, \
-        {section, "fx_px", KIND_NUMBER, false, IN(calibration.camera[eye].fx_px)},          \
-        {section, "fy_px", KIND_NUMBER, false, IN(calibration.camera[eye].fy_px)},          \
-        {section, "cx_px", KIND_NUMBER, false, IN(calibration.camera[eye].cx_px)},          \
-        {section, "cy_px", KIND_NUMBER, false, IN(calibration.camera[eye].cy_px)},          \
-        {section, "k1", KIND_NUMBER, true, IN(calibration.camera[eye].k1)},                 \
-        {section, "k2", KIND_NUMBER, true, IN(calibration.camera[eye].k2)},                 \
-        {section, "k3", KIND_NUMBER, true, IN(calibration.camera[eye].k3)},                 \
-        {section, "p1", KIND_NUMBER, true, IN(calibration.camera[eye].p1)},                 \
-    {                                                                                       \
-        section, "p2", KIND_NUMBER, true, IN(calibration.camera[eye].p2)                    \
+#define CAMERA_KEYS(section, eye)                                                              \
+    {section, "width_px", iso_ini_parse_int, IN(calibration.camera[eye].width_px), REQUIRED},  \
+        {section, "height_px", iso_ini_parse_int, IN(calibration.camera[eye].height_px),       \
+         REQUIRED},                                                                            \
+        {section, "fx_px", iso_ini_parse_number, IN(calibration.camera[eye].fx_px), REQUIRED}, \
+        {section, "fy_px", iso_ini_parse_number, IN(calibration.camera[eye].fy_px), REQUIRED}, \
+        {section, "cx_px", iso_ini_parse_number, IN(calibration.camera[eye].cx_px), REQUIRED}, \
+        {section, "cy_px", iso_ini_parse_number, IN(calibration.camera[eye].cy_px), REQUIRED}, \
+        {section, "k1", iso_ini_parse_number, IN(calibration.camera[eye].k1), OPTIONAL},       \
+        {section, "k2", iso_ini_parse_number, IN(calibration.camera[eye].k2), OPTIONAL},       \
+        {section, "k3", iso_ini_parse_number, IN(calibration.camera[eye].k3), OPTIONAL},       \
+        {section, "p1", iso_ini_parse_number, IN(calibration.camera[eye].p1), OPTIONAL},       \
+    {                                                                                          \
+        section, "p2", iso_ini_parse_number, IN(calibration.camera[eye].p2), OPTIONAL          \
     }
 
 static const char extrinsics[] = "right_from_left";
 
-static const struct key {
-    const char *section, *name;
-    enum kind kind;
-    bool optional;
-    size_t offset; /* in struct parse */
-} keys[] = {
-    {"stereo", "format", KIND_INTEGER, false, IN(format)},
-    {"stereo", "pairs", KIND_INTEGER, true, IN(calibration.pairs)},
-    {"stereo", "rms_px", KIND_NUMBER, true, IN(calibration.rms_px)},
+static const struct iso_ini_key keys[] = {
+    {"stereo", "format", iso_ini_parse_int, IN(format), REQUIRED},
+    {"stereo", "pairs", iso_ini_parse_int, IN(calibration.pairs), OPTIONAL},
+    {"stereo", "rms_px", iso_ini_parse_number, IN(calibration.rms_px), OPTIONAL},
     CAMERA_KEYS("left", ISO_EYE_LEFT),
     CAMERA_KEYS("right", ISO_EYE_RIGHT),
-    {extrinsics, "rx_rad", KIND_NUMBER, false, IN(turn_rad.x)},
-    {extrinsics, "ry_rad", KIND_NUMBER, false, IN(turn_rad.y)},
-    {extrinsics, "rz_rad", KIND_NUMBER, false, IN(turn_rad.z)},
-    {extrinsics, "tx_mm", KIND_NUMBER, false, IN(calibration.right_from_left.translation_mm.x)},
-    {extrinsics, "ty_mm", KIND_NUMBER, false, IN(calibration.right_from_left.translation_mm.y)},
-    {extrinsics, "tz_mm", KIND_NUMBER, false, IN(calibration.right_from_left.translation_mm.z)},
+    {extrinsics, "rx_rad", iso_ini_parse_number, IN(turn_rad.x), REQUIRED},
+    {extrinsics, "ry_rad", iso_ini_parse_number, IN(turn_rad.y), REQUIRED},
+    {extrinsics, "rz_rad", iso_ini_parse_number, IN(turn_rad.z), REQUIRED},
+    {extrinsics, "tx_mm", iso_ini_parse_number, IN(calibration.right_from_left.translation_mm.x),
+     REQUIRED},
+    {extrinsics, "ty_mm", iso_ini_parse_number, IN(calibration.right_from_left.translation_mm.y),
+     REQUIRED},
+    {extrinsics, "tz_mm", iso_ini_parse_number, IN(calibration.right_from_left.translation_mm.z),
+     REQUIRED},
 };
 
 enum { KEYS = sizeof keys / sizeof *keys };
-_Static_assert(KEYS <= 64, "bits of parse.seen");
+_Static_assert((int)KEYS <= (int)ISO_INI_KEYS_MAX, "bits of what was seen");
 
 /* ---- what can be a pair ---- */
 
@@ -143,59 +139,13 @@ int iso_stereo_calibration_check(const struct iso_stereo_calibration *calibratio
 
 /* ---- reading ---- */
 
-static int parse_value(const struct key *key, const char *value, struct parse *parse)
-{
-    char *field = (char *)parse + key->offset;
-    size_t count;
-    if (key->kind == KIND_NUMBER) {
-        return iso_text_number(value, (double *)(void *)field);
-    }
-    if (iso_text_count(value, &count) || count > INT_MAX) {
-        return -EINVAL;
-    }
-    *(int *)(void *)field = (int)count;
-    return 0;
-}
-
-static const struct key *find_key(const char *section, const char *name)
-{
-    for (int i = 0; i < KEYS; i++) {
-        if (strcmp(keys[i].section, section) == 0 && strcmp(keys[i].name, name) == 0) {
-            return &keys[i];
-        }
-    }
-    return NULL;
-}
-
-/* libinih's handler: 0 makes this the line that ini_parse_string returns, if it is the first. */
-static int on_key(void *user, const char *section, const char *name, const char *value)
-{
-    struct parse *parse = user;
-    const struct key *key = find_key(section, name);
-    struct iso_fault reason = {""};
-    if (!key) {
-        (void)iso_fault_set(&reason, 0, "unknown key '%s' in [%s]", name, section);
-    } else if (parse->seen & UINT64_C(1) << (key - keys)) {
-        (void)iso_fault_set(&reason, 0, "%s is given twice in [%s]", name, section);
-    } else if (parse_value(key, value, parse)) {
-        (void)iso_fault_set(&reason, 0, "bad value '%s' for %s", value, name);
-    } else {
-        parse->seen |= UINT64_C(1) << (key - keys);
-        return 1;
-    }
-    if (!parse->reason.text[0]) {
-        parse->reason = reason;
-    }
-    return 0;
-}
-
 /* Every key was there, and together they make sense. */
-static int finish(const char *name, struct parse *parse, struct iso_fault *fault)
+static int finish(const char *name, uint64_t seen, struct parse *parse, struct iso_fault *fault)
 {
     struct iso_stereo_calibration *c = &parse->calibration;
     const char *what = "";
     for (int i = 0; i < KEYS; i++) {
-        if (!keys[i].optional && !(parse->seen & UINT64_C(1) << i)) {
+        if (keys[i].mark != OPTIONAL && !(seen & UINT64_C(1) << i)) {
             return iso_fault_set(fault, -EBADMSG, "%s: %s is missing from [%s]", name, keys[i].name,
                                  keys[i].section);
         }
@@ -215,20 +165,12 @@ static int finish(const char *name, struct parse *parse, struct iso_fault *fault
 int iso_stereo_calibration_parse(const char *name, const char *text,
                                  struct iso_stereo_calibration *out, struct iso_fault *fault)
 {
-    struct parse parse = {0};
-    int line = iso_text_find_long_line(text, ISO_TEXT_INI_LINE_MAX);
-    if (line) {
-        return iso_fault_set(fault, -EBADMSG, "%s:%d: line too long", name, line);
+    struct parse parse = {.format = 0};
+    uint64_t seen = 0;
+    int error = iso_ini_read(name, text, keys, KEYS, &parse, &seen, fault);
+    if (!error) {
+        error = finish(name, seen, &parse, fault);
     }
-    line = ini_parse_string(text, on_key, &parse);
-    if (line < 0) {
-        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
-    }
-    if (line > 0) {
-        const char *reason = parse.reason.text[0] ? parse.reason.text : "not `key = value`";
-        return iso_fault_set(fault, -EBADMSG, "%s:%d: %s", name, line, reason);
-    }
-    int error = finish(name, &parse, fault);
     if (!error) {
         *out = parse.calibration;
     }
@@ -272,7 +214,7 @@ static void print(FILE *file, const struct iso_stereo_calibration *calibration)
             (void)fprintf(file, "%s[%s]\n", *section ? "\n" : "", keys[i].section);
             section = keys[i].section;
         }
-        if (keys[i].kind == KIND_NUMBER) {
+        if (keys[i].parse == iso_ini_parse_number) {
             iso_text_print_number(file, keys[i].name, *(const double *)(const void *)field);
         } else {
             (void)fprintf(file, "%s = %d\n", keys[i].name, *(const int *)(const void *)field);

@@ -24,6 +24,7 @@ struct sensor_scene {
     double unit_mm;
     bool intensity; /* the sensor is opened so that frames carry one */
     int shutter_fd; /* of stages with a camera */
+    void *world;    /* the stage's own */
 };
 
 struct sensor_stage {
@@ -45,10 +46,18 @@ struct sensor_stage {
 
     /* OPTIONAL. Pulls the cable, or puts it in again. */
     void (*plug)(struct sensor_scene *scene, bool in);
+
+    /* OPTIONAL, of a stage with frames of its own: asserts that one is number `stored` of them, bit
+     * by bit. */
+    void (*expect)(const struct sensor_scene *scene, const struct iso_frame *frame, int stored);
 };
 
-/* The stages, NULL at the end. */
+/* The stages of this program, NULL at the end. */
 extern const struct sensor_stage *const sensor_stages[];
+
+/* The back ends whose stages are in another program: those that need a kernel's cameras in that of
+ * the virtual machine (tests/vm), NULL at the end. */
+extern const char *const sensor_stages_elsewhere[];
 
 extern const struct sensor_stage sensor_stage_replay;
 extern const struct sensor_stage sensor_stage_replay_intensity;

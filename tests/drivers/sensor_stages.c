@@ -25,6 +25,8 @@ const struct sensor_stage *const sensor_stages[] = {
     NULL,
 };
 
+const char *const sensor_stages_elsewhere[] = {"v4l2", "v4l2-stereo", "libcamera-stereo", NULL};
+
 static void set_up_recording(struct sensor_scene *scene, double unit_mm, bool intensity)
 {
     const char *path = scratch_path(scene->scratch, "recording");

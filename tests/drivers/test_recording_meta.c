@@ -94,7 +94,8 @@ static void refuses_the_missing_and_the_repeated(void **state)
                        keys[i], i < 2 ? "recording" : "depth");
         assert_refused(keys[i], "", NULL, expected);
     }
-    assert_refused(NULL, NULL, "cx_px = 3.5\n", "a/recording.ini:15: cx_px is given twice");
+    assert_refused(NULL, NULL, "cx_px = 3.5\n",
+                   "a/recording.ini:15: cx_px is given twice in [depth]");
 }
 
 static void refuses_keys_of_the_other_projection(void **state)

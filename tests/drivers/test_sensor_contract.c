@@ -139,6 +139,10 @@ static void expect_frame(const struct set *set, const struct iso_frame *frame, i
     const int bad = iso_frame_check(frame, &flaw);
     assert_string_equal(flaw, "");
     assert_int_equal(bad, 0);
+    if (set->stage->expect) {
+        set->stage->expect(&set->scene, frame, stored);
+        return;
+    }
     assert_int_equal(frame->width_px, STORED_WIDTH);
     assert_int_equal(frame->height_px, STORED_HEIGHT);
     assert_int_equal(frame->crop_x_px, 0);
@@ -202,10 +206,15 @@ static void see(struct set *set)
     assert_true(camera->cy_px == (STORED_HEIGHT - 1) / 2.0);
 }
 
+static bool has_the_plain_camera(const struct sensor_stage *stage)
+{
+    return stage->expect == NULL;
+}
+
 static void frames_carry_the_camera(void **state)
 {
     (void)state;
-    on_every_stage(see, NULL);
+    on_every_stage(see, has_the_plain_camera);
 }
 
 static void reuse(struct set *set)
@@ -450,7 +459,11 @@ static void pull_it_before_the_start(struct set *set)
 {
     const struct iso_frame *frame = NULL;
     set->stage->plug(&set->scene, false);
+    const int64_t end_ns = real_ns() + 10000 * MS;
     int error = iso_sensor_start(set->sensor, NULL);
+    while (error == -EIO && real_ns() < end_ns) { /* a library may hear of it a little later */
+        error = iso_sensor_start(set->sensor, NULL);
+    }
     error = error ? error : fetch(set, &frame, NULL); /* as soon as it is noticed */
     assert_int_equal(error, -ENODEV);
     assert_int_equal(iso_sensor_health(set->sensor).state, ISO_SENSOR_LOST);
@@ -481,26 +494,28 @@ static void refuses_unknown_options(void **state)
     }
 }
 
-/* Whether a back end has cameras of the kernel's, which only a fake stands in for on an ordinary
- * machine: test_sensor_v4l2*.c; of libcamera the way without a camera, test_sensor_libcamera.c. */
-static bool needs_a_kernel(const char *name)
+static bool has_a_stage(const char *back_end)
 {
-    return strncmp(name, "v4l2", 4) == 0 || strncmp(name, "libcamera", 9) == 0;
+    for (int i = 0; sensor_stages_elsewhere[i]; i++) {
+        if (strcmp(sensor_stages_elsewhere[i], back_end) == 0) {
+            return true;
+        }
+    }
+    for (int i = 0; sensor_stages[i]; i++) {
+        if (strcmp(sensor_stages[i]->back_end, back_end) == 0) {
+            return true;
+        }
+    }
+    return false;
 }
 
 static void no_back_end_is_left_out(void **state)
 {
     (void)state;
     for (size_t r = 0; iso_sensor_registered(r); r++) {
-        if (needs_a_kernel(iso_sensor_registered(r))) {
-            continue;
+        if (!has_a_stage(iso_sensor_registered(r))) {
+            fail_msg("%s has no stage", iso_sensor_registered(r));
         }
-        int i = 0;
-        while (sensor_stages[i] &&
-               strcmp(sensor_stages[i]->back_end, iso_sensor_registered(r)) != 0) {
-            i++;
-        }
-        assert_non_null(sensor_stages[i]);
     }
 }
 

@@ -12,9 +12,9 @@
 
 #include "drivers/sensor/libcamera_pair.h"
 #include "drivers/sensor/sensor.h"
-#include "drivers/stereo/calibration.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/scratch.h"
+#include "tests/support/stereo_wall.h"
 
 static int64_t now_ns = 1000;
 
@@ -28,19 +28,10 @@ static int open_sensor(const char *calibration, struct iso_sensor **sensor, stru
 
 static void no_such_camera(void **state)
 {
-    struct iso_camera camera = {.projection = ISO_PINHOLE,
-                                .width_px = 256,
-                                .height_px = 128,
-                                .fx_px = 400.0,
-                                .fy_px = 400.0,
-                                .cx_px = 127.5,
-                                .cy_px = 63.5};
-    struct iso_stereo_calibration calibration = {
-        .camera = {camera, camera}, .right_from_left = {iso_mat3_identity(), {-60.0, 0.0, 0.0}}};
     const char *path = scratch_path(*state, "rig.ini");
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {""};
-    assert_int_equal(iso_stereo_calibration_write(path, &calibration, NULL), 0);
+    stereo_wall_write_rig(path);
     for (int i = 0; i < 3; i++) { /* nothing is held that would keep it from starting again */
         assert_int_equal(open_sensor(path, &sensor, &fault), -ENODEV);
         assert_non_null(strstr(fault.text, "sensor libcamera-stereo: libcamera: no camera "

@@ -15,14 +15,14 @@
 #include <cmocka.h>
 
 #include "drivers/sensor/sensor_v4l2_stereo.h"
-#include "drivers/stereo/calibration.h"
 #include "tests/drivers/fake_v4l2.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/scratch.h"
+#include "tests/support/stereo_wall.h"
 
 #define MS INT64_C(1000000)
 
-enum { WIDTH = 256, HEIGHT = 128, DISPARITY = 40 };
+enum { WIDTH = WALL_WIDTH, HEIGHT = WALL_HEIGHT, DISPARITY = 40 };
 
 static int64_t now_ns = INT64_C(5000) * 1000 * MS;
 static struct fake_v4l2 fake;
@@ -37,15 +37,6 @@ static int open_fake(const struct iso_option *options, size_t n_options,
 
 static int set_up(void **state)
 {
-    struct iso_camera camera = {.projection = ISO_PINHOLE,
-                                .width_px = WIDTH,
-                                .height_px = HEIGHT,
-                                .fx_px = 400.0,
-                                .fy_px = 400.0,
-                                .cx_px = 0.5 * (WIDTH - 1),
-                                .cy_px = 0.5 * (HEIGHT - 1)};
-    struct iso_stereo_calibration calibration = {
-        .camera = {camera, camera}, .right_from_left = {iso_mat3_identity(), {-60.0, 0.0, 0.0}}};
     memset(&fake, 0, sizeof fake);
     for (int i = 0; i < FAKE_CAMERAS; i++) {
         fake.cameras[i] = (struct fake_camera){
@@ -61,8 +52,7 @@ static int set_up(void **state)
     fake_system = fake_v4l2_system(&fake);
     int failed = scratch_setup(state);
     scratch = *state;
-    assert_int_equal(
-        iso_stereo_calibration_write(scratch_path(scratch, "rig.ini"), &calibration, NULL), 0);
+    stereo_wall_write_rig(scratch_path(scratch, "rig.ini"));
     return failed;
 }
 
@@ -95,17 +85,6 @@ static int open_sensor(const char *pair_ms, struct iso_sensor **sensor, struct i
     return iso_sensor_open_ops(&ops, options, 6, &clock, sensor, fault);
 }
 
-/* A smooth random wall. */
-static double level(int x, int y)
-{
-    double sum = 0.0;
-    for (int i = 1; i <= 30; i++) {
-        double rate = 0.2 + 0.02 * i;
-        sum += sin(rate * (x * cos(2.4 * i) + y * sin(2.4 * i)) + 1.7 * i * i);
-    }
-    return fmin(fmax(128.0 + 15.0 * sum, 0.0), 255.0);
-}
-
 /* One pixel of a format, 8 significant bits. */
 static void put(uint32_t format, uint8_t *pixels, size_t i, double value)
 {
@@ -128,7 +107,7 @@ static void shoot(int eye, int64_t stamp_ms, enum fake_fate fate)
     static uint8_t pixels[2 * WIDTH * HEIGHT];
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         int x = i % WIDTH + (eye == 0 ? 0 : DISPARITY);
-        put(fake.cameras[eye].format, pixels, (size_t)i, level(x, i / WIDTH));
+        put(fake.cameras[eye].format, pixels, (size_t)i, stereo_wall_level(x, i / WIDTH));
     }
     fake_shoot(&fake.cameras[eye], fake.now_ns - 100 * MS + stamp_ms * MS, pixels, fate);
 }
@@ -157,8 +136,8 @@ static void every_grey_format_is_read(void **state)
             for (int column = 70; column < WIDTH - 10; column++, n++) {
                 double z_mm = (double)iso_frame_depth_at(frame, column, row);
                 size_t i = (size_t)row * WIDTH + (size_t)column;
-                wrong += !(fabs(z_mm - 400.0 * 60.0 / DISPARITY) < 1.0);
-                unsigned grey = (unsigned)level(column, row);
+                wrong += !(fabs(z_mm - (double)WALL_FOCAL_PX * WALL_BASELINE_MM / DISPARITY) < 1.0);
+                unsigned grey = (unsigned)stereo_wall_level(column, row);
                 assert_true(fabsf(frame->intensity[i] * 255.0f - (float)grey) < 1.01f);
             }
         }

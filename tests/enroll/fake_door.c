@@ -281,8 +281,11 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
         templates += script->people[i].templates;
     }
     return sd_bus_reply_method_return(
-        call, "a{sv}", 13, "sensor-devices", "s",
-        script->sensor_devices ? script->sensor_devices : "", "version", "s",
+        call, "a{sv}", 16, "sensor-devices", "s",
+        script->sensor_devices ? script->sensor_devices : "", "sensor-fault", "s",
+        script->sensor_fault ? script->sensor_fault : "", "sensor-calibration", "s",
+        script->sensor_calibration ? script->sensor_calibration : "", "door-lines", "s",
+        script->door_lines ? script->door_lines : "", "version", "s",
         script->version ? script->version : ISOTHERM_VERSION, "sensor-state", "s",
         script->sensor_state ? script->sensor_state : "started", "door-state", "s",
         script->door_state ? script->door_state : "locked", "model", "s",

@@ -42,10 +42,11 @@ struct fake_script {
     const char *stranger; /* another connection sends this result, as done, before the statuses */
     const struct fake_person *people;
     size_t n_people;
-    const char *sensor_devices;                              /* NULL: none are told of */
-    const char *sensor_state, *door_state, *model, *version; /* NULL: all is well */
-    const char *door, *door_fault;                           /* back end and its lines, so too */
-    unsigned n_records;                                      /* in the log, numbered from 1 */
+    const char *sensor_fault, *sensor_calibration, *door_lines; /* NULL: "" */
+    const char *sensor_devices;                                 /* NULL: none are told of */
+    const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
+    const char *door, *door_fault;                              /* back end and its lines, so too */
+    unsigned n_records;                                         /* in the log, numbered from 1 */
 };
 
 struct fake_door {

@@ -180,12 +180,19 @@ static void doctor_finds_nothing_wrong(void **state)
 
 static void doctor_lists_the_devices_that_the_driver_sees(void **state)
 {
-    const struct fake_script script = {.sensor_devices = "1d27/0600@1/4 (Maker Eye)"};
+    const struct fake_script script = {
+        .sensor_devices = "1d27/0600@1/4 (Maker Eye)",
+        .sensor_calibration = "60.0 mm apart, 0.21 px rms of 24 pairs",
+        .door_lines = "relay GPIO17; contact GPIO5 pull-up"};
     const struct cli_result result = cli_run(&script, "doctor");
 
     (void)state;
     assert_int_equal(result.exit, 0);
     assert_non_null(strstr(result.out, "ok       devices     1d27/0600@1/4 (Maker Eye)\n"));
+    assert_non_null(strstr(result.out, "ok       calibration 60.0 mm apart, 0.21 px rms of 24 "
+                                       "pairs\n"));
+    assert_non_null(strstr(result.out, "ok       lines       gpiod: relay GPIO17; contact GPIO5 "
+                                       "pull-up\n"));
 }
 
 static void doctor_names_each_fault_and_its_remedy(void **state)
@@ -196,6 +203,27 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
         const char *text;
     } cases[] = {
         {{.sensor_state = "lost"}, 4, "fault    sensor      lost\n"},
+        {{.sensor_state = "lost",
+          .sensor_fault = "sensor v4l2: /dev/video0: cannot be opened: Permission denied"},
+         4,
+         "\n                     -> install the board's udev rule"},
+        {{.sensor_state = "lost",
+          .sensor_fault = "sensor v4l2-stereo: option 'calibration' is missing"},
+         4,
+         "\n                     -> calibrate the cameras"},
+        {{.sensor_state = "lost", .sensor_fault = "sensor v4l2: no frame for 5000 ms"},
+         4,
+         "\n                     -> it is silent"},
+        {{.sensor_state = "lost", .sensor_fault = "sensor v4l2: what nobody has seen before"},
+         4,
+         "\n                     -> check its cable and power"},
+        {{.sensor_devices = "/dev/video0 (cannot be opened: Permission denied)"},
+         0,
+         "warning  devices     /dev/video0 (cannot be opened"},
+        {{.sensor_calibration = "60.0 mm apart, 0.83 px rms of 24 pairs"},
+         0,
+         "warning  calibration 60.0 mm apart, 0.83 px"},
+        {{.sensor_calibration = "60.0 mm apart, by hand"}, 0, "warning  calibration 60.0 mm"},
         {{.door_state = "forced"}, 4, "fault    door        forced\n"},
         {{.door_state = "held-open"}, 0, "warning  door        held-open\n"},
         {{.door = "null"}, 0, "warning  lines       null: nothing is switched\n"},

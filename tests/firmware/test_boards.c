@@ -7,6 +7,7 @@
 #include "tests/firmware/cmocka_headers.h"
 
 #include "drivers/door/gpio_line.h"
+#include "drivers/sensor/sensor.h"
 #include "firmware/config.h"
 #include "tests/support/scratch.h"
 
@@ -131,6 +132,36 @@ static void the_overlay_names_the_lines(void **state)
     free(overlay);
 }
 
+static int64_t no_time(void *context)
+{
+    (void)context;
+    return 0;
+}
+
+/* The driver that the board is for takes the options; that there is no such camera here is another
+ * matter. A build without the driver cannot say. */
+static void sensors_are_named_as_their_drivers_want(void **state)
+{
+    static const char *const back_ends[N_BOARDS] = {"openni2", "libcamera-stereo", "openni2",
+                                                    "replay"};
+    const struct iso_clock clock = {no_time, NULL};
+    (void)state;
+    for (int b = 0; b < N_BOARDS; b++) {
+        const struct iso_config config = load(boards[b]);
+        struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+        struct iso_sensor *sensor = NULL;
+        struct iso_fault fault = {""};
+        assert_string_equal(config.sensor.backend, back_ends[b]);
+        const size_t n = iso_config_sensor_options(&config, options);
+        if (iso_sensor_open(config.sensor.backend, options, n, &clock, &sensor, &fault) == 0) {
+            iso_sensor_close(sensor);
+        }
+        if (strstr(fault.text, "option '")) {
+            fail_msg("%s: %s", boards[b], fault.text);
+        }
+    }
+}
+
 static void every_board_is_whole(void **state)
 {
     (void)state;
@@ -153,6 +184,7 @@ int main(void)
         cmocka_unit_test(lines_are_lines),
         cmocka_unit_test(the_tables_say_the_same),
         cmocka_unit_test(the_overlay_names_the_lines),
+        cmocka_unit_test(sensors_are_named_as_their_drivers_want),
         cmocka_unit_test(every_board_is_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

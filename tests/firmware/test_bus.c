@@ -255,6 +255,8 @@ static void tells_its_state(void **state)
         {"sensor-state", "s started"},
         {"sensor-fault", "s "},
         {"sensor-devices", "s "},
+        {"sensor-calibration", "s "},
+        {"door-lines", "s "},
         {"door", "s null"},
         {"door-state", "s unlocked"},
         {"mode", "s watch"},

@@ -2,14 +2,14 @@
 # Prepares what a virtual machine boots: Debian's own kernel and modules (not installed, so that the machine's boot loader is
 # left alone), gpio-sim built from Debian's kernel source (Debian has it switched off), and an initial RAM disk.
 #
-#   kernel.sh CACHE        makes CACHE/{release,vmlinuz,initrd,root/lib/modules,gpio-sim.ko}; does nothing if they are there
+#   kernel.sh CACHE        makes CACHE/{release,vmlinuz,initrd,root/lib/modules,gpio-sim.ko,firmware_path.ko}; does nothing if they are there
 #
 # Needs apt with Debian 12's package lists, a compiler, make, xz, busybox-static, cpio, kmod: the tag `vm` of cmake/packages.txt.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$1"
 cache=$(cd "$1" && pwd)
-complete=$cache/complete-3 # the number rises when this script makes something else
+complete=$cache/complete-5 # the number rises when this script makes something else
 [ ! -e "$complete" ] || exit 0
 
 # linux-image-amd64 depends on one release, such as linux-image-6.1.0-56-amd64.
@@ -41,20 +41,36 @@ unpack() {
 # Two modules of the kernel in one: Debian's kernel lacks the simulated interrupts that gpio-sim stands on. They use one
 # function that modules may not; another way to the same descriptor is open to them.
 build_gpio_sim() {
-    headers=$cache/root/usr/src/linux-headers-$release
     module=$cache/gpio-sim/module
     mkdir -p "$module"
-    sed -i "s#include /usr/src/#include $cache/root/usr/src/#" "$headers/Makefile"
-    cp "$cache/gpio-sim/source/drivers/gpio/gpio-sim.c" "$module/gpio_sim_main.c"
+    # A chip that goes while somebody listens to its lines takes their interrupts with it, and this kernel goes on using them:
+    # after some removals it fails. Here they stay for good, which costs a little memory a removal.
+    sed -e 's/devm_irq_domain_create_sim(dev, /irq_domain_create_sim(/' \
+        -e 's/irq_dispose_mapping(irq_find_mapping(chip->irq_sim, i))/(void)i/' \
+        "$cache/gpio-sim/source/drivers/gpio/gpio-sim.c" >"$module/gpio_sim_main.c"
     cp "$cache/gpio-sim/source/drivers/gpio/gpiolib.h" "$module"
     sed 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/' \
         "$cache/gpio-sim/source/kernel/irq/irq_sim.c" >"$module/irq_sim.c"
     printf 'obj-m := gpio-sim.o\ngpio-sim-y := gpio_sim_main.o irq_sim.o\n' >"$module/Makefile"
-    make -C "$headers" "M=$module" modules >"$cache/gpio-sim.log" 2>&1 || {
-        tail -n 20 "$cache/gpio-sim.log" >&2
+    build_module gpio-sim "$module"
+}
+
+# What libcamera wants of a USB host, and ours lacks.
+build_firmware_path() {
+    module=$cache/gpio-sim/firmware_path
+    mkdir -p "$module"
+    cp "$here/firmware_path.c" "$module"
+    echo 'obj-m := firmware_path.o' >"$module/Makefile"
+    build_module firmware_path "$module"
+}
+
+# build_module NAME DIRECTORY
+build_module() {
+    make -C "$headers" "M=$2" modules >"$cache/$1.log" 2>&1 || {
+        tail -n 20 "$cache/$1.log" >&2
         exit 1
     }
-    cp "$module/gpio-sim.ko" "$cache/gpio-sim.ko"
+    cp "$2/$1.ko" "$cache/$1.ko"
 }
 
 # Just enough to mount the root: busybox and the modules of virtio, 9p and overlay, in the order in which they are loaded.
@@ -76,7 +92,10 @@ make_initrd() {
 
 download
 unpack
+headers=$cache/root/usr/src/linux-headers-$release
+sed -i "s#include /usr/src/#include $cache/root/usr/src/#" "$headers/Makefile"
 build_gpio_sim
+build_firmware_path
 make_initrd
 cp "$cache/root/boot/vmlinuz-$release" "$cache/vmlinuz"
 echo "$release" >"$cache/release"

@@ -4,7 +4,7 @@
 #
 #   run.sh BUILD CACHE [TEST...]     all tests of tests.txt, or those named; logs in BUILD/vm
 #
-# Ends with "N passed, N failed, N skipped"; non-zero if one failed. Where there is no QEMU, all are skipped.
+# As many at a time as there are processors. Ends with "N passed, N failed, N skipped"; non-zero if one failed. Where there is no QEMU, all are skipped.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
@@ -35,16 +35,16 @@ PATH=$PATH:/usr/sbin:/sbin "$here/kernel.sh" "$cache"
 
 # Exit code of the test; 124: it ran out of time, 125: the machine ended without one.
 boot() {
-    name=$1 seconds=$2
+    name=$1 seconds=$2 programs=$3
     rm -f "$build/vm/$name.status"
     # Without AVX, which an emulated processor is slow at.
-    timeout "$seconds" qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 -m 1024 \
+    timeout "$seconds" qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 -m 1536 \
         -nodefaults -no-user-config -display none -no-reboot \
         -serial "file:$build/vm/$name.log" -serial "file:$build/vm/$name.status" \
         -fsdev local,id=root,path=/,security_model=none,readonly=on,multidevs=remap \
         -device virtio-9p-pci,fsdev=root,mount_tag=root \
         -kernel "$cache/vmlinuz" -initrd "$cache/initrd" \
-        -append "console=ttyS0 loglevel=4 panic=-1 vm_inside=$here/inside.sh vm_test=$here/$name.sh vm_build=$build vm_source=$source_dir vm_cache=$cache" \
+        -append "console=ttyS0 loglevel=4 oops=panic panic=-1 vm_inside=$here/inside.sh vm_test=$here/$name.sh vm_build=$programs vm_source=$source_dir vm_cache=$cache" \
         </dev/null >"$build/vm/$name.qemu" 2>&1 || {
         [ $? -ne 124 ] || return 124
         cat "$build/vm/$name.qemu" >&2
@@ -54,24 +54,69 @@ boot() {
     return "${code:-125}"
 }
 
-passed=0 failed=0 skipped=0
-for name in $wanted; do
+# Linux 6.1 releases the media entity of a pulled camera after the media device it belongs to, if the last file on it is
+# closed at the wrong moment (v4l2_device_release): a fault of the kernel that no program can avoid, once in some hundred
+# pulls here. The machine is then started again; any other fault of the kernel fails the test.
+kernel_broke() {
+    grep -q '__media_device_unregister_entity+' "$build/vm/$1.log"
+}
+
+# Runs one test: a line for people, its log if it failed, and the result in BUILD/vm/NAME.result.
+run_one() {
+    name=$1
     seconds=$(awk -v name="$name" '$1 == name { print $2 }' "$here/tests.txt")
-    [ -n "$seconds" ] || {
-        echo "$0: no test '$name' in tests.txt" >&2
-        exit 2
-    }
+    preset=$(awk -v name="$name" '$1 == name { print $3 }' "$here/tests.txt")
+    programs=$build
+    [ "$preset" = - ] || programs=$(dirname "$build")/$preset
     begin=$(date +%s)
     code=0
-    boot "$name" "$seconds" || code=$?
+    if [ -x "$programs/firmware/isothermd" ]; then
+        for boot in 1 2 3; do
+            code=0
+            boot "$name" "$seconds" "$programs" || code=$?
+            [ $code -ne 0 ] && kernel_broke "$name" && [ $boot -lt 3 ] || break
+            echo "$name: the kernel broke in its own release of a pulled camera; boot $((boot + 1))"
+        done
+    else
+        echo "skipped: it needs $programs/firmware/isothermd" >"$build/vm/$name.log"
+        code=77
+    fi
     case $code in
-    0) result=passed passed=$((passed + 1)) ;;
-    77) result=skipped skipped=$((skipped + 1)) ;;
-    *) result="FAILED ($code)" failed=$((failed + 1)) ;;
+    0) result=passed ;;
+    77) result=skipped ;;
+    *) result="FAILED ($code)" ;;
     esac
     printf '%-20s %-13s %3d s\n' "$name" "$result" $(($(date +%s) - begin))
     [ "$code" -ne 77 ] || grep '^skipped: ' "$build/vm/$name.log" || true
     case $code in 0 | 77) ;; *) tail -n 40 "$build/vm/$name.log" ;; esac
+    echo "$result" >"$build/vm/$name.result"
+}
+
+running=0
+for name in $wanted; do
+    grep -q "^$name " "$here/tests.txt" || {
+        echo "$0: no test '$name' in tests.txt" >&2
+        exit 2
+    }
+    rm -f "$build/vm/$name.result"
 done
-echo "$passed passed, $failed failed, $skipped skipped"
+# Whoever is free takes the next that nobody has taken: a folder can be made only once. The table has the long ones first.
+taken=$(mktemp -d)
+jobs=$(nproc)
+while [ $running -lt "$jobs" ]; do
+    for name in $wanted; do
+        ! mkdir "$taken/$name" 2>/dev/null || run_one "$name"
+    done &
+    running=$((running + 1))
+done
+wait
+rm -r "$taken"
+
+tally() {
+    for name in $wanted; do
+        cat "$build/vm/$name.result" 2>/dev/null || echo 'FAILED (no result)'
+    done | grep -c "^$1" || true
+}
+failed=$(tally FAILED)
+echo "$(tally passed) passed, $failed failed, $(tally skipped) skipped"
 [ "$failed" -eq 0 ]

@@ -66,6 +66,34 @@ static int next(struct iso_sensor *sensor, const struct iso_frame **frame, struc
     return iso_sensor_wait(sensor, monotonic_ns(NULL) + 20 * SECOND, frame, fault);
 }
 
+static void expect_frame(struct iso_sensor *sensor)
+{
+    const struct iso_frame *frame = NULL;
+    assert_int_equal(next(sensor, &frame, NULL), 0);
+}
+
+/* Opened, started, and its first frame fetched. */
+static struct iso_sensor *streaming(void)
+{
+    struct iso_sensor *sensor = opened();
+    assert_int_equal(iso_sensor_start(sensor, NULL), 0);
+    expect_frame(sensor);
+    return sensor;
+}
+
+/* After a few frames at most, which were under way, it fails as it should. */
+static void expect_failure(struct iso_sensor *sensor, int expected, const char *words)
+{
+    const struct iso_frame *frame = NULL;
+    struct iso_fault fault = {""};
+    int error = 0;
+    for (int i = 0; !error && i < 20; i++) {
+        error = next(sensor, &frame, &fault);
+    }
+    assert_int_equal(error, expected);
+    assert_non_null(strstr(fault.text, words));
+}
+
 /* Sets a control of a camera by its name. */
 static void set_control(const char *path, const char *name, int value)
 {
@@ -139,19 +167,10 @@ static void one_camera_serves_one_sensor(void **state)
 static void a_damaged_picture_is_reported_and_the_next_is_good(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = opened();
-    const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
-    assert_int_equal(iso_sensor_start(sensor, NULL), 0);
-    assert_int_equal(next(sensor, &frame, NULL), 0);
+    struct iso_sensor *sensor = streaming();
     set_control("/dev/video1", "Inject V4L2_BUF_FLAG_ERROR", 1);
-    int error = 0;
-    for (int i = 0; !error && i < 20; i++) {
-        error = next(sensor, &frame, &fault);
-    }
-    assert_int_equal(error, -EBADMSG);
-    assert_non_null(strstr(fault.text, "/dev/video1: picture"));
-    assert_int_equal(next(sensor, &frame, NULL), 0);
+    expect_failure(sensor, -EBADMSG, "/dev/video1: picture");
+    expect_frame(sensor);
     iso_sensor_close(sensor);
 }
 
@@ -174,21 +193,12 @@ static void dropped_pictures_are_gaps(void **state)
 static void a_stream_that_breaks_is_started_again(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = opened();
-    const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
-    assert_int_equal(iso_sensor_start(sensor, NULL), 0);
-    assert_int_equal(next(sensor, &frame, NULL), 0);
+    struct iso_sensor *sensor = streaming();
     set_control("/dev/video0", "Inject Fatal Streaming Error", 1);
-    int error = 0;
-    for (int i = 0; !error && i < 20; i++) {
-        error = next(sensor, &frame, &fault);
-    }
-    assert_int_equal(error, -EIO);
-    assert_non_null(strstr(fault.text, "/dev/video0: the stream broke"));
+    expect_failure(sensor, -EIO, "/dev/video0: the stream broke");
     assert_int_equal(iso_sensor_stop(sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
-    assert_int_equal(next(sensor, &frame, NULL), 0);
+    expect_frame(sensor);
     iso_sensor_close(sensor);
 }
 
@@ -196,18 +206,9 @@ static void a_stream_that_breaks_is_started_again(void **state)
 static void a_pulled_cable_is_a_lost_device(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = opened();
-    const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
-    assert_int_equal(iso_sensor_start(sensor, NULL), 0);
-    assert_int_equal(next(sensor, &frame, NULL), 0);
+    struct iso_sensor *sensor = streaming();
     set_control("/dev/video1", "Disconnect", 1);
-    int error = 0;
-    for (int i = 0; !error && i < 20; i++) {
-        error = next(sensor, &frame, &fault);
-    }
-    assert_int_equal(error, -ENODEV);
-    assert_non_null(strstr(fault.text, "/dev/video1: the device is gone"));
+    expect_failure(sensor, -ENODEV, "/dev/video1: the device is gone");
     assert_int_equal(iso_sensor_health(sensor).state, ISO_SENSOR_LOST);
     iso_sensor_close(sensor);
 }

@@ -1,0 +1,44 @@
+#!/bin/sh
+# The daemon under the address sanitizer while cables are pulled, cameras stall and lines go: it stays, and at its end nothing
+# has leaked.
+. "$VM_SOURCE/tests/vm/usb_camera.sh"
+. "$VM_SOURCE/tests/vm/daemon.sh"
+
+# A small picture of nothing: what is tried here is not faces.
+mkdir -p wall
+cat >wall/recording.ini <<END
+[recording]
+format = 1
+sensor = astra
+[depth]
+projection = pinhole
+width_px = 160
+height_px = 120
+fx_px = 144
+fy_px = 144
+cx_px = 79.5
+cy_px = 59.5
+unit_mm = 1
+END
+configure "backend = v4l2
+device = /dev/video0
+camera = $VM_DIRECTORY/wall/recording.ini
+silence_ms = 1000
+retry_ms = 50
+retry_max_ms = 200" <<END
+[door]
+unlock_ms = 1000
+retry_ms = 50
+END
+export ASAN_OPTIONS=exitcode=66:detect_leaks=1
+start
+told 'the daemon answers'
+"$VM_BUILD/tests/vm/vm_usb_endurance" || die 'see above'
+kill -0 $daemon || die 'the daemon has ended'
+kill -TERM $daemon
+code=0
+wait $daemon || code=$?
+! grep -A 40 'Sanitizer' daemon.log || die 'the sanitizer has something to say'
+[ $code -eq 0 ] || die "the daemon ends with $code"
+is_at $RELAY 0 || die 'the relay is on after the end'
+told "the same daemon all the time; no leak"

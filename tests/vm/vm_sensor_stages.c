@@ -1,0 +1,364 @@
+/* The stages of the sensor contract whose cameras the kernel drives: USB cameras that are programs,
+ * behind the unmodified uvcvideo and libcamera. */
+#include <errno.h>
+#include <linux/videodev2.h>
+#include <math.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "drivers/stereo/calibration.h"
+#include "drivers/stereo/stereo.h"
+#include "tests/drivers/sensor_contract.h"
+#include "tests/support/camera_bench.h"
+#include "tests/support/scratch.h"
+#include "tests/support/stereo_wall.h"
+#include "tests/support/stored_frames.h"
+#include "tests/vm/usb_bench.h"
+#include "tests/vm/usb_camera.h"
+
+#define SHOT_NS INT64_C(33333333)
+
+static void add_option(struct sensor_scene *scene, const char *key, const char *value)
+{
+    scene->options[scene->n_options++] = (struct iso_option){key, value};
+}
+
+enum { NODE_MAX = 64 };
+
+/* The option's text is the stage's own: free_nodes. */
+static void add_node(struct sensor_scene *scene, const char *key, const char *node)
+{
+    char *text = test_malloc(NODE_MAX);
+    (void)snprintf(text, NODE_MAX, "%s", node);
+    assert_string_not_equal(text, "");
+    add_option(scene, key, text);
+}
+
+static void free_nodes(struct sensor_scene *scene, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        test_free((void *)(uintptr_t)scene->options[i].value);
+    }
+}
+
+/* ---- v4l2: a bench with a camera at USB ---- */
+
+static void set_up_bench(struct sensor_scene *scene, double unit_mm, bool intensity)
+{
+    struct usb_bench *bench = NULL;
+    struct iso_fault fault = {""};
+    const char *recording = scratch_path(scene->scratch, "recording");
+    const char *directory = scratch_path(scene->scratch, "bench");
+    stored_frames_write_plain(recording, SENSOR_STAGE_FRAMES, unit_mm, intensity);
+    scene->shutter_fd = camera_bench_make(directory, recording, true);
+    scene->unit_mm = unit_mm;
+    scene->intensity = intensity;
+    if (usb_bench_new(directory, intensity, &bench, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    scene->world = bench;
+    add_node(scene, "device", usb_bench_node(bench, 0));
+    if (intensity) {
+        add_node(scene, "ir_device", usb_bench_node(bench, 1));
+    }
+    add_option(scene, "camera", scratch_path(directory, "camera.ini"));
+    add_option(scene, "pair_ms", "1000"); /* a press is a pair, however slow the machine is */
+}
+
+static void set_up_depth(struct sensor_scene *scene)
+{
+    set_up_bench(scene, 0.1, false);
+}
+
+static void set_up_depth_and_infrared(struct sensor_scene *scene)
+{
+    set_up_bench(scene, 1.0, true);
+}
+
+static void leave_bench(struct sensor_scene *scene)
+{
+    usb_bench_free(scene->world);
+    camera_bench_leave(scene->shutter_fd);
+    free_nodes(scene, scene->intensity ? 2 : 1);
+}
+
+static void press(struct sensor_scene *scene)
+{
+    scene->now_ns += SHOT_NS;
+    camera_bench_press(scene->shutter_fd);
+}
+
+static void lose(struct sensor_scene *scene, int stored)
+{
+    (void)stored; /* the one whose turn it is */
+    camera_bench_lose(scene->shutter_fd);
+}
+
+static void plug(struct sensor_scene *scene, bool in)
+{
+    camera_bench_plug(scratch_path(scene->scratch, "bench"), in);
+}
+
+static const struct sensor_stage depth = {
+    .name = "v4l2: Z16 at USB",
+    .back_end = "v4l2",
+    .set_up = set_up_depth,
+    .tear_down = leave_bench,
+    .offer = press,
+    .lose = lose,
+    .plug = plug,
+};
+
+static const struct sensor_stage depth_and_infrared = {
+    .name = "v4l2: Z16 and Y16 at USB",
+    .back_end = "v4l2",
+    .set_up = set_up_depth_and_infrared,
+    .tear_down = leave_bench,
+    .offer = press,
+    .lose = lose,
+    .plug = plug,
+};
+
+/* ---- stereo: two grey cameras before a wall that comes nearer ---- */
+
+struct eyes {
+    struct usb_camera *cameras[ISO_EYES];
+    atomic_int next; /* picture */
+    struct iso_stereo *stereo;
+    struct iso_frame *expected;
+};
+
+static int disparity_px(int stored)
+{
+    return 40 + 4 * stored;
+}
+
+static void on_start(void *context, int n)
+{
+    struct eyes *eyes = context;
+    if (n > 0) {
+        atomic_store(&eyes->next, 0);
+    }
+}
+
+/* What our own matcher makes of the same pictures, with the options that a sensor has by default.
+ */
+static void prepare_matcher(struct eyes *eyes, const char *rig)
+{
+    struct iso_stereo_calibration calibration;
+    const struct iso_stereo_options options = iso_stereo_options_default();
+    assert_int_equal(iso_stereo_calibration_read(rig, &calibration, NULL), 0);
+    assert_int_equal(iso_stereo_new(&calibration, &options, &eyes->stereo, NULL), 0);
+    assert_int_equal(iso_frame_new(&iso_stereo_rectification(eyes->stereo)->camera, WALL_WIDTH,
+                                   WALL_HEIGHT, true, &eyes->expected),
+                     0);
+}
+
+/* One after the other, so that the nodes are those of before. */
+static void plug_eyes(struct sensor_scene *scene, bool in)
+{
+    struct eyes *eyes = scene->world;
+    for (int i = 0; i < ISO_EYES; i++) {
+        assert_int_equal(usb_camera_plug(eyes->cameras[i], in, NULL), 0);
+        if (in) {
+            (void)usb_camera_node(eyes->cameras[i], 0);
+        }
+    }
+}
+
+static struct eyes *set_up_eyes(struct sensor_scene *scene)
+{
+    struct eyes *eyes = test_calloc(1, sizeof *eyes);
+    struct iso_fault fault = {""};
+    const char *rig = scratch_path(scene->scratch, "rig.ini");
+    stereo_wall_write_rig(rig);
+    prepare_matcher(eyes, rig);
+    for (unsigned i = 0; i < ISO_EYES; i++) {
+        const struct usb_camera_options options = {
+            .serial = i == ISO_EYE_LEFT ? "LEFT" : "RIGHT",
+            .port = i,
+            .n_streams = 1,
+            .streams = {{V4L2_PIX_FMT_GREY, WALL_WIDTH, WALL_HEIGHT}},
+            .started = i == ISO_EYE_LEFT ? on_start : NULL,
+            .context = eyes,
+        };
+        if (usb_camera_new(&options, &eyes->cameras[i], &fault)) {
+            fail_msg("%s", fault.text);
+        }
+    }
+    scene->world = eyes;
+    scene->intensity = true;
+    plug_eyes(scene, true);
+    return eyes;
+}
+
+static void set_up_v4l2_stereo(struct sensor_scene *scene)
+{
+    struct eyes *eyes = set_up_eyes(scene);
+    add_node(scene, "left", usb_camera_node(eyes->cameras[ISO_EYE_LEFT], 0));
+    add_node(scene, "right", usb_camera_node(eyes->cameras[ISO_EYE_RIGHT], 0));
+    add_option(scene, "calibration", scratch_path(scene->scratch, "rig.ini"));
+    add_option(scene, "pair_ms", "1000");
+}
+
+static void leave_eyes(struct sensor_scene *scene)
+{
+    struct eyes *eyes = scene->world;
+    usb_camera_free(eyes->cameras[ISO_EYE_LEFT]);
+    usb_camera_free(eyes->cameras[ISO_EYE_RIGHT]);
+    iso_stereo_free(eyes->stereo);
+    iso_frame_free(eyes->expected);
+    test_free(eyes);
+    free_nodes(scene, ISO_EYES);
+}
+
+static void make_pair(int stored, uint8_t *left, uint8_t *right)
+{
+    stereo_wall_picture(0, left);
+    stereo_wall_picture(-disparity_px(stored), right);
+}
+
+static void shoot(struct sensor_scene *scene, bool spoilt)
+{
+    static uint8_t pictures[ISO_EYES][WALL_WIDTH * WALL_HEIGHT];
+    struct eyes *eyes = scene->world;
+    make_pair(atomic_fetch_add(&eyes->next, 1), pictures[ISO_EYE_LEFT], pictures[ISO_EYE_RIGHT]);
+    for (int i = 0; i < ISO_EYES; i++) {
+        usb_camera_shoot(eyes->cameras[i], 0, pictures[i], spoilt);
+    }
+}
+
+static void shoot_pair(struct sensor_scene *scene)
+{
+    scene->now_ns += SHOT_NS;
+    shoot(scene, false);
+}
+
+static void spoil_pair(struct sensor_scene *scene, int stored)
+{
+    (void)stored;
+    shoot(scene, true);
+}
+
+static void expect_wall(const struct sensor_scene *scene, const struct iso_frame *frame, int stored)
+{
+    static uint8_t left[WALL_WIDTH * WALL_HEIGHT], right[WALL_WIDTH * WALL_HEIGHT];
+    const struct eyes *eyes = scene->world;
+    const size_t bytes = sizeof(float) * WALL_WIDTH * WALL_HEIGHT;
+    const size_t middle = WALL_HEIGHT / 2 * WALL_WIDTH + 3 * WALL_WIDTH / 4;
+    const double z_mm = (double)WALL_FOCAL_PX * WALL_BASELINE_MM / disparity_px(stored);
+    make_pair(stored, left, right);
+    assert_int_equal(iso_stereo_compute(eyes->stereo, left, right, NULL, eyes->expected), 0);
+    assert_int_equal(frame->width_px, WALL_WIDTH);
+    assert_int_equal(frame->height_px, WALL_HEIGHT);
+    assert_memory_equal(frame->depth_mm, eyes->expected->depth_mm, bytes);
+    assert_memory_equal(frame->intensity, eyes->expected->intensity, bytes);
+    assert_true(fabs((double)frame->depth_mm[middle] - z_mm) < 2.0); /* and that is the wall */
+}
+
+static const struct sensor_stage v4l2_stereo = {
+    .name = "v4l2-stereo: two GREY at USB",
+    .back_end = "v4l2-stereo",
+    .set_up = set_up_v4l2_stereo,
+    .tear_down = leave_eyes,
+    .offer = shoot_pair,
+    .lose = spoil_pair,
+    .plug = plug_eyes,
+    .expect = expect_wall,
+};
+
+#ifdef ISOTHERM_LIBCAMERA
+/* ---- the same through libcamera ---- */
+
+/* What libcamera calls the camera at each port: \\VHCI-1-1:1.0-1d6b:0102 and so on. */
+struct names {
+    char ids[ISO_EYES][NODE_MAX];
+};
+
+static void note_name(const struct iso_sensor_device *device, void *context)
+{
+    struct names *names = context;
+    for (int i = 0; i < ISO_EYES; i++) {
+        char port[16];
+        (void)snprintf(port, sizeof port, "-%d:1.0-", i + 1);
+        if (strstr(device->id, port)) {
+            (void)snprintf(names->ids[i], NODE_MAX, "%.63s", device->id);
+        }
+    }
+}
+
+/* libcamera sees what udev has come to terms with. */
+static void settle(void)
+{
+    assert_int_equal(system("udevadm settle --timeout=60"), 0);
+}
+
+static void plug_settled(struct sensor_scene *scene, bool in)
+{
+    plug_eyes(scene, in);
+    settle();
+}
+
+/* libcamera gives the kernel its buffers a little after the start, in a thread of its own, and
+ * there is nothing to wait on: pictures of before that have nowhere to go. What is waited for is
+ * counted in work, not in time: on a busy host both are slow. */
+static void wait_for_buffers(const struct sensor_scene *scene)
+{
+    struct eyes *eyes = scene->world;
+    for (int i = 0; atomic_load(&eyes->next) == 0 && i < 100; i++) {
+        for (volatile int work = 0; work < 100000; work++) {
+        }
+        (void)poll(NULL, 0, 2);
+    }
+}
+
+static void shoot_buffered(struct sensor_scene *scene)
+{
+    wait_for_buffers(scene);
+    shoot_pair(scene);
+}
+
+static void set_up_libcamera(struct sensor_scene *scene)
+{
+    struct names names = {{""}};
+    (void)set_up_eyes(scene);
+    settle();
+    assert_int_equal(iso_sensor_probe("libcamera-stereo", note_name, &names, NULL), 0);
+    add_node(scene, "left", names.ids[ISO_EYE_LEFT]);
+    add_node(scene, "right", names.ids[ISO_EYE_RIGHT]);
+    add_option(scene, "calibration", scratch_path(scene->scratch, "rig.ini"));
+    add_option(scene, "pair_ms", "1000");
+}
+
+/* It cannot show a lost picture: uvcvideo puts the buffer of one that it drops behind the others,
+ * and libcamera 0.0.3 completes requests in the order in which they were made, so that nothing
+ * comes until that buffer is filled, and then not in order, which the class refuses (-EBADMSG). */
+static const struct sensor_stage libcamera = {
+    .name = "libcamera-stereo: two GREY at USB",
+    .back_end = "libcamera-stereo",
+    .set_up = set_up_libcamera,
+    .tear_down = leave_eyes,
+    .offer = shoot_buffered,
+    .plug = plug_settled,
+    .expect = expect_wall,
+};
+#endif
+
+const struct sensor_stage *const sensor_stages[] = {
+    &depth,     &depth_and_infrared, &v4l2_stereo,
+#ifdef ISOTHERM_LIBCAMERA
+    &libcamera,
+#endif
+    NULL,
+};
+
+const char *const sensor_stages_elsewhere[] = {"replay", "openni2", NULL};
