@@ -5,15 +5,17 @@
 #   make vm-check runs the tests that need devices of a kernel, in virtual machines
 #   make bench    milliseconds per stage from frame to verdict; heat beside its peers
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
+#   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make clean    removes what the others made
 
 PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 20
 FUZZ_SEED ?= 1
+KILLS ?= 1000
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check bench fuzz install clean
+.PHONY: demo check vm-check bench fuzz kills install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -45,6 +47,12 @@ fuzz:
 	cmake --preset fuzz
 	cmake --build --preset fuzz
 	tests/fuzz/run.sh build/fuzz $(FUZZ_SECONDS) $(FUZZ_SEED)
+
+kills:
+	cmake/install_packages.sh build test
+	cmake --preset dev
+	cmake --build --preset dev --target kill_stores
+	build/dev/tests/firmware/kill_stores $(KILLS)
 
 install:
 	cmake/install_packages.sh build

@@ -11,6 +11,18 @@
  *   DeletePerson(s person)
  *   GetStatus() -> a{sv}                 the keys below
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each
+ *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
+ *                                        looks at every record; sequence and head are those of an
+ *                                        earlier report, head "" if there is none
+ *   ExportPeople(h file, as people, a{sv} options) -> u people
+ *                                        writes a sealed file; no people: all. Options: "to" s, the
+ *                                        address of an appliance; else "key" ay, "salt" ay
+ *   ImportPeople(h file, a{sv} options) -> u added, u known
+ *                                        takes people over from such a file; who is known here
+ *                                        stays as is, but with "replace" b. Options: "from" s, the
+ *                                        address that has to have signed it; "key" ay
+ *   RotateKeys() -> s                    seals everything with new keys; a remark, or ""
+ *   GetAddress() -> s                    of this appliance, 128 hexadecimal digits
  *   AimStart()  AimStop()                from now on View signals are sent to the caller; they end
  *                                        with AimStop or when it leaves the bus
  *
@@ -55,9 +67,13 @@
  * + "landmark-sigma-mm" d of the least certain landmark, + "expression" d (its strength in standard
  * deviations), + "speed-mm-s" d and + "speed-deg-s" d. Nothing of it tells one face from another.
  *
+ * A file of exported people begins with ISO_CONTRACT_PEOPLE_MAGIC; at ..._LOCK_AT stands who can
+ * open it. The key of a passphrase is 32 bytes of Argon2id (crypto_pwhash of libsodium, 3 passes,
+ * 256 MiB) with the salt at ..._SALT_AT.
+ *
  * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
  * apply, "monotonic_ns", "person", "verdict", "reason", "score", "threshold", "frames",
- * "attack_frames", "note". */
+ * "attack_frames", "sensor", "gallery" (which one, ":" and how often it was changed), "note". */
 #ifndef ISO_CORE_CONTRACT_H
 #define ISO_CORE_CONTRACT_H
 
@@ -78,6 +94,11 @@
 #define ISO_CONTRACT_DELETE_PERSON  "DeletePerson"
 #define ISO_CONTRACT_GET_STATUS     "GetStatus"
 #define ISO_CONTRACT_READ_LOG       "ReadLog"
+#define ISO_CONTRACT_VERIFY_LOG     "VerifyLog"
+#define ISO_CONTRACT_EXPORT_PEOPLE  "ExportPeople"
+#define ISO_CONTRACT_IMPORT_PEOPLE  "ImportPeople"
+#define ISO_CONTRACT_ROTATE_KEYS    "RotateKeys"
+#define ISO_CONTRACT_GET_ADDRESS    "GetAddress"
 #define ISO_CONTRACT_AIM_START      "AimStart"
 #define ISO_CONTRACT_AIM_STOP       "AimStop"
 
@@ -85,6 +106,24 @@
 #define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"
 #define ISO_CONTRACT_VALID_FROM      "valid-from"
 #define ISO_CONTRACT_VALID_UNTIL     "valid-until"
+
+/* Options of ExportPeople and ImportPeople. */
+#define ISO_CONTRACT_TO      "to"
+#define ISO_CONTRACT_FROM    "from"
+#define ISO_CONTRACT_KEY     "key"
+#define ISO_CONTRACT_SALT    "salt"
+#define ISO_CONTRACT_REPLACE "replace"
+
+/* Files of exported people. */
+#define ISO_CONTRACT_PEOPLE_MAGIC "ISOPEOP1"
+enum {
+    ISO_CONTRACT_PEOPLE_LOCK_AT = 8,
+    ISO_CONTRACT_PEOPLE_PASSPHRASE = 1,
+    ISO_CONTRACT_PEOPLE_APPLIANCE = 2,
+    ISO_CONTRACT_PEOPLE_SALT_AT = 16,
+    ISO_CONTRACT_PEOPLE_PASSES = 3,
+    ISO_CONTRACT_PEOPLE_MEMORY_BYTES = 256 << 20,
+};
 
 /* Signals. */
 #define ISO_CONTRACT_ENROLL_STATUS   "EnrollStatus"
@@ -118,6 +157,7 @@
 #define ISO_CONTRACT_ERROR_INVALID_NAME     "org.isotherm.Error.InvalidName"
 #define ISO_CONTRACT_ERROR_INVALID_ARGUMENT "org.isotherm.Error.InvalidArgument"
 #define ISO_CONTRACT_ERROR_GALLERY_FULL     "org.isotherm.Error.GalleryFull"
+#define ISO_CONTRACT_ERROR_REJECTED         "org.isotherm.Error.Rejected"
 #define ISO_CONTRACT_ERROR_DEVICE_FAULT     "org.isotherm.Error.DeviceFault"
 #define ISO_CONTRACT_ERROR_INTERNAL         "org.isotherm.Error.Internal"
 

@@ -19,9 +19,12 @@ static const struct verb {
     [CLI_LIST] = {"list", "", "list the enrolled people"},
     [CLI_REMOVE] = {"remove", "NAME", "delete NAME and every template of NAME"},
     [CLI_STATUS] = {"status", "", "show the state of the appliance"},
-    [CLI_LOG] = {"log", "", "show the audit log"},
+    [CLI_LOG] = {"log", "[verify]", "show the audit log, or say whether it is sound"},
     [CLI_DOCTOR] = {"doctor", "", "look for faults and say how to mend them"},
     [CLI_AIM] = {"aim", "", "show what the sensor sees, to place and turn it"},
+    [CLI_EXPORT] = {"export", "FILE", "write people into a sealed file, for another door"},
+    [CLI_IMPORT] = {"import", "FILE", "take people over from such a file"},
+    [CLI_KEY] = {"key", "rotate|address", "seal everything with new keys; show the address"},
 };
 
 enum option_id {
@@ -37,6 +40,11 @@ enum option_id {
     OPTION_FROM,
     OPTION_COUNT,
     OPTION_FOLLOW,
+    OPTION_HEAD,
+    OPTION_ADDRESS,
+    OPTION_PASSPHRASE_FILE,
+    OPTION_PERSON,
+    OPTION_REPLACE,
 };
 
 static const struct choice {
@@ -57,6 +65,14 @@ static const struct choice {
     {"from", "N", OPTION_FROM, FOR(CLI_LOG), "begin at record N"},
     {"count", "N", OPTION_COUNT, FOR(CLI_LOG), "also -n N: at most N records (20; the last ones)"},
     {"follow", NULL, OPTION_FOLLOW, FOR(CLI_LOG), "go on with new records until interrupted"},
+    {"head", "N:HEX", OPTION_HEAD, FOR(CLI_LOG),
+     "verify: what an earlier verify gave, to find a log that was put back"},
+    {"address", "A", OPTION_ADDRESS, FOR(CLI_EXPORT) | FOR(CLI_IMPORT),
+     "export: who can open it; import: who has to have signed it"},
+    {"passphrase-file", "F", OPTION_PASSPHRASE_FILE, FOR(CLI_EXPORT) | FOR(CLI_IMPORT),
+     "take the passphrase from the first line of F"},
+    {"person", "NAME", OPTION_PERSON, FOR(CLI_EXPORT), "only this one; may be repeated"},
+    {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
     {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
     {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
     {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
@@ -105,6 +121,33 @@ static bool parse_seconds(const char *text, double *out)
     return true;
 }
 
+/* Those of export, import and log verify. */
+static bool take_transfer(struct cli_arguments *out, enum option_id id, const char *value)
+{
+    switch (id) {
+    case OPTION_HEAD:
+        out->head = value;
+        return *value != '\0';
+    case OPTION_ADDRESS:
+        out->address = value;
+        return *value != '\0';
+    case OPTION_PASSPHRASE_FILE:
+        out->passphrase_file = value;
+        return *value != '\0';
+    case OPTION_PERSON:
+        if (out->n_people == CLI_PEOPLE_MAX) {
+            return false;
+        }
+        out->people[out->n_people++] = value;
+        return *value != '\0';
+    case OPTION_REPLACE:
+        out->replace = true;
+        return true;
+    default:
+        return false;
+    }
+}
+
 /* Takes one option that belongs to the table; false if its value is bad. */
 static bool take(struct cli_arguments *out, enum option_id id, const char *value)
 {
@@ -141,8 +184,9 @@ static bool take(struct cli_arguments *out, enum option_id id, const char *value
     case OPTION_FOLLOW:
         out->follow = true;
         return true;
+    default:
+        return take_transfer(out, id, value);
     }
-    return false;
 }
 
 static const struct choice *find_choice(int id)
@@ -212,14 +256,18 @@ static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments
     if (out->verb == CLI_VERBS) {
         return usage(fault, "unknown command", words[0]);
     }
-    const int wanted = 1 + (*verbs[out->verb].words != '\0');
-    if (n_words < wanted && !out->help) {
-        return usage(fault, "a NAME is missing after", words[0]);
+    const char *takes = verbs[out->verb].words;
+    const int most = 1 + (*takes != '\0'), least = *takes == '[' ? 1 : most;
+    if (n_words < least && !out->help) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "a %s is missing after '%s' (see isotherm --help)",
+                             strchr(takes, '|') ? "word" : takes, words[0]);
     }
-    if (n_words > wanted) {
-        return usage(fault, "superfluous word", words[wanted]);
+    if (n_words > most) {
+        return usage(fault, "superfluous word", words[most]);
     }
-    out->person = n_words > 1 ? words[1] : NULL;
+    out->word = n_words > 1 ? words[1] : NULL;
+    out->person = out->word;
     return CLI_EXIT_OK;
 }
 
@@ -275,7 +323,7 @@ void cli_arguments_help(enum cli_verb verb, FILE *out)
               "A client of the face recognition appliance isothermd.\n\nCommands:\n",
               out);
         for (size_t i = 0; i < CLI_VERBS; i++) {
-            fprintf(out, "  %-8s %-9s %s\n", verbs[i].name, verbs[i].words, verbs[i].summary);
+            fprintf(out, "  %-8s %-14s %s\n", verbs[i].name, verbs[i].words, verbs[i].summary);
         }
     } else {
         fprintf(out, "Usage: isotherm %s%s%s [OPTION...]\n%c%s.\n", verbs[verb].name,

@@ -20,20 +20,31 @@ enum cli_verb {
     CLI_LOG,
     CLI_DOCTOR,
     CLI_AIM,
+    CLI_EXPORT,
+    CLI_IMPORT,
+    CLI_KEY,
     CLI_VERBS /* none given */
 };
+
+enum { CLI_PEOPLE_MAX = 64 };
 
 struct cli_arguments {
     enum cli_verb verb;
     const char *person; /* for the commands that take a NAME */
+    const char *word;   /* what stands behind the command, a NAME or other; NULL: nothing */
     bool help, version, json;
     struct cli_bus bus;
-    double timeout_s;                    /* 0: the command's own */
-    bool allow_duplicate;                /* enroll */
-    int64_t valid_from_s, valid_until_s; /* enroll: since 1970, 0: no limit */
-    uint64_t from;                       /* log: a sequence number; 0: not given */
-    unsigned count;                      /* log: records at most; 0: not given */
-    bool follow;                         /* log */
+    double timeout_s;                      /* 0: the command's own */
+    bool allow_duplicate;                  /* enroll */
+    int64_t valid_from_s, valid_until_s;   /* enroll: since 1970, 0: no limit */
+    uint64_t from;                         /* log: a sequence number; 0: not given */
+    unsigned count;                        /* log: records at most; 0: not given */
+    bool follow;                           /* log */
+    const char *head;                      /* log verify: of an earlier report; NULL: not given */
+    const char *address, *passphrase_file; /* export, import; NULL: not given */
+    const char *people[CLI_PEOPLE_MAX];    /* export: these; none: all */
+    size_t n_people;
+    bool replace; /* import */
 };
 
 /* Reads argv, options and words in any order. The texts of *out point into argv. With --help or

@@ -166,6 +166,12 @@ static enum cli_exit follow(struct cli_door *door, const struct cli_arguments *a
 enum cli_exit cli_log(struct cli_door *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
+    if (arguments->word) {
+        return strcmp(arguments->word, "verify") == 0
+                   ? cli_log_verify(door, arguments, fault)
+                   : cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                                   "log takes 'verify' or nothing, not '%s'", arguments->word);
+    }
     const unsigned count = arguments->count ? arguments->count : DEFAULT_COUNT;
     uint64_t from = arguments->from;
     json_t *records = json_array();

@@ -21,6 +21,14 @@ enum cli_exit cli_status(struct cli_door *door, const struct cli_arguments *argu
                          struct cli_fault *fault);
 enum cli_exit cli_log(struct cli_door *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
+enum cli_exit cli_log_verify(struct cli_door *door, const struct cli_arguments *arguments,
+                             struct cli_fault *fault);
+enum cli_exit cli_export(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
+enum cli_exit cli_import(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
+enum cli_exit cli_key(struct cli_door *door, const struct cli_arguments *arguments,
+                      struct cli_fault *fault);
 enum cli_exit cli_aim(struct cli_door *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
 

@@ -136,6 +136,7 @@ void iso_appliance_free(struct iso_appliance *appliance)
     if (appliance) {
         iso_sensor_keeper_done(&appliance->keeper);
         iso_enrolment_wipe(&appliance->enrolment);
+        explicit_bzero(appliance, sizeof *appliance); /* the frame worked on last */
         free(appliance);
     }
 }
@@ -175,11 +176,31 @@ static void init_watch(struct iso_appliance *appliance)
     iso_attack_tally_init(&appliance->attacks, decision.refractory_ns, attack_longest_ns);
 }
 
-static void record_start(struct iso_appliance *appliance)
+void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
+                                   const char *note)
 {
-    struct iso_audit_record record = iso_audit_record_of("start");
-    record.note = ISOTHERM_VERSION;
+    const struct iso_gallery_version version = iso_gallery_version(appliance->parts.gallery);
+    struct iso_audit_record record = iso_audit_record_of(event);
+    record.gallery = version.gallery;
+    record.gallery_changes = version.changes;
+    record.note = note;
     (void)iso__appliance_record(appliance, &record);
+}
+
+/* Nobody is named: that goes to a log which is not sealed. */
+static void tell_unusable(struct iso_appliance *appliance)
+{
+    size_t n = 0, unusable = 0;
+    const struct iso_person *people = iso_gallery_people(appliance->parts.gallery, &n);
+    for (size_t i = 0; i < n; i++) {
+        unusable += people[i].usable == 0;
+    }
+    if (unusable > 0) {
+        iso__appliance_say(appliance, LOG_WARNING,
+                           "%zu of %zu people have templates of another algorithm only and are "
+                           "not recognised until they are enrolled anew",
+                           unusable, n);
+    }
 }
 
 /* The first try to open the sensor: whether its configuration is one that can ever work. */
@@ -214,7 +235,8 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     appliance->start_ns = now_ns;
     init_watch(appliance);
     init_door(appliance);
-    record_start(appliance);
+    iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
+    tell_unusable(appliance);
     tell_image_check(appliance);
     const int error = first_look(appliance, now_ns, fault);
     if (error) {

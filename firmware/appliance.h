@@ -83,6 +83,7 @@ struct iso_appliance_parts {
     struct iso_pipeline pipeline;
     struct iso_door_io *door_io;
     const struct iso_cards *cards; /* sent to an access controller; NULL: there is none */
+    struct iso_key_ring *ring;     /* of gallery and log */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_appliance_events events;

@@ -225,11 +225,13 @@ static int keep(struct iso_appliance *appliance)
     error = iso_gallery_add(appliance->parts.gallery, &appliance->person,
                             &appliance->enrolment.fused, &fault);
     if (error) {
-        iso__appliance_say(appliance, LOG_ERR, "%s is not enrolled: %s", appliance->person.name,
-                           fault.text);
+        iso__appliance_say(appliance, LOG_ERR, "an enrolment could not be stored: %s",
+                           strerror(-error));
         (void)record_enrolment(appliance, "not-stored", fault.text);
+        return error;
     }
-    return error;
+    iso__appliance_record_gallery(appliance, "gallery", NULL);
+    return 0;
 }
 
 static const char *duplicate_name(const struct iso_appliance *appliance)
@@ -387,6 +389,8 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
     if (error) {
         record.reason = "not-deleted";
         (void)iso__appliance_record(appliance, &record);
+        return error;
     }
-    return error;
+    iso__appliance_record_gallery(appliance, "gallery", NULL);
+    return 0;
 }

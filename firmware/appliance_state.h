@@ -56,6 +56,11 @@ void iso__appliance_complain(struct iso_appliance *appliance, const char *text);
 /* Writes a record; a failure is told to the system's log, and returned. */
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record);
 
+/* Puts on record which gallery this is, and how often it was changed: `event` is "gallery" behind a
+ * change, "start" before all. */
+void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
+                                   const char *note);
+
 /* ---- frames (appliance_frame.c) ---- */
 
 /* A frame has come, or until t_ns none. */

@@ -48,6 +48,7 @@ static void record_verdict(struct iso_appliance *appliance, const char *person,
     record.score = verdict->score;
     record.threshold = iso_config_threshold(appliance->parts.config);
     record.frames = verdict->frames;
+    record.sensor = appliance->keeper.sensor ? "started" : "lost";
     char image[ISO_IMAGE_TALLY_TEXT_SIZE];
     if (iso_image_tally_text(&appliance->image, image)) {
         record.note = image;
@@ -88,7 +89,7 @@ static void send_card(struct iso_appliance *appliance, const char *person)
         return; /* a fault lasts: nobody is let in, here or there */
     }
     if (!card) {
-        iso__appliance_say(appliance, LOG_WARNING, "%s has no card number", person);
+        iso__appliance_say(appliance, LOG_WARNING, "who was let in has no card number");
     } else if (iso_door_io_send_card(appliance->parts.door_io, card, &fault)) {
         iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
     }

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,25 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "core/math/bytes.h"
+#include "firmware/audit_state.h"
 #include "firmware/directory.h"
-#include "firmware/json_line.h"
-
-/* Every so many lines the place of one is remembered, so that reading need not begin at the first.
- */
-enum { MARK_LINES = 256, LINE_MAX_BYTES = sizeof((struct iso_json_line *)0)->text };
-
-struct iso_audit {
-    int fd;
-    char *path;
-    bool sync;
-    const struct iso_times *times;
-    uint64_t last; /* sequence of the last record */
-    off_t size;    /* of the whole lines */
-    bool torn;     /* part of a record may stand behind them */
-    off_t *marks;  /* marks[i]: where the line of sequence 1 + i * MARK_LINES begins */
-    size_t n_marks, mark_capacity;
-    struct iso_json_line line;
-};
 
 struct iso_audit_record iso_audit_record_of(const char *event)
 {
@@ -44,10 +29,10 @@ struct iso_audit_record iso_audit_record_of(const char *event)
 
 /* ---- where the lines are ---- */
 
-/* Makes room for the mark of the record that comes next, if it is to have one. */
-static int reserve_mark(struct iso_audit *audit)
+int iso__audit_reserve_mark(struct iso_audit *audit)
 {
-    if (audit->last % MARK_LINES != 0 || audit->n_marks < audit->mark_capacity) {
+    const uint64_t in_segment = audit->last + 1 - audit->segment_first;
+    if (in_segment % ISO__AUDIT_MARK_LINES != 0 || audit->n_marks < audit->mark_capacity) {
         return 0;
     }
     const size_t capacity = audit->mark_capacity ? 2 * audit->mark_capacity : 16;
@@ -60,71 +45,234 @@ static int reserve_mark(struct iso_audit *audit)
     return 0;
 }
 
-static void count_line(struct iso_audit *audit, size_t bytes)
+void iso__audit_count_line(struct iso_audit *audit, size_t bytes)
 {
-    if (audit->last % MARK_LINES == 0) {
+    if ((audit->last + 1 - audit->segment_first) % ISO__AUDIT_MARK_LINES == 0) {
         audit->marks[audit->n_marks++] = audit->size;
     }
     audit->last++;
     audit->size += (off_t)bytes;
 }
 
+/* ---- the anchor: first sequence u64, head[32], sealing u8, lax u8 ---- */
+
+/* lax: the log goes on without the anchor, as records are not synchronised. */
+enum {
+    EXTRA_HEAD = 8,
+    EXTRA_SEALING = EXTRA_HEAD + ISO_AUDIT_LINK_BYTES,
+    EXTRA_LAX,
+};
+
+struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, bool sealing)
+{
+    struct iso_anchor_state state = {.value = audit->last};
+    (void)iso_put_u64(state.extra, audit->first);
+    memcpy(state.extra + EXTRA_HEAD, audit->link.bytes, ISO_AUDIT_LINK_BYTES);
+    state.extra[EXTRA_SEALING] = sealing;
+    state.extra[EXTRA_LAX] = !audit->options.sync;
+    return state;
+}
+
+bool iso__audit_anchor_is_sealing(const struct iso_audit *audit)
+{
+    return audit->anchor && iso_anchor_state(audit->anchor)->extra[EXTRA_SEALING];
+}
+
+int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const struct iso_anchor_state state = iso__audit_anchor_state(audit, false);
+    if (!audit->options.sync && audit->fd >= 0 && fdatasync(audit->fd)) {
+        return iso_fault_set(fault, -EIO, "%s: %m", audit->path);
+    }
+    return iso_anchor_set(audit->anchor, &state, fault);
+}
+
+static bool is_anchored_link(const struct iso_audit *audit, const struct iso_audit_link *link)
+{
+    return sodium_memcmp(iso_anchor_state(audit->anchor)->extra + EXTRA_HEAD, link->bytes,
+                         ISO_AUDIT_LINK_BYTES) == 0;
+}
+
+static int make_anchor(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const struct iso_anchor_state state = iso__audit_anchor_state(audit, false);
+    return iso_anchor_make(audit->anchor_path, ISO__AUDIT_ANCHOR, audit->options.ring, true, &state,
+                           &audit->anchor, fault);
+}
+
 /* ---- opening ---- */
 
-static int damaged(const struct iso_audit *audit, struct iso_fault *fault)
+static int refuse(const struct iso_audit *audit, int error, uint64_t sequence, const char *flaw,
+                  struct iso_fault *fault)
 {
-    return iso_fault_set(fault, -EBADMSG,
-                         "%s:%" PRIu64 ": damaged, or not record %" PRIu64
-                         "; move the file away to begin a new log",
-                         audit->path, audit->last + 1, audit->last + 1);
+    return iso_fault_set(fault, error,
+                         "%s: record %" PRIu64
+                         " %s; move the log and its anchor away to begin a new one",
+                         audit->path, sequence, flaw);
 }
 
-/* Whether a line is the record that has to come next. */
-static bool is_next(const struct iso_audit *audit, const char *line, size_t length)
+static int stale(const struct iso_audit *audit, const char *what, struct iso_fault *fault)
 {
-    char begin[40];
-    const int n = snprintf(begin, sizeof begin, "{\"sequence\":%" PRIu64 ",", audit->last + 1);
-    return length > (size_t)n + 2 && memcmp(line, begin, (size_t)n) == 0 &&
-           line[length - 2] == '}' && !memchr(line, '\0', length);
+    return iso_fault_set(fault, -ESTALE,
+                         "%s: %s; move the log and its anchor away to begin a new one", audit->path,
+                         what);
 }
 
-/* Goes over all lines. *torn is how many bytes stand behind the last whole one. */
-static int scan(struct iso_audit *audit, FILE *file, size_t *torn, struct iso_fault *fault)
+/* Remembers what a record says of the gallery: "gallery":"ID:CHANGES". */
+static void note_gallery(struct iso_audit *audit, const char *text)
 {
-    char *line = NULL;
-    size_t capacity = 0;
-    ssize_t length;
-    int error = 0;
-    *torn = 0;
-    while (!error && (length = getline(&line, &capacity, file)) > 0) {
-        if (line[length - 1] != '\n') {
-            *torn = (size_t)length;
-            break;
-        }
-        if (!is_next(audit, line, (size_t)length)) {
-            error = damaged(audit, fault);
-        } else if (reserve_mark(audit)) {
-            error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
-        } else {
-            count_line(audit, (size_t)length);
-        }
+    static const char key[] = "\"gallery\":\"";
+    const char *found = strstr(text, key);
+    char gallery[20];
+    uint64_t changes;
+    if (found && sscanf(found + sizeof key - 1, "%16[0-9a-f]:%" SCNu64, gallery, &changes) == 2) {
+        memcpy(audit->gallery, gallery, sizeof gallery);
+        audit->gallery_changes = changes;
     }
-    if (!error && ferror(file)) {
-        error = iso_fault_set(fault, -EIO, "%s: cannot be read", audit->path);
+}
+
+/* Takes a record in that the reader has just read. */
+static int take_record(struct iso_audit *audit, const struct iso_audit_reader *reader,
+                       struct iso_fault *fault)
+{
+    const uint64_t anchored = iso_anchor_state(audit->anchor)->value;
+    if (iso__audit_reserve_mark(audit)) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
     }
-    free(line);
+    iso__audit_count_line(audit, (size_t)(reader->position - audit->size));
+    audit->link = reader->link;
+    if (audit->last == anchored && !is_anchored_link(audit, &audit->link)) {
+        return refuse(audit, -ESTALE, audit->last, "is of another log than the anchor", fault);
+    }
+    note_gallery(audit, reader->record.text);
+    return 0;
+}
+
+/* The segment's beginning, as the header says it. */
+static int take_header(struct iso_audit *audit, const struct iso_audit_reader *reader,
+                       struct iso_fault *fault)
+{
+    const struct iso_audit_header *header = &reader->header;
+    const uint64_t anchored = iso_anchor_state(audit->anchor)->value;
+    audit->seal = reader->seal;
+    audit->segment_first = header->first;
+    audit->last = header->first - 1;
+    audit->link = header->link;
+    audit->size = reader->position;
+    audit->n_marks = 0;
+    return audit->last == anchored && !is_anchored_link(audit, &audit->link)
+               ? refuse(audit, -ESTALE, header->first, "is of another log than the anchor", fault)
+               : 0;
+}
+
+/* Goes over a segment to its end: the head, and how many bytes stand behind the last whole line. */
+static int scan(struct iso_audit *audit, const char *path, size_t *torn, struct iso_fault *fault)
+{
+    struct iso_audit_reader *reader = malloc(sizeof *reader);
+    if (!reader) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
+    }
+    int error = iso_audit_reader_open(reader, path, audit->options.ring);
+    if (error == -EBADMSG) {
+        error = iso_fault_set(fault, error,
+                              "%s: %s; move the log and its anchor away to begin a "
+                              "new one",
+                              path, reader->flaw);
+    } else if (error) {
+        error = iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    } else {
+        error = take_header(audit, reader, fault);
+    }
+    int more = 0;
+    while (!error && (more = iso_audit_reader_next(reader)) > 0) {
+        error = take_record(audit, reader, fault);
+    }
+    if (!error && more < 0) {
+        error = more == -EBADMSG ? refuse(audit, more, reader->next, reader->flaw, fault)
+                                 : iso_fault_set(fault, more, "%s: cannot be read", path);
+    }
+    *torn = reader->torn;
+    iso_audit_reader_close(reader);
+    free(reader);
     return error;
 }
 
-static int scan_file(struct iso_audit *audit, size_t *torn, struct iso_fault *fault)
+/* The end that was found, against the anchor: the same, or one record ahead. */
+static int check_end(struct iso_audit *audit, struct iso_fault *fault)
 {
-    FILE *file = fopen(audit->path, "re");
-    if (!file) {
+    const struct iso_anchor_state *anchor = iso_anchor_state(audit->anchor);
+    audit->first = iso_get_u64(anchor->extra);
+    if (audit->last < anchor->value) {
+        return refuse(audit, -ESTALE, audit->last + 1, "and what came after it are missing", fault);
+    }
+    const bool lax = anchor->extra[EXTRA_LAX];
+    if (!lax && audit->last > anchor->value + 1) {
+        return stale(audit, "its anchor is an old one", fault);
+    }
+    return audit->last > anchor->value || iso__audit_anchor_is_sealing(audit) ||
+                   lax == audit->options.sync
+               ? iso__audit_write_anchor(audit, fault)
+               : 0;
+}
+
+static int sync_file(const struct iso_audit *audit, int fd)
+{
+    return audit->options.sync && fdatasync(fd) ? -errno : 0;
+}
+
+int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *fault)
+{
+    uint32_t number = iso_key_ring_newest(audit->options.ring, ISO_KEY_LOG);
+    int error = number ? 0 : iso_key_ring_add(audit->options.ring, ISO_KEY_LOG, &number, fault);
+    if (error) {
+        return error;
+    }
+    const struct iso_audit_header header = {number, audit->last + 1, audit->link};
+    const size_t length = iso_audit_header_put(&header, audit->line);
+    const ssize_t written = write(fd, audit->line, length);
+    error = written < 0 ? -errno : (size_t)written < length ? -ENOSPC : sync_file(audit, fd);
+    if (error) {
+        error = error == -EFBIG || error == -EDQUOT ? -ENOSPC : error;
+        return iso_fault_set(fault, error, "%s: %s", audit->path, strerror(-error));
+    }
+    iso_audit_seal_wipe(&audit->seal);
+    audit->seal = iso_audit_seal_of(number,
+                                    iso_key_ring_find(audit->options.ring, ISO_KEY_LOG, number));
+    audit->segment_first = header.first;
+    audit->size = (off_t)length;
+    audit->n_marks = 0;
+    return 0;
+}
+
+/* There is nothing in PATH: the log begins, or goes on where its newest closed segment ends. */
+static int begin(struct iso_audit *audit, struct iso_fault *fault)
+{
+    size_t torn = 0;
+    int error = 0;
+    audit->first = 1;
+    if (ftruncate(audit->fd, 0)) { /* of a header that was cut short */
         return iso_fault_set(fault, -errno, "%s: %m", audit->path);
     }
-    const int error = scan(audit, file, torn, fault);
-    (void)fclose(file);
-    return error;
+    if (!audit->anchor && audit->closed.n > 0) {
+        return stale(audit, "its anchor is gone", fault);
+    }
+    if (audit->anchor && audit->closed.n > 0) {
+        char path[PATH_MAX];
+        error = iso_audit_segment_path(audit->path, audit->closed.first[audit->closed.n - 1], path,
+                                       fault);
+        error = error ? error : scan(audit, path, &torn, fault);
+    }
+    error = error ? error : audit->anchor ? check_end(audit, fault) : make_anchor(audit, fault);
+    return error ? error : iso__audit_begin_segment(audit, audit->fd, fault);
+}
+
+static int go_on(struct iso_audit *audit, size_t *torn, struct iso_fault *fault)
+{
+    if (!audit->anchor) {
+        return stale(audit, "its anchor is gone", fault);
+    }
+    const int error = scan(audit, audit->path, torn, fault);
+    return error ? error : check_end(audit, fault);
 }
 
 /* Takes away what a crash left of a record, and says so on record if there is room. */
@@ -144,43 +292,80 @@ static int mend(struct iso_audit *audit, size_t torn, struct iso_fault *fault)
     return error == -ENOSPC ? 0 : error;
 }
 
-static int open_file(struct iso_audit *audit, struct iso_fault *fault)
+int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault *fault)
 {
-    audit->fd = open(audit->path, O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NOCTTY, 0600);
-    if (audit->fd < 0) {
-        return iso_fault_set(fault, -errno, "%s: %m", audit->path);
+    const int opened = open(path, O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NOCTTY | flags, 0600);
+    if (opened < 0) {
+        return iso_fault_set(fault, -errno, "%s: %m", path);
     }
-    if (flock(audit->fd, LOCK_EX | LOCK_NB)) {
+    if (flock(opened, LOCK_EX | LOCK_NB)) {
         const int error = errno == EWOULDBLOCK ? -EBUSY : -errno;
-        return iso_fault_set(fault, error, "%s: %s", audit->path,
+        (void)close(opened);
+        return iso_fault_set(fault, error, "%s: %s", path,
                              error == -EBUSY ? "another process writes it" : strerror(-error));
     }
-    return iso_directory_sync(audit->path, fault);
+    *fd = opened;
+    return 0;
 }
 
-int iso_audit_open(const char *path, bool sync, const struct iso_times *times,
+enum content { EMPTY, PLAIN, SEALED };
+
+/* What PATH holds; a header without its end is nothing yet. */
+static int look(const struct iso_audit *audit, enum content *out, struct iso_fault *fault)
+{
+    char begin[ISO_AUDIT_LINE_MAX];
+    const ssize_t n = pread(audit->fd, begin, sizeof begin, 0);
+    if (n < 0) {
+        return iso_fault_set(fault, -EIO, "%s: %m", audit->path);
+    }
+    *out = n > 0 && begin[0] == '{'                                                   ? PLAIN
+           : n == 0 || (n < (ssize_t)sizeof begin && !memchr(begin, '\n', (size_t)n)) ? EMPTY
+                                                                                      : SEALED;
+    return 0;
+}
+
+static int open_log(struct iso_audit *audit, struct iso_fault *fault)
+{
+    enum content content = EMPTY;
+    size_t torn = 0;
+    int error = iso__audit_open_file(audit->path, 0, &audit->fd, fault);
+    error = error ? error : iso_directory_sync(audit->path, fault);
+    if (!error) {
+        error = iso_anchor_open(audit->anchor_path, ISO__AUDIT_ANCHOR, audit->options.ring, true,
+                                &audit->anchor, fault);
+        error = error == -ENOENT ? 0 : error;
+    }
+    error = error ? error : iso_audit_segments_find(audit->path, &audit->closed, fault);
+    error = error ? error : look(audit, &content, fault);
+    if (!error && content == PLAIN) {
+        error = iso__audit_migrate(audit, fault);
+    } else if (!error) {
+        error = content == EMPTY ? begin(audit, fault) : go_on(audit, &torn, fault);
+    }
+    error = error ? error : iso__audit_prune(audit, fault);
+    return error ? error : mend(audit, torn, fault);
+}
+
+int iso_audit_open(const struct iso_audit_options *options, const struct iso_times *times,
                    struct iso_audit **out, struct iso_fault *fault)
 {
-    size_t torn = 0;
     struct iso_audit *audit = calloc(1, sizeof *audit);
-    if (!audit || !(audit->path = strdup(path))) {
+    if (!audit || !(audit->path = strdup(options->path)) ||
+        asprintf(&audit->anchor_path, "%s.anchor", options->path) < 0) {
+        free(audit ? audit->path : NULL);
         free(audit);
-        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->path);
     }
     audit->fd = -1;
-    audit->sync = sync;
+    audit->options = *options;
+    audit->options.path = audit->path;
     audit->times = times;
-    int error = open_file(audit, fault);
-    if (!error) {
-        error = scan_file(audit, &torn, fault);
-    }
-    if (!error) {
-        error = mend(audit, torn, fault);
-    }
+    const int error = open_log(audit, fault);
     if (error) {
         iso_audit_close(audit);
         return error;
     }
+    audit->opened = true;
     *out = audit;
     return 0;
 }
@@ -188,11 +373,17 @@ int iso_audit_open(const char *path, bool sync, const struct iso_times *times,
 void iso_audit_close(struct iso_audit *audit)
 {
     if (audit) {
+        if (audit->opened && audit->last > iso_anchor_state(audit->anchor)->value) {
+            (void)!iso__audit_write_anchor(audit, NULL);
+        }
         if (audit->fd >= 0) {
             (void)close(audit->fd);
         }
+        iso_anchor_close(audit->anchor);
         free(audit->marks);
         free(audit->path);
+        free(audit->anchor_path);
+        sodium_memzero(audit, sizeof *audit);
         free(audit);
     }
 }
@@ -218,9 +409,17 @@ static void add_string(struct iso_json_line *line, const char *key, const char *
     }
 }
 
+static void add_gallery(struct iso_json_line *line, const char *gallery, uint64_t changes)
+{
+    char text[48];
+    (void)snprintf(text, sizeof text, "%s:%" PRIu64, gallery, changes);
+    iso_json_line_string(line, "gallery", text);
+}
+
+/* Length of the object, without a newline; 0 if it is too long. */
 static size_t format(struct iso_audit *audit, const struct iso_audit_record *record)
 {
-    struct iso_json_line *line = &audit->line;
+    struct iso_json_line *line = &audit->json;
     char time[40];
     format_time(iso_times_wall_ns(audit->times), time);
     iso_json_line_begin(line);
@@ -243,8 +442,13 @@ static size_t format(struct iso_audit *audit, const struct iso_audit_record *rec
     if (record->attack_frames >= 0) {
         iso_json_line_integer(line, "attack_frames", record->attack_frames);
     }
+    add_string(line, "sensor", record->sensor);
+    if (record->gallery) {
+        add_gallery(line, record->gallery, record->gallery_changes);
+    }
     add_string(line, "note", record->note);
-    return iso_json_line_end(line);
+    const size_t length = iso_json_line_end(line);
+    return length ? length - 1 : 0;
 }
 
 /* Takes away what a failed write left, so that the next record begins a line. */
@@ -254,87 +458,97 @@ static int take_back(struct iso_audit *audit)
     return audit->torn ? -EIO : 0;
 }
 
-/* 0 with the line on the disk, else a negative errno with nothing or a part of it there. */
-static int write_line(struct iso_audit *audit, size_t length)
+int iso__audit_write_line(struct iso_audit *audit, size_t length)
 {
-    const ssize_t written = write(audit->fd, audit->line.text, length);
+    const ssize_t written = write(audit->fd, audit->line, length);
     if (written < 0) {
         /* A limit on the file's size or the user's quota is a full disk to us. */
         return errno == EFBIG || errno == EDQUOT ? -ENOSPC : -errno;
     }
-    if ((size_t)written < length) {
-        return -ENOSPC;
+    return (size_t)written < length ? -ENOSPC : sync_file(audit, audit->fd);
+}
+
+/* What has to be in order before a record can be written: no torn line, an anchor that is no more
+ * behind, a segment with room. */
+static int prepare(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const uint64_t limit = audit->options.segment_bytes;
+    int error = audit->torn ? take_back(audit) : 0;
+    if (!error && audit->options.sync && iso_anchor_state(audit->anchor)->value < audit->last) {
+        error = iso__audit_write_anchor(audit, fault);
     }
-    return audit->sync && fdatasync(audit->fd) ? -errno : 0;
+    if (!error && limit > 0 && (uint64_t)audit->size >= limit &&
+        audit->last >= audit->segment_first) {
+        error = iso__audit_rotate(audit, fault);
+    }
+    return error ? error : iso__audit_reserve_mark(audit);
+}
+
+static void tell(const struct iso_audit *audit, const struct iso_audit_record *record)
+{
+    if (audit->options.written) {
+        char head[ISO_AUDIT_HEAD_SIZE];
+        (void)sodium_bin2hex(head, sizeof head, audit->link.bytes, sizeof audit->link.bytes);
+        audit->options.written(audit->options.context, record, audit->last, head);
+    }
 }
 
 int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *record,
                      struct iso_fault *fault)
 {
-    const size_t length = format(audit, record);
-    if (length == 0) {
+    struct iso_audit_link link;
+    int error = prepare(audit, NULL);
+    const size_t size = error ? 0 : format(audit, record);
+    if (!error && size == 0) {
         return iso_fault_set(fault, -EINVAL, "%s: the record is too long", audit->path);
     }
-    int error = audit->torn ? take_back(audit) : 0;
     if (!error) {
-        error = reserve_mark(audit);
-    }
-    if (!error && (error = write_line(audit, length))) {
-        (void)take_back(audit);
+        link = audit->link;
+        const size_t length = iso_audit_line_close(&audit->seal, audit->last + 1, audit->json.text,
+                                                   size, audit->line, &link);
+        error = iso__audit_write_line(audit, length);
+        if (error) {
+            (void)take_back(audit);
+        } else {
+            iso__audit_count_line(audit, length);
+        }
     }
     if (error) {
         error = error == -ENOSPC || error == -ENOMEM ? error : -EIO;
         return iso_fault_set(fault, error, "%s: the record cannot be written: %s", audit->path,
                              strerror(-error));
     }
-    count_line(audit, length);
+    audit->link = link;
+    if (record->gallery && record->gallery != audit->gallery) {
+        (void)snprintf(audit->gallery, sizeof audit->gallery, "%s", record->gallery);
+        audit->gallery_changes = record->gallery_changes;
+    }
+    if (audit->options.sync) {
+        (void)!iso__audit_write_anchor(audit, NULL); /* or before the next record */
+    }
+    tell(audit, record);
     return 0;
 }
 
-/* ---- reading ---- */
+/* ---- what is known ---- */
 
 uint64_t iso_audit_last(const struct iso_audit *audit)
 {
     return audit->last;
 }
 
-/* Reads lines from the mark before `from` on. */
-static int read_lines(const struct iso_audit *audit, FILE *file, uint64_t from, uint32_t max,
-                      int (*each)(void *context, const char *line), void *context)
+uint64_t iso_audit_first(const struct iso_audit *audit)
 {
-    char line[LINE_MAX_BYTES];
-    const size_t mark = (size_t)((from - 1) / MARK_LINES);
-    uint64_t sequence = 1 + (uint64_t)mark * MARK_LINES;
-    if (fseeko(file, audit->marks[mark], SEEK_SET)) {
-        return -EIO;
-    }
-    for (; sequence <= audit->last && (sequence < from || sequence - from < max); sequence++) {
-        if (!fgets(line, sizeof line, file)) {
-            return -EIO;
-        }
-        line[strcspn(line, "\n")] = '\0';
-        const int result = sequence < from ? 0 : each(context, line);
-        if (result) {
-            return result;
-        }
-    }
-    return 0;
+    return audit->first;
 }
 
-int iso_audit_read(struct iso_audit *audit, uint64_t from, uint32_t max,
-                   int (*each)(void *context, const char *line), void *context)
+uint64_t iso_audit_gallery_changes(const struct iso_audit *audit, const char *gallery)
 {
-    if (from == 0) {
-        from = 1;
-    }
-    if (from > audit->last || max == 0) {
-        return 0;
-    }
-    FILE *file = fopen(audit->path, "re");
-    if (!file) {
-        return -EIO;
-    }
-    const int result = read_lines(audit, file, from, max, each, context);
-    (void)fclose(file);
-    return result;
+    return strcmp(audit->gallery, gallery) == 0 ? audit->gallery_changes : 0;
+}
+
+int iso_audit_renew_anchor(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const int error = iso__audit_write_anchor(audit, fault);
+    return error ? error : iso__audit_write_anchor(audit, fault); /* both of its slots */
 }

@@ -1,17 +1,24 @@
-/* The audit log: what the appliance did and why, append-only, one JSON object a line.
+/* The audit log: what the appliance did and why, append-only; each record is one JSON object.
  *
  *   {"sequence":17,"time":"2026-11-21T08:30:15.250Z","monotonic_ns":81250000000,"event":"visit",
  *    "person":"anna","verdict":"allow","reason":"match","score":7.25,"threshold":4,"frames":2}
  *
- * Sequence and line number are the same: 1, 2, ...; every line begins with its sequence, so that a
- * line that is missing, doubled or out of place is found at open. It holds no biometric data: no
- * template, no frame, no landmark. Later versions add a member that chains each line to the one
- * before it; readers ignore members they do not know.
+ * Sequences are 1, 2, ... without a gap. It holds no biometric data: no template, no frame, no
+ * landmark. On the disk every record is sealed, for it has names in it, and chained to the one
+ * before it (audit_line.h); an anchor (anchor.h) beside it, PATH.anchor, has the last sequence and
+ * the head of the chain. So an edit, a gap, a repetition and a missing end are found: at open in
+ * the segment that is written, and by iso_audit_verify in all of them. What is not found is said in
+ * anchor.h.
  *
- * A record is written by one write(); with `sync` it is on the disk when append returns. A record
- * that does not fit on the disk leaves nothing behind. A line that was cut short by a crash is
- * taken away at the next open, which is itself put on record (if there is room). One process at a
- * time has the log. */
+ * The log is bounded: a segment that is full is closed and renamed to PATH.FIRST, and the oldest
+ * go, with their keys; the record that begins a segment ("log-rotated") says so.
+ *
+ * A record is written by one write(); with `sync` it is on the disk when append returns, and the
+ * anchor, too. Without it the anchor only follows at open, close and with each segment, so that it
+ * never comes to the disk before what it speaks of; then a missing end is found up to there only. A
+ * record that does not fit on the disk leaves nothing behind. A line that was cut short by a crash
+ * is taken away at the next open, which is itself put on record (if there is room). One process at
+ * a time has the log. */
 #ifndef ISO_FIRMWARE_AUDIT_H
 #define ISO_FIRMWARE_AUDIT_H
 
@@ -19,25 +26,49 @@
 #include <stdint.h>
 
 #include "core/fault.h"
+#include "firmware/key_ring.h"
 #include "firmware/times.h"
 
 /* What the caller has to say; members that are NULL, NaN or negative are left out. */
 struct iso_audit_record {
     const char *event; /* REQUIRED: "start", "visit", "door", ... */
     const char *person, *verdict, *reason, *note;
+    const char *sensor; /* its health at a decision: "started", "lost" */
     double score, threshold;
     int frames, attack_frames;
+    /* Which gallery, and its number of changes (iso_gallery_version): those who are put back later
+     * can be told from it. NULL, 0: not said. */
+    const char *gallery;
+    uint64_t gallery_changes;
 };
 
 /* A record of an event and nothing more. */
 struct iso_audit_record iso_audit_record_of(const char *event);
 
+enum { ISO_AUDIT_HEAD_SIZE = 65 }; /* 64 hexadecimal digits, with their end */
+
+struct iso_audit_options {
+    const char *path;
+    bool sync;
+    uint64_t segment_bytes; /* a segment is closed when it is as long; 0: never */
+    int segments;           /* closed ones that are kept, at most 60 */
+    bool migrate; /* a log of the version before, in plain text, is sealed at the first start */
+    struct iso_key_ring *ring; /* outlives the log */
+    /* Told of every record after it was written, with the head behind it. NULL: nobody. */
+    void (*written)(void *context, const struct iso_audit_record *record, uint64_t sequence,
+                    const char *head);
+    void *context;
+};
+
 struct iso_audit;
 
-/* Opens the log, or begins one; times must outlive it. -EBADMSG a line is damaged or out of order
- * (the fault says which, and what to do), -EBUSY another process has it, -ENOSPC, -EACCES, -EROFS,
- * -ENOENT (no such directory), -EIO, -ENOMEM. */
-int iso_audit_open(const char *path, bool sync, const struct iso_times *times,
+/* Opens the log, or begins one; times must outlive it.
+ *   -EBADMSG a record was changed or is out of order (the fault says which, and what to do)
+ *   -ESTALE  its end is missing, its anchor is gone or old, or it is not sealed any more
+ *   -EKEYREJECTED the key ring has not the key for it
+ *   -EBUSY another process has it; -ENOSPC, -EACCES, -EROFS, -ENOENT (no such directory), -EIO,
+ *   -ENOMEM */
+int iso_audit_open(const struct iso_audit_options *options, const struct iso_times *times,
                    struct iso_audit **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 void iso_audit_close(struct iso_audit *audit);
@@ -47,13 +78,41 @@ void iso_audit_close(struct iso_audit *audit);
 int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *record,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Sequence of the last record, 0 if there is none. */
+/* Sequence of the last record, 0 if there is none; of the first that is kept. */
 uint64_t iso_audit_last(const struct iso_audit *audit);
+uint64_t iso_audit_first(const struct iso_audit *audit);
 
-/* Hands out at most `max` lines (without newline) from sequence `from` on; ends early if `each`
- * returns non-zero, which is then the result. -EIO. */
+/* The newest number of changes that the log knows of this gallery; 0 if it does not know it. */
+uint64_t iso_audit_gallery_changes(const struct iso_audit *audit, const char *gallery);
+
+/* Hands out at most `max` records (without newline) from sequence `from` on; ends early if `each`
+ * returns non-zero, which is then the result. -EIO, -EBADMSG, -ENOMEM. */
 int iso_audit_read(struct iso_audit *audit, uint64_t from, uint32_t max,
                    int (*each)(void *context, const char *line), void *context)
+    __attribute__((warn_unused_result));
+
+/* Closes the segment that is written, and goes on with a new key. */
+int iso_audit_rotate_key(struct iso_audit *audit, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Seals the anchor with the newest key of the ring, so that older ones can be dropped. */
+int iso_audit_renew_anchor(struct iso_audit *audit, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* What a look at every record found. */
+struct iso_audit_report {
+    uint64_t first, last; /* as they should be: the oldest that is kept, the newest */
+    char head[ISO_AUDIT_HEAD_SIZE];
+    bool sound;
+    uint64_t flaw_at; /* not sound: the sequence where it begins */
+    char flaw[160];   /* ... and what it is: "record 17 was changed, ..." */
+};
+
+/* Looks at every record of every segment. known_head (not NULL): what was noted as the head behind
+ * record known_sequence; a log that does not have it is another one, or an old one. 0 also for a
+ * log that is not sound; -ENOMEM, -EIO. */
+int iso_audit_verify(struct iso_audit *audit, uint64_t known_sequence, const char *known_head,
+                     struct iso_audit_report *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 #endif

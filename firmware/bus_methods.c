@@ -10,8 +10,7 @@ enum { LOG_RECORDS_MAX = 1000 };
 
 /* ---- errors ---- */
 
-/* The error of the contract for an errno of the appliance. */
-static int refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
+int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
 {
     static const struct {
         int error;
@@ -24,6 +23,8 @@ static int refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-EDQUOT, ISO_CONTRACT_ERROR_GALLERY_FULL},
         {-ENODATA, ISO_CONTRACT_ERROR_NO_ACTION},
         {-EINVAL, ISO_CONTRACT_ERROR_INVALID_ARGUMENT},
+        {-EKEYREJECTED, ISO_CONTRACT_ERROR_REJECTED},
+        {-EBADMSG, ISO_CONTRACT_ERROR_REJECTED},
     };
     const char *text = fault->text[0] ? fault->text : strerror(-error);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -157,7 +158,7 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
         return invalid_name(out, flaw);
     }
     r = iso_appliance_enroll(bus->appliance, &request, &fault);
-    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
 static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)
@@ -171,7 +172,7 @@ static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *ou
         return r;
     }
     r = iso_appliance_verify(bus->appliance, person, &fault);
-    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
 static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *out)
@@ -183,7 +184,7 @@ static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *
         return r;
     }
     r = iso_appliance_identify(bus->appliance, &fault);
-    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
 static int stop_action(struct iso_bus *bus, sd_bus_message *call, enum iso_appliance_mode mode,
@@ -257,7 +258,7 @@ static int on_delete_person(sd_bus_message *call, void *context, sd_bus_error *o
         return r;
     }
     r = iso_appliance_remove(bus->appliance, person, &fault);
-    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
 static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
@@ -317,6 +318,14 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, on_delete_person),
     METHOD(ISO_CONTRACT_GET_STATUS, "", NOTHING, "a{sv}", "status\0", on_get_status),
     METHOD(ISO_CONTRACT_READ_LOG, "tu", "from\0max\0", "as", "records\0", on_read_log),
+    METHOD(ISO_CONTRACT_VERIFY_LOG, "ts", "sequence\0head\0", "bttsts",
+           "sound\0first\0last\0head\0flaw_at\0flaw\0", iso__bus_verify_log),
+    METHOD(ISO_CONTRACT_EXPORT_PEOPLE, "hasa{sv}", "file\0people\0options\0", "u", "people\0",
+           iso__bus_export),
+    METHOD(ISO_CONTRACT_IMPORT_PEOPLE, "ha{sv}", "file\0options\0", "uu", "added\0known\0",
+           iso__bus_import),
+    METHOD(ISO_CONTRACT_ROTATE_KEYS, "", NOTHING, "s", "remark\0", iso__bus_rotate_keys),
+    METHOD(ISO_CONTRACT_GET_ADDRESS, "", NOTHING, "s", "address\0", iso__bus_get_address),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuud", "result\0done\0stage\0stages\0quality\0"),

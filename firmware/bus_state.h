@@ -31,6 +31,16 @@ int iso__bus_append_view_entries(sd_bus_message *message, const struct iso_view 
 int iso__bus_aim_start(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_aim_stop(sd_bus_message *call, void *context, sd_bus_error *out);
 
+/* The error of the contract for an errno of the appliance; what a method returns then. */
+int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault);
+
+/* The methods of an administrator (bus_admin.c). */
+int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
+
 /* Sends what is seen to who wants it (bus_view.c): a handler of iso_appliance_events. */
 void iso__bus_on_view(void *context, const struct iso_view *view);
 

@@ -95,9 +95,17 @@ struct iso_config_enroll {
     double mouth_max_mm;
 };
 
+struct iso_config_seal {
+    char key[ISO_CONFIG_TEXT_SIZE]; /* "": beside the gallery */
+    char
+        credentials[ISO_CONFIG_TEXT_SIZE]; /* directory of the service manager's; not in the file */
+    bool migrate;
+};
+
 struct iso_config_log {
     char path[ISO_CONFIG_TEXT_SIZE];
-    bool sync;
+    bool sync, journal;
+    int max_mib;
 };
 
 struct iso_config_bus {
@@ -113,6 +121,7 @@ struct iso_config {
     struct iso_config_sensor sensor;
     struct iso_config_door door;
     struct iso_config_gallery gallery;
+    struct iso_config_seal seal;
     struct iso_config_recognition recognition;
     struct iso_config_match match;
     struct iso_config_decision decision;

@@ -105,6 +105,11 @@ const struct iso_config_key iso_config_keys[] = {
     {"gallery", "capacity", ISO_CONFIG_COUNT, false, AT(gallery, capacity), 1, 100000, NULL, "1000",
      "most people that can be enrolled"},
 
+    {"seal", "key", ISO_CONFIG_TEXT, false, AT(seal, key), 0, 0, NULL, "",
+     "the key of the appliance, where it is no credential; beside the gallery if empty"},
+    {"seal", "migrate", ISO_CONFIG_SWITCH, false, AT(seal, migrate), 0, 0, NULL, "yes",
+     "take over an unsealed gallery and log of the version before, at the first start"},
+
     {"recognition", "intensity", ISO_CONFIG_CHOICE, false, AT(recognition, intensity), 0, 0,
      "off|flag|veto", "veto",
      "what an infrared or grey image does that does not show the face: nothing, a note in the log, "
@@ -183,6 +188,10 @@ const struct iso_config_key iso_config_keys[] = {
      "/var/lib/isotherm/audit.log", "the audit log; made if it does not exist"},
     {"log", "sync", ISO_CONFIG_SWITCH, false, AT(log, sync), 0, 0, NULL, "yes",
      "wait until each record is on the disk"},
+    {"log", "max_mib", ISO_CONFIG_COUNT, false, AT(log, max_mib), 1, 4096, NULL, "64",
+     "most that the log takes on the disk; the oldest eighth goes when it is full"},
+    {"log", "journal", ISO_CONFIG_SWITCH, false, AT(log, journal), 0, 0, NULL, "yes",
+     "also send what records say, without names, to the journal of the system"},
 
     {"bus", "address", ISO_CONFIG_TEXT, false, AT(bus, address), 0, 0, NULL, "system",
      "system, session, or the D-Bus address of another bus"},

@@ -201,6 +201,15 @@ static int loop(struct daemon *daemon, struct iso_fault *fault)
     return 0;
 }
 
+static void warn_of_key(const struct iso_config *config, const struct iso_parts *parts)
+{
+    if (!iso_key_ring_has_credential(parts->ring) && !*config->seal.key) {
+        iso_daemon_say(LOG_WARNING,
+                       "the key lies beside the gallery, who copies both can read it: see KEYS in "
+                       "isothermd(8)");
+    }
+}
+
 static void tear_down(struct daemon *daemon)
 {
     if (daemon->appliance) {
@@ -223,6 +232,7 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
         if (sd_watchdog_enabled(0, &daemon.watchdog_us) <= 0) {
             daemon.watchdog_us = 0;
         }
+        warn_of_key(config, daemon.parts);
         iso_daemon_say(LOG_INFO, "ready");
         (void)sd_notify(0, "READY=1\nSTATUS=Watching the door");
         error = loop(&daemon, fault);

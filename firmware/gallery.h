@@ -1,29 +1,38 @@
-/* The gallery: who is enrolled, with which templates; in an SQLite database, and all of it in
- * memory for the search.
+/* The gallery: who is enrolled, with which templates; sealed in an SQLite database, and all of it
+ * in memory for the search.
  *
  * Every change is one transaction that is on the disk when the call returns: after a kill at any
  * moment the gallery is what it was before the change or after it. A new database is made beside
  * its place and moved there when it is whole. A damaged one is never repaired or replaced: to
  * open it is -EBADMSG, and the fault says what to do. Templates of another algorithm (or template
  * version) are kept and counted, and take no part in searches. One process at a time has the
- * database. What is deleted is overwritten.
+ * database. What is deleted is overwritten; what a journal or a flash memory still holds of it is
+ * sealed, and the next rotation of keys makes it unreadable for ever.
  *
- * Used by one thread. Everything handed out is valid until the next add, remove or close. Templates
- * are wiped from memory when they are freed. */
+ * Without the key ring a database tells how many people there are, how many templates of which
+ * algorithm each has, and nothing else. A record that was changed, lies
+ * in the place of another, is missing, or is of an earlier time is found when it is opened
+ * (-EBADMSG); so is a database as a whole that is of an earlier time (-ESTALE), as far as anchor.h
+ * says.
+ *
+ * Used by one thread. Everything handed out is valid until the next add, import, remove or close.
+ * Templates are wiped from memory when they are freed. */
 #ifndef ISO_FIRMWARE_GALLERY_H
 #define ISO_FIRMWARE_GALLERY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "core/fault.h"
 #include "core/match/search.h"
 #include "core/match/template.h"
+#include "firmware/key_ring.h"
 #include "firmware/person_name.h"
 
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* "ISOT" */
-    ISO_GALLERY_SCHEMA = 1,
+    ISO_GALLERY_SCHEMA = 2,
     ISO_GALLERY_TEMPLATES_MAX = 16, /* of one person */
 };
 
@@ -36,15 +45,24 @@ struct iso_person {
 
 struct iso_gallery;
 
-/* Opens the database, or makes an empty one. capacity: most people. algorithm: whose templates are
- * searched. Errors, each with a line that says what to do:
- *   -EBADMSG     damaged, empty or cut short
+struct iso_gallery_options {
+    const char *path;          /* beside it PATH.anchor */
+    int capacity;              /* most people */
+    uint32_t algorithm;        /* whose templates are searched */
+    struct iso_key_ring *ring; /* outlives the gallery */
+    bool migrate; /* a database of version 1, which was not sealed, is sealed at the first start */
+};
+
+/* Opens the database, or makes an empty one. Errors, each with a line that says what to do:
+ *   -EBADMSG     damaged, empty, cut short, or with records that were exchanged
+ *   -ESTALE      older than its anchor says, without an anchor, or gone; or not sealed any more
+ *   -EKEYREJECTED the key ring has not the key for it
  *   -EMEDIUMTYPE a database of another application, or no database
  *   -EPROTONOSUPPORT written by a newer version
  *   -EBUSY       another process has it
  *   -EROFS       it cannot be written; -EACCES, -ENOENT (no such directory)
  *   -ENOSPC      the disk is full; -EIO, -ENOMEM */
-int iso_gallery_open(const char *path, int capacity, uint32_t algorithm, struct iso_gallery **out,
+int iso_gallery_open(const struct iso_gallery_options *options, struct iso_gallery **out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_gallery_close(struct iso_gallery *gallery);
 
@@ -63,6 +81,56 @@ int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso
 /* 0 if a template can be added for this name, else -EDQUOT with a fault. */
 int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* ---- copying between galleries ---- */
+
+/* A person to be taken over, with templates as iso_template_serialise() made them. */
+struct iso_gallery_item {
+    struct iso_person person; /* id and counts are ignored */
+    size_t n;                 /* 1..ISO_GALLERY_TEMPLATES_MAX */
+    struct {
+        uint32_t algorithm;
+        const void *bytes;
+        size_t size;
+    } templates[ISO_GALLERY_TEMPLATES_MAX];
+};
+
+/* Takes people over, all of them or none, in one transaction. One whose name is known takes the
+ * place of the one here if `replace`, else stays away; *added is how many came. -EINVAL a name,
+ * template or repetition that cannot be, -EDQUOT the gallery would be too full; else as
+ * iso_gallery_add. */
+int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
+                       bool replace, size_t *added, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Calls `each` for people (all, or the one of this name if it is not NULL) with all templates, also
+ * those that cannot be used here; the bytes are wiped after it. Returns what `each` returned if
+ * that is not 0. -ENOENT nobody has this name, -EBADMSG, -EIO, -ENOMEM. */
+int iso_gallery_export(struct iso_gallery *gallery, const char *name,
+                       int (*each)(void *context, const struct iso_gallery_item *item,
+                                   struct iso_fault *fault),
+                       void *context, struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* ---- keys, and which gallery it is ---- */
+
+/* Seals everything with a new key and drops the old one; after a kill at any moment all records are
+ * sealed with one of the two, and the ring has it. */
+int iso_gallery_rotate(struct iso_gallery *gallery, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Seals the anchor with the newest key of the ring, so that older ones can be dropped. */
+int iso_gallery_renew_anchor(struct iso_gallery *gallery, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Which gallery, and how often it was changed: what stands in the audit log. */
+struct iso_gallery_version {
+    char gallery[17]; /* the first half of its id, in hexadecimal digits */
+    uint64_t changes;
+};
+
+struct iso_gallery_version iso_gallery_version(const struct iso_gallery *gallery);
+
+/* ---- looking ---- */
 
 /* Everybody, in the order of enrolment. */
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n);

@@ -3,8 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <sqlite3.h>
-#include <stdbool.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,117 +11,90 @@
 #include <unistd.h>
 
 #include "firmware/directory.h"
+#include "firmware/gallery_db_state.h"
 
-enum { BUSY_MS = 1000 }; /* somebody may be making a copy */
-
-struct iso_gallery_db {
-    sqlite3 *sqlite;
-    char *path;
-};
-
-/* The journal goes when a change is complete; EXTRA synchronises the directory then, too. Exclusive
- * locking keeps other writers from changing what the memory holds a copy of. */
-static const char settings[] = "PRAGMA locking_mode = EXCLUSIVE;"
-                               "PRAGMA journal_mode = DELETE;"
-                               "PRAGMA synchronous = EXTRA;"
-                               "PRAGMA foreign_keys = ON;"
-                               "PRAGMA secure_delete = ON;"
-                               "PRAGMA trusted_schema = OFF;"
-                               "PRAGMA cell_size_check = ON;";
-
-/* AUTOINCREMENT: the audit log speaks of people who are gone; their numbers are not used again. */
-static const char schema[] = "BEGIN;"
+static const char schema[] = "BEGIN EXCLUSIVE;"
+                             "CREATE TABLE head ("
+                             "  id INTEGER PRIMARY KEY CHECK (id = 1),"
+                             "  gallery BLOB NOT NULL,"
+                             "  key INTEGER NOT NULL,"
+                             "  record BLOB NOT NULL) STRICT;"
                              "CREATE TABLE person ("
-                             "  id INTEGER PRIMARY KEY AUTOINCREMENT,"
-                             "  name TEXT NOT NULL UNIQUE,"
-                             "  enrolled_s INTEGER NOT NULL,"
-                             "  valid_from_s INTEGER NOT NULL,"
-                             "  valid_until_s INTEGER NOT NULL) STRICT;"
+                             "  id INTEGER PRIMARY KEY,"
+                             "  record BLOB NOT NULL) STRICT;"
                              "CREATE TABLE template ("
-                             "  id INTEGER PRIMARY KEY AUTOINCREMENT,"
+                             "  id INTEGER PRIMARY KEY,"
                              "  person_id INTEGER NOT NULL"
                              "    REFERENCES person (id) ON DELETE CASCADE,"
                              "  algorithm INTEGER NOT NULL,"
-                             "  bytes BLOB NOT NULL) STRICT;"
+                             "  record BLOB NOT NULL) STRICT;"
                              "CREATE INDEX template_of_person ON template (person_id);"
                              "PRAGMA application_id = 0x49534f54;"
-                             "PRAGMA user_version = 1;"
-                             "COMMIT;";
+                             "PRAGMA user_version = 2;";
 
-_Static_assert(ISO_GALLERY_APPLICATION_ID == 0x49534f54 && ISO_GALLERY_SCHEMA == 1,
+_Static_assert(ISO_GALLERY_APPLICATION_ID == 0x49534f54 && ISO_GALLERY_SCHEMA == 2,
                "the schema's text has to say the same");
 
-/* ---- failures ---- */
+/* ---- the anchor ---- */
 
-int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
-                           struct iso_fault *fault)
+struct iso_anchor_state iso__gallery_anchor_state(uint64_t changes,
+                                                  const uint8_t id[ISO_GALLERY_ID_BYTES],
+                                                  bool sealing)
 {
-    return iso_fault_set(fault, -EBADMSG,
-                         "%s: damaged (%s); put a copy in its place, or move it away to begin anew",
-                         db->path, what);
+    struct iso_anchor_state state = {.value = changes};
+    memcpy(state.extra, id, ISO_GALLERY_ID_BYTES);
+    state.extra[ISO_GALLERY_ID_BYTES] = sealing;
+    return state;
 }
 
-/* A write error is a full disk, too, if it comes from a quota or a limit on files. */
-static int io_error(const struct iso_gallery_db *db)
+bool iso__gallery_anchor_is_sealing(const struct iso_gallery_db *db)
 {
-    int system_error = 0;
-    if (sqlite3_extended_errcode(db->sqlite) != SQLITE_IOERR_WRITE) {
-        return -EIO;
+    return db->anchor && iso_anchor_state(db->anchor)->extra[ISO_GALLERY_ID_BYTES];
+}
+
+static int write_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    const struct iso_anchor_state state = iso__gallery_anchor_state(db->head.changes,
+                                                                    db->seal.gallery, false);
+    return iso_anchor_set(db->anchor, &state, fault);
+}
+
+/* The head on the disk against the anchor: the same, or one change ahead. */
+static int check_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    if (!db->anchor) {
+        return iso_fault_set(fault, -ESTALE,
+                             "%s: its anchor %s is gone; it cannot be told whether this is the "
+                             "newest gallery",
+                             db->path, db->anchor_path);
     }
-    (void)sqlite3_file_control(db->sqlite, "main", SQLITE_FCNTL_LAST_ERRNO, &system_error);
-    return system_error == EDQUOT || system_error == EFBIG ? -ENOSPC : -EIO;
-}
-
-/* Negative errno of SQLite's last result, with a line for people. */
-static int fail(const struct iso_gallery_db *db, struct iso_fault *fault)
-{
-    const char *said = sqlite3_errmsg(db->sqlite);
-    int error;
-    switch (sqlite3_errcode(db->sqlite)) {
-    case SQLITE_CORRUPT:
-        return iso_gallery_db_damaged(db, said, fault);
-    case SQLITE_NOTADB:
-        return iso_fault_set(fault, -EMEDIUMTYPE, "%s: no gallery, or its beginning is damaged",
-                             db->path);
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-        return iso_fault_set(fault, -EBUSY, "%s: another process uses it", db->path);
-    case SQLITE_READONLY:
-        return iso_fault_set(fault, -EROFS, "%s: cannot be written", db->path);
-    case SQLITE_NOMEM:
-        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
-    case SQLITE_FULL:
-        error = -ENOSPC;
-        break;
-    default:
-        error = io_error(db);
-        break;
+    const struct iso_anchor_state *anchor = iso_anchor_state(db->anchor);
+    if (memcmp(anchor->extra, db->seal.gallery, ISO_GALLERY_ID_BYTES) != 0) {
+        return iso_fault_set(fault, -ESTALE, "%s: another gallery than that of %s", db->path,
+                             db->anchor_path);
     }
-    return iso_fault_set(fault, error, "%s: %s", db->path,
-                         error == -ENOSPC ? "the disk is full; nothing was changed" : said);
-}
-
-static int execute(const struct iso_gallery_db *db, const char *sql, struct iso_fault *fault)
-{
-    return sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL) == SQLITE_OK ? 0 : fail(db, fault);
-}
-
-/* ---- making, opening, checking ---- */
-
-static int connect(struct iso_gallery_db *db, const char *path, struct iso_fault *fault)
-{
-    if (sqlite3_open_v2(path, &db->sqlite, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK) {
-        return db->sqlite ? fail(db, fault) : iso_fault_set(fault, -ENOMEM, "out of memory");
+    if (db->head.changes < anchor->value) {
+        return iso_fault_set(fault, -ESTALE,
+                             "%s: an old gallery, %llu changes behind; put the newest in its place",
+                             db->path, (unsigned long long)(anchor->value - db->head.changes));
     }
-    (void)sqlite3_busy_timeout(db->sqlite, BUSY_MS);
-    return execute(db, settings, fault);
+    if (db->head.changes > anchor->value + 1) {
+        return iso_fault_set(fault, -ESTALE, "%s: an old anchor; put the newest in its place",
+                             db->anchor_path);
+    }
+    return db->head.changes > anchor->value || iso__gallery_anchor_is_sealing(db)
+               ? write_anchor(db, fault)
+               : 0;
 }
 
-static void disconnect(struct iso_gallery_db *db)
+static int open_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
-    (void)sqlite3_close(db->sqlite);
-    db->sqlite = NULL;
+    const int error = iso_anchor_open(db->anchor_path, ISO__GALLERY_ANCHOR, db->ring, true,
+                                      &db->anchor, fault);
+    return error == -ENOENT ? 0 : error;
 }
+
+/* ---- making ---- */
 
 /* An empty file of our own, for SQLite to fill in: it would make one that all may read. */
 static int make_file(const char *path, struct iso_fault *fault)
@@ -138,40 +110,116 @@ static int make_file(const char *path, struct iso_fault *fault)
     return 0;
 }
 
-/* Makes an empty gallery beside its place, and moves it there when it is whole. */
-static int make(struct iso_gallery_db *db, struct iso_fault *fault)
+static int new_seal(struct iso_gallery_db *db, struct iso_gallery_seal *out,
+                    struct iso_fault *fault)
 {
-    char beside[PATH_MAX], journal[PATH_MAX];
+    uint8_t id[ISO_GALLERY_ID_BYTES];
+    uint32_t number = iso_key_ring_newest(db->ring, ISO_KEY_GALLERY);
+    const int error = number ? 0 : iso_key_ring_add(db->ring, ISO_KEY_GALLERY, &number, fault);
+    if (!error) {
+        randombytes_buf(id, sizeof id);
+        *out = iso_gallery_seal_of(id, number,
+                                   iso_key_ring_find(db->ring, ISO_KEY_GALLERY, number));
+    }
+    return error;
+}
+
+int iso__gallery_make_beside(struct iso_gallery_db *db, struct iso_gallery_db *beside,
+                             struct iso_fault *fault)
+{
+    char path[PATH_MAX], journal[PATH_MAX];
     if (snprintf(journal, sizeof journal, "%s.new-journal", db->path) >= PATH_MAX) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", db->path);
     }
-    (void)snprintf(beside, sizeof beside, "%.*s", (int)(strlen(journal) - strlen("-journal")),
-                   journal);
+    (void)snprintf(path, sizeof path, "%.*s", (int)(strlen(journal) - strlen("-journal")), journal);
     (void)unlink(journal); /* of an attempt that was killed */
-    int error = make_file(beside, fault);
+    int error = new_seal(db, &beside->seal, fault);
+    error = error ? error : make_file(path, fault);
     if (error) {
         return error;
     }
-    error = connect(db, beside, fault);
-    if (!error) {
-        error = execute(db, schema, fault);
+    beside->path = strdup(path);
+    if (!beside->path) {
+        (void)unlink(path);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
     }
-    disconnect(db);
-    if (!error && renameat2(AT_FDCWD, beside, AT_FDCWD, db->path, RENAME_NOREPLACE)) {
-        error = iso_fault_set(fault, -errno, "%s: %m", db->path);
-    }
-    if (error) {
-        (void)unlink(beside);
-        return error;
-    }
-    return iso_directory_sync(db->path, fault);
+    beside->draft.next = 1;
+    error = iso__gallery_connect(beside, path, fault);
+    return error ? error : iso__gallery_execute(beside, schema, fault);
 }
 
+static int insert_head(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    uint8_t sealed[ISO_GALLERY_HEAD_SEALED];
+    sqlite3_stmt *statement = NULL;
+    const int error = iso__gallery_prepare(
+        db, "INSERT OR REPLACE INTO head (id, gallery, key, record) VALUES (1, ?1, ?2, ?3)",
+        &statement, fault);
+    if (error) {
+        return error;
+    }
+    iso_gallery_head_close(&db->seal, &db->draft, sealed);
+    (void)sqlite3_bind_blob(statement, 1, db->seal.gallery, ISO_GALLERY_ID_BYTES, SQLITE_STATIC);
+    (void)sqlite3_bind_int64(statement, 2, db->seal.key_number);
+    (void)sqlite3_bind_blob(statement, 3, sealed, sizeof sealed, SQLITE_STATIC);
+    return iso__gallery_finish(db, statement, fault);
+}
+
+int iso__gallery_move_in(struct iso_gallery_db *db, struct iso_gallery_db *beside, bool replace,
+                         int error, struct iso_fault *fault)
+{
+    error = error ? error : insert_head(beside, fault);
+    error = error ? error : iso__gallery_execute(beside, "COMMIT", fault);
+    iso__gallery_disconnect(beside);
+    iso_gallery_seal_wipe(&beside->seal);
+    if (beside->path) {
+        if (!error &&
+            renameat2(AT_FDCWD, beside->path, AT_FDCWD, db->path, replace ? 0 : RENAME_NOREPLACE)) {
+            error = iso_fault_set(fault, -errno, "%s: %m", db->path);
+        }
+        if (error) {
+            (void)unlink(beside->path);
+        }
+        free(beside->path);
+        beside->path = NULL;
+    }
+    return error ? error : iso_directory_sync(db->path, fault);
+}
+
+/* Makes an empty gallery. Its anchor comes first: a database without one is not trusted. */
+static int make(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    struct iso_gallery_db *beside = calloc(1, sizeof *beside);
+    if (!beside) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
+    }
+    int error = iso__gallery_make_beside(db, beside, fault);
+    if (!error) {
+        const struct iso_anchor_state state = iso__gallery_anchor_state(0, beside->seal.gallery,
+                                                                        false);
+        iso_anchor_close(db->anchor);
+        db->anchor = NULL;
+        error = iso_anchor_make(db->anchor_path, ISO__GALLERY_ANCHOR, db->ring, true, &state,
+                                &db->anchor, fault);
+    }
+    error = iso__gallery_move_in(db, beside, false, error, fault);
+    free(beside);
+    return error;
+}
+
+/* An anchor of a gallery that has changed, and no gallery: it was taken away. */
 static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     struct stat status;
     if (stat(db->path, &status) != 0) {
-        return errno == ENOENT ? make(db, fault) : iso_fault_set(fault, -errno, "%s: %m", db->path);
+        if (errno != ENOENT) {
+            return iso_fault_set(fault, -errno, "%s: %m", db->path);
+        }
+        return db->anchor && iso_anchor_state(db->anchor)->value > 0
+                   ? iso_fault_set(fault, -ESTALE,
+                                   "%s: is gone; put it back, or move %s away to begin anew",
+                                   db->path, db->anchor_path)
+                   : make(db, fault);
     }
     if (!S_ISREG(status.st_mode)) {
         return iso_fault_set(fault, -EMEDIUMTYPE, "%s: not a file", db->path);
@@ -179,30 +227,13 @@ static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
     return status.st_size == 0 ? iso_gallery_db_damaged(db, "the file is empty", fault) : 0;
 }
 
-/* The first column of the first row: what a check has to say. */
-static int ask(const struct iso_gallery_db *db, const char *sql, char *answer, size_t size,
-               struct iso_fault *fault)
-{
-    sqlite3_stmt *query = NULL;
-    int error = 0;
-    int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
-    step = step == SQLITE_OK ? sqlite3_step(query) : step;
-    if (step == SQLITE_ROW) {
-        const unsigned char *text = sqlite3_column_text(query, 0);
-        (void)snprintf(answer, size, "%s", text ? (const char *)text : "");
-    } else if (step == SQLITE_DONE) {
-        *answer = '\0';
-    } else {
-        error = fail(db, fault);
-    }
-    (void)sqlite3_finalize(query);
-    return error;
-}
+/* ---- checking ---- */
 
-static int check_kind(const struct iso_gallery_db *db, struct iso_fault *fault)
+/* *version is that of the schema: 1 or ISO_GALLERY_SCHEMA. */
+static int check_kind(const struct iso_gallery_db *db, int *version, struct iso_fault *fault)
 {
     char answer[32];
-    int error = ask(db, "PRAGMA application_id", answer, sizeof answer, fault);
+    int error = iso__gallery_ask(db, "PRAGMA application_id", answer, sizeof answer, fault);
     if (error) {
         return error;
     }
@@ -210,8 +241,9 @@ static int check_kind(const struct iso_gallery_db *db, struct iso_fault *fault)
         return iso_fault_set(fault, -EMEDIUMTYPE, "%s: a database of another application",
                              db->path);
     }
-    error = ask(db, "PRAGMA user_version", answer, sizeof answer, fault);
-    if (!error && atoll(answer) != ISO_GALLERY_SCHEMA) {
+    error = iso__gallery_ask(db, "PRAGMA user_version", answer, sizeof answer, fault);
+    *version = atoi(answer);
+    if (!error && *version != 1 && *version != ISO_GALLERY_SCHEMA) {
         error = iso_fault_set(
             fault, -EPROTONOSUPPORT,
             "%s: of version %s, this program knows version %d; install a newer one", db->path,
@@ -223,7 +255,7 @@ static int check_kind(const struct iso_gallery_db *db, struct iso_fault *fault)
 static int check_whole(const struct iso_gallery_db *db, struct iso_fault *fault)
 {
     char answer[96];
-    int error = ask(db, "PRAGMA integrity_check(1)", answer, sizeof answer, fault);
+    int error = iso__gallery_ask(db, "PRAGMA integrity_check(1)", answer, sizeof answer, fault);
     if (!error && strcmp(answer, "ok") != 0) {
         answer[strcspn(answer, "\n")] = '\0';
         error = iso_gallery_db_damaged(db, answer, fault);
@@ -231,43 +263,113 @@ static int check_whole(const struct iso_gallery_db *db, struct iso_fault *fault)
     if (error) {
         return error;
     }
-    error = ask(db, "PRAGMA foreign_key_check", answer, sizeof answer, fault);
+    error = iso__gallery_ask(db, "PRAGMA foreign_key_check", answer, sizeof answer, fault);
     return error || !*answer ? error
                              : iso_gallery_db_damaged(db, "a template belongs to nobody", fault);
 }
 
-/* Takes the lock that exclusive locking then keeps, and checks everything under it. */
-static int check(const struct iso_gallery_db *db, struct iso_fault *fault)
+/* The head row, under the key that it names. */
+static int take_head(struct iso_gallery_db *db, sqlite3_stmt *row, struct iso_fault *fault)
+{
+    const void *id = sqlite3_column_blob(row, 0), *record = sqlite3_column_blob(row, 2);
+    const uint32_t number = (uint32_t)sqlite3_column_int64(row, 1);
+    const struct iso_seal_key *key = iso_key_ring_find(db->ring, ISO_KEY_GALLERY, number);
+    if (!id || sqlite3_column_bytes(row, 0) != ISO_GALLERY_ID_BYTES) {
+        return iso_gallery_db_damaged(db, "the gallery has no name", fault);
+    }
+    if (!key) {
+        return iso_fault_set(fault, -EKEYREJECTED,
+                             "%s: the key ring has no key %u; an old gallery, or another ring",
+                             db->path, number);
+    }
+    db->seal = iso_gallery_seal_of(id, number, key);
+    if (!record ||
+        iso_gallery_head_open(&db->seal, record, (size_t)sqlite3_column_bytes(row, 2), &db->head)) {
+        return iso_gallery_db_damaged(db, "the head is not what was stored", fault);
+    }
+    db->draft = db->head;
+    return 0;
+}
+
+static int read_head(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    sqlite3_stmt *query = NULL;
+    int error = iso__gallery_prepare(db, "SELECT gallery, key, record FROM head", &query, fault);
+    if (error) {
+        return error;
+    }
+    const int step = sqlite3_step(query);
+    if (step == SQLITE_ROW) {
+        error = take_head(db, query, fault);
+    } else {
+        error = step == SQLITE_DONE ? iso_gallery_db_damaged(db, "there is no head", fault)
+                                    : iso__gallery_fail(db, fault);
+    }
+    (void)sqlite3_finalize(query);
+    return error;
+}
+
+/* Takes the lock that exclusive locking then keeps, and checks what is under it. */
+static int check(struct iso_gallery_db *db, int *version, struct iso_fault *fault)
 {
     if (sqlite3_db_readonly(db->sqlite, "main") == 1) {
         return iso_fault_set(fault, -EROFS, "%s: cannot be written", db->path);
     }
-    int error = execute(db, "BEGIN EXCLUSIVE", fault);
-    if (!error) {
-        error = check_kind(db, fault);
+    int error = iso__gallery_execute(db, "BEGIN EXCLUSIVE", fault);
+    error = error ? error : check_kind(db, version, fault);
+    error = error ? error : check_whole(db, fault);
+    if (!error && *version == ISO_GALLERY_SCHEMA) {
+        error = read_head(db, fault);
     }
-    if (!error) {
-        error = check_whole(db, fault);
-    }
-    if (!error) {
-        error = execute(db, "COMMIT", fault);
-    }
-    return error;
+    return error ? error : iso__gallery_execute(db, "COMMIT", fault);
 }
 
-int iso_gallery_db_open(const char *path, struct iso_gallery_db **out, struct iso_fault *fault)
+/* ---- opening ---- */
+
+/* A gallery of version 1 is sealed once, when nothing of this appliance was sealed yet: later it
+ * would be one that somebody has put there. */
+static int may_migrate(const struct iso_gallery_db *db, bool wanted, struct iso_fault *fault)
+{
+    const bool first = !db->anchor && iso_key_ring_newest(db->ring, ISO_KEY_GALLERY) == 0;
+    if (wanted && (first || iso__gallery_anchor_is_sealing(db))) {
+        return 0;
+    }
+    return iso_fault_set(fault, -ESTALE, "%s: an unsealed gallery, %s", db->path,
+                         wanted ? "where there was a sealed one"
+                                : "which [seal] migrate = no does not take");
+}
+
+static int connect_and_check(struct iso_gallery_db *db, bool migrate, struct iso_fault *fault)
+{
+    int version = 0;
+    int error = iso__gallery_connect(db, db->path, fault);
+    error = error ? error : check(db, &version, fault);
+    if (error || version == ISO_GALLERY_SCHEMA) {
+        return error;
+    }
+    error = may_migrate(db, migrate, fault);
+    error = error ? error : iso__gallery_migrate(db, fault);
+    error = error ? error : iso__gallery_connect(db, db->path, fault);
+    return error ? error : check(db, &version, fault);
+}
+
+int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_gallery_db **out,
+                        struct iso_fault *fault)
 {
     struct iso_gallery_db *db = calloc(1, sizeof *db);
-    if (!db || !(db->path = strdup(path))) {
+    if (!db || !(db->path = strdup(options->path)) ||
+        asprintf(&db->anchor_path, "%s.anchor", options->path) < 0) {
+        free(db ? db->path : NULL);
         free(db);
-        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->path);
     }
-    int error = find_or_make(db, fault);
-    if (!error) {
-        error = connect(db, path, fault);
-    }
-    if (!error) {
-        error = check(db, fault);
+    db->ring = options->ring;
+    int error = open_anchor(db, fault);
+    error = error ? error : find_or_make(db, fault);
+    error = error ? error : connect_and_check(db, options->migrate, fault);
+    error = error ? error : check_anchor(db, fault);
+    if (!error) { /* of a rotation that was cut short */
+        error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, db->seal.key_number, fault);
     }
     if (error) {
         iso_gallery_db_close(db);
@@ -280,176 +382,58 @@ int iso_gallery_db_open(const char *path, struct iso_gallery_db **out, struct is
 void iso_gallery_db_close(struct iso_gallery_db *db)
 {
     if (db) {
-        disconnect(db);
+        iso__gallery_disconnect(db);
+        iso_anchor_close(db->anchor);
         free(db->path);
+        free(db->anchor_path);
+        sodium_memzero(db, sizeof *db);
         free(db);
     }
 }
 
-/* ---- reading ---- */
+/* ---- transactions ---- */
 
-static int visit_person(struct iso_gallery_db *db, sqlite3_stmt *row,
-                        const struct iso_gallery_visitor *visitor, struct iso_fault *fault)
+int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
 {
-    const unsigned char *name = sqlite3_column_text(row, 1);
-    struct iso_person person = {
-        .id = sqlite3_column_int64(row, 0),
-        .enrolled_s = sqlite3_column_int64(row, 2),
-        .valid_from_s = sqlite3_column_int64(row, 3),
-        .valid_until_s = sqlite3_column_int64(row, 4),
-    };
-    if (!name || iso_person_name_flaw((const char *)name)) {
-        return iso_gallery_db_damaged(db, "a person's name is none", fault);
-    }
-    (void)snprintf(person.name, sizeof person.name, "%s", (const char *)name);
-    return visitor->person(visitor->context, &person, fault);
-}
-
-static int visit_template(struct iso_gallery_db *db, sqlite3_stmt *row,
-                          const struct iso_gallery_visitor *visitor, struct iso_fault *fault)
-{
-    (void)db;
-    const void *bytes = sqlite3_column_blob(row, 2);
-    return visitor->template(visitor->context, sqlite3_column_int64(row, 0),
-                             (uint32_t)sqlite3_column_int64(row, 1), bytes ? bytes : "",
-                             (size_t)sqlite3_column_bytes(row, 2), fault);
-}
-
-static int each_row(struct iso_gallery_db *db, const char *sql,
-                    int (*visit)(struct iso_gallery_db *db, sqlite3_stmt *row,
-                                 const struct iso_gallery_visitor *visitor,
-                                 struct iso_fault *fault),
-                    const struct iso_gallery_visitor *visitor, struct iso_fault *fault)
-{
-    sqlite3_stmt *query = NULL;
-    int error = 0;
-    int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
-    if (step == SQLITE_OK) {
-        while (!error && (step = sqlite3_step(query)) == SQLITE_ROW) {
-            error = visit(db, query, visitor, fault);
+    if (db->head.changes > iso_anchor_state(db->anchor)->value) {
+        const int error = write_anchor(db, fault);
+        if (error) {
+            return error;
         }
     }
-    if (!error && step != SQLITE_DONE) {
-        error = fail(db, fault);
-    }
-    (void)sqlite3_finalize(query);
-    return error;
+    db->draft = db->head;
+    return iso__gallery_execute(db, "BEGIN IMMEDIATE", fault);
 }
 
-int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visitor *visitor,
-                        struct iso_fault *fault)
+/* Leaves no transaction open: some failures have rolled it back already. An anchor that cannot be
+ * written is written before the next change. */
+int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *fault)
 {
-    const int error = each_row(db,
-                               "SELECT id, name, enrolled_s, valid_from_s, valid_until_s "
-                               "FROM person ORDER BY id",
-                               visit_person, visitor, fault);
-    return error ? error
-                 : each_row(db,
-                            "SELECT person_id, algorithm, bytes FROM template "
-                            "ORDER BY person_id, id",
-                            visit_template, visitor, fault);
-}
-
-/* ---- writing ---- */
-
-/* Runs a prepared statement to its end and finalizes it. */
-static int finish(struct iso_gallery_db *db, sqlite3_stmt *statement, struct iso_fault *fault)
-{
-    const int step = sqlite3_step(statement);
-    const int error = step == SQLITE_DONE ? 0 : fail(db, fault);
-    (void)sqlite3_finalize(statement);
-    return error;
-}
-
-static int prepare(struct iso_gallery_db *db, const char *sql, sqlite3_stmt **out,
-                   struct iso_fault *fault)
-{
-    return sqlite3_prepare_v2(db->sqlite, sql, -1, out, NULL) == SQLITE_OK ? 0 : fail(db, fault);
-}
-
-/* Leaves no transaction open: some failures have rolled it back already. */
-static int end(struct iso_gallery_db *db, int error, struct iso_fault *fault)
-{
-    if (!error) {
-        error = execute(db, "COMMIT", fault);
-    }
-    if (error && !sqlite3_get_autocommit(db->sqlite)) {
-        (void)sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL);
-    }
-    return error;
-}
-
-static int write_person(struct iso_gallery_db *db, const struct iso_person *person, int64_t *id,
-                        struct iso_fault *fault)
-{
-    sqlite3_stmt *statement = NULL;
-    int error = prepare(db,
-                        person->id ? "UPDATE person SET valid_from_s = ?3, valid_until_s = ?4 "
-                                     "WHERE id = ?5"
-                                   : "INSERT INTO person (name, enrolled_s, valid_from_s, "
-                                     "valid_until_s) VALUES (?1, ?2, ?3, ?4)",
-                        &statement, fault);
+    db->draft.changes++;
+    error = error ? error : insert_head(db, fault);
+    error = error ? error : iso__gallery_execute(db, "COMMIT", fault);
     if (error) {
+        if (!sqlite3_get_autocommit(db->sqlite)) {
+            (void)sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL);
+        }
+        db->draft = db->head;
         return error;
     }
-    if (person->id) {
-        (void)sqlite3_bind_int64(statement, 5, person->id);
-    } else {
-        (void)sqlite3_bind_text(statement, 1, person->name, -1, SQLITE_STATIC);
-        (void)sqlite3_bind_int64(statement, 2, person->enrolled_s);
-    }
-    (void)sqlite3_bind_int64(statement, 3, person->valid_from_s);
-    (void)sqlite3_bind_int64(statement, 4, person->valid_until_s);
-    error = finish(db, statement, fault);
-    if (!error) {
-        *id = person->id ? person->id : sqlite3_last_insert_rowid(db->sqlite);
-    }
-    return error;
+    db->head = db->draft;
+    (void)!write_anchor(db, NULL);
+    return 0;
 }
 
-static int write_template(struct iso_gallery_db *db, int64_t person_id, uint32_t algorithm,
-                          const void *bytes, size_t size, struct iso_fault *fault)
+int iso_gallery_db_renew_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
-    sqlite3_stmt *statement = NULL;
-    const int error = prepare(
-        db, "INSERT INTO template (person_id, algorithm, bytes) VALUES (?1, ?2, ?3)", &statement,
-        fault);
-    if (error) {
-        return error;
-    }
-    (void)sqlite3_bind_int64(statement, 1, person_id);
-    (void)sqlite3_bind_int64(statement, 2, algorithm);
-    (void)sqlite3_bind_blob64(statement, 3, bytes, size, SQLITE_STATIC);
-    return finish(db, statement, fault);
+    const int error = write_anchor(db, fault);
+    return error ? error : write_anchor(db, fault); /* both of its slots */
 }
 
-int iso_gallery_db_add(struct iso_gallery_db *db, const struct iso_person *person,
-                       uint32_t algorithm, const void *bytes, size_t size, int64_t *id,
-                       struct iso_fault *fault)
+struct iso_gallery_version iso_gallery_db_version(const struct iso_gallery_db *db)
 {
-    int64_t written = 0;
-    int error = execute(db, "BEGIN IMMEDIATE", fault);
-    if (error) {
-        return error;
-    }
-    error = write_person(db, person, &written, fault);
-    if (!error) {
-        error = write_template(db, written, algorithm, bytes, size, fault);
-    }
-    error = end(db, error, fault);
-    if (!error) {
-        *id = written;
-    }
-    return error;
-}
-
-int iso_gallery_db_remove(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
-{
-    sqlite3_stmt *statement = NULL;
-    int error = prepare(db, "DELETE FROM person WHERE id = ?1", &statement, fault);
-    if (error) {
-        return error;
-    }
-    (void)sqlite3_bind_int64(statement, 1, id);
-    return finish(db, statement, fault);
+    struct iso_gallery_version version = {.changes = db->head.changes};
+    (void)sodium_bin2hex(version.gallery, sizeof version.gallery, db->seal.gallery,
+                         (sizeof version.gallery - 1) / 2);
+    return version;
 }

@@ -1,8 +1,12 @@
-/* The gallery's database: tables, transactions, and what each failure of SQLite means to a person.
- * Internal to the gallery (gallery.h), which holds the same in memory.
+/* The gallery's database: tables, seals, transactions, and what each failure of SQLite means to a
+ * person. Internal to the gallery (gallery.h), which holds the same in memory.
  *
- *   person    id, name (unique), enrolled_s, valid_from_s, valid_until_s
- *   template  id, person_id -> person, algorithm, bytes (iso_template_serialise) */
+ *   head      one row: gallery (its random id), key (number in the key ring), record (sealed)
+ *   person    id, record (sealed: dates and name)
+ *   template  id, person_id -> person, algorithm, record (sealed: iso_template_serialise)
+ *
+ * gallery_seal.h says how records are sealed. PATH.anchor holds the number of changes (anchor.h),
+ * and the gallery's id. */
 #ifndef ISO_FIRMWARE_GALLERY_DB_H
 #define ISO_FIRMWARE_GALLERY_DB_H
 
@@ -14,10 +18,10 @@
 
 struct iso_gallery_db;
 
-/* As iso_gallery_open: makes the database if there is none, checks it whole, and keeps others out
- * until it is closed. */
-int iso_gallery_db_open(const char *path, struct iso_gallery_db **out, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* As iso_gallery_open: makes the database if there is none, seals one of version 1, checks it, and
+ * keeps others out until it is closed. */
+int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_gallery_db **out,
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_gallery_db_close(struct iso_gallery_db *db);
 
 /* What is told of the contents. Functions return 0, or a negative errno with *fault set. */
@@ -29,19 +33,46 @@ struct iso_gallery_visitor {
     void *context;
 };
 
-/* First all people by rising id, then all templates by rising person and id. */
+/* First all people by rising id, then all templates by rising person and id. Checks that they are
+ * all the records there should be, also within a transaction. */
 int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visitor *visitor,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Adds a template, in one transaction. person->id 0: makes the person, else sets the limits of that
- * one. *id is the person's. */
-int iso_gallery_db_add(struct iso_gallery_db *db, const struct iso_person *person,
-                       uint32_t algorithm, const void *bytes, size_t size, int64_t *id,
-                       struct iso_fault *fault) __attribute__((warn_unused_result));
+/* ---- changes: begin, some of the others, end ---- */
 
-/* Deletes a person with all templates, in one transaction. */
-int iso_gallery_db_remove(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
+/* -EIO: the change before could not be anchored, and still cannot. */
+int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Makes the changes since begin hold, all or none; with `error` (negative, of one of them) none.
+ * Returns that error, or its own. */
+int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* person->id 0: a new person, else that one as it is now. *id is the person's. */
+int iso_gallery_db_put_person(struct iso_gallery_db *db, const struct iso_person *person,
+                              int64_t *id, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, uint32_t algorithm,
+                                const void *bytes, size_t size, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Deletes a person with all templates. */
+int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* ---- the rest ---- */
+
+/* Seals everything with a new key, in one transaction, and drops the old one. */
+int iso_gallery_db_rotate(struct iso_gallery_db *db, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Writes the anchor anew, with the newest key of its kind. */
+int iso_gallery_db_renew_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+struct iso_gallery_version iso_gallery_db_version(const struct iso_gallery_db *db);
 
 /* "PATH: damaged (WHAT); ...": what is said when the database cannot be trusted; -EBADMSG. */
 int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,

@@ -3,6 +3,7 @@
 #include <getopt.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <syslog.h>
 
@@ -21,6 +22,7 @@ static const char usage[] =
     "  --bus ADDRESS    serve on this bus: system, session or a D-Bus address\n"
     "  --check-config   say whether the configuration is sound, and end\n"
     "  --rest-door      take power from all lines of the door, and end: after a crash\n"
+    "  --print-log      print the audit log, if it is sound, and end: when no daemon runs\n"
     "  --help-config    print a configuration that names and explains every key\n"
     "  --help           show this help\n"
     "  --version        show the version\n\n"
@@ -32,6 +34,7 @@ enum option_id {
     OPTION_BUS,
     OPTION_CHECK_CONFIG,
     OPTION_REST_DOOR,
+    OPTION_PRINT_LOG,
     OPTION_HELP_CONFIG,
     OPTION_HELP,
     OPTION_VERSION,
@@ -42,6 +45,7 @@ static const struct option options[] = {
     {"bus", required_argument, NULL, OPTION_BUS},
     {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
     {"rest-door", no_argument, NULL, OPTION_REST_DOOR},
+    {"print-log", no_argument, NULL, OPTION_PRINT_LOG},
     {"help-config", no_argument, NULL, OPTION_HELP_CONFIG},
     {"help", no_argument, NULL, OPTION_HELP},
     {"version", no_argument, NULL, OPTION_VERSION},
@@ -51,7 +55,7 @@ static const struct option options[] = {
 struct arguments {
     const char *config;
     const char *bus; /* NULL: the configured one */
-    bool check_config, rest_door;
+    bool check_config, rest_door, print_log;
 };
 
 static int exit_code(int error)
@@ -90,17 +94,31 @@ static int take_bus(const char *address, struct iso_config *config, struct iso_f
     return 0;
 }
 
+/* What the service manager has given: a directory with the key; and whether its journal listens. */
+static void take_surroundings(struct iso_config *config)
+{
+    const char *credentials = getenv("CREDENTIALS_DIRECTORY");
+    (void)snprintf(config->seal.credentials, sizeof config->seal.credentials, "%s",
+                   credentials ? credentials : "");
+    config->log.journal = config->log.journal && getenv("JOURNAL_STREAM");
+}
+
 static int run(const struct arguments *arguments)
 {
+    const struct iso_times times = iso_times_system();
     struct iso_config config;
     struct iso_fault fault = {""};
     int error = iso_config_load(arguments->config, &config, &fault);
     error = error ? error : take_bus(arguments->bus, &config, &fault);
+    if (!error) {
+        take_surroundings(&config);
+    }
     if (!error && arguments->check_config) {
         printf("%s: sound\n", arguments->config);
     } else if (!error && arguments->rest_door) {
-        const struct iso_times times = iso_times_system();
         error = iso_parts_rest_door(&config, &times, &fault);
+    } else if (!error && arguments->print_log) {
+        error = iso_parts_print_log(&config, &times, stdout, &fault);
     } else if (!error) {
         error = iso_daemon_run(&config, &fault);
     }
@@ -130,6 +148,9 @@ int main(int argc, char **argv)
             break;
         case OPTION_REST_DOOR:
             arguments.rest_door = true;
+            break;
+        case OPTION_PRINT_LOG:
+            arguments.print_log = true;
             break;
         case OPTION_HELP_CONFIG:
             iso_config_print_sample(stdout);

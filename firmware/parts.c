@@ -1,7 +1,11 @@
 #include "firmware/parts.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "firmware/journal.h"
 
 static const char *or_installed(const char *path, const char *installed)
 {
@@ -59,15 +63,70 @@ static int open_door(struct iso_parts *parts, struct iso_fault *fault)
     return passes(error) ? 0 : error;
 }
 
-static int open_stores(struct iso_parts *parts, struct iso_fault *fault)
+static int open_ring(struct iso_parts *parts, struct iso_fault *fault)
 {
     const struct iso_config *config = &parts->config;
-    const uint32_t algorithm = parts->pipeline.ops->algorithm(parts->pipeline.self);
-    const int error = iso_gallery_open(config->gallery.path, config->gallery.capacity, algorithm,
-                                       &parts->gallery, fault);
-    return error ? error
-                 : iso_audit_open(config->log.path, config->log.sync, &parts->times, &parts->audit,
-                                  fault);
+    char ring[ISO_CONFIG_TEXT_SIZE + 8], key[ISO_CONFIG_TEXT_SIZE + 8];
+    (void)snprintf(ring, sizeof ring, "%s.keys", config->gallery.path);
+    (void)snprintf(key, sizeof key, "%s.key", config->gallery.path);
+    const struct iso_key_place place = {
+        .ring = ring,
+        .file = or_installed(config->seal.key, key),
+        .credentials = config->seal.credentials,
+    };
+    return iso_key_ring_open(&place, &parts->ring, fault);
+}
+
+enum { LOG_SEGMENTS = 8 };
+
+static int open_log(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_config *config = &parts->config;
+    const struct iso_audit_options options = {
+        .path = config->log.path,
+        .sync = config->log.sync,
+        .segment_bytes = (uint64_t)config->log.max_mib * (1 << 20) / LOG_SEGMENTS,
+        .segments = LOG_SEGMENTS - 1,
+        .migrate = config->seal.migrate,
+        .ring = parts->ring,
+        .written = config->log.journal ? iso_journal_record : NULL,
+    };
+    return iso_audit_open(&options, &parts->times, &parts->audit, fault);
+}
+
+static int open_gallery(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_config *config = &parts->config;
+    const struct iso_gallery_options options = {
+        .path = config->gallery.path,
+        .capacity = config->gallery.capacity,
+        .algorithm = parts->pipeline.ops->algorithm(parts->pipeline.self),
+        .ring = parts->ring,
+        .migrate = config->seal.migrate,
+    };
+    return iso_gallery_open(&options, &parts->gallery, fault);
+}
+
+/* A gallery that is put back with its anchor is behind what the log says of it. */
+static int compare_stores(const struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
+    const uint64_t known = iso_audit_gallery_changes(parts->audit, version.gallery);
+    return version.changes >= known
+               ? 0
+               : iso_fault_set(
+                     fault, -ESTALE,
+                     "%s: an old gallery, the log knows %llu changes more; put the newest "
+                     "in its place",
+                     parts->config.gallery.path, (unsigned long long)(known - version.changes));
+}
+
+static int open_stores(struct iso_parts *parts, struct iso_fault *fault)
+{
+    int error = open_ring(parts, fault);
+    error = error ? error : open_gallery(parts, fault);
+    error = error ? error : open_log(parts, fault);
+    return error ? error : compare_stores(parts, fault);
 }
 
 int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,
@@ -109,6 +168,40 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
     return 0;
 }
 
+static int print_line(void *context, const char *line)
+{
+    return fprintf(context, "%s\n", line) < 0 ? -EIO : 0;
+}
+
+static int print_log(struct iso_parts *parts, FILE *out, struct iso_fault *fault)
+{
+    struct iso_audit_report report;
+    int error = iso_audit_verify(parts->audit, 0, NULL, &report, fault);
+    if (!error && !report.sound) {
+        error = iso_fault_set(fault, -EBADMSG, "%s: %s", parts->config.log.path, report.flaw);
+    }
+    if (!error && iso_audit_read(parts->audit, 1, UINT32_MAX, print_line, out)) {
+        error = iso_fault_set(fault, -EIO, "%s: cannot be read", parts->config.log.path);
+    }
+    return error;
+}
+
+int iso_parts_print_log(const struct iso_config *config, const struct iso_times *times, FILE *out,
+                        struct iso_fault *fault)
+{
+    struct iso_parts *parts = calloc(1, sizeof *parts);
+    if (!parts) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    parts->config = *config;
+    parts->times = *times;
+    int error = open_ring(parts, fault);
+    error = error ? error : open_log(parts, fault);
+    error = error ? error : print_log(parts, out, fault);
+    iso_parts_close(parts);
+    return error;
+}
+
 void iso_parts_close(struct iso_parts *parts)
 {
     if (parts) {
@@ -116,6 +209,7 @@ void iso_parts_close(struct iso_parts *parts)
         iso_cards_free(parts->cards);
         iso_audit_close(parts->audit);
         iso_gallery_close(parts->gallery);
+        iso_key_ring_close(parts->ring);
         iso_pipeline_close(&parts->pipeline);
         free(parts);
     }
@@ -140,6 +234,7 @@ struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
         .pipeline = parts->pipeline,
         .door_io = parts->door_io,
         .cards = parts->cards,
+        .ring = parts->ring,
         .gallery = parts->gallery,
         .audit = parts->audit,
         .events = *events,

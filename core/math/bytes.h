@@ -25,6 +25,12 @@ static inline uint8_t *iso_put_u32(uint8_t *p, uint32_t v)
     return iso_put_u16(p, (uint16_t)(v >> 16));
 }
 
+static inline uint8_t *iso_put_u64(uint8_t *p, uint64_t v)
+{
+    p = iso_put_u32(p, (uint32_t)(v & 0xffffffff));
+    return iso_put_u32(p, (uint32_t)(v >> 32));
+}
+
 static inline uint8_t *iso_put_f32(uint8_t *p, float v)
 {
     uint32_t bits;
@@ -40,6 +46,11 @@ static inline uint16_t iso_get_u16(const uint8_t *p)
 static inline uint32_t iso_get_u32(const uint8_t *p)
 {
     return (uint32_t)iso_get_u16(p) | (uint32_t)iso_get_u16(p + 2) << 16;
+}
+
+static inline uint64_t iso_get_u64(const uint8_t *p)
+{
+    return (uint64_t)iso_get_u32(p) | (uint64_t)iso_get_u32(p + 4) << 32;
 }
 
 static inline float iso_get_f32(const uint8_t *p)

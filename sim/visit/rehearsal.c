@@ -133,6 +133,7 @@ static int make_config(struct rehearsal *r)
             return iso_fault_set(r->fault, -ENAMETOOLONG, "%s: path too long", paths[i].directory);
         }
     }
+    c->log.journal = false;  /* it is no visit of today's */
     (void)snprintf(c->sensor.pace, sizeof c->sensor.pace, "realtime");
     c->decision.threshold = isnan(o->threshold) ? c->decision.threshold : o->threshold;
     return 0;

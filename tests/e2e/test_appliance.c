@@ -273,6 +273,59 @@ static void who_is_removed_or_expired_is_refused(void **state)
     assert_null(strstr(result->out, "unlocked"));
 }
 
+/* Runs a command whose second word is a file of the appliance's directory. */
+static int run_with_file(const struct appliance *appliance, const char *before, const char *file,
+                         const char *after)
+{
+    char words[1200];
+
+    (void)snprintf(words, sizeof words, "%s %s%s", before, scratch_path(appliance->directory, file),
+                   after);
+    return appliance_run(appliance, words, NULL)->exit;
+}
+
+static void people_are_carried_in_a_sealed_file(void **state)
+{
+    struct appliance *appliance = *state;
+    char option[512];
+    size_t size;
+
+    scratch_write_text(scratch_path(appliance->directory, "phrase"), "horse battery staple\n");
+    scratch_write_text(scratch_path(appliance->directory, "wrong"), "horse battery stable\n");
+    (void)snprintf(option, sizeof option, " --passphrase-file %s",
+                   scratch_path(appliance->directory, "phrase"));
+    assert_int_equal(run_with_file(appliance, "export", "people", option), 0);
+    assert_int_equal(run_with_file(appliance, "export", "people", option), 4); /* it is there */
+    char *file = scratch_read(scratch_path(appliance->directory, "people"), &size);
+    assert_null(memmem(file, size, "p01", 3));
+    free(file);
+    assert_int_equal(appliance_run(appliance, "remove p01", NULL)->exit, 0);
+    assert_int_equal(run_with_file(appliance, "import", "people", option), 0);
+    assert_int_equal(appliance_run(appliance, "verify p01", "p01-v1")->exit, 0);
+    (void)snprintf(option, sizeof option, " --passphrase-file %s",
+                   scratch_path(appliance->directory, "wrong"));
+    assert_int_equal(run_with_file(appliance, "import", "people", option), 4);
+    assert_int_equal(appliance_run(appliance, "key address", NULL)->exit, 0);
+}
+
+/* The head of the log as `log verify` prints it. */
+static void keys_are_rotated_and_the_log_is_sound(void **state)
+{
+    struct appliance *appliance = *state;
+    json_t *report = appliance_run_json(appliance, "log verify", NULL, 0);
+    char words[256];
+
+    assert_true(json_is_true(json_object_get(report, "sound")));
+    (void)snprintf(words, sizeof words, "log verify --head %lld:%s",
+                   (long long)number_of(report, "last"), text_of(report, "head"));
+    assert_int_equal(appliance_run(appliance, "key rotate", NULL)->exit, 0);
+    assert_int_equal(appliance_run(appliance, words, NULL)->exit, 0);
+    char *digit = strchr(words, ':') + 1;
+    *digit = *digit == '0' ? '1' : '0';
+    assert_int_equal(appliance_run(appliance, words, NULL)->exit, 1);
+    json_decref(report);
+}
+
 static void a_killed_daemon_forgets_nobody(void **state)
 {
     struct appliance *appliance = *state;
@@ -313,6 +366,8 @@ int main(void)
         cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_nobody_else),
         cmocka_unit_test(what_happened_is_in_the_log),
         cmocka_unit_test(who_is_removed_or_expired_is_refused),
+        cmocka_unit_test(people_are_carried_in_a_sealed_file),
+        cmocka_unit_test(keys_are_rotated_and_the_log_is_sound),
         cmocka_unit_test(a_killed_daemon_forgets_nobody),
         cmocka_unit_test(an_end_by_signal_is_a_clean_one),
     };

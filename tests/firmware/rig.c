@@ -10,6 +10,7 @@
 #include "tests/firmware/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
+#include "tests/firmware/stores.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/scratch.h"
 
@@ -91,12 +92,12 @@ static void open_parts(struct rig *rig)
                    on_door_changed, on_claim_lost, on_message, rig},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
-    assert_int_equal(iso_gallery_open(scratch_path(rig->directory, "g.db"), 3, PUPPET_ALGORITHM,
-                                      &rig->gallery, NULL),
-                     0);
-    assert_int_equal(iso_audit_open(scratch_path(rig->directory, "a.log"), false, &rig->parts.times,
-                                    &rig->audit, NULL),
-                     0);
+    const struct iso_gallery_options gallery = stores_gallery(rig->directory);
+    struct iso_audit_options audit = stores_audit(rig->directory);
+    audit.sync = false;
+    assert_int_equal(iso_gallery_open(&gallery, &rig->gallery, NULL), 0);
+    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
+    rig->parts.ring = stores_ring(rig->directory);
     rig->parts.door_io = rig->door_io;
     rig->parts.gallery = rig->gallery;
     rig->parts.audit = rig->audit;
@@ -135,7 +136,7 @@ int rig_teardown(void **state)
     iso_door_io_close(rig->door_io);
     assert_int_equal(rig->sensor.opened, rig->sensor.closed);
     free(rig);
-    return scratch_teardown(&directory);
+    return stores_teardown(&directory);
 }
 
 /* ---- moving ---- */

@@ -23,8 +23,9 @@ static void lets_in_who_is_known(void **state)
     assert_string_equal(rig->puppet.sensor, "puppet9");
     assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "allow anna");
     const char *record = rig_record(rig, "visit");
-    assert_non_null(strstr(record, "\"person\":\"anna\",\"verdict\":\"allow\",\"reason\":\"match\","
-                                   "\"score\":8,\"threshold\":6,\"frames\":2}"));
+    assert_non_null(strstr(record,
+                           "\"person\":\"anna\",\"verdict\":\"allow\",\"reason\":\"match\","
+                           "\"score\":8,\"threshold\":6,\"frames\":2,\"sensor\":\"started\"}"));
     rig_run(rig, 5000);
     assert_string_equal(rig_news(rig), "door locked time");
     assert_false(rig_relay(rig));
@@ -42,8 +43,9 @@ static void refuses_a_stranger(void **state)
     assert_false(rig_relay(rig));
     assert_int_equal(iso_door_null_get_output(rig->door_io, ISO_DOOR_LED_REFUSED, &lit), 0);
     assert_true(lit);
-    assert_non_null(strstr(rig_record(rig, "visit"), "\"verdict\":\"deny\",\"reason\":\"unknown\","
-                                                     "\"score\":5,\"threshold\":6,\"frames\":6}"));
+    assert_non_null(strstr(rig_record(rig, "visit"),
+                           "\"verdict\":\"deny\",\"reason\":\"unknown\","
+                           "\"score\":5,\"threshold\":6,\"frames\":6,\"sensor\":\"started\"}"));
     assert_null(strstr(rig_record(rig, "visit"), "anna"));
     assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "deny");
 }
@@ -123,9 +125,10 @@ static void an_attack_is_denied_counted_and_on_record(void **state)
     rig_show_unusable(rig, ISO_CAPTURE_FLAT, 5);
     rig_run(rig, 200);
     assert_string_equal(rig_news(rig), "visit deny attack 0");
-    assert_non_null(strstr(rig_record(rig, "visit"),
-                           "\"verdict\":\"deny\",\"reason\":\"attack\",\"threshold\":6,"
-                           "\"frames\":0,\"attack_frames\":2,\"note\":\"flat\"}"));
+    assert_non_null(
+        strstr(rig_record(rig, "visit"),
+               "\"verdict\":\"deny\",\"reason\":\"attack\",\"threshold\":6,"
+               "\"frames\":0,\"attack_frames\":2,\"sensor\":\"started\",\"note\":\"flat\"}"));
     assert_string_equal(rig_record(rig, "attack"), ""); /* it goes on, for all that is known */
     rig_run(rig, 10000);
     assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"flat\",\"attack_frames\":6,"
@@ -152,7 +155,7 @@ static void a_single_cue_is_on_record_and_delays_nobody(void **state)
     rig_run(rig, 100);
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
     assert_non_null(strstr(rig_record(rig, "visit"), "\"frames\":2,\"attack_frames\":1,"
-                                                     "\"note\":\"bent\"}"));
+                                                     "\"sensor\":\"started\",\"note\":\"bent\"}"));
     iso_appliance_stop(rig->appliance); /* before the attempt is over: not forgotten */
     assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"bent\",\"attack_frames\":1,"));
 }

@@ -12,6 +12,7 @@
 #include "firmware/gallery.h"
 #include "firmware/pipeline.h"
 #include "tests/firmware/rig.h"
+#include "tests/firmware/stores.h"
 #include "tests/support/scarce_memory.h"
 #include "tests/support/scratch.h"
 
@@ -37,8 +38,9 @@ static int open_log(void *context, struct iso_fault *fault)
 {
     struct rig *rig = context;
     struct iso_audit *audit = NULL;
-    const int error = iso_audit_open(scratch_path(rig->directory, "b.log"), false,
-                                     &rig->parts.times, &audit, fault);
+    struct iso_audit_options options = stores_audit(rig->directory);
+    options.path = scratch_path(rig->directory, "b.log");
+    const int error = iso_audit_open(&options, &rig->parts.times, &audit, fault);
     assert_int_equal(audit == NULL, error != 0);
     iso_audit_close(audit);
     return error;
@@ -47,7 +49,14 @@ static int open_log(void *context, struct iso_fault *fault)
 static void while_it_opens_a_log(void **state)
 {
     struct rig *rig = *state;
-    scratch_write_text(scratch_path(rig->directory, "b.log"), "{\"sequence\":1,\"x\":0}\n");
+    struct iso_fault fault = {""};
+    const struct iso_audit_record record = iso_audit_record_of("x");
+    struct iso_audit *audit = NULL;
+    struct iso_audit_options options = stores_audit(rig->directory);
+    options.path = scratch_path(rig->directory, "b.log");
+    assert_int_equal(iso_audit_open(&options, &rig->parts.times, &audit, &fault), 0);
+    assert_int_equal(iso_audit_append(audit, &record, &fault), 0);
+    iso_audit_close(audit);
     assert_true(scarce_memory_exhaust(open_log, rig, MOST) >= 3);
 }
 
@@ -55,8 +64,9 @@ static int open_gallery(void *context, struct iso_fault *fault)
 {
     struct rig *rig = context;
     struct iso_gallery *gallery = NULL;
-    const int error = iso_gallery_open(scratch_path(rig->directory, "h.db"), 3, PUPPET_ALGORITHM,
-                                       &gallery, fault);
+    struct iso_gallery_options options = stores_gallery(rig->directory);
+    options.path = scratch_path(rig->directory, "h.db");
+    const int error = iso_gallery_open(&options, &gallery, fault);
     assert_int_equal(gallery == NULL, error != 0);
     iso_gallery_close(gallery);
     return error;
@@ -68,9 +78,9 @@ static void while_it_opens_a_gallery(void **state)
     struct iso_gallery *gallery = NULL;
     const struct iso_person anna = {.name = "anna"};
     const struct iso_template tmpl = puppet_template(50, PUPPET_ALGORITHM);
-    assert_int_equal(
-        iso_gallery_open(scratch_path(rig->directory, "h.db"), 3, PUPPET_ALGORITHM, &gallery, NULL),
-        0);
+    struct iso_gallery_options options = stores_gallery(rig->directory);
+    options.path = scratch_path(rig->directory, "h.db");
+    assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
     assert_int_equal(iso_gallery_add(gallery, &anna, &tmpl, NULL), 0);
     iso_gallery_close(gallery);
     assert_true(scarce_memory_exhaust(open_gallery, rig, MOST) >= 5);

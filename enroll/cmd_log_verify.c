@@ -1,0 +1,84 @@
+/* log verify: whether every record is there and as it was written. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/contract.h"
+#include "enroll/commands.h"
+#include "enroll/report.h"
+
+struct report {
+    int sound;
+    uint64_t first, last, flaw_at;
+    const char *head, *flaw; /* in the reply */
+};
+
+/* "17:9f3a...": the sequence and the head that an earlier report gave. */
+static enum cli_exit parse_known(const char *text, uint64_t *sequence, const char **head,
+                                 struct cli_fault *fault)
+{
+    char *end = NULL;
+    if (!text) {
+        *sequence = 0;
+        *head = "";
+        return CLI_EXIT_OK;
+    }
+    errno = 0;
+    *sequence = strtoull(text, &end, 10);
+    if (errno || end == text || *end != ':' || strspn(end + 1, "0123456789abcdef") != 64 ||
+        strlen(end + 1) != 64) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "--head: a number, ':' and 64 hexadecimal digits");
+    }
+    *head = end + 1;
+    return CLI_EXIT_OK;
+}
+
+static enum cli_exit tell(const struct report *report, bool json)
+{
+    const enum cli_exit exit = report->sound ? CLI_EXIT_OK : CLI_EXIT_NO;
+    if (json) {
+        const enum cli_exit written = cli_report_json(
+            json_pack("{s:b, s:I, s:I, s:s, s:I, s:s}", "sound", report->sound, "first",
+                      (json_int_t)report->first, "last", (json_int_t)report->last, "head",
+                      report->head, "flaw_at", (json_int_t)report->flaw_at, "flaw", report->flaw));
+        return written ? written : exit;
+    }
+    if (report->sound) {
+        printf("records %" PRIu64 " to %" PRIu64 " are sound; head %" PRIu64 ":%s\n", report->first,
+               report->last, report->last, report->head);
+    } else {
+        printf("not sound: %s\n", report->flaw);
+    }
+    return exit;
+}
+
+enum cli_exit cli_log_verify(struct cli_door *door, const struct cli_arguments *arguments,
+                             struct cli_fault *fault)
+{
+    sd_bus_message *call = NULL, *reply = NULL;
+    struct report report = {0};
+    const char *head = "";
+    uint64_t sequence = 0;
+    enum cli_exit exit = parse_known(arguments->head, &sequence, &head, fault);
+    exit = exit ? exit : cli_door_message(door, ISO_CONTRACT_VERIFY_LOG, &call, fault);
+    if (exit) {
+        return exit;
+    }
+    int r = sd_bus_message_append(call, "ts", sequence, head);
+    if (r < 0) {
+        sd_bus_message_unref(call);
+        return cli_door_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault);
+    }
+    exit = cli_door_send(door, call, &reply, fault);
+    if (exit) {
+        return exit;
+    }
+    r = sd_bus_message_read(reply, "bttsts", &report.sound, &report.first, &report.last,
+                            &report.head, &report.flaw_at, &report.flaw);
+    exit = r < 0 ? cli_door_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault)
+                 : tell(&report, arguments->json);
+    sd_bus_message_unref(reply);
+    return exit;
+}

@@ -1,0 +1,195 @@
+/* export and import: people as one sealed, signed file. */
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <sodium.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/contract.h"
+#include "enroll/commands.h"
+#include "enroll/passphrase.h"
+#include "enroll/report.h"
+
+static int append_text(sd_bus_message *call, const char *name, const char *text)
+{
+    return text ? sd_bus_message_append(call, "{sv}", name, "s", text) : 0;
+}
+
+static int append_bytes(sd_bus_message *call, const char *name, const void *bytes, size_t size)
+{
+    int r = sd_bus_message_open_container(call, 'e', "sv");
+    r = r < 0 ? r : sd_bus_message_append_basic(call, 's', name);
+    r = r < 0 ? r : sd_bus_message_open_container(call, 'v', "ay");
+    r = r < 0 ? r : sd_bus_message_append_array(call, 'y', bytes, size);
+    r = r < 0 ? r : sd_bus_message_close_container(call);
+    return r < 0 ? r : sd_bus_message_close_container(call);
+}
+
+static enum cli_exit file_fault(struct cli_fault *fault, const char *path)
+{
+    return cli_fault_set(fault, errno == ENOENT ? CLI_EXIT_NOT_FOUND : CLI_EXIT_FAULT, "file",
+                         "%s: %s", path, strerror(errno));
+}
+
+static enum cli_exit start_crypto(struct cli_fault *fault)
+{
+    return sodium_init() < 0
+               ? cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "libsodium does not start")
+               : CLI_EXIT_OK;
+}
+
+/* ---- export ---- */
+
+static int append_lock(sd_bus_message *call, const struct cli_arguments *arguments,
+                       const uint8_t *salt, const uint8_t *key)
+{
+    int r = sd_bus_message_open_container(call, 'a', "{sv}");
+    if (arguments->address) {
+        r = r < 0 ? r : append_text(call, ISO_CONTRACT_TO, arguments->address);
+    } else {
+        r = r < 0 ? r : append_bytes(call, ISO_CONTRACT_SALT, salt, CLI_SALT_BYTES);
+        r = r < 0 ? r : append_bytes(call, ISO_CONTRACT_KEY, key, CLI_KEY_BYTES);
+    }
+    return r < 0 ? r : sd_bus_message_close_container(call);
+}
+
+static enum cli_exit call_export(struct cli_door *door, const struct cli_arguments *arguments,
+                                 int fd, const uint8_t *salt, const uint8_t *key, uint32_t *n,
+                                 struct cli_fault *fault)
+{
+    sd_bus_message *call = NULL, *reply = NULL;
+    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_EXPORT_PEOPLE, &call, fault);
+    if (exit) {
+        return exit;
+    }
+    (void)sd_bus_message_sensitive(call);
+    int r = sd_bus_message_append(call, "h", fd);
+    r = r < 0 ? r : sd_bus_message_open_container(call, 'a', "s");
+    for (size_t i = 0; r >= 0 && i < arguments->n_people; i++) {
+        r = sd_bus_message_append_basic(call, 's', arguments->people[i]);
+    }
+    r = r < 0 ? r : sd_bus_message_close_container(call);
+    r = r < 0 ? r : append_lock(call, arguments, salt, key);
+    if (r < 0) {
+        sd_bus_message_unref(call);
+        return cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
+    }
+    exit = cli_door_send(door, call, &reply, fault);
+    if (!exit && (r = sd_bus_message_read(reply, "u", n)) < 0) {
+        exit = cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
+    }
+    sd_bus_message_unref(reply);
+    return exit;
+}
+
+enum cli_exit cli_export(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault)
+{
+    uint8_t salt[CLI_SALT_BYTES], key[CLI_KEY_BYTES] = {0};
+    uint32_t n = 0;
+    enum cli_exit exit = start_crypto(fault);
+    if (exit) {
+        return exit;
+    }
+    const int fd = open(arguments->word, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (fd < 0) {
+        return file_fault(fault, arguments->word);
+    }
+    randombytes_buf(salt, sizeof salt);
+    if (!arguments->address) {
+        exit = cli_passphrase_key(arguments->passphrase_file, true, salt, key, fault);
+    }
+    exit = exit ? exit : call_export(door, arguments, fd, salt, key, &n, fault);
+    sodium_memzero(key, sizeof key);
+    (void)close(fd);
+    if (exit) {
+        (void)unlink(arguments->word);
+        return exit;
+    }
+    if (arguments->json) {
+        return cli_report_json(
+            json_pack("{s:s, s:I}", "file", arguments->word, "people", (json_int_t)n));
+    }
+    printf("%s holds %" PRIu32 " people, sealed.\n", arguments->word, n);
+    return CLI_EXIT_OK;
+}
+
+/* ---- import ---- */
+
+/* The key, if the file is one that a passphrase opens. */
+static enum cli_exit find_key(int fd, const struct cli_arguments *arguments,
+                              uint8_t key[CLI_KEY_BYTES], bool *has_key, struct cli_fault *fault)
+{
+    uint8_t header[ISO_CONTRACT_PEOPLE_SALT_AT + CLI_SALT_BYTES];
+    if (pread(fd, header, sizeof header, 0) != sizeof header ||
+        memcmp(header, ISO_CONTRACT_PEOPLE_MAGIC, strlen(ISO_CONTRACT_PEOPLE_MAGIC)) != 0) {
+        return cli_fault_set(fault, CLI_EXIT_FAULT, "file", "%s: holds no exported people",
+                             arguments->word);
+    }
+    *has_key = header[ISO_CONTRACT_PEOPLE_LOCK_AT] == ISO_CONTRACT_PEOPLE_PASSPHRASE;
+    return *has_key ? cli_passphrase_key(arguments->passphrase_file, false,
+                                         header + ISO_CONTRACT_PEOPLE_SALT_AT, key, fault)
+                    : CLI_EXIT_OK;
+}
+
+static enum cli_exit call_import(struct cli_door *door, const struct cli_arguments *arguments,
+                                 int fd, const uint8_t *key, uint32_t count[2],
+                                 struct cli_fault *fault)
+{
+    sd_bus_message *call = NULL, *reply = NULL;
+    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_IMPORT_PEOPLE, &call, fault);
+    if (exit) {
+        return exit;
+    }
+    (void)sd_bus_message_sensitive(call);
+    int r = sd_bus_message_append(call, "h", fd);
+    r = r < 0 ? r : sd_bus_message_open_container(call, 'a', "{sv}");
+    r = r < 0 ? r : append_text(call, ISO_CONTRACT_FROM, arguments->address);
+    if (key) {
+        r = r < 0 ? r : append_bytes(call, ISO_CONTRACT_KEY, key, CLI_KEY_BYTES);
+    }
+    r = r < 0 ? r
+              : sd_bus_message_append(call, "{sv}", ISO_CONTRACT_REPLACE, "b", arguments->replace);
+    r = r < 0 ? r : sd_bus_message_close_container(call);
+    if (r < 0) {
+        sd_bus_message_unref(call);
+        return cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
+    }
+    exit = cli_door_send(door, call, &reply, fault);
+    if (!exit && (r = sd_bus_message_read(reply, "uu", &count[0], &count[1])) < 0) {
+        exit = cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
+    }
+    sd_bus_message_unref(reply);
+    return exit;
+}
+
+enum cli_exit cli_import(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault)
+{
+    uint8_t key[CLI_KEY_BYTES] = {0};
+    uint32_t count[2] = {0, 0};
+    bool has_key = false;
+    enum cli_exit exit = start_crypto(fault);
+    if (exit) {
+        return exit;
+    }
+    const int fd = open(arguments->word, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) {
+        return file_fault(fault, arguments->word);
+    }
+    exit = find_key(fd, arguments, key, &has_key, fault);
+    exit = exit ? exit : call_import(door, arguments, fd, has_key ? key : NULL, count, fault);
+    sodium_memzero(key, sizeof key);
+    (void)close(fd);
+    if (exit) {
+        return exit;
+    }
+    if (arguments->json) {
+        return cli_report_json(
+            json_pack("{s:I, s:I}", "added", (json_int_t)count[0], "known", (json_int_t)count[1]));
+    }
+    printf("%" PRIu32 " people added, %" PRIu32 " were known and stay as they are.\n", count[0],
+           count[1]);
+    return CLI_EXIT_OK;
+}

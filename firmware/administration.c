@@ -1,0 +1,219 @@
+#include "firmware/administration.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <syslog.h>
+#include <unistd.h>
+
+#include "firmware/appliance_state.h"
+
+static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    return appliance->mode >= ISO_APPLIANCE_ENROLL
+               ? iso_fault_set(fault, -EBUSY, "%s goes on, stop it first",
+                               iso_appliance_mode_name(appliance->mode))
+               : 0;
+}
+
+/* What will be done; it is not done if this fails. */
+static int announce(struct iso_appliance *appliance, const char *event, const char *note,
+                    struct iso_fault *fault)
+{
+    struct iso_audit_record record = iso_audit_record_of(event);
+    const int error = may_begin(appliance, fault);
+    record.note = note;
+    return error ? error : iso_audit_append(appliance->parts.audit, &record, fault);
+}
+
+/* What came of it. The system's log, which is not sealed, is not told whom it was about. */
+static void conclude(struct iso_appliance *appliance, const char *event, int error,
+                     const struct iso_fault *fault, const char *note)
+{
+    struct iso_audit_record record = iso_audit_record_of(event);
+    record.reason = error ? "failed" : "done";
+    record.note = error ? fault->text : note;
+    (void)iso__appliance_record(appliance, &record);
+    iso__appliance_say(appliance, error ? LOG_ERR : LOG_NOTICE, "%s %s", event, record.reason);
+}
+
+/* ---- files ---- */
+
+static int check_file(int fd, off_t *size, struct iso_fault *fault)
+{
+    struct stat status;
+    if (fstat(fd, &status) || !S_ISREG(status.st_mode)) {
+        return iso_fault_set(fault, -EINVAL, "this is not a file");
+    }
+    *size = status.st_size;
+    return 0;
+}
+
+static int write_file(int fd, const uint8_t *bytes, size_t size, struct iso_fault *fault)
+{
+    for (size_t at = 0; at < size;) {
+        const ssize_t n = pwrite(fd, bytes + at, size - at, (off_t)at);
+        if (n <= 0) {
+            const int error = n < 0 ? -errno : -ENOSPC;
+            return iso_fault_set(fault, error, "the file cannot be written: %s", strerror(-error));
+        }
+        at += (size_t)n;
+    }
+    return fsync(fd) ? iso_fault_set(fault, -errno, "the file cannot be written: %m") : 0;
+}
+
+static int read_file(int fd, uint8_t **bytes, size_t *size, struct iso_fault *fault)
+{
+    off_t length = 0;
+    const int error = check_file(fd, &length, fault);
+    if (error) {
+        return error;
+    }
+    if (length > ISO_TRANSFER_MAX_BYTES) {
+        return iso_fault_set(fault, -EFBIG, "the file is too large");
+    }
+    uint8_t *read = malloc((size_t)length + 1);
+    if (!read) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    for (off_t at = 0; at < length;) {
+        const ssize_t n = pread(fd, read + at, (size_t)(length - at), at);
+        if (n <= 0) {
+            free(read);
+            return iso_fault_set(fault, -EIO, "the file cannot be read");
+        }
+        at += n;
+    }
+    *bytes = read;
+    *size = (size_t)length;
+    return 0;
+}
+
+/* ---- people ---- */
+
+static int export_to(struct iso_appliance *appliance, int fd, const char *const *people,
+                     const struct iso_transfer_lock *lock, size_t *n, struct iso_fault *fault)
+{
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    off_t length = 0;
+    int error = check_file(fd, &length, fault);
+    if (!error && length > 0) {
+        error = iso_fault_set(fault, -EINVAL, "the file is not empty");
+    }
+    error = error ? error
+                  : iso_transfer_write(appliance->parts.gallery, people, appliance->parts.ring,
+                                       lock, &bytes, &size, n, fault);
+    if (!error) {
+        error = write_file(fd, bytes, size, fault);
+        iso_transfer_free(bytes, size);
+    }
+    return error;
+}
+
+int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *const *people,
+                         const struct iso_transfer_lock *lock, size_t *n, struct iso_fault *fault)
+{
+    char note[96];
+    size_t count = 0;
+    struct iso_fault own = {""};
+    (void)snprintf(note, sizeof note, "for %s%.16s", lock->address ? "" : "who has the passphrase",
+                   lock->address ? lock->address : "");
+    int error = announce(appliance, "export", note, fault);
+    if (error) {
+        return error;
+    }
+    error = export_to(appliance, fd, people, lock, &count, &own);
+    (void)snprintf(note, sizeof note, "%zu people", count);
+    conclude(appliance, "export", error, &own, note);
+    if (error) {
+        return iso_fault_set(fault, error, "%s", own.text);
+    }
+    *n = count;
+    return 0;
+}
+
+static int import_from(struct iso_appliance *appliance, const struct iso_import_request *request,
+                       size_t *added, size_t *n, struct iso_fault *fault)
+{
+    struct iso_transfer *transfer = NULL;
+    uint8_t *bytes = NULL;
+    size_t size = 0;
+    int error = read_file(request->fd, &bytes, &size, fault);
+    error = error ? error
+                  : iso_transfer_read(bytes, size, appliance->parts.ring, request->key,
+                                      request->sender, &transfer, fault);
+    free(bytes);
+    if (!error) {
+        const struct iso_gallery_item *items = iso_transfer_items(transfer, n);
+        error = iso_gallery_import(appliance->parts.gallery, items, *n, request->replace, added,
+                                   fault);
+    }
+    iso_transfer_done(transfer);
+    return error;
+}
+
+int iso_appliance_import(struct iso_appliance *appliance, const struct iso_import_request *request,
+                         size_t *added, size_t *known, struct iso_fault *fault)
+{
+    char note[96];
+    size_t came = 0, n = 0;
+    struct iso_fault own = {""};
+    (void)snprintf(note, sizeof note, "from %s%.16s",
+                   request->sender ? "" : "who has the passphrase",
+                   request->sender ? request->sender : "");
+    int error = announce(appliance, "import", note, fault);
+    if (error) {
+        return error;
+    }
+    error = import_from(appliance, request, &came, &n, &own);
+    (void)snprintf(note, sizeof note, "%zu of %zu people", came, n);
+    conclude(appliance, "import", error, &own, note);
+    if (error) {
+        return iso_fault_set(fault, error, "%s", own.text);
+    }
+    iso__appliance_record_gallery(appliance, "gallery", NULL);
+    *added = came;
+    *known = n - came;
+    return 0;
+}
+
+/* ---- keys ---- */
+
+static int rotate_stores(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    struct iso_appliance_parts *parts = &appliance->parts;
+    uint32_t anchor = 0;
+    int error = iso_gallery_rotate(parts->gallery, fault);
+    error = error ? error : iso_audit_rotate_key(parts->audit, fault);
+    error = error ? error : iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, fault);
+    error = error ? error : iso_gallery_renew_anchor(parts->gallery, fault);
+    error = error ? error : iso_audit_renew_anchor(parts->audit, fault);
+    return error ? error : iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, fault);
+}
+
+int iso_appliance_rotate_keys(struct iso_appliance *appliance, const char **remark,
+                              struct iso_fault *fault)
+{
+    struct iso_fault own = {""};
+    const char *said = "";
+    int error = announce(appliance, "rotate-keys", NULL, fault);
+    if (error) {
+        return error;
+    }
+    error = rotate_stores(appliance, &own);
+    if (!error && iso_key_ring_has_credential(appliance->parts.ring)) {
+        said = "the appliance's key is a credential of the system, and is changed there";
+    } else if (!error) {
+        error = iso_key_ring_change_key(appliance->parts.ring, &own);
+    }
+    conclude(appliance, "rotate-keys", error, &own, said);
+    iso__appliance_record_gallery(appliance, "gallery", NULL);
+    if (error) {
+        return iso_fault_set(fault, error, "%s", own.text);
+    }
+    *remark = said;
+    return 0;
+}

@@ -1,0 +1,39 @@
+/* What an administrator does to the stores of an appliance: people copied from door to door, keys
+ * rotated. Each is on record before it is done, and again with what came of it. */
+#ifndef ISO_FIRMWARE_ADMINISTRATION_H
+#define ISO_FIRMWARE_ADMINISTRATION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "firmware/appliance.h"
+#include "firmware/transfer.h"
+
+/* Common to all: -EBUSY an action of a client goes on; an error of the log, when it could not be
+ * put on record: then nothing was done. */
+
+/* Writes people (NULL, or an empty list: all; NULL ends it) to an open, empty file. -EINVAL it is
+ * not a file, or not empty; the errors of iso_transfer_write and of writing. */
+int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *const *people,
+                         const struct iso_transfer_lock *lock, size_t *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+struct iso_import_request {
+    int fd;                         /* an open file */
+    const struct iso_seal_key *key; /* of the passphrase; NULL: there is none */
+    const char *sender;             /* address that has to have signed it; NULL: any */
+    bool replace;                   /* people who are known here */
+};
+
+/* Takes people over; known: those who are known here, and stay as they are. Errors of
+ * iso_transfer_read, iso_gallery_import and of reading; then nobody has come. */
+int iso_appliance_import(struct iso_appliance *appliance, const struct iso_import_request *request,
+                         size_t *added, size_t *known, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Seals gallery, log and anchors with new keys and drops the old ones; then gives the ring another
+ * key of the appliance, if that is not a credential of the system (*remark says so; else ""). */
+int iso_appliance_rotate_keys(struct iso_appliance *appliance, const char **remark,
+                              struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

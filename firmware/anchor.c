@@ -1,0 +1,179 @@
+#include "firmware/anchor.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/math/bytes.h"
+#include "firmware/data_file.h"
+
+enum {
+    PLAIN_BYTES = 8 + 8 + ISO_ANCHOR_EXTRA_BYTES, /* turn, value, extra */
+    USED_BYTES = 4 + PLAIN_BYTES + ISO_SEAL_OVERHEAD,
+    SLOT_BYTES = 4096, /* apart, so that a sector which is cut short is one slot's */
+};
+
+_Static_assert(USED_BYTES <= 512, "a slot is written in one sector");
+
+struct iso_anchor {
+    int fd;
+    char *path;
+    const char *kind;
+    const struct iso_key_ring *ring;
+    bool sync;
+    uint64_t turn; /* of the slot in force; the next goes into the other */
+    struct iso_anchor_state state;
+};
+
+static struct iso_seal_label slot_label(const char *kind, uint32_t key)
+{
+    struct iso_seal_label label = iso_seal_label_of("isotherm anchor 1");
+    iso_seal_label_bytes(&label, kind, strlen(kind) + 1);
+    iso_seal_label_number(&label, key);
+    return label;
+}
+
+static void fill_slot(const struct iso_anchor *anchor, uint64_t turn,
+                      const struct iso_anchor_state *state, uint8_t slot[USED_BYTES])
+{
+    const uint32_t number = iso_key_ring_newest(anchor->ring, ISO_KEY_ANCHOR);
+    const struct iso_seal_label label = slot_label(anchor->kind, number);
+    uint8_t plain[PLAIN_BYTES];
+    uint8_t *p = iso_put_u64(plain, turn);
+    p = iso_put_u64(p, state->value);
+    (void)iso_put_bytes(p, state->extra, sizeof state->extra);
+    (void)iso_put_u32(slot, number);
+    iso_seal_close(iso_key_ring_find(anchor->ring, ISO_KEY_ANCHOR, number), &label, plain,
+                   sizeof plain, slot + 4);
+}
+
+/* Takes a slot that is sound and newer than what is known. */
+static void try_slot(struct iso_anchor *anchor, const uint8_t slot[USED_BYTES], bool *found)
+{
+    const uint32_t number = iso_get_u32(slot);
+    const struct iso_seal_key *key = iso_key_ring_find(anchor->ring, ISO_KEY_ANCHOR, number);
+    const struct iso_seal_label label = slot_label(anchor->kind, number);
+    uint8_t plain[PLAIN_BYTES];
+    if (!key || iso_seal_open(key, &label, slot + 4, USED_BYTES - 4, plain)) {
+        return;
+    }
+    const uint64_t turn = iso_get_u64(plain);
+    if (!*found || turn > anchor->turn) {
+        anchor->turn = turn;
+        anchor->state.value = iso_get_u64(plain + 8);
+        memcpy(anchor->state.extra, plain + 16, sizeof anchor->state.extra);
+        *found = true;
+    }
+}
+
+static int read_slots(struct iso_anchor *anchor, struct iso_fault *fault)
+{
+    bool found = false;
+    for (int i = 0; i < 2; i++) {
+        uint8_t slot[USED_BYTES];
+        const ssize_t n = pread(anchor->fd, slot, sizeof slot, (off_t)i * SLOT_BYTES);
+        if (n < 0) {
+            return iso_fault_set(fault, -EIO, "%s: %m", anchor->path);
+        }
+        if (n == sizeof slot) {
+            try_slot(anchor, slot, &found);
+        }
+    }
+    return found ? 0
+                 : iso_fault_set(fault, -EBADMSG, "%s: damaged, or the anchor of another store",
+                                 anchor->path);
+}
+
+static int new_anchor(const char *path, const char *kind, const struct iso_key_ring *ring,
+                      bool sync, struct iso_anchor **out, struct iso_fault *fault)
+{
+    struct iso_anchor *anchor = calloc(1, sizeof *anchor);
+    if (!anchor || !(anchor->path = strdup(path))) {
+        free(anchor);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    }
+    anchor->fd = -1;
+    anchor->kind = kind;
+    anchor->ring = ring;
+    anchor->sync = sync;
+    *out = anchor;
+    return 0;
+}
+
+int iso_anchor_open(const char *path, const char *kind, const struct iso_key_ring *ring, bool sync,
+                    struct iso_anchor **out, struct iso_fault *fault)
+{
+    struct iso_anchor *anchor = NULL;
+    int error = new_anchor(path, kind, ring, sync, &anchor, fault);
+    if (error) {
+        return error;
+    }
+    anchor->fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (anchor->fd < 0) {
+        error = errno == ENOENT ? -ENOENT : iso_fault_set(fault, -errno, "%s: %m", path);
+    }
+    error = error ? error : read_slots(anchor, fault);
+    if (error) {
+        iso_anchor_close(anchor);
+        return error;
+    }
+    *out = anchor;
+    return 0;
+}
+
+int iso_anchor_make(const char *path, const char *kind, const struct iso_key_ring *ring, bool sync,
+                    const struct iso_anchor_state *state, struct iso_anchor **out,
+                    struct iso_fault *fault)
+{
+    struct iso_anchor *anchor = NULL;
+    uint8_t file[2 * SLOT_BYTES] = {0};
+    int error = new_anchor(path, kind, ring, sync, &anchor, fault);
+    if (error) {
+        return error;
+    }
+    fill_slot(anchor, 0, state, file);
+    fill_slot(anchor, 1, state, file + SLOT_BYTES);
+    error = iso_data_file_replace(path, file, sizeof file, fault);
+    iso_anchor_close(anchor);
+    if (error) {
+        return error;
+    }
+    error = iso_anchor_open(path, kind, ring, sync, out, fault);
+    return error == -ENOENT ? -EIO : error;
+}
+
+void iso_anchor_close(struct iso_anchor *anchor)
+{
+    if (anchor) {
+        if (anchor->fd >= 0) {
+            (void)close(anchor->fd);
+        }
+        free(anchor->path);
+        free(anchor);
+    }
+}
+
+const struct iso_anchor_state *iso_anchor_state(const struct iso_anchor *anchor)
+{
+    return &anchor->state;
+}
+
+int iso_anchor_set(struct iso_anchor *anchor, const struct iso_anchor_state *state,
+                   struct iso_fault *fault)
+{
+    uint8_t slot[USED_BYTES];
+    const uint64_t turn = anchor->turn + 1;
+    fill_slot(anchor, turn, state, slot);
+    const ssize_t n = pwrite(anchor->fd, slot, sizeof slot, (off_t)(turn & 1) * SLOT_BYTES);
+    if (n != sizeof slot || (anchor->sync && fdatasync(anchor->fd))) {
+        return iso_fault_set(fault, -EIO, "%s: cannot be written: %s", anchor->path,
+                             n >= 0 && n != sizeof slot ? "cut short" : strerror(errno));
+    }
+    anchor->turn = turn;
+    anchor->state = *state;
+    return 0;
+}

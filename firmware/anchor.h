@@ -1,0 +1,56 @@
+/* An anchor: a number that only rises, sealed, beside the store that it belongs to; with it an old
+ * copy of the store that is put back is recognised.
+ *
+ * A store counts its changes. It writes a change, and then the anchor: so the store's number is
+ * that of the anchor or, after a kill between the two, one more. A store that is behind its anchor
+ * is an old one. If the anchor cannot be written the store is one ahead, and has to catch up
+ * (iso_anchor_set again) before the next change.
+ *
+ * What this can tell: that a store was exchanged for an older one, or cut short. What it cannot:
+ * that the whole directory was, the anchor with the store and the key ring. Nothing that lies on
+ * one disk can tell that. Two things outside help: the gallery's number stands in the audit log's
+ * records, so that gallery and log have to be of one time; and the head of the log goes to the
+ * system's journal with every record, so that who keeps the journal elsewhere, or a note of
+ * `isotherm log verify`, finds a log that is older than that.
+ *
+ * The file has two slots that are written in turn; one that was cut short is as good as none, and
+ * the other is one behind. Slot: number of the key u32, then sealed: value u64, extra[]. */
+#ifndef ISO_FIRMWARE_ANCHOR_H
+#define ISO_FIRMWARE_ANCHOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+#include "firmware/key_ring.h"
+
+enum { ISO_ANCHOR_EXTRA_BYTES = 56 };
+
+struct iso_anchor_state {
+    uint64_t value;
+    uint8_t extra[ISO_ANCHOR_EXTRA_BYTES]; /* what the store likes to remember with it */
+};
+
+struct iso_anchor;
+
+/* Opens the anchor at `path`; kind (a constant of the source) tells those of different stores
+ * apart. ring must outlive it. -ENOENT there is none (the fault says nothing), -EBADMSG damaged or
+ * of another store, -EIO, -ENOMEM, ... */
+int iso_anchor_open(const char *path, const char *kind, const struct iso_key_ring *ring, bool sync,
+                    struct iso_anchor **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Makes one in this state, in the place of one that there may be, and opens it. */
+int iso_anchor_make(const char *path, const char *kind, const struct iso_key_ring *ring, bool sync,
+                    const struct iso_anchor_state *state, struct iso_anchor **out,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+void iso_anchor_close(struct iso_anchor *anchor);
+
+const struct iso_anchor_state *iso_anchor_state(const struct iso_anchor *anchor);
+
+/* Writes another state, sealed with the newest key; with `sync` it is on the disk afterwards. -EIO
+ * with the old one, or the new one, in force. */
+int iso_anchor_set(struct iso_anchor *anchor, const struct iso_anchor_state *state,
+                   struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

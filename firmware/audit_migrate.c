@@ -1,0 +1,162 @@
+/* Sealing a log of the version before: the same records, one JSON object a line, in plain text.
+ *
+ * It is done once, when nothing of this appliance's log was sealed yet. Sequences are kept; what
+ * the lines were worth before is said by a record behind them. The anchor says that sealing goes on
+ * before anything else is done: a kill leaves the old file, of which one then begins again, or the
+ * new one. */
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "firmware/audit_state.h"
+#include "firmware/data_file.h"
+#include "firmware/directory.h"
+
+static int may_migrate(const struct iso_audit *audit, struct iso_fault *fault)
+{
+    const bool first = !audit->anchor && audit->closed.n == 0 &&
+                       iso_key_ring_newest(audit->options.ring, ISO_KEY_LOG) == 0;
+    if (audit->options.migrate && (first || iso__audit_anchor_is_sealing(audit))) {
+        return 0;
+    }
+    return iso_fault_set(fault, -ESTALE, "%s: a log in plain text, %s", audit->path,
+                         audit->options.migrate ? "where there was a sealed one"
+                                                : "which [seal] migrate = no does not take");
+}
+
+static int set_anchor(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const struct iso_anchor_state state = iso__audit_anchor_state(audit, true);
+    return audit->anchor
+               ? iso_anchor_set(audit->anchor, &state, fault)
+               : iso_anchor_make(audit->anchor_path, ISO__AUDIT_ANCHOR, audit->options.ring, true,
+                                 &state, &audit->anchor, fault);
+}
+
+/* Whether a line (with its newline) is the record that has to come next. */
+static bool is_next(const struct iso_audit *audit, const char *line, size_t length)
+{
+    char begin[40];
+    const int n = snprintf(begin, sizeof begin, "{\"sequence\":%" PRIu64 ",", audit->last + 1);
+    return length > (size_t)n + 2 && length <= ISO_AUDIT_TEXT_MAX &&
+           memcmp(line, begin, (size_t)n) == 0 && line[length - 2] == '}' &&
+           !memchr(line, '\0', length);
+}
+
+static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_t length,
+                     struct iso_fault *fault)
+{
+    if (!is_next(audit, line, length)) {
+        return iso_fault_set(fault, -EBADMSG,
+                             "%s:%" PRIu64 ": damaged, or not record %" PRIu64
+                             "; move the file away to begin a new log",
+                             audit->path, audit->last + 1, audit->last + 1);
+    }
+    if (iso__audit_reserve_mark(audit)) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
+    }
+    const size_t sealed = iso_audit_line_close(&audit->seal, audit->last + 1, line, length - 1,
+                                               audit->line, &audit->link);
+    if (fwrite(audit->line, 1, sealed, out) != sealed) {
+        return iso_fault_set(fault, -ENOSPC, "%s: %m", audit->path);
+    }
+    iso__audit_count_line(audit, sealed);
+    return 0;
+}
+
+static int seal_lines(struct iso_audit *audit, FILE *in, FILE *out, struct iso_fault *fault)
+{
+    char *line = NULL;
+    size_t capacity = 0;
+    ssize_t length;
+    int error = 0;
+    while (!error && (length = getline(&line, &capacity, in)) > 0) {
+        if (line[length - 1] != '\n') {
+            break; /* cut short by a crash */
+        }
+        error = seal_line(audit, out, line, (size_t)length, fault);
+    }
+    if (!error && ferror(in)) {
+        error = iso_fault_set(fault, -EIO, "%s: cannot be read", audit->path);
+    }
+    free(line);
+    return error;
+}
+
+/* Both files as streams; `fd` stays open. */
+static int seal_file(struct iso_audit *audit, int fd, struct iso_fault *fault)
+{
+    FILE *in = fopen(audit->path, "re");
+    const int copy = dup(fd);
+    FILE *out = copy >= 0 ? fdopen(copy, "a") : NULL;
+    int error = in && out ? 0 : iso_fault_set(fault, -ENOMEM, "%s: %m", audit->path);
+    error = error ? error : seal_lines(audit, in, out, fault);
+    if (out && (fflush(out) || fsync(fd)) && !error) {
+        error = iso_fault_set(fault, errno == ENOSPC || errno == EFBIG ? -ENOSPC : -EIO, "%s: %m",
+                              audit->path);
+    }
+    if (out) {
+        (void)fclose(out);
+    } else if (copy >= 0) {
+        (void)close(copy);
+    }
+    if (in) {
+        (void)fclose(in);
+    }
+    return error;
+}
+
+static int move_in(struct iso_audit *audit, const char *beside, int fd, struct iso_fault *fault)
+{
+    int error = set_anchor(audit, fault);
+    if (!error && rename(beside, audit->path)) {
+        error = iso_fault_set(fault, -errno, "%s: %m", audit->path);
+    }
+    error = error ? error : iso_directory_sync(audit->path, fault);
+    if (!error) {
+        iso_data_file_overwrite(audit->fd);
+        (void)close(audit->fd);
+        audit->fd = fd;
+        error = iso__audit_write_anchor(audit, fault);
+    }
+    return error;
+}
+
+static int say_so(struct iso_audit *audit, struct iso_fault *fault)
+{
+    struct iso_audit_record record = iso_audit_record_of("log-sealed");
+    char note[80];
+    (void)snprintf(note, sizeof note, "records to %" PRIu64 " were not protected until now",
+                   audit->last);
+    record.note = note;
+    const int error = iso_audit_append(audit, &record, fault);
+    return error == -ENOSPC ? 0 : error;
+}
+
+int iso__audit_migrate(struct iso_audit *audit, struct iso_fault *fault)
+{
+    char beside[PATH_MAX];
+    int fd = -1;
+    if (snprintf(beside, sizeof beside, "%s.new", audit->path) >= PATH_MAX) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", audit->path);
+    }
+    int error = may_migrate(audit, fault);
+    audit->first = 1;
+    error = error ? error : set_anchor(audit, fault);
+    error = error ? error : iso__audit_open_file(beside, O_TRUNC, &fd, fault);
+    error = error ? error : iso__audit_begin_segment(audit, fd, fault);
+    error = error ? error : seal_file(audit, fd, fault);
+    error = error ? error : move_in(audit, beside, fd, fault);
+    if (error) {
+        if (fd >= 0 && fd != audit->fd) {
+            (void)close(fd);
+            (void)unlink(beside);
+        }
+        return error;
+    }
+    return say_so(audit, fault);
+}

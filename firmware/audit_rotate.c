@@ -1,0 +1,175 @@
+/* Segments of the log: closing one, beginning the next, forgetting the oldest.
+ *
+ * The new segment is whole, beside its place (PATH.new), before the old one gives up its name: a
+ * kill leaves at worst no file at PATH, which is then begun where the newest closed one ends. */
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "firmware/audit_state.h"
+#include "firmware/directory.h"
+
+/* The key of a closed segment: below it none is needed any more. */
+static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
+{
+    uint32_t number = audit->seal.key_number;
+    if (audit->closed.n > 0) {
+        char path[PATH_MAX], line[ISO_AUDIT_LINE_MAX] = "";
+        struct iso_audit_header header;
+        const int error = iso_audit_segment_path(audit->path, audit->closed.first[0], path, fault);
+        if (error) {
+            return error;
+        }
+        FILE *file = fopen(path, "re");
+        const bool read = file && fgets(line, sizeof line, file);
+        line[strcspn(line, "\n")] = '\0';
+        if (file) {
+            (void)fclose(file);
+        }
+        if (!read || iso_audit_header_get(line, &header)) {
+            return 0; /* verify finds it; no key goes for it */
+        }
+        number = header.key_number;
+    }
+    return iso_key_ring_drop(audit->options.ring, ISO_KEY_LOG, number, fault);
+}
+
+static void forget(struct iso_audit_segments *segments)
+{
+    segments->n--;
+    memmove(segments->first, segments->first + 1, segments->n * sizeof *segments->first);
+}
+
+static int remove_segment(const struct iso_audit *audit, uint64_t first, struct iso_fault *fault)
+{
+    char path[PATH_MAX];
+    const int error = iso_audit_segment_path(audit->path, first, path, fault);
+    if (!error && unlink(path) && errno != ENOENT) {
+        return iso_fault_set(fault, -errno, "%s: %m", path);
+    }
+    return error;
+}
+
+/* The anchor says first where the log begins from now on, so that a kill leaves a file too many and
+ * never one too few. */
+int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const size_t keep = audit->options.segments > 0 ? (size_t)audit->options.segments : 0;
+    int error = 0;
+    bool removed = false;
+    if (audit->closed.n > keep && audit->options.segment_bytes > 0) {
+        const size_t surplus = audit->closed.n - keep;
+        const uint64_t first = surplus < audit->closed.n ? audit->closed.first[surplus]
+                                                         : audit->segment_first;
+        if (first > audit->first) {
+            audit->first = first;
+            error = iso__audit_write_anchor(audit, fault);
+        }
+    }
+    while (!error && audit->closed.n > 0 && audit->closed.first[0] < audit->first) {
+        error = remove_segment(audit, audit->closed.first[0], fault);
+        if (!error) {
+            forget(&audit->closed);
+            removed = true;
+        }
+    }
+    return error || !removed ? error : drop_keys(audit, fault);
+}
+
+/* Renames PATH to that of a closed segment, and what is beside it to PATH. A segment without a
+ * record, of a rotation that was killed, is no segment: it goes. */
+static int exchange(struct iso_audit *audit, const char *beside, uint64_t first, bool empty,
+                    struct iso_fault *fault)
+{
+    char closed[PATH_MAX];
+    if (empty) {
+        return rename(beside, audit->path) ? iso_fault_set(fault, -errno, "%s: %m", audit->path)
+                                           : iso_directory_sync(audit->path, fault);
+    }
+    int error = iso_audit_segment_path(audit->path, first, closed, fault);
+    if (error) {
+        return error;
+    }
+    if (renameat2(AT_FDCWD, audit->path, AT_FDCWD, closed, RENAME_NOREPLACE)) {
+        return iso_fault_set(fault, -errno, "%s: %m", closed);
+    }
+    if (rename(beside, audit->path)) {
+        error = iso_fault_set(fault, -errno, "%s: %m", audit->path);
+        (void)rename(closed, audit->path);
+        return error;
+    }
+    return iso_directory_sync(audit->path, fault);
+}
+
+/* What a segment is, to be put back when the next one cannot begin. */
+struct segment {
+    struct iso_audit_seal seal;
+    uint64_t first;
+    off_t size;
+    size_t n_marks;
+};
+
+static int begin_beside(struct iso_audit *audit, const char *beside, int *fd,
+                        struct iso_fault *fault)
+{
+    int error = iso__audit_open_file(beside, O_TRUNC, fd, fault);
+    error = error ? error : iso__audit_begin_segment(audit, *fd, fault);
+    return error;
+}
+
+static int append_note(struct iso_audit *audit, uint64_t first, struct iso_fault *fault)
+{
+    struct iso_audit_record record = iso_audit_record_of("log-rotated");
+    char note[96];
+    (void)snprintf(note, sizeof note,
+                   "the segment before begins with record %" PRIu64 ", the log with %" PRIu64,
+                   first, audit->first);
+    record.note = note;
+    if (audit->gallery[0]) {
+        record.gallery = audit->gallery;
+        record.gallery_changes = audit->gallery_changes;
+    }
+    return iso_audit_append(audit, &record, fault);
+}
+
+int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const struct segment old = {audit->seal, audit->segment_first, audit->size, audit->n_marks};
+    const bool empty = audit->last < old.first;
+    char beside[PATH_MAX];
+    int fd = -1;
+    if (audit->closed.n == ISO_AUDIT_SEGMENTS_MAX ||
+        snprintf(beside, sizeof beside, "%s.new", audit->path) >= PATH_MAX) {
+        return iso_fault_set(fault, -EIO, "%s: no segment can be added", audit->path);
+    }
+    int error = begin_beside(audit, beside, &fd, fault);
+    error = error ? error : exchange(audit, beside, old.first, empty, fault);
+    if (error) {
+        audit->seal = old.seal;
+        audit->segment_first = old.first;
+        audit->size = old.size;
+        audit->n_marks = old.n_marks;
+        (void)unlink(beside);
+        if (fd >= 0) {
+            (void)close(fd);
+        }
+        return error;
+    }
+    (void)close(audit->fd);
+    audit->fd = fd;
+    if (!empty) {
+        audit->closed.first[audit->closed.n++] = old.first;
+    }
+    error = iso__audit_prune(audit, fault);
+    return error ? error : append_note(audit, old.first, fault);
+}
+
+int iso_audit_rotate_key(struct iso_audit *audit, struct iso_fault *fault)
+{
+    uint32_t number = 0;
+    const int error = iso_key_ring_add(audit->options.ring, ISO_KEY_LOG, &number, fault);
+    return error ? error : iso__audit_rotate(audit, fault);
+}

@@ -1,0 +1,69 @@
+/* What an open log holds. Internal to firmware/audit*.c. */
+#ifndef ISO_FIRMWARE_AUDIT_STATE_H
+#define ISO_FIRMWARE_AUDIT_STATE_H
+
+#include <sys/types.h>
+
+#include "firmware/anchor.h"
+#include "firmware/audit.h"
+#include "firmware/audit_segment.h"
+
+/* Every so many lines the place of one is remembered, so that reading need not begin at the first.
+ */
+enum { ISO__AUDIT_MARK_LINES = 256 };
+
+struct iso_audit {
+    struct iso_audit_options options;
+    const struct iso_times *times;
+    char *path, *anchor_path;
+    struct iso_anchor *anchor;
+    struct iso_audit_segments closed;
+
+    int fd; /* of the segment that is written */
+    struct iso_audit_seal seal;
+    uint64_t segment_first, first, last; /* sequences: of this segment, of the log, of its end */
+    struct iso_audit_link link;          /* the head */
+    off_t size;                          /* of the whole lines of this segment */
+    bool opened;                         /* all of it was found sound */
+    bool torn;                           /* part of a record may stand behind them */
+    off_t *marks; /* marks[i]: where the line of sequence segment_first + i * MARK_LINES begins */
+    size_t n_marks, mark_capacity;
+
+    char gallery[20]; /* that the newest record spoke of, and its changes */
+    uint64_t gallery_changes;
+
+    struct iso_json_line json;
+    char line[ISO_AUDIT_LINE_MAX];
+};
+
+#define ISO__AUDIT_ANCHOR "log"
+
+/* The anchor's state for the present head; sealing: a log in plain text is being sealed. */
+struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, bool sealing);
+bool iso__audit_anchor_is_sealing(const struct iso_audit *audit);
+int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault);
+
+/* Room for the mark of the record that comes next; then the record of so many bytes. */
+int iso__audit_reserve_mark(struct iso_audit *audit);
+void iso__audit_count_line(struct iso_audit *audit, size_t bytes);
+
+/* Writes `length` bytes of audit->line behind the segment's end: 0 with them on the disk. */
+int iso__audit_write_line(struct iso_audit *audit, size_t length);
+
+/* A segment that begins behind the present head, under the newest key, in the open file `fd`; 0
+ * with it on the disk. */
+int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *fault);
+
+/* Opens PATH or what is beside it for appending, with the lock. */
+int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault *fault);
+
+/* Closes the segment and begins another; the oldest ones go. (audit_rotate.c) */
+int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault);
+
+/* Forgets closed segments beyond what is kept, and those that a kill left. (audit_rotate.c) */
+int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault);
+
+/* Exchanges a log in plain text at audit->fd for a sealed one. (audit_migrate.c) */
+int iso__audit_migrate(struct iso_audit *audit, struct iso_fault *fault);
+
+#endif

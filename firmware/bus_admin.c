@@ -1,0 +1,167 @@
+/* The methods of an administrator: people copied from door to door, keys, the log's soundness. */
+#include <errno.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/contract.h"
+#include "firmware/administration.h"
+#include "firmware/bus_state.h"
+
+/* The options of both methods; texts point into the call. */
+struct options {
+    const char *to, *from;
+    bool has_key, has_salt, replace;
+    struct iso_seal_key key;
+    uint8_t salt[ISO_TRANSFER_SALT_BYTES];
+};
+
+static int invalid(sd_bus_error *out, const char *what, const char *name)
+{
+    return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT, "%s '%s'", what, name);
+}
+
+/* A variant of exactly `size` bytes. */
+static int read_bytes(sd_bus_message *call, void *to, size_t size, bool *has)
+{
+    const void *bytes = NULL;
+    size_t got = 0;
+    int r = sd_bus_message_enter_container(call, 'v', "ay");
+    r = r < 0 ? r : sd_bus_message_read_array(call, 'y', &bytes, &got);
+    r = r < 0 ? r : sd_bus_message_exit_container(call);
+    if (r < 0) {
+        return r;
+    }
+    if (got != size) {
+        return -ENXIO;
+    }
+    memcpy(to, bytes, size);
+    *has = true;
+    return 0;
+}
+
+static int read_option(sd_bus_message *call, struct options *options, sd_bus_error *out)
+{
+    const char *name;
+    int flag = 0;
+    int r = sd_bus_message_read_basic(call, 's', &name);
+    if (r < 0) {
+        return r;
+    }
+    if (strcmp(name, ISO_CONTRACT_TO) == 0) {
+        r = sd_bus_message_read(call, "v", "s", &options->to);
+    } else if (strcmp(name, ISO_CONTRACT_FROM) == 0) {
+        r = sd_bus_message_read(call, "v", "s", &options->from);
+    } else if (strcmp(name, ISO_CONTRACT_KEY) == 0) {
+        r = read_bytes(call, options->key.bytes, sizeof options->key.bytes, &options->has_key);
+    } else if (strcmp(name, ISO_CONTRACT_SALT) == 0) {
+        r = read_bytes(call, options->salt, sizeof options->salt, &options->has_salt);
+    } else if (strcmp(name, ISO_CONTRACT_REPLACE) == 0) {
+        r = sd_bus_message_read(call, "v", "b", &flag);
+        options->replace = flag != 0;
+    } else {
+        return invalid(out, "unknown option", name);
+    }
+    return r == -ENXIO ? invalid(out, "wrong type or size of option", name) : r;
+}
+
+static int read_options(sd_bus_message *call, struct options *options, sd_bus_error *out)
+{
+    int r = sd_bus_message_enter_container(call, 'a', "{sv}");
+    while (r >= 0 && (r = sd_bus_message_enter_container(call, 'e', "sv")) > 0) {
+        r = read_option(call, options, out);
+        r = r < 0 ? r : sd_bus_message_exit_container(call);
+    }
+    return r;
+}
+
+int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    struct options options = {.to = NULL};
+    struct iso_fault fault = {""};
+    char **people = NULL;
+    size_t n = 0;
+    int fd = -1;
+    (void)sd_bus_message_sensitive(call);
+    int r = sd_bus_message_read(call, "h", &fd);
+    r = r < 0 ? r : sd_bus_message_read_strv(call, &people);
+    r = r < 0 ? r : read_options(call, &options, out);
+    if (r >= 0 && !options.to && !(options.has_key && options.has_salt)) {
+        r = invalid(out, "missing option", options.has_key ? ISO_CONTRACT_SALT : ISO_CONTRACT_KEY);
+    }
+    if (r >= 0) {
+        struct iso_transfer_lock lock = {.address = options.to, .key = options.key};
+        memcpy(lock.salt, options.salt, sizeof lock.salt);
+        r = iso_appliance_export(bus->appliance, fd, (const char *const *)people, &lock, &n,
+                                 &fault);
+        r = r < 0 ? iso__bus_refuse(out, r, &fault)
+                  : sd_bus_reply_method_return(call, "u", (uint32_t)n);
+        sodium_memzero(&lock, sizeof lock);
+    }
+    for (char **person = people; person && *person; person++) {
+        free(*person);
+    }
+    free(people);
+    sodium_memzero(&options, sizeof options);
+    return r;
+}
+
+int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    struct options options = {.to = NULL};
+    struct iso_fault fault = {""};
+    size_t added = 0, known = 0;
+    int fd = -1;
+    (void)sd_bus_message_sensitive(call);
+    int r = sd_bus_message_read(call, "h", &fd);
+    r = r < 0 ? r : read_options(call, &options, out);
+    if (r >= 0) {
+        const struct iso_import_request request = {.fd = fd,
+                                                   .key = options.has_key ? &options.key : NULL,
+                                                   .sender = options.from,
+                                                   .replace = options.replace};
+        r = iso_appliance_import(bus->appliance, &request, &added, &known, &fault);
+        r = r < 0 ? iso__bus_refuse(out, r, &fault)
+                  : sd_bus_reply_method_return(call, "uu", (uint32_t)added, (uint32_t)known);
+    }
+    sodium_memzero(&options, sizeof options);
+    return r;
+}
+
+int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    struct iso_fault fault = {""};
+    const char *remark = "";
+    const int r = iso_appliance_rotate_keys(bus->appliance, &remark, &fault);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, "s", remark);
+}
+
+int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    char address[ISO_TRANSFER_ADDRESS_SIZE];
+    (void)out;
+    iso_transfer_address(bus->parts->ring, address);
+    return sd_bus_reply_method_return(call, "s", address);
+}
+
+int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    struct iso_audit_report report;
+    struct iso_fault fault = {""};
+    uint64_t sequence;
+    const char *head;
+    int r = sd_bus_message_read(call, "ts", &sequence, &head);
+    r = r < 0 ? r
+              : iso_audit_verify(bus->parts->audit, sequence, *head ? head : NULL, &report, &fault);
+    if (r < 0) {
+        return iso__bus_refuse(out, r, &fault);
+    }
+    return sd_bus_reply_method_return(call, "bttsts", report.sound, report.first, report.last,
+                                      report.head, report.flaw_at, report.flaw);
+}

@@ -1,0 +1,77 @@
+/* What an open database of the gallery holds. Internal to firmware/gallery_*.c. */
+#ifndef ISO_FIRMWARE_GALLERY_DB_STATE_H
+#define ISO_FIRMWARE_GALLERY_DB_STATE_H
+
+#include <sqlite3.h>
+#include <stdbool.h>
+
+#include "firmware/anchor.h"
+#include "firmware/gallery_db.h"
+#include "firmware/gallery_seal.h"
+#include "firmware/key_ring.h"
+
+struct iso_gallery_db {
+    sqlite3 *sqlite;
+    char *path, *anchor_path;
+    struct iso_key_ring *ring;
+    struct iso_anchor *anchor;
+    struct iso_gallery_seal seal;
+    struct iso_gallery_head head, draft; /* on the disk; with the changes of a transaction */
+    /* Room for one record. */
+    uint8_t plain[ISO_TEMPLATE_BYTES_MAX], sealed[ISO_GALLERY_TEMPLATE_SEALED];
+};
+
+/* The kind of a gallery's anchor; its extra bytes are the gallery's id and, behind it, 1 while a
+ * database of version 1 is being sealed. */
+#define ISO__GALLERY_ANCHOR "gallery"
+
+struct iso_anchor_state iso__gallery_anchor_state(uint64_t changes,
+                                                  const uint8_t id[ISO_GALLERY_ID_BYTES],
+                                                  bool sealing);
+bool iso__gallery_anchor_is_sealing(const struct iso_gallery_db *db);
+
+/* ---- SQLite, with its failures in words (gallery_sql.c) ---- */
+
+int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault);
+int iso__gallery_execute(const struct iso_gallery_db *db, const char *sql, struct iso_fault *fault);
+int iso__gallery_prepare(const struct iso_gallery_db *db, const char *sql, sqlite3_stmt **out,
+                         struct iso_fault *fault);
+
+/* Runs a prepared statement to its end and finalizes it. */
+int iso__gallery_finish(const struct iso_gallery_db *db, sqlite3_stmt *statement,
+                        struct iso_fault *fault);
+
+/* The first column of the first row: what a check has to say. */
+int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *answer, size_t size,
+                     struct iso_fault *fault);
+
+int iso__gallery_connect(struct iso_gallery_db *db, const char *path, struct iso_fault *fault);
+void iso__gallery_disconnect(struct iso_gallery_db *db);
+
+/* ---- making a database (gallery_db.c) ---- */
+
+/* An empty database of the present version beside its place (PATH.new), connected as `beside`,
+ * which is otherwise empty: a transaction is open. */
+int iso__gallery_make_beside(struct iso_gallery_db *db, struct iso_gallery_db *beside,
+                             struct iso_fault *fault);
+
+/* Ends its transaction with the head in place, and moves it to its place, replacing what is there
+ * if it may. The error that came before, or its own; then nothing is left of it. */
+int iso__gallery_move_in(struct iso_gallery_db *db, struct iso_gallery_db *beside, bool replace,
+                         int error, struct iso_fault *fault);
+
+/* ---- version 1 (gallery_migrate.c) ---- */
+
+/* Exchanges the database of version 1 that is connected for a sealed one, which is not connected
+ * then. */
+int iso__gallery_migrate(struct iso_gallery_db *db, struct iso_fault *fault);
+
+/* ---- rows (gallery_rows.c) ---- */
+
+/* A template with its number, and a person likewise; the digest of the draft follows. */
+int iso__gallery_insert_person(struct iso_gallery_db *db, int64_t id,
+                               const struct iso_person *person, struct iso_fault *fault);
+int iso__gallery_insert_template(struct iso_gallery_db *db, const struct iso_gallery_place *place,
+                                 const void *bytes, size_t size, struct iso_fault *fault);
+
+#endif

@@ -1,0 +1,131 @@
+/* Sealing a gallery of version 1, which was not sealed:
+ *
+ *   person    id, name, enrolled_s, valid_from_s, valid_until_s
+ *   template  id, person_id, algorithm, bytes
+ *
+ * The anchor says that sealing goes on before anything else is done, so that a kill at any moment
+ * leaves the old database, of which one then begins again, or the new one. Every number is kept.
+ * The old file is overwritten; what a flash memory keeps of it elsewhere is out of reach. */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "firmware/data_file.h"
+#include "firmware/gallery_db_state.h"
+
+static int copy_person(const struct iso_gallery_db *from, sqlite3_stmt *row,
+                       struct iso_gallery_db *to, struct iso_fault *fault)
+{
+    const unsigned char *name = sqlite3_column_text(row, 1);
+    struct iso_person person = {
+        .id = sqlite3_column_int64(row, 0),
+        .enrolled_s = sqlite3_column_int64(row, 2),
+        .valid_from_s = sqlite3_column_int64(row, 3),
+        .valid_until_s = sqlite3_column_int64(row, 4),
+    };
+    if (person.id < 1 || !name || iso_person_name_flaw((const char *)name)) {
+        return iso_gallery_db_damaged(from, "a person's name is none", fault);
+    }
+    (void)snprintf(person.name, sizeof person.name, "%s", (const char *)name);
+    if ((uint64_t)person.id >= to->draft.next) {
+        to->draft.next = (uint64_t)person.id + 1;
+    }
+    return iso__gallery_insert_person(to, person.id, &person, fault);
+}
+
+static int copy_template(const struct iso_gallery_db *from, sqlite3_stmt *row,
+                         struct iso_gallery_db *to, struct iso_fault *fault)
+{
+    const struct iso_gallery_place place = {.number = sqlite3_column_int64(row, 0),
+                                            .person = sqlite3_column_int64(row, 1),
+                                            .algorithm = (uint32_t)sqlite3_column_int64(row, 2)};
+    const void *bytes = sqlite3_column_blob(row, 3);
+    const size_t size = (size_t)sqlite3_column_bytes(row, 3);
+    struct iso_template tmpl;
+    if (place.number < 1 || place.person < 1 || !bytes || size > ISO_TEMPLATE_BYTES_MAX) {
+        return iso_gallery_db_damaged(from, "a template cannot be read", fault);
+    }
+    const int error = iso_template_parse(bytes, size, &tmpl);
+    iso_template_wipe(&tmpl);
+    if (error && error != -EPROTONOSUPPORT) { /* a newer one is kept */
+        return iso_gallery_db_damaged(from, "a template cannot be read", fault);
+    }
+    if ((uint64_t)place.number >= to->draft.next) {
+        to->draft.next = (uint64_t)place.number + 1;
+    }
+    return iso__gallery_insert_template(to, &place, bytes, size, fault);
+}
+
+static int copy_rows(const struct iso_gallery_db *from, struct iso_gallery_db *to, const char *sql,
+                     int (*copy)(const struct iso_gallery_db *from, sqlite3_stmt *row,
+                                 struct iso_gallery_db *to, struct iso_fault *fault),
+                     struct iso_fault *fault)
+{
+    sqlite3_stmt *query = NULL;
+    int step = SQLITE_DONE;
+    int error = iso__gallery_prepare(from, sql, &query, fault);
+    while (!error && (step = sqlite3_step(query)) == SQLITE_ROW) {
+        error = copy(from, query, to, fault);
+    }
+    if (!error && step != SQLITE_DONE) {
+        error = iso__gallery_fail(from, fault);
+    }
+    (void)sqlite3_finalize(query);
+    return error;
+}
+
+static int set_anchor(struct iso_gallery_db *db, const uint8_t id[ISO_GALLERY_ID_BYTES],
+                      struct iso_fault *fault)
+{
+    const struct iso_anchor_state state = iso__gallery_anchor_state(0, id, true);
+    return db->anchor ? iso_anchor_set(db->anchor, &state, fault)
+                      : iso_anchor_make(db->anchor_path, ISO__GALLERY_ANCHOR, db->ring, true,
+                                        &state, &db->anchor, fault);
+}
+
+static int fill(struct iso_gallery_db *db, struct iso_gallery_db *beside, struct iso_fault *fault)
+{
+    int error = copy_rows(db, beside,
+                          "SELECT id, name, enrolled_s, valid_from_s, valid_until_s FROM person",
+                          copy_person, fault);
+    if (!error) {
+        error = copy_rows(db, beside, "SELECT id, person_id, algorithm, bytes FROM template",
+                          copy_template, fault);
+    }
+    return error ? error : set_anchor(db, beside->seal.gallery, fault);
+}
+
+/* The old file is held open over its exchange, to be overwritten when no name leads to it. Locks of
+ * SQLite on it end with the first close of any descriptor, so it is the last that is opened. */
+static int exchange(struct iso_gallery_db *db, struct iso_gallery_db *beside, int error,
+                    struct iso_fault *fault)
+{
+    iso__gallery_disconnect(db);
+    const int old = open(db->path, O_RDWR | O_CLOEXEC);
+    error = iso__gallery_move_in(db, beside, true, error, fault);
+    if (old >= 0) {
+        if (!error) {
+            iso_data_file_overwrite(old);
+        }
+        (void)close(old);
+    }
+    return error;
+}
+
+int iso__gallery_migrate(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    static const uint8_t nobody[ISO_GALLERY_ID_BYTES];
+    struct iso_gallery_db *beside = calloc(1, sizeof *beside);
+    if (!beside) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
+    }
+    int error = set_anchor(db, nobody, fault);
+    error = error ? error : iso__gallery_make_beside(db, beside, fault);
+    error = error ? error : fill(db, beside, fault);
+    error = exchange(db, beside, error, fault);
+    free(beside);
+    return error;
+}

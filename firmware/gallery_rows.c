@@ -1,0 +1,317 @@
+/* The rows of the gallery's database: every one is sealed when it goes in and opened when it comes
+ * out, and the digest over all of them follows. */
+#include <errno.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "firmware/gallery_db_state.h"
+
+/* ---- reading ---- */
+
+static int is_not_what_it_was(const struct iso_gallery_db *db, const char *kind, int64_t number,
+                              struct iso_fault *fault)
+{
+    char what[80];
+    (void)snprintf(what, sizeof what, "the record of %s %lld is not what was stored", kind,
+                   (long long)number);
+    return iso_gallery_db_damaged(db, what, fault);
+}
+
+/* Opens the sealed column of a row into db->plain, and takes it into a digest. Returns its size, or
+ * negative. */
+static int open_column(struct iso_gallery_db *db, sqlite3_stmt *row, int column,
+                       const struct iso_gallery_place *place, uint8_t *digest)
+{
+    const void *sealed = sqlite3_column_blob(row, column);
+    const size_t size = (size_t)sqlite3_column_bytes(row, column);
+    if (!sealed || size < ISO_SEAL_OVERHEAD || size > sizeof db->sealed ||
+        iso_gallery_record_open(&db->seal, place, sealed, size, db->plain)) {
+        return -EBADMSG;
+    }
+    iso_gallery_record_toggle(&db->seal, place, sealed, size, digest);
+    return (int)(size - ISO_SEAL_OVERHEAD);
+}
+
+static struct iso_gallery_place template_place(sqlite3_stmt *row)
+{
+    return (struct iso_gallery_place){.number = sqlite3_column_int64(row, 0),
+                                      .person = sqlite3_column_int64(row, 1),
+                                      .algorithm = (uint32_t)sqlite3_column_int64(row, 2)};
+}
+
+static int visit_person(struct iso_gallery_db *db, sqlite3_stmt *row,
+                        const struct iso_gallery_visitor *visitor, uint8_t *digest,
+                        struct iso_fault *fault)
+{
+    const struct iso_gallery_place place = {.number = sqlite3_column_int64(row, 0)};
+    struct iso_person person;
+    const int size = open_column(db, row, 1, &place, digest);
+    if (size < 0) {
+        return is_not_what_it_was(db, "person", place.number, fault);
+    }
+    if (iso_gallery_person_get(db->plain, (size_t)size, &person)) {
+        return iso_gallery_db_damaged(db, "a person's name is none", fault);
+    }
+    person.id = place.number;
+    return visitor->person(visitor->context, &person, fault);
+}
+
+static int visit_template(struct iso_gallery_db *db, sqlite3_stmt *row,
+                          const struct iso_gallery_visitor *visitor, uint8_t *digest,
+                          struct iso_fault *fault)
+{
+    const struct iso_gallery_place place = template_place(row);
+    const int size = place.person > 0 ? open_column(db, row, 3, &place, digest) : -EBADMSG;
+    if (size < 0) {
+        return is_not_what_it_was(db, "template", place.number, fault);
+    }
+    return visitor->template(visitor->context, place.person, place.algorithm, db->plain,
+                             (size_t)size, fault);
+}
+
+typedef int (*visit_fn)(struct iso_gallery_db *db, sqlite3_stmt *row,
+                        const struct iso_gallery_visitor *visitor, uint8_t *digest,
+                        struct iso_fault *fault);
+
+static int each_row(struct iso_gallery_db *db, const char *sql, visit_fn visit,
+                    const struct iso_gallery_visitor *visitor, uint8_t *digest,
+                    struct iso_fault *fault)
+{
+    sqlite3_stmt *query = NULL;
+    int error = 0;
+    int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
+    if (step == SQLITE_OK) {
+        while (!error && (step = sqlite3_step(query)) == SQLITE_ROW) {
+            error = visit(db, query, visitor, digest, fault);
+        }
+    }
+    if (!error && step != SQLITE_DONE) {
+        error = iso__gallery_fail(db, fault);
+    }
+    (void)sqlite3_finalize(query);
+    sodium_memzero(db->plain, sizeof db->plain);
+    return error;
+}
+
+int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visitor *visitor,
+                        struct iso_fault *fault)
+{
+    uint8_t digest[ISO_SEAL_DIGEST_BYTES] = {0};
+    int error = each_row(db, "SELECT id, record FROM person ORDER BY id", visit_person, visitor,
+                         digest, fault);
+    if (!error) {
+        error = each_row(db,
+                         "SELECT id, person_id, algorithm, record FROM template "
+                         "ORDER BY person_id, id",
+                         visit_template, visitor, digest, fault);
+    }
+    if (!error && sodium_memcmp(digest, db->draft.digest, sizeof digest) != 0) {
+        error = iso_gallery_db_damaged(db, "records are missing, or are old ones", fault);
+    }
+    return error;
+}
+
+/* ---- writing ---- */
+
+/* Runs a statement whose last parameter is the record. */
+static int write_record(struct iso_gallery_db *db, const char *sql,
+                        const struct iso_gallery_place *place, const void *plain, size_t size,
+                        struct iso_fault *fault)
+{
+    sqlite3_stmt *statement = NULL;
+    const int error = iso__gallery_prepare(db, sql, &statement, fault);
+    if (error) {
+        return error;
+    }
+    iso_gallery_record_close(&db->seal, place, plain, size, db->sealed);
+    iso_gallery_record_toggle(&db->seal, place, db->sealed, size + ISO_SEAL_OVERHEAD,
+                              db->draft.digest);
+    (void)sqlite3_bind_int64(statement, 1, place->number);
+    if (place->person) {
+        (void)sqlite3_bind_int64(statement, 2, place->person);
+        (void)sqlite3_bind_int64(statement, 3, place->algorithm);
+    }
+    (void)sqlite3_bind_blob64(statement, 4, db->sealed, size + ISO_SEAL_OVERHEAD, SQLITE_STATIC);
+    return iso__gallery_finish(db, statement, fault);
+}
+
+int iso__gallery_insert_person(struct iso_gallery_db *db, int64_t id,
+                               const struct iso_person *person, struct iso_fault *fault)
+{
+    const struct iso_gallery_place place = {.number = id};
+    uint8_t plain[ISO_GALLERY_PERSON_BYTES];
+    iso_gallery_person_put(person, plain);
+    const int error = write_record(db, "INSERT INTO person (id, record) VALUES (?1, ?4)", &place,
+                                   plain, sizeof plain, fault);
+    sodium_memzero(plain, sizeof plain);
+    return error;
+}
+
+int iso__gallery_insert_template(struct iso_gallery_db *db, const struct iso_gallery_place *place,
+                                 const void *bytes, size_t size, struct iso_fault *fault)
+{
+    return write_record(db,
+                        "INSERT INTO template (id, person_id, algorithm, record) "
+                        "VALUES (?1, ?2, ?3, ?4)",
+                        place, bytes, size, fault);
+}
+
+/* Takes what a query finds out of the draft's digest: id, person_id, algorithm, record. */
+static int take_out(struct iso_gallery_db *db, const char *sql, int64_t id, struct iso_fault *fault)
+{
+    sqlite3_stmt *query = NULL;
+    int step = SQLITE_DONE;
+    int error = iso__gallery_prepare(db, sql, &query, fault);
+    if (error) {
+        return error;
+    }
+    (void)sqlite3_bind_int64(query, 1, id);
+    while ((step = sqlite3_step(query)) == SQLITE_ROW) {
+        const struct iso_gallery_place place = template_place(query);
+        const void *record = sqlite3_column_blob(query, 3);
+        iso_gallery_record_toggle(&db->seal, &place, record ? record : "",
+                                  (size_t)sqlite3_column_bytes(query, 3), db->draft.digest);
+    }
+    error = step == SQLITE_DONE ? 0 : iso__gallery_fail(db, fault);
+    (void)sqlite3_finalize(query);
+    return error;
+}
+
+static const char the_person[] = "SELECT id, 0, 0, record FROM person WHERE id = ?1";
+static const char their_templates[] =
+    "SELECT id, person_id, algorithm, record FROM template WHERE person_id = ?1";
+
+static int update_person(struct iso_gallery_db *db, const struct iso_person *person,
+                         struct iso_fault *fault)
+{
+    const struct iso_gallery_place place = {.number = person->id};
+    uint8_t plain[ISO_GALLERY_PERSON_BYTES];
+    int error = take_out(db, the_person, person->id, fault);
+    if (error) {
+        return error;
+    }
+    iso_gallery_person_put(person, plain);
+    error = write_record(db, "UPDATE person SET record = ?4 WHERE id = ?1", &place, plain,
+                         sizeof plain, fault);
+    sodium_memzero(plain, sizeof plain);
+    return error;
+}
+
+int iso_gallery_db_put_person(struct iso_gallery_db *db, const struct iso_person *person,
+                              int64_t *id, struct iso_fault *fault)
+{
+    const int64_t number = person->id ? person->id : (int64_t)db->draft.next;
+    const int error = person->id ? update_person(db, person, fault)
+                                 : iso__gallery_insert_person(db, number, person, fault);
+    if (!error) {
+        db->draft.next += person->id ? 0 : 1;
+        *id = number;
+    }
+    return error;
+}
+
+int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, uint32_t algorithm,
+                                const void *bytes, size_t size, struct iso_fault *fault)
+{
+    const struct iso_gallery_place place = {
+        .number = (int64_t)db->draft.next, .person = person_id, .algorithm = algorithm};
+    const int error = iso__gallery_insert_template(db, &place, bytes, size, fault);
+    db->draft.next += error ? 0 : 1;
+    return error;
+}
+
+int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
+{
+    sqlite3_stmt *statement = NULL;
+    int error = take_out(db, their_templates, id, fault);
+    error = error ? error : take_out(db, the_person, id, fault);
+    error = error ? error
+                  : iso__gallery_prepare(db, "DELETE FROM person WHERE id = ?1", &statement, fault);
+    if (error) {
+        return error;
+    }
+    (void)sqlite3_bind_int64(statement, 1, id);
+    return iso__gallery_finish(db, statement, fault);
+}
+
+/* ---- another key ---- */
+
+/* Seals the row behind number *after anew, from `old` to db->seal; *after is then its number. 1, or
+ * 0 if there is none, or a negative errno. */
+static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
+                       const char *select, const char *update, int64_t *after,
+                       struct iso_fault *fault)
+{
+    sqlite3_stmt *query = NULL;
+    int error = iso__gallery_prepare(db, select, &query, fault);
+    if (error) {
+        return error;
+    }
+    (void)sqlite3_bind_int64(query, 1, *after);
+    const int step = sqlite3_step(query);
+    if (step != SQLITE_ROW) {
+        error = step == SQLITE_DONE ? 0 : iso__gallery_fail(db, fault);
+        (void)sqlite3_finalize(query);
+        return error;
+    }
+    const struct iso_gallery_place place = template_place(query);
+    const size_t size = (size_t)sqlite3_column_bytes(query, 3);
+    const void *sealed = sqlite3_column_blob(query, 3);
+    const bool sound = sealed && size >= ISO_SEAL_OVERHEAD && size <= sizeof db->sealed &&
+                       iso_gallery_record_open(old, &place, sealed, size, db->plain) == 0;
+    (void)sqlite3_finalize(query);
+    if (!sound) {
+        return is_not_what_it_was(db, place.person ? "template" : "person", place.number, fault);
+    }
+    *after = place.number;
+    error = write_record(db, update, &place, db->plain, size - ISO_SEAL_OVERHEAD, fault);
+    return error ? error : 1;
+}
+
+static int reseal_rows(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
+                       struct iso_fault *fault)
+{
+    static const struct {
+        const char *select, *update;
+    } tables[] = {
+        {"SELECT id, 0, 0, record FROM person WHERE id > ?1 ORDER BY id LIMIT 1",
+         "UPDATE person SET record = ?4 WHERE id = ?1"},
+        {"SELECT id, person_id, algorithm, record FROM template WHERE id > ?1 ORDER BY id LIMIT 1",
+         "UPDATE template SET record = ?4 WHERE id = ?1 AND person_id = ?2 AND algorithm = ?3"},
+    };
+    int more = 0;
+    for (size_t i = 0; more >= 0 && i < sizeof tables / sizeof *tables; i++) {
+        int64_t after = 0;
+        do {
+            more = reseal_next(db, old, tables[i].select, tables[i].update, &after, fault);
+        } while (more > 0);
+    }
+    sodium_memzero(db->plain, sizeof db->plain);
+    return more;
+}
+
+int iso_gallery_db_rotate(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    uint32_t number = 0;
+    int error = iso_key_ring_add(db->ring, ISO_KEY_GALLERY, &number, fault);
+    error = error ? error : iso_gallery_db_begin(db, fault);
+    if (error) {
+        return error;
+    }
+    struct iso_gallery_seal old = db->seal;
+    db->seal = iso_gallery_seal_of(old.gallery, number,
+                                   iso_key_ring_find(db->ring, ISO_KEY_GALLERY, number));
+    memset(db->draft.digest, 0, sizeof db->draft.digest);
+    error = iso_gallery_db_end(db, reseal_rows(db, &old, fault), fault);
+    if (error) {
+        iso_gallery_seal_wipe(&db->seal);
+        db->seal = old;
+    } else {
+        /* What is free goes, too: it is overwritten, but not by a new key's records. */
+        (void)sqlite3_exec(db->sqlite, "VACUUM", NULL, NULL, NULL);
+        error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, number, fault);
+    }
+    iso_gallery_seal_wipe(&old);
+    return error;
+}

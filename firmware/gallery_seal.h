@@ -1,0 +1,79 @@
+/* How the gallery's records are sealed. Pure; internal to the gallery.
+ *
+ * A record is bound to its gallery, its number, its person and its algorithm, so that it opens in
+ * no other place. All records together have a digest, and that stands in the head, with the number
+ * of changes: a record that is missing, from another time or from another gallery does not fit.
+ *
+ * The digest is the exclusive or of a keyed digest of every record (the MSet-XOR-Hash of D. Clarke
+ * et al., "Incremental Multiset Hash Functions and Their Application to Memory Integrity Checking",
+ * ASIACRYPT 2003; the records differ by their numbers): a change costs as much as what it changes.
+ */
+#ifndef ISO_FIRMWARE_GALLERY_SEAL_H
+#define ISO_FIRMWARE_GALLERY_SEAL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/match/template.h"
+#include "firmware/gallery.h"
+#include "firmware/seal.h"
+
+enum {
+    ISO_GALLERY_ID_BYTES = 16,
+    ISO_GALLERY_PERSON_BYTES = 3 * 8 + ISO_PERSON_NAME_SIZE, /* the same for every name */
+    ISO_GALLERY_PERSON_SEALED = ISO_GALLERY_PERSON_BYTES + ISO_SEAL_OVERHEAD,
+    ISO_GALLERY_TEMPLATE_SEALED = ISO_TEMPLATE_BYTES_MAX + ISO_SEAL_OVERHEAD,
+    ISO_GALLERY_HEAD_BYTES = 2 * 8 + ISO_SEAL_DIGEST_BYTES,
+    ISO_GALLERY_HEAD_SEALED = ISO_GALLERY_HEAD_BYTES + ISO_SEAL_OVERHEAD,
+};
+
+struct iso_gallery_seal {
+    uint8_t gallery[ISO_GALLERY_ID_BYTES];
+    uint32_t key_number;
+    struct iso_seal_key key, digest_key;
+};
+
+struct iso_gallery_head {
+    uint64_t changes;
+    uint64_t next; /* number of the next record; none is used twice */
+    uint8_t digest[ISO_SEAL_DIGEST_BYTES];
+};
+
+/* Where a record belongs. */
+struct iso_gallery_place {
+    int64_t number; /* of the row */
+    int64_t person; /* of a template; 0: it is a person's record */
+    uint32_t algorithm;
+};
+
+struct iso_gallery_seal iso_gallery_seal_of(const uint8_t gallery[ISO_GALLERY_ID_BYTES],
+                                            uint32_t key_number, const struct iso_seal_key *key);
+void iso_gallery_seal_wipe(struct iso_gallery_seal *seal);
+
+/* A record at its place; sealed has size + ISO_SEAL_OVERHEAD bytes. */
+void iso_gallery_record_close(const struct iso_gallery_seal *seal,
+                              const struct iso_gallery_place *place, const void *plain, size_t size,
+                              uint8_t *sealed);
+int iso_gallery_record_open(const struct iso_gallery_seal *seal,
+                            const struct iso_gallery_place *place, const void *sealed, size_t size,
+                            void *plain) __attribute__((warn_unused_result));
+
+/* Puts the record into a digest, or takes it out again. */
+void iso_gallery_record_toggle(const struct iso_gallery_seal *seal,
+                               const struct iso_gallery_place *place, const void *sealed,
+                               size_t size, uint8_t digest[ISO_SEAL_DIGEST_BYTES]);
+
+/* A person's record: dates and name; id and counts are not in it. get: -EBADMSG a size or a name
+ * that cannot be. */
+void iso_gallery_person_put(const struct iso_person *person,
+                            uint8_t plain[ISO_GALLERY_PERSON_BYTES]);
+int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person *out)
+    __attribute__((warn_unused_result));
+
+void iso_gallery_head_close(const struct iso_gallery_seal *seal,
+                            const struct iso_gallery_head *head,
+                            uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);
+int iso_gallery_head_open(const struct iso_gallery_seal *seal, const void *sealed, size_t size,
+                          struct iso_gallery_head *out) __attribute__((warn_unused_result));
+
+#endif

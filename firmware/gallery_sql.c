@@ -1,0 +1,125 @@
+/* SQLite, with its failures in words. */
+#include <errno.h>
+#include <stdio.h>
+
+#include "firmware/gallery_db_state.h"
+
+enum { BUSY_MS = 1000 }; /* somebody may be making a copy */
+
+/* The journal goes when a change is complete; EXTRA synchronises the directory then, too. Exclusive
+ * locking keeps other writers from changing what the memory holds a copy of. What is deleted is
+ * overwritten. */
+static const char settings[] = "PRAGMA locking_mode = EXCLUSIVE;"
+                               "PRAGMA journal_mode = DELETE;"
+                               "PRAGMA synchronous = EXTRA;"
+                               "PRAGMA temp_store = MEMORY;"
+                               "PRAGMA foreign_keys = ON;"
+                               "PRAGMA secure_delete = ON;"
+                               "PRAGMA trusted_schema = OFF;"
+                               "PRAGMA cell_size_check = ON;";
+
+int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
+                           struct iso_fault *fault)
+{
+    return iso_fault_set(fault, -EBADMSG,
+                         "%s: damaged (%s); put a copy in its place, or move it away to begin anew",
+                         db->path, what);
+}
+
+/* A write error is a full disk, too, if it comes from a quota or a limit on files. */
+static int io_error(const struct iso_gallery_db *db)
+{
+    int system_error = 0;
+    if (sqlite3_extended_errcode(db->sqlite) != SQLITE_IOERR_WRITE) {
+        return -EIO;
+    }
+    (void)sqlite3_file_control(db->sqlite, "main", SQLITE_FCNTL_LAST_ERRNO, &system_error);
+    return system_error == EDQUOT || system_error == EFBIG ? -ENOSPC : -EIO;
+}
+
+int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    const char *said = sqlite3_errmsg(db->sqlite);
+    int error;
+    switch (sqlite3_errcode(db->sqlite)) {
+    case SQLITE_CORRUPT:
+        return iso_gallery_db_damaged(db, said, fault);
+    case SQLITE_NOTADB:
+        return iso_fault_set(fault, -EMEDIUMTYPE, "%s: no gallery, or its beginning is damaged",
+                             db->path);
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+        return iso_fault_set(fault, -EBUSY, "%s: another process uses it", db->path);
+    case SQLITE_READONLY:
+        return iso_fault_set(fault, -EROFS, "%s: cannot be written", db->path);
+    case SQLITE_NOMEM:
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
+    case SQLITE_FULL:
+        error = -ENOSPC;
+        break;
+    default:
+        error = io_error(db);
+        break;
+    }
+    return iso_fault_set(fault, error, "%s: %s", db->path,
+                         error == -ENOSPC ? "the disk is full; nothing was changed" : said);
+}
+
+int iso__gallery_execute(const struct iso_gallery_db *db, const char *sql, struct iso_fault *fault)
+{
+    return sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL) == SQLITE_OK
+               ? 0
+               : iso__gallery_fail(db, fault);
+}
+
+int iso__gallery_prepare(const struct iso_gallery_db *db, const char *sql, sqlite3_stmt **out,
+                         struct iso_fault *fault)
+{
+    return sqlite3_prepare_v2(db->sqlite, sql, -1, out, NULL) == SQLITE_OK
+               ? 0
+               : iso__gallery_fail(db, fault);
+}
+
+int iso__gallery_finish(const struct iso_gallery_db *db, sqlite3_stmt *statement,
+                        struct iso_fault *fault)
+{
+    const int step = sqlite3_step(statement);
+    const int error = step == SQLITE_DONE ? 0 : iso__gallery_fail(db, fault);
+    (void)sqlite3_finalize(statement);
+    return error;
+}
+
+int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *answer, size_t size,
+                     struct iso_fault *fault)
+{
+    sqlite3_stmt *query = NULL;
+    int error = 0;
+    int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
+    step = step == SQLITE_OK ? sqlite3_step(query) : step;
+    if (step == SQLITE_ROW) {
+        const unsigned char *text = sqlite3_column_text(query, 0);
+        (void)snprintf(answer, size, "%s", text ? (const char *)text : "");
+    } else if (step == SQLITE_DONE) {
+        *answer = '\0';
+    } else {
+        error = iso__gallery_fail(db, fault);
+    }
+    (void)sqlite3_finalize(query);
+    return error;
+}
+
+int iso__gallery_connect(struct iso_gallery_db *db, const char *path, struct iso_fault *fault)
+{
+    if (sqlite3_open_v2(path, &db->sqlite, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK) {
+        return db->sqlite ? iso__gallery_fail(db, fault)
+                          : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    }
+    (void)sqlite3_busy_timeout(db->sqlite, BUSY_MS);
+    return iso__gallery_execute(db, settings, fault);
+}
+
+void iso__gallery_disconnect(struct iso_gallery_db *db)
+{
+    (void)sqlite3_close(db->sqlite);
+    db->sqlite = NULL;
+}

@@ -1,0 +1,73 @@
+#include "firmware/journal.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <syslog.h>
+#include <systemd/sd-journal.h>
+
+struct fields {
+    char (*text)[ISO_JOURNAL_FIELD_SIZE];
+    size_t n;
+};
+
+__attribute__((format(printf, 2, 3))) static void add(struct fields *fields, const char *format,
+                                                      ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(fields->text[fields->n++], ISO_JOURNAL_FIELD_SIZE, format, arguments);
+    va_end(arguments);
+}
+
+size_t iso_journal_fields(const struct iso_audit_record *record, uint64_t sequence,
+                          const char *head,
+                          char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE])
+{
+    struct fields out = {.text = fields};
+    const bool denied = record->verdict && strcmp(record->verdict, "deny") == 0;
+    add(&out, "MESSAGE=record %" PRIu64 ": %s%s%s%s%s", sequence, record->event,
+        record->verdict ? " " : "", record->verdict ? record->verdict : "",
+        record->reason ? ", " : "", record->reason ? record->reason : "");
+    add(&out, "PRIORITY=%d", denied ? LOG_NOTICE : LOG_INFO);
+    add(&out, "ISOTHERM_EVENT=%s", record->event);
+    add(&out, "ISOTHERM_SEQUENCE=%" PRIu64, sequence);
+    add(&out, "ISOTHERM_HEAD=%s", head);
+    if (record->verdict) {
+        add(&out, "ISOTHERM_VERDICT=%s", record->verdict);
+    }
+    if (record->reason) {
+        add(&out, "ISOTHERM_REASON=%s", record->reason);
+    }
+    if (isfinite(record->score)) {
+        add(&out, "ISOTHERM_SCORE=%.6g", record->score);
+    }
+    if (isfinite(record->threshold)) {
+        add(&out, "ISOTHERM_THRESHOLD=%.6g", record->threshold);
+    }
+    if (record->frames >= 0) {
+        add(&out, "ISOTHERM_FRAMES=%d", record->frames);
+    }
+    if (record->attack_frames >= 0) {
+        add(&out, "ISOTHERM_ATTACK_FRAMES=%d", record->attack_frames);
+    }
+    if (record->sensor) {
+        add(&out, "ISOTHERM_SENSOR=%s", record->sensor);
+    }
+    return out.n;
+}
+
+void iso_journal_record(void *context, const struct iso_audit_record *record, uint64_t sequence,
+                        const char *head)
+{
+    char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
+    struct iovec vectors[ISO_JOURNAL_FIELDS_MAX];
+    const size_t n = iso_journal_fields(record, sequence, head, fields);
+    (void)context;
+    for (size_t i = 0; i < n; i++) {
+        vectors[i] = (struct iovec){fields[i], strlen(fields[i])};
+    }
+    (void)sd_journal_sendv(vectors, (int)n);
+}

@@ -1,0 +1,397 @@
+#include "firmware/key_ring.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "core/math/bytes.h"
+#include "firmware/data_file.h"
+#include "firmware/directory.h"
+
+/* The file: magic, then sealed: n u32, next number u32, n x (use u32, number u32, key[32]). */
+static const char magic[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '1'};
+
+enum {
+    ENTRY_BYTES = 8 + ISO_SEAL_KEY_BYTES,
+    PLAIN_MAX_BYTES = 8 + ISO_KEY_RING_MOST * ENTRY_BYTES,
+    FILE_MAX_BYTES = sizeof magic + PLAIN_MAX_BYTES + ISO_SEAL_OVERHEAD,
+};
+
+struct entry {
+    uint32_t use, number;
+    struct iso_seal_key key;
+};
+
+/* What is on the disk. */
+struct keys {
+    uint32_t n, next;
+    struct entry entries[ISO_KEY_RING_MOST];
+};
+
+struct iso_key_ring {
+    char path[PATH_MAX], file[PATH_MAX];
+    bool credential;
+    struct iso_seal_key master;
+    struct keys keys, draft; /* draft: what is about to be written */
+};
+
+/* ---- the ring's file ---- */
+
+static struct iso_seal_label ring_label(void)
+{
+    return iso_seal_label_of("isotherm key ring 1");
+}
+
+static size_t put_keys(const struct keys *keys, uint8_t plain[PLAIN_MAX_BYTES])
+{
+    uint8_t *p = iso_put_u32(plain, keys->n);
+    p = iso_put_u32(p, keys->next);
+    for (uint32_t i = 0; i < keys->n; i++) {
+        p = iso_put_u32(p, keys->entries[i].use);
+        p = iso_put_u32(p, keys->entries[i].number);
+        p = iso_put_bytes(p, keys->entries[i].key.bytes, ISO_SEAL_KEY_BYTES);
+    }
+    return (size_t)(p - plain);
+}
+
+static int get_keys(const uint8_t *plain, size_t size, struct keys *out)
+{
+    const uint32_t n = size >= 8 ? iso_get_u32(plain) : UINT32_MAX;
+    if (n > ISO_KEY_RING_MOST || size != 8 + (size_t)n * ENTRY_BYTES) {
+        return -EBADMSG;
+    }
+    out->n = n;
+    out->next = iso_get_u32(plain + 4);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint8_t *p = plain + 8 + (size_t)i * ENTRY_BYTES;
+        out->entries[i].use = iso_get_u32(p);
+        out->entries[i].number = iso_get_u32(p + 4);
+        memcpy(out->entries[i].key.bytes, p + 8, ISO_SEAL_KEY_BYTES);
+    }
+    return 0;
+}
+
+/* Writes the draft, sealed with `master`; only then it holds. */
+static int commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
+                  struct iso_fault *fault)
+{
+    const struct iso_seal_label label = ring_label();
+    uint8_t plain[PLAIN_MAX_BYTES], bytes[FILE_MAX_BYTES];
+    const size_t size = put_keys(&ring->draft, plain);
+    memcpy(bytes, magic, sizeof magic);
+    iso_seal_close(master, &label, plain, size, bytes + sizeof magic);
+    sodium_memzero(plain, sizeof plain);
+    const int error = iso_data_file_replace(ring->path, bytes,
+                                            sizeof magic + size + ISO_SEAL_OVERHEAD, fault);
+    if (!error) {
+        ring->keys = ring->draft;
+    }
+    sodium_memzero(&ring->draft, sizeof ring->draft);
+    return error;
+}
+
+static int open_with(struct iso_key_ring *ring, const struct iso_seal_key *master,
+                     const uint8_t *bytes, size_t size)
+{
+    const struct iso_seal_label label = ring_label();
+    uint8_t plain[PLAIN_MAX_BYTES];
+    if (size < sizeof magic + ISO_SEAL_OVERHEAD || memcmp(bytes, magic, sizeof magic) != 0) {
+        return -EKEYREJECTED;
+    }
+    const size_t sealed = size - sizeof magic;
+    int error = iso_seal_open(master, &label, bytes + sizeof magic, sealed, plain);
+    error = error ? error : get_keys(plain, sealed - ISO_SEAL_OVERHEAD, &ring->keys);
+    sodium_memzero(plain, sizeof plain);
+    return error ? -EKEYREJECTED : 0;
+}
+
+/* ---- the appliance's key ---- */
+
+/* The first and the second choice; either may be missing. */
+struct masters {
+    struct iso_seal_key keys[2];
+    bool have[2];
+};
+
+static int check_private(const char *path, struct iso_fault *fault)
+{
+    struct stat status;
+    if (stat(path, &status)) {
+        return iso_fault_set(fault, -errno, "%s: %m", path);
+    }
+    return status.st_mode & 077
+               ? iso_fault_set(fault, -EACCES, "%s: others can read this key: chmod 600", path)
+               : 0;
+}
+
+/* 0 with *have false if there is no such file. */
+static int read_key(const char *path, struct iso_seal_key *out, bool *have, struct iso_fault *fault)
+{
+    void *bytes = NULL;
+    size_t size = 0;
+    *have = false;
+    int error = iso_data_file_read(path, 1 << 12, &bytes, &size, fault);
+    if (error) {
+        return error == -ENOENT ? 0 : error;
+    }
+    if (size == sizeof out->bytes) {
+        memcpy(out->bytes, bytes, size);
+        *have = true;
+    } else {
+        error = iso_fault_set(fault, -EINVAL, "%s: a key has %zu bytes, this has %zu", path,
+                              sizeof out->bytes, size);
+    }
+    sodium_memzero(bytes, size);
+    free(bytes);
+    return error;
+}
+
+static int read_credentials(const char *directory, struct masters *out, struct iso_fault *fault)
+{
+    static const char *const names[] = {"isotherm.key", "isotherm.key.old"};
+    int error = 0;
+    for (size_t i = 0; !error && i < 2; i++) {
+        char path[PATH_MAX];
+        if (snprintf(path, sizeof path, "%s/%s", directory, names[i]) >= PATH_MAX) {
+            return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", directory);
+        }
+        error = read_key(path, &out->keys[i], &out->have[i], fault);
+    }
+    return error;
+}
+
+/* The key's file, and what a change of it that was cut short has left beside: a whole key or not.
+ */
+static int read_files(const char *file, struct masters *out, struct iso_fault *fault)
+{
+    char beside[PATH_MAX + 8];
+    (void)snprintf(beside, sizeof beside, "%s.new", file);
+    int error = read_key(file, &out->keys[0], &out->have[0], fault);
+    if (!error && out->have[0]) {
+        error = check_private(file, fault);
+    }
+    if (!error && read_key(beside, &out->keys[1], &out->have[1], NULL)) {
+        out->have[1] = false;
+    }
+    return error;
+}
+
+/* ---- opening ---- */
+
+static void draft_key(struct iso_key_ring *ring, enum iso_key_use use)
+{
+    ring->draft.entries[ring->draft.n++] = (struct entry){
+        .use = (uint32_t)use, .number = ring->draft.next++, .key = iso_seal_key_random()};
+}
+
+static int make_ring(struct iso_key_ring *ring, struct masters *masters, struct iso_fault *fault)
+{
+    if (!masters->have[0]) {
+        masters->keys[0] = iso_seal_key_random();
+        const int error = iso_data_file_replace(ring->file, masters->keys[0].bytes,
+                                                ISO_SEAL_KEY_BYTES, fault);
+        if (error) {
+            return error;
+        }
+    }
+    ring->master = masters->keys[0];
+    ring->draft = (struct keys){.next = 1};
+    draft_key(ring, ISO_KEY_ANCHOR);
+    draft_key(ring, ISO_KEY_SIGN);
+    draft_key(ring, ISO_KEY_RECEIVE);
+    return commit(ring, &ring->master, fault);
+}
+
+/* The second choice opened it: a change of the appliance's key was not over. */
+static int end_change(struct iso_key_ring *ring, const struct masters *masters,
+                      struct iso_fault *fault)
+{
+    char beside[PATH_MAX + 8];
+    if (ring->credential) {
+        ring->master = masters->keys[0];
+        ring->draft = ring->keys;
+        return commit(ring, &ring->master, fault);
+    }
+    ring->master = masters->keys[1];
+    (void)snprintf(beside, sizeof beside, "%s.new", ring->file);
+    if (rename(beside, ring->file)) {
+        return iso_fault_set(fault, -errno, "%s: %m", ring->file);
+    }
+    return iso_directory_sync(ring->file, fault);
+}
+
+static void forget_change(const struct iso_key_ring *ring)
+{
+    char beside[PATH_MAX + 8];
+    (void)snprintf(beside, sizeof beside, "%s.new", ring->file);
+    if (!ring->credential) {
+        (void)unlink(beside);
+    }
+}
+
+static int open_ring(struct iso_key_ring *ring, const struct masters *masters, const uint8_t *bytes,
+                     size_t size, struct iso_fault *fault)
+{
+    if (!masters->have[0] && !masters->have[1]) {
+        return iso_fault_set(fault, -ENOKEY,
+                             "%s: the key %s is gone; without it nothing sealed can be read",
+                             ring->path, ring->file);
+    }
+    if (masters->have[0] && open_with(ring, &masters->keys[0], bytes, size) == 0) {
+        ring->master = masters->keys[0];
+        forget_change(ring);
+        return 0;
+    }
+    if (masters->have[1] && open_with(ring, &masters->keys[1], bytes, size) == 0) {
+        return end_change(ring, masters, fault);
+    }
+    return iso_fault_set(fault, -EKEYREJECTED, "%s: damaged, or sealed with another key",
+                         ring->path);
+}
+
+static int find_keys(struct iso_key_ring *ring, const char *credentials, struct iso_fault *fault)
+{
+    struct masters masters = {.have = {false}};
+    void *bytes = NULL;
+    size_t size = 0;
+    int error = 0;
+    if (credentials && *credentials) {
+        error = read_credentials(credentials, &masters, fault);
+        ring->credential = masters.have[0];
+    }
+    if (!error && !ring->credential) {
+        error = read_files(ring->file, &masters, fault);
+    }
+    if (!error) {
+        error = iso_data_file_read(ring->path, FILE_MAX_BYTES, &bytes, &size, fault);
+        error = error == -ENOENT ? make_ring(ring, &masters, fault)
+                : error          ? error
+                                 : open_ring(ring, &masters, bytes, size, fault);
+    }
+    free(bytes);
+    sodium_memzero(&masters, sizeof masters);
+    return error;
+}
+
+int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **out,
+                      struct iso_fault *fault)
+{
+    int error = iso_seal_start(fault);
+    if (error) {
+        return error;
+    }
+    struct iso_key_ring *ring = sodium_malloc(sizeof *ring);
+    if (!ring) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", place->ring);
+    }
+    memset(ring, 0, sizeof *ring);
+    if (snprintf(ring->path, sizeof ring->path, "%s", place->ring) >= PATH_MAX ||
+        snprintf(ring->file, sizeof ring->file, "%s", place->file) >= PATH_MAX) {
+        error = iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", place->ring);
+    }
+    error = error ? error : find_keys(ring, place->credentials, fault);
+    if (error) {
+        iso_key_ring_close(ring);
+        return error;
+    }
+    *out = ring;
+    return 0;
+}
+
+void iso_key_ring_close(struct iso_key_ring *ring)
+{
+    sodium_free(ring); /* which wipes */
+}
+
+/* ---- use ---- */
+
+const struct iso_seal_key *iso_key_ring_find(const struct iso_key_ring *ring, enum iso_key_use use,
+                                             uint32_t number)
+{
+    for (uint32_t i = 0; i < ring->keys.n; i++) {
+        const struct entry *entry = &ring->keys.entries[i];
+        if (entry->use == (uint32_t)use && entry->number == number) {
+            return &entry->key;
+        }
+    }
+    return NULL;
+}
+
+uint32_t iso_key_ring_newest(const struct iso_key_ring *ring, enum iso_key_use use)
+{
+    uint32_t newest = 0;
+    for (uint32_t i = 0; i < ring->keys.n; i++) {
+        const struct entry *entry = &ring->keys.entries[i];
+        if (entry->use == (uint32_t)use && entry->number > newest) {
+            newest = entry->number;
+        }
+    }
+    return newest;
+}
+
+int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *number,
+                     struct iso_fault *fault)
+{
+    if (ring->keys.n == ISO_KEY_RING_MOST) {
+        return iso_fault_set(fault, -ENOSPC, "%s: holds %u keys, there is no room for more",
+                             ring->path, ring->keys.n);
+    }
+    const uint32_t made = ring->keys.next;
+    ring->draft = ring->keys;
+    draft_key(ring, use);
+    const int error = commit(ring, &ring->master, fault);
+    if (!error) {
+        *number = made;
+    }
+    return error;
+}
+
+int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t number,
+                      struct iso_fault *fault)
+{
+    struct keys *draft = &ring->draft;
+    *draft = (struct keys){.next = ring->keys.next};
+    for (uint32_t i = 0; i < ring->keys.n; i++) {
+        const struct entry *entry = &ring->keys.entries[i];
+        if (entry->use != (uint32_t)use || entry->number >= number) {
+            draft->entries[draft->n++] = *entry;
+        }
+    }
+    return draft->n == ring->keys.n ? 0 : commit(ring, &ring->master, fault);
+}
+
+/* The new key stands beside the old one before the ring is sealed with it, and takes its place
+ * afterwards: the ring always has its key. */
+int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
+{
+    struct iso_seal_key fresh;
+    char beside[PATH_MAX + 8];
+    if (ring->credential) {
+        return iso_fault_set(fault, -EPERM, "the appliance's key is a credential of the system");
+    }
+    (void)snprintf(beside, sizeof beside, "%s.new", ring->file);
+    fresh = iso_seal_key_random();
+    int error = iso_data_file_replace(beside, fresh.bytes, sizeof fresh.bytes, fault);
+    if (!error) {
+        ring->draft = ring->keys;
+        error = commit(ring, &fresh, fault);
+    }
+    if (!error) {
+        ring->master = fresh;
+        error = rename(beside, ring->file) ? iso_fault_set(fault, -errno, "%s: %m", ring->file)
+                                           : iso_directory_sync(ring->file, fault);
+    }
+    iso_seal_key_wipe(&fresh);
+    return error;
+}
+
+bool iso_key_ring_has_credential(const struct iso_key_ring *ring)
+{
+    return ring->credential;
+}

@@ -1,0 +1,77 @@
+/* The keys of one appliance: numbered keys for its stores in a small file, the ring, which is
+ * sealed with one key from outside, the appliance's key.
+ *
+ * The appliance's key is 32 bytes, from
+ *   a credential of the service manager: DIRECTORY/isotherm.key (systemd's
+ * LoadCredentialEncrypted=, which can bind it to a TPM). To change it give the new one, and the old
+ * one as isotherm.key.old until the next start is over. a file that its owner alone can read, made
+ * at the first start. Who takes the disk has the key, too, unless the file lies on another.
+ *
+ * A store's keys are rotated by making a new one, sealing everything anew, and dropping the older
+ * ones: the ring holds both meanwhile, so that after a kill at any moment every record has its key.
+ * A ring is written whole (iso_data_file_replace). One whose key is gone is never made anew.
+ *
+ * Used by one thread. Keys are in locked memory, which is wiped at the end. */
+#ifndef ISO_FIRMWARE_KEY_RING_H
+#define ISO_FIRMWARE_KEY_RING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+#include "firmware/seal.h"
+
+/* What a key is for. The numbers stand in the file. */
+enum iso_key_use {
+    ISO_KEY_GALLERY = 1, /* records of people and templates */
+    ISO_KEY_LOG = 2,     /* records of the audit log */
+    ISO_KEY_ANCHOR = 3,  /* anchor.h */
+    ISO_KEY_SIGN = 4,    /* seed of the Ed25519 pair that signs what is exported */
+    ISO_KEY_RECEIVE = 5, /* seed of the X25519 pair to which others export */
+};
+
+enum { ISO_KEY_RING_MOST = 64 };
+
+struct iso_key_place {
+    const char *ring;        /* path of the ring */
+    const char *file;        /* path of the appliance's key, if it is no credential */
+    const char *credentials; /* directory; NULL or "": there is none */
+};
+
+struct iso_key_ring;
+
+/* Opens the ring, or makes one: with a fresh key file if there is no credential and no file. Ends a
+ * change of the appliance's key that was cut short. Errors with a fault:
+ *   -ENOKEY       there is a ring, and no key
+ *   -EKEYREJECTED the key is another one, or the ring is damaged
+ *   -EINVAL       a key that does not have 32 bytes
+ *   -EACCES       the file can be read by others; -ENOSPC, -EROFS, -EIO, -ENOMEM, ... */
+int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **out,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+void iso_key_ring_close(struct iso_key_ring *ring);
+
+/* The key of this use and number; NULL if there is none. Valid until the next change. */
+const struct iso_seal_key *iso_key_ring_find(const struct iso_key_ring *ring, enum iso_key_use use,
+                                             uint32_t number);
+
+/* Number of the newest key of this use; 0 if there is none. */
+uint32_t iso_key_ring_newest(const struct iso_key_ring *ring, enum iso_key_use use);
+
+/* Makes a key; its number is above all before. The ring is on the disk when it returns. -ENOSPC (of
+ * the disk, or the ring is full), -EIO, ...; then nothing has changed. */
+int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *number,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Drops the keys of this use with numbers below `number`: what they seal is gone for good. */
+int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t number,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Gives the ring another key of the appliance. -EPERM: it is a credential, which the administrator
+ * changes. */
+int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Whether the appliance's key is a credential of the service manager, or a file. */
+bool iso_key_ring_has_credential(const struct iso_key_ring *ring);
+
+#endif

@@ -1,0 +1,63 @@
+/* Sealing: nobody reads or changes a record without its key, or takes it for another record.
+ *
+ * XChaCha20-Poly1305 (draft-irtf-cfrg-xchacha-03, with the IETF construction of RFC 8439) by
+ * libsodium; a sealed record is nonce[24] | ciphertext | tag[16]. The nonce is random: 192 bits do
+ * not meet twice. What the record is (its label) is bound to it and not stored: under another label
+ * it does not open. */
+#ifndef ISO_FIRMWARE_SEAL_H
+#define ISO_FIRMWARE_SEAL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+
+enum {
+    ISO_SEAL_KEY_BYTES = 32,
+    ISO_SEAL_OVERHEAD = 24 + 16, /* a sealed record is longer by this */
+    ISO_SEAL_DIGEST_BYTES = 32,
+    ISO_SEAL_LABEL_BYTES = 128,
+};
+
+/* Plain bytes; wiped by who holds it. */
+struct iso_seal_key {
+    uint8_t bytes[ISO_SEAL_KEY_BYTES];
+};
+
+/* What a record is: a kind, then numbers and bytes of fixed width, so that no two labels of one
+ * kind read the same. */
+struct iso_seal_label {
+    uint8_t bytes[ISO_SEAL_LABEL_BYTES];
+    size_t size;
+};
+
+/* Before anything else of this header; may be called again. -EIO: the library does not start. */
+int iso_seal_start(struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* kind: a constant of the source, below 64 characters. */
+struct iso_seal_label iso_seal_label_of(const char *kind);
+void iso_seal_label_number(struct iso_seal_label *label, uint64_t number);
+void iso_seal_label_bytes(struct iso_seal_label *label, const void *bytes, size_t size);
+
+/* A fresh random key; a key for one purpose that is made from another (BLAKE2b as crypto_kdf uses
+ * it; context: 8 characters). */
+struct iso_seal_key iso_seal_key_random(void);
+struct iso_seal_key iso_seal_key_derive(const struct iso_seal_key *from, uint64_t number,
+                                        const char context[8]);
+void iso_seal_key_wipe(struct iso_seal_key *key);
+
+/* Seals `size` bytes into size + ISO_SEAL_OVERHEAD; the two do not overlap. */
+void iso_seal_close(const struct iso_seal_key *key, const struct iso_seal_label *label,
+                    const void *plain, size_t size, uint8_t *sealed);
+
+/* Opens `size` sealed bytes into size - ISO_SEAL_OVERHEAD. -EBADMSG: cut short, changed, of another
+ * key or another label; what *plain held is gone. */
+int iso_seal_open(const struct iso_seal_key *key, const struct iso_seal_label *label,
+                  const uint8_t *sealed, size_t size, void *plain)
+    __attribute__((warn_unused_result));
+
+/* A keyed digest (BLAKE2b, RFC 7693) of a label and bytes. */
+void iso_seal_digest(const struct iso_seal_key *key, const struct iso_seal_label *label,
+                     const void *bytes, size_t size, uint8_t digest[ISO_SEAL_DIGEST_BYTES]);
+
+#endif

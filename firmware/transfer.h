@@ -1,0 +1,73 @@
+/* People with their templates as one sealed, signed file, to be copied from door to door. Pure.
+ *
+ *     0  magic "ISOPEOP1"
+ *     8  who can open it u8: 1 who knows a passphrase, 2 one other appliance; 7 zero bytes
+ *    16  salt[16] of the passphrase; else zeros
+ *    32  key[80]: the file's key for the other appliance (X25519 sealed box); else zeros
+ *   112  signer[32]: Ed25519 public key of the appliance that wrote it
+ *   144  people, sealed (seal.h); bytes 0 to 143 are its label
+ *   end  signature[64] (Ed25519) of everything before it
+ *
+ * A passphrase becomes the key by Argon2id with the salt (RFC 9106; core/contract.h says how),
+ * which the client does: a daemon that watches a door has no second to spare, and the passphrase
+ * stays where it was typed. What is sealed is: n u32, then for each person name length u16, name,
+ * enrolled, valid from, valid until i64, n u32, and for each template algorithm u32, size u32,
+ * bytes.
+ *
+ * An appliance has two key pairs, made from seeds in its key ring; the public halves, the signing
+ * one first, are its address. */
+#ifndef ISO_FIRMWARE_TRANSFER_H
+#define ISO_FIRMWARE_TRANSFER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+#include "firmware/gallery.h"
+#include "firmware/key_ring.h"
+#include "firmware/seal.h"
+
+enum {
+    ISO_TRANSFER_SALT_BYTES = 16,
+    ISO_TRANSFER_MAX_BYTES = 64 << 20,
+    ISO_TRANSFER_ADDRESS_SIZE = 2 * 64 + 1, /* hexadecimal digits, with their end */
+};
+
+/* Who can open a file. */
+struct iso_transfer_lock {
+    const char *address; /* of an appliance; NULL: who has the key */
+    struct iso_seal_key key;
+    uint8_t salt[ISO_TRANSFER_SALT_BYTES];
+};
+
+/* The address of the appliance with this ring. */
+void iso_transfer_address(const struct iso_key_ring *ring, char address[ISO_TRANSFER_ADDRESS_SIZE]);
+
+/* Writes people (NULL: all; else a list that NULL ends) into memory, to be released with
+ * iso_transfer_free. -EINVAL the address is none, -ENOENT a name is nobody's, -EFBIG, -ENOMEM, or
+ * an error of the gallery. */
+int iso_transfer_write(struct iso_gallery *gallery, const char *const *people,
+                       const struct iso_key_ring *ring, const struct iso_transfer_lock *lock,
+                       uint8_t **bytes, size_t *size, size_t *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void iso_transfer_free(uint8_t *bytes, size_t size);
+
+struct iso_transfer; /* people that were read */
+
+/* Reads a file. key: of the passphrase, NULL if there is none. sender: the address that has to have
+ * signed it; NULL: whoever knows the passphrase (a file for this appliance needs one: anybody can
+ * seal for an address). -EBADMSG damaged or no such file, -EKEYREJECTED it is for somebody else, or
+ * the passphrase is wrong, or another appliance has signed it, -EINVAL, -ENOMEM. */
+int iso_transfer_read(const uint8_t *bytes, size_t size, const struct iso_key_ring *ring,
+                      const struct iso_seal_key *key, const char *sender, struct iso_transfer **out,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Valid until _done, which wipes them. */
+const struct iso_gallery_item *iso_transfer_items(const struct iso_transfer *transfer, size_t *n);
+void iso_transfer_done(struct iso_transfer *transfer);
+
+/* Reads the people of an opened file. -EBADMSG, -ENOMEM. */
+int iso_transfer_parse(const uint8_t *plain, size_t size, struct iso_transfer **out)
+    __attribute__((warn_unused_result));
+
+#endif

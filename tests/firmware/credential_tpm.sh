@@ -1,0 +1,61 @@
+#!/bin/sh
+# The key of the appliance as a credential of systemd that a TPM has sealed, as isothermd(8) says: a software TPM (swtpm) makes it
+# and opens it, the daemon's log opens with it and not without it. Skipped (77) without swtpm or systemd-creds.
+# usage: credential_tpm.sh BUILD
+set -eu
+isothermd=$1/firmware/isothermd
+for tool in swtpm swtpm_setup systemd-creds; do
+    command -v $tool >/dev/null || {
+        echo "skipped: there is no $tool"
+        exit 77
+    }
+done
+
+work=$(mktemp -d)
+port=$((20000 + $$ % 20000))
+tpm=
+end() {
+    [ -z "$tpm" ] || kill "$tpm" 2>/dev/null || true
+    rm -rf "$work"
+}
+trap end EXIT
+
+die() {
+    echo "credential_tpm: $1" >&2
+    exit 1
+}
+
+mkdir "$work/tpm" "$work/given" "$work/state"
+swtpm_setup --tpm2 --tpm-state "$work/tpm" >"$work/setup.log" 2>&1 || {
+    echo 'skipped: the software TPM cannot be set up'
+    exit 77
+}
+swtpm socket --tpm2 --tpmstate dir="$work/tpm" --server type=tcp,port=$port,disconnect \
+    --ctrl type=tcp,port=$((port + 1)) --flags not-need-init,startup-clear &
+tpm=$!
+sleep 0.5
+device=swtpm:host=127.0.0.1,port=$port
+
+head -c 32 /dev/urandom >"$work/key"
+systemd-creds encrypt --with-key=tpm2 --tpm2-device=$device --tpm2-pcrs=7 --name=isotherm.key "$work/key" \
+    "$work/isotherm.key" 2>"$work/creds.log" || {
+    cat "$work/creds.log"
+    echo 'skipped: systemd-creds has no TPM support here'
+    exit 77
+}
+cmp -s "$work/key" "$work/isotherm.key" && die 'the credential is the key itself'
+systemd-creds decrypt --tpm2-device=$device --name=isotherm.key "$work/isotherm.key" "$work/given/isotherm.key" 2>/dev/null
+cmp "$work/key" "$work/given/isotherm.key"
+
+cat >"$work/isotherm.conf" <<END
+[gallery]
+path = $work/state/gallery.db
+[log]
+path = $work/state/audit.log
+END
+CREDENTIALS_DIRECTORY=$work/given "$isothermd" --config "$work/isotherm.conf" --print-log
+[ -e "$work/state/gallery.db.keys" ] || die 'there is no key ring'
+[ ! -e "$work/state/gallery.db.key" ] || die 'a key file was made'
+CREDENTIALS_DIRECTORY=$work/given "$isothermd" --config "$work/isotherm.conf" --print-log
+"$isothermd" --config "$work/isotherm.conf" --print-log 2>"$work/refused" && die 'it opens without the key'
+grep -q 'is gone; without it nothing sealed can be read' "$work/refused" || die "$(cat "$work/refused")"

@@ -1,0 +1,364 @@
+/* Kills a process that writes gallery, log and keys, at random moments and again and again, and
+ * looks each time what is left: nobody lost, nobody back from the dead, the log's chain whole.
+ *
+ * usage: kill_stores [ROUNDS [SEED]]     exit status 0 if every round was as it should be
+ *
+ * The writer says before each change what it will do and afterwards that it is done; so the
+ * observer knows who has to be there, but for the one change under way, which may hold or not. It
+ * is killed while it opens the stores, too. */
+#include <errno.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "firmware/audit.h"
+#include "firmware/gallery.h"
+#include "firmware/key_ring.h"
+#include "tests/firmware/puppets.h"
+
+enum { PEOPLE = 24, KILL_WITHIN_US = 250000, START_MAX_MS = 1000, SEGMENT_BYTES = 6000 };
+
+enum action { ENROL, DELETE, ROTATE_GALLERY, ROTATE_LOG, CHANGE_KEY, LOG, ACTIONS };
+
+static const char *const action_names[ACTIONS] = {"enrolments", "deletions",   "gallery keys",
+                                                  "log keys",   "master keys", "log records"};
+
+struct stores {
+    struct iso_key_ring *ring;
+    struct iso_gallery *gallery;
+    struct iso_audit *audit;
+};
+
+/* What the writer says. */
+struct message {
+    bool done;
+    uint8_t action, person;
+    uint64_t sequence; /* of the last record, when it is done */
+};
+
+static char directory[64];
+static int templates_of[PEOPLE]; /* what has to be there */
+static uint64_t random_state;
+
+static uint32_t draw(uint32_t below)
+{
+    random_state = random_state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (uint32_t)(random_state >> 33) % below;
+}
+
+static int64_t now_ns(void *context)
+{
+    struct timespec time;
+    (void)context;
+    (void)clock_gettime(CLOCK_MONOTONIC, &time);
+    return time.tv_sec * INT64_C(1000000000) + time.tv_nsec;
+}
+
+static const struct iso_times times = {{now_ns, NULL}, now_ns, NULL};
+
+__attribute__((noreturn)) static void give_up(const char *what, const char *why)
+{
+    fprintf(stderr, "kill_stores: %s: %s (the stores are kept in %s)\n", what, why, directory);
+    exit(1);
+}
+
+static char *path_of(const char *name)
+{
+    static char paths[8][128];
+    static int turn;
+    char *path = paths[turn++ % 8];
+    (void)snprintf(path, sizeof paths[0], "%s/%s", directory, name);
+    return path;
+}
+
+static int open_stores(struct stores *stores, struct iso_fault *fault)
+{
+    const struct iso_key_place place = {.ring = path_of("keys"), .file = path_of("key")};
+    *stores = (struct stores){.ring = NULL};
+    int error = iso_key_ring_open(&place, &stores->ring, fault);
+    const struct iso_gallery_options gallery = {.path = path_of("g.db"),
+                                                .capacity = PEOPLE,
+                                                .algorithm = PUPPET_ALGORITHM,
+                                                .ring = stores->ring};
+    const struct iso_audit_options audit = {.path = path_of("a.log"),
+                                            .sync = true,
+                                            .segment_bytes = SEGMENT_BYTES,
+                                            .segments = 20,
+                                            .ring = stores->ring};
+    error = error ? error : iso_gallery_open(&gallery, &stores->gallery, fault);
+    return error ? error : iso_audit_open(&audit, &times, &stores->audit, fault);
+}
+
+static void close_stores(struct stores *stores)
+{
+    iso_audit_close(stores->audit);
+    iso_gallery_close(stores->gallery);
+    iso_key_ring_close(stores->ring);
+}
+
+/* ---- the writer ---- */
+
+static int enrol(struct stores *stores, uint8_t person, struct iso_fault *fault)
+{
+    struct iso_person entry = {.enrolled_s = 1};
+    const struct iso_template tmpl = puppet_template(person + 1, PUPPET_ALGORITHM);
+    (void)snprintf(entry.name, sizeof entry.name, "person %d", person);
+    return iso_gallery_add(stores->gallery, &entry, &tmpl, fault);
+}
+
+static int delete_person(struct stores *stores, uint8_t person, struct iso_fault *fault)
+{
+    char name[32];
+    (void)snprintf(name, sizeof name, "person %d", person);
+    return iso_gallery_remove(stores->gallery, name, fault);
+}
+
+static int append(struct stores *stores, struct iso_fault *fault)
+{
+    const struct iso_audit_record record = iso_audit_record_of("x");
+    return iso_audit_append(stores->audit, &record, fault);
+}
+
+static int act(struct stores *stores, const struct message *message, struct iso_fault *fault)
+{
+    switch ((enum action)message->action) {
+    case ENROL:
+        return enrol(stores, message->person, fault);
+    case DELETE:
+        return delete_person(stores, message->person, fault);
+    case ROTATE_GALLERY:
+        return iso_gallery_rotate(stores->gallery, fault);
+    case ROTATE_LOG:
+        return iso_audit_rotate_key(stores->audit, fault);
+    case CHANGE_KEY:
+        return iso_key_ring_change_key(stores->ring, fault);
+    default:
+        return append(stores, fault);
+    }
+}
+
+/* Something that can be done: whoever is full or gone is not enrolled or deleted. */
+static struct message choose(void)
+{
+    struct message message = {.person = (uint8_t)draw(PEOPLE)};
+    const uint32_t lot = draw(16);
+    const int templates = templates_of[message.person];
+    message.action = lot < 6    ? ENROL
+                     : lot < 9  ? DELETE
+                     : lot < 10 ? ROTATE_GALLERY
+                     : lot < 11 ? ROTATE_LOG
+                     : lot < 12 ? CHANGE_KEY
+                                : LOG;
+    if ((message.action == DELETE && templates == 0) ||
+        (message.action == ENROL && templates == ISO_GALLERY_TEMPLATES_MAX)) {
+        message.action = LOG;
+    }
+    return message;
+}
+
+static void keep_in_mind(const struct message *message)
+{
+    if (message->action == ENROL) {
+        templates_of[message->person]++;
+    } else if (message->action == DELETE) {
+        templates_of[message->person] = 0;
+    }
+}
+
+__attribute__((noreturn)) static void write_for_ever(int report_fd)
+{
+    struct stores stores;
+    struct iso_fault fault = {""};
+    if (open_stores(&stores, &fault)) {
+        give_up("the writer cannot open", fault.text);
+    }
+    for (;;) {
+        struct message message = choose();
+        if (write(report_fd, &message, sizeof message) != sizeof message) {
+            _exit(2);
+        }
+        if (act(&stores, &message, &fault)) {
+            give_up(action_names[message.action], fault.text);
+        }
+        keep_in_mind(&message);
+        message.done = true;
+        message.sequence = iso_audit_last(stores.audit);
+        if (write(report_fd, &message, sizeof message) != sizeof message) {
+            _exit(2);
+        }
+    }
+}
+
+/* ---- the observer ---- */
+
+struct tally {
+    unsigned done[ACTIONS], cut[ACTIONS], cut_held;
+    int64_t slowest_ns;
+    uint64_t last; /* record that has to be there */
+};
+
+/* Lets a writer live for a while. *under_way is the change that it had begun, if it had. */
+static bool run_writer(struct tally *tally, struct message *under_way)
+{
+    int fds[2], status = 0;
+    struct message message;
+    bool begun = false;
+    if (pipe(fds)) {
+        give_up("pipe", strerror(errno));
+    }
+    const pid_t pid = fork();
+    if (pid < 0) {
+        give_up("fork", strerror(errno));
+    }
+    if (pid == 0) {
+        (void)close(fds[0]);
+        write_for_ever(fds[1]);
+    }
+    (void)close(fds[1]);
+    (void)usleep(draw(KILL_WITHIN_US));
+    (void)kill(pid, SIGKILL);
+    (void)waitpid(pid, &status, 0);
+    if (!WIFSIGNALED(status) || WTERMSIG(status) != SIGKILL) {
+        give_up("the writer", "it ended by itself");
+    }
+    while (read(fds[0], &message, sizeof message) == sizeof message) {
+        begun = !message.done;
+        *under_way = message;
+        if (message.done) {
+            keep_in_mind(&message);
+            tally->done[message.action]++;
+            tally->last = message.sequence;
+        }
+    }
+    (void)close(fds[0]);
+    return begun;
+}
+
+/* Whether a person is as expected; a face that is another's is never. */
+static bool is_as(const struct stores *stores, int person, int templates)
+{
+    char name[32];
+    int n = 0;
+    (void)snprintf(name, sizeof name, "person %d", person);
+    const struct iso_person *found = iso_gallery_find(stores->gallery, name);
+    if (!found) {
+        return templates == 0;
+    }
+    const struct iso_search_entry *entries = iso_gallery_entries_of(stores->gallery, found->id, &n);
+    for (int i = 0; i < n; i++) {
+        if (puppet_face_of(entries[i].tmpl) != person + 1) {
+            give_up(name, "has the template of another person");
+        }
+    }
+    return n == templates;
+}
+
+/* Who is there, against who has to be; the change under way holds or does not. */
+static void check_people(const struct stores *stores, const struct message *under_way,
+                         struct tally *tally)
+{
+    size_t n = 0;
+    int there = 0;
+    const bool changes = under_way && under_way->action <= DELETE;
+    for (int i = 0; i < PEOPLE; i++) {
+        if (!is_as(stores, i, templates_of[i])) {
+            if (!changes || under_way->person != i) {
+                give_up("somebody", "is lost, or back");
+            }
+            keep_in_mind(under_way);
+            tally->cut_held++;
+            if (!is_as(stores, i, templates_of[i])) {
+                give_up("somebody", "is neither as before the change nor as after it");
+            }
+        }
+        there += templates_of[i] > 0;
+    }
+    (void)iso_gallery_people(stores->gallery, &n);
+    if ((int)n != there) {
+        give_up("the gallery", "has people whom nobody enrolled");
+    }
+}
+
+static void check_log(const struct stores *stores, const struct tally *tally)
+{
+    struct iso_audit_report report;
+    struct iso_fault fault = {""};
+    if (iso_audit_verify(stores->audit, 0, NULL, &report, &fault)) {
+        give_up("the log", fault.text);
+    }
+    if (!report.sound) {
+        give_up("the log", report.flaw);
+    }
+    if (report.last < tally->last) {
+        give_up("the log", "has lost records");
+    }
+}
+
+static void observe(const struct message *under_way, struct tally *tally)
+{
+    struct stores stores;
+    struct iso_fault fault = {""};
+    const int64_t start_ns = now_ns(NULL);
+    if (open_stores(&stores, &fault)) {
+        give_up("after a kill", fault.text);
+    }
+    const int64_t took_ns = now_ns(NULL) - start_ns;
+    tally->slowest_ns = took_ns > tally->slowest_ns ? took_ns : tally->slowest_ns;
+    check_people(&stores, under_way, tally);
+    check_log(&stores, tally);
+    close_stores(&stores);
+}
+
+static void print(const struct tally *tally, unsigned rounds)
+{
+    printf("%u kills: nobody lost, nobody back, the chain of the log whole\n", rounds);
+    printf("%-14s %8s %10s\n", "", "done", "cut short");
+    for (int i = 0; i < ACTIONS; i++) {
+        printf("%-14s %8u %10u\n", action_names[i], tally->done[i], tally->cut[i]);
+    }
+    printf("enrolments and deletions cut short that held: %u\n", tally->cut_held);
+    printf("slowest start of the stores: %.0f ms\n", (double)tally->slowest_ns / 1e6);
+}
+
+static void remove_all(void)
+{
+    char command[128];
+    (void)snprintf(command, sizeof command, "rm -r '%s'", directory);
+    if (system(command)) {
+        give_up("rm", command);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const unsigned rounds = argc > 1 ? (unsigned)strtoul(argv[1], NULL, 10) : 20;
+    const char *place = getenv("TMPDIR");
+    struct tally tally = {.slowest_ns = 0};
+    random_state = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
+    (void)snprintf(directory, sizeof directory, "%s/isotherm-kills-XXXXXX", place ? place : "/tmp");
+    if (rounds == 0 || !mkdtemp(directory)) {
+        fputs("usage: kill_stores [ROUNDS [SEED]]\n", stderr);
+        return 2;
+    }
+    for (unsigned round = 0; round < rounds; round++) {
+        struct message under_way;
+        const bool begun = run_writer(&tally, &under_way);
+        if (begun) {
+            tally.cut[under_way.action]++;
+        }
+        observe(begun ? &under_way : NULL, &tally);
+    }
+    print(&tally, rounds);
+    remove_all();
+    if (tally.slowest_ns > START_MAX_MS * INT64_C(1000000)) {
+        fprintf(stderr, "kill_stores: a start took more than %d ms\n", START_MAX_MS);
+        return 1;
+    }
+    return 0;
+}

@@ -1,0 +1,25 @@
+/* Sealed stores in a test's directory: g.db and a.log, and the key ring for both. */
+#ifndef TESTS_FIRMWARE_STORES_H
+#define TESTS_FIRMWARE_STORES_H
+
+#include "firmware/audit.h"
+#include "firmware/gallery.h"
+#include "firmware/key_ring.h"
+
+/* The ring of this directory, opened on first use and again after stores_forget(). A failure fails
+ * the test. */
+struct iso_key_ring *stores_ring(const char *directory);
+void stores_forget(void);
+
+/* scratch_setup(), and scratch_teardown() with stores_forget() before it. */
+int stores_setup(void **state);
+int stores_teardown(void **state);
+
+/* Options for g.db (3 people, the puppets' algorithm) and a.log (synchronised, one segment). */
+struct iso_gallery_options stores_gallery(const char *directory);
+struct iso_audit_options stores_audit(const char *directory);
+
+/* All records of a log, decrypted, a line each, to be freed. */
+char *stores_log_text(struct iso_audit *audit);
+
+#endif

@@ -1,0 +1,179 @@
+/* What an administrator does to the stores, through the appliance; and what the journal is told. */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/administration.h"
+#include "firmware/journal.h"
+#include "tests/firmware/puppets.h"
+#include "tests/firmware/rig.h"
+#include "tests/firmware/stores.h"
+#include "tests/support/scratch.h"
+
+static const struct iso_transfer_lock lock = {.key = {{7}}};
+
+static int make_file(const struct rig *rig, const char *name)
+{
+    const int fd = open(scratch_path(rig->directory, name), O_RDWR | O_CREAT | O_EXCL, 0600);
+    assert_true(fd >= 0);
+    return fd;
+}
+
+static void carries_people_on_record(void **state)
+{
+    struct rig *rig = *state;
+    size_t n = 0, added = 0, known = 0;
+    rig_enrol(rig, "anna", 50);
+    rig_enrol(rig, "bob", 80);
+    rig_start(rig);
+    const int fd = make_file(rig, "people");
+    assert_int_equal(iso_appliance_export(rig->appliance, fd, NULL, &lock, &n, NULL), 0);
+    assert_int_equal(n, 2);
+    assert_non_null(strstr(rig_record(rig, "export"), "\"reason\":\"done\",\"note\":\"2 people\""));
+    assert_int_equal(iso_appliance_remove(rig->appliance, "anna", NULL), 0);
+    const struct iso_import_request request = {.fd = fd, .key = &lock.key};
+    assert_int_equal(iso_appliance_import(rig->appliance, &request, &added, &known, NULL), 0);
+    assert_int_equal(added, 1);
+    assert_int_equal(known, 1);
+    assert_non_null(
+        strstr(rig_record(rig, "import"), "\"reason\":\"done\",\"note\":\"1 of 2 people\""));
+    /* Who came by file comes in at the door. */
+    rig_show(rig, 50, 2);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+    assert_int_equal(close(fd), 0);
+}
+
+static void refuses_what_is_no_fresh_file(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    size_t n = 0, added = 0, known = 0;
+    int fds[2];
+    rig_start(rig);
+    assert_int_equal(pipe(fds), 0);
+    assert_int_equal(iso_appliance_export(rig->appliance, fds[1], NULL, &lock, &n, &fault),
+                     -EINVAL);
+    assert_string_equal(fault.text, "this is not a file");
+    const int fd = make_file(rig, "full");
+    assert_int_equal(write(fd, "x", 1), 1);
+    assert_int_equal(iso_appliance_export(rig->appliance, fd, NULL, &lock, &n, &fault), -EINVAL);
+    assert_string_equal(fault.text, "the file is not empty");
+    const struct iso_import_request request = {.fd = fd, .key = &lock.key};
+    assert_int_equal(iso_appliance_import(rig->appliance, &request, &added, &known, &fault),
+                     -EBADMSG);
+    assert_non_null(strstr(rig_record(rig, "import"), "\"reason\":\"failed\""));
+    (void)close(fd);
+    (void)close(fds[0]);
+    (void)close(fds[1]);
+}
+
+static void waits_for_the_end_of_an_action(void **state)
+{
+    struct rig *rig = *state;
+    const struct iso_enroll_request request = {.person = "eve"};
+    const char *remark = NULL;
+    struct iso_fault fault = {""};
+    rig_start(rig);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
+    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, &remark, &fault), -EBUSY);
+    assert_string_equal(fault.text, "enroll goes on, stop it first");
+}
+
+static void rotates_every_key(void **state)
+{
+    static const enum iso_key_use uses[] = {ISO_KEY_GALLERY, ISO_KEY_ANCHOR};
+    struct rig *rig = *state;
+    struct iso_key_ring *ring = rig->parts.ring;
+    uint32_t before[2];
+    const char *remark = NULL;
+    struct iso_audit_report report;
+    size_t size = 0;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    void *key = scratch_read(scratch_path(rig->directory, "g.db.key"), &size);
+    for (int i = 0; i < 2; i++) {
+        before[i] = iso_key_ring_newest(ring, uses[i]);
+    }
+    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, &remark, NULL), 0);
+    assert_string_equal(remark, "");
+    for (int i = 0; i < 2; i++) {
+        assert_true(iso_key_ring_newest(ring, uses[i]) > before[i]);
+        assert_null(iso_key_ring_find(ring, uses[i], before[i]));
+    }
+    void *now = scratch_read(scratch_path(rig->directory, "g.db.key"), &size);
+    assert_memory_not_equal(key, now, size);
+    free(key);
+    free(now);
+    assert_int_equal(iso_audit_verify(rig->audit, 0, NULL, &report, NULL), 0);
+    assert_true(report.sound);
+    assert_non_null(strstr(rig_record(rig, "rotate-keys"), "\"reason\":\"done\""));
+    rig_show(rig, 50, 2);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+}
+
+static void what_cannot_be_put_on_record_is_not_done(void **state)
+{
+    struct rig *rig = *state;
+    const char *remark = NULL;
+    const uint32_t before = iso_key_ring_newest(rig->parts.ring, ISO_KEY_GALLERY);
+    rig_start(rig);
+    rig_fill_disk();
+    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, &remark, NULL), -ENOSPC);
+    rig_free_disk();
+    assert_int_equal(iso_key_ring_newest(rig->parts.ring, ISO_KEY_GALLERY), before);
+}
+
+static void the_journal_is_told_no_name(void **state)
+{
+    char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
+    struct iso_audit_record record = iso_audit_record_of("visit");
+    (void)state;
+    record.person = "Wilhelmina";
+    record.note = "Wilhelmina";
+    record.verdict = "deny";
+    record.reason = "unknown";
+    record.score = 0.25;
+    record.threshold = 0.62;
+    record.frames = 6;
+    record.attack_frames = 1;
+    record.sensor = "started";
+    const size_t n = iso_journal_fields(&record, 17, "abc", fields);
+    static const char *const wanted[] = {"MESSAGE=record 17: visit deny, unknown",
+                                         "PRIORITY=5",
+                                         "ISOTHERM_EVENT=visit",
+                                         "ISOTHERM_SEQUENCE=17",
+                                         "ISOTHERM_HEAD=abc",
+                                         "ISOTHERM_VERDICT=deny",
+                                         "ISOTHERM_REASON=unknown",
+                                         "ISOTHERM_SCORE=0.25",
+                                         "ISOTHERM_THRESHOLD=0.62",
+                                         "ISOTHERM_FRAMES=6",
+                                         "ISOTHERM_ATTACK_FRAMES=1",
+                                         "ISOTHERM_SENSOR=started"};
+    assert_int_equal(n, sizeof wanted / sizeof *wanted);
+    for (size_t i = 0; i < n; i++) {
+        assert_string_equal(fields[i], wanted[i]);
+    }
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(carries_people_on_record),
+        TEST(refuses_what_is_no_fresh_file),
+        TEST(waits_for_the_end_of_an_action),
+        TEST(rotates_every_key),
+        TEST(what_cannot_be_put_on_record_is_not_done),
+        cmocka_unit_test(the_journal_is_told_no_name),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

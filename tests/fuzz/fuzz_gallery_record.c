@@ -1,0 +1,46 @@
+/* Records of the gallery: what stands in a row, and what is in it once it is opened. */
+#include <string.h>
+
+#include "firmware/gallery_seal.h"
+#include "tests/fuzz/fuzz.h"
+
+static void try_person(const uint8_t *data, size_t size)
+{
+    struct iso_person person;
+    uint8_t again[ISO_GALLERY_PERSON_BYTES];
+    if (iso_gallery_person_get(data, size, &person) == 0) {
+        fuzz_check(!iso_person_name_flaw(person.name), "a name that is one");
+        iso_gallery_person_put(&person, again);
+        fuzz_check(memcmp(again, data, 24 + strlen(person.name) + 1) == 0, "as it was");
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const uint8_t gallery[ISO_GALLERY_ID_BYTES] = {1};
+    static const struct iso_seal_key key = {{5}};
+    static uint8_t plain[ISO_TEMPLATE_BYTES_MAX], sealed[ISO_GALLERY_TEMPLATE_SEALED];
+    const struct iso_gallery_place place = {.number = 3, .person = 2, .algorithm = 9};
+    const struct iso_gallery_place other = {.number = 3, .person = 4, .algorithm = 9};
+    struct iso_gallery_head head;
+    struct iso_fault fault = {""};
+    fuzz_check(iso_seal_start(&fault) == 0, fault.text);
+    const struct iso_gallery_seal seal = iso_gallery_seal_of(gallery, 1, &key);
+    try_person(data, size);
+    fuzz_check(iso_gallery_head_open(&seal, data, size, &head) != 0, "nobody forges a head");
+    if (size <= sizeof plain) {
+        fuzz_check(size >= ISO_SEAL_OVERHEAD
+                       ? iso_gallery_record_open(&seal, &place, data, size, plain) != 0
+                       : 1,
+                   "nobody forges a record");
+        iso_gallery_record_close(&seal, &place, data, size, sealed);
+        fuzz_check(
+            iso_gallery_record_open(&seal, &place, sealed, size + ISO_SEAL_OVERHEAD, plain) == 0 &&
+                memcmp(plain, data, size) == 0,
+            "as it was");
+        fuzz_check(
+            iso_gallery_record_open(&seal, &other, sealed, size + ISO_SEAL_OVERHEAD, plain) != 0,
+            "in no other place");
+    }
+    return 0;
+}
