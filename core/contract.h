@@ -23,6 +23,8 @@
  *                                        address that has to have signed it; "key" ay
  *   RotateKeys() -> s                    seals everything with new keys; a remark, or ""
  *   GetAddress() -> s                    of this appliance, 128 hexadecimal digits
+ *   ClearLockout()                       ends a lock-out and has failures forgotten
+ *   SetLockdown(b on)                    nobody is let in until it is switched off
  *   AimStart()  AimStop()                from now on View signals are sent to the caller; they end
  *                                        with AimStop or when it leaves the bus
  *
@@ -57,7 +59,8 @@
  * "verify", "identify"), "people" u, "templates" u (of which the running algorithm can use
  * "templates-usable" u), "capacity" u, "frames" t, "last-outcome" s, "image-check" s ("off",
  * "flag", "veto", "absent"), "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x,
- * "log-sequence" t. Since the start: visits "visits-allowed" t, "visits-denied" t, of which
+ * "log-sequence" t, "lockdown" b, "lockout-ms" x (how long nobody is let in yet, 0: not locked
+ * out). Since the start: visits "visits-allowed" t, "visits-denied" t, of which
  * "visits-attack" t because they looked like a picture, screen or mask; "attack-frames" t that did.
  *
  * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
@@ -99,6 +102,8 @@
 #define ISO_CONTRACT_IMPORT_PEOPLE  "ImportPeople"
 #define ISO_CONTRACT_ROTATE_KEYS    "RotateKeys"
 #define ISO_CONTRACT_GET_ADDRESS    "GetAddress"
+#define ISO_CONTRACT_CLEAR_LOCKOUT  "ClearLockout"
+#define ISO_CONTRACT_SET_LOCKDOWN   "SetLockdown"
 #define ISO_CONTRACT_AIM_START      "AimStart"
 #define ISO_CONTRACT_AIM_STOP       "AimStop"
 
@@ -158,6 +163,8 @@ enum {
 #define ISO_CONTRACT_ERROR_INVALID_ARGUMENT "org.isotherm.Error.InvalidArgument"
 #define ISO_CONTRACT_ERROR_GALLERY_FULL     "org.isotherm.Error.GalleryFull"
 #define ISO_CONTRACT_ERROR_REJECTED         "org.isotherm.Error.Rejected"
+#define ISO_CONTRACT_ERROR_LOCKED_OUT       "org.isotherm.Error.LockedOut"
+#define ISO_CONTRACT_ERROR_TOO_MANY_CALLS   "org.isotherm.Error.TooManyCalls"
 #define ISO_CONTRACT_ERROR_DEVICE_FAULT     "org.isotherm.Error.DeviceFault"
 #define ISO_CONTRACT_ERROR_INTERNAL         "org.isotherm.Error.Internal"
 

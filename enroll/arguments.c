@@ -25,6 +25,8 @@ static const struct verb {
     [CLI_EXPORT] = {"export", "FILE", "write people into a sealed file, for another door"},
     [CLI_IMPORT] = {"import", "FILE", "take people over from such a file"},
     [CLI_KEY] = {"key", "rotate|address", "seal everything with new keys; show the address"},
+    [CLI_LOCKDOWN] = {"lockdown", "on|off", "let nobody in, whoever it is, until it is off"},
+    [CLI_LOCKOUT] = {"lockout", "clear", "end a lock-out after failures, and forget them"},
 };
 
 enum option_id {

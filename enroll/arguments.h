@@ -23,6 +23,8 @@ enum cli_verb {
     CLI_EXPORT,
     CLI_IMPORT,
     CLI_KEY,
+    CLI_LOCKDOWN,
+    CLI_LOCKOUT,
     CLI_VERBS /* none given */
 };
 

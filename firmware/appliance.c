@@ -237,6 +237,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     init_door(appliance);
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
     tell_unusable(appliance);
+    iso__appliance_start_lockout(appliance);
     tell_image_check(appliance);
     const int error = first_look(appliance, now_ns, fault);
     if (error) {
@@ -281,6 +282,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso_door_control_step(&appliance->door, fd >= 0, now_ns);
     look_at_sensor(appliance, now_ns);
     now_ns = iso_times_now_ns(&appliance->parts.times);
+    iso__appliance_lockout_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     const int64_t lines_ns = earliest(iso_door_control_due_ns(&appliance->door),
                                       iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
@@ -337,6 +339,9 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,
         .counts = appliance->counts,
+        .lockdown = appliance->lockout.lockdown,
+        .lockout_ns = iso_lockout_remaining_ns(&appliance->lockout,
+                                               iso_times_now_ns(&appliance->parts.times)),
         .image_check = pipeline->ops->image_check ? pipeline->ops->image_check(pipeline->self)
                                                   : "off",
         .frames = appliance->keeper.frames,

@@ -84,6 +84,7 @@ struct iso_appliance_parts {
     struct iso_door_io *door_io;
     const struct iso_cards *cards; /* sent to an access controller; NULL: there is none */
     struct iso_key_ring *ring;     /* of gallery and log */
+    const char *lockout_path;      /* lockout_file.h; NULL or "": forgotten at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_appliance_events events;
@@ -131,7 +132,9 @@ struct iso_enroll_request {
 };
 
 /* Common to the three: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no sensor; each with
- * a fault. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify: -ENOENT no such person. */
+ * a fault. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify and identify: -EPERM locked
+ * out or lockdown. Verify: -ENOENT no such person, -EINVAL all templates of that one are of another
+ * algorithm. */
 int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
@@ -147,6 +150,16 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
 /* Deletes a person, on record. -ENOENT, or an error of gallery or log. */
 int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Has the door forget failures and attacks, which ends a lock (lockout.h); on record. Errors of the
+ * log, and nothing has changed. */
+int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Begins or ends the lockdown: nobody is let in. On record; an error of the log keeps a lockdown
+ * from ending, and is told but does not keep one from beginning. */
+int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Whether what the sensor sees is to be told; in every mode that looks at frames. Changes nothing
  * else: the door stays in service. */
@@ -172,6 +185,8 @@ struct iso_appliance_status {
     const char *image_check;        /* "off", "flag", "veto", "absent" (pipeline.h) */
     const struct iso_view *view;    /* of the last frame that was looked at; NULL: there was none */
     struct iso_appliance_counts counts;
+    bool lockdown;
+    int64_t lockout_ns; /* how long nobody is let in yet; 0: not locked out */
     uint64_t frames;
     uint32_t model, algorithm;
     int64_t uptime_ns;

@@ -67,6 +67,18 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
     return 0;
 }
 
+/* Whoever is locked out of the door learns nothing in another way. */
+static int may_recognise(const struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const enum iso_reason refusal = iso_lockout_refusal(&appliance->lockout);
+    const int error = may_begin(appliance, fault);
+    if (!error && refusal != ISO_REASON_NONE) {
+        return iso_fault_set(fault, -EPERM, "nobody is recognised now: %s",
+                             iso_reason_name(refusal));
+    }
+    return error;
+}
+
 static void begin(struct iso_appliance *appliance, enum iso_appliance_mode mode, int duration_ms)
 {
     iso_decision_reset(&appliance->decision);
@@ -124,13 +136,18 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
 int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault)
 {
-    const int error = may_begin(appliance, fault);
+    const int error = may_recognise(appliance, fault);
     if (error) {
         return error;
     }
     const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
     if (!known) {
         return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
+    }
+    if (known->usable == 0) {
+        return iso_fault_set(fault, -EINVAL,
+                             "%s: the %u templates are of another algorithm; enrol anew", person,
+                             known->templates);
     }
     appliance->person = *known;
     begin(appliance, ISO_APPLIANCE_VERIFY, appliance->parts.config->bus.action_ms);
@@ -139,7 +156,7 @@ int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
 
 int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const int error = may_begin(appliance, fault);
+    const int error = may_recognise(appliance, fault);
     if (!error) {
         begin(appliance, ISO_APPLIANCE_IDENTIFY, appliance->parts.config->bus.action_ms);
     }

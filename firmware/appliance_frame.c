@@ -18,13 +18,15 @@ void iso__appliance_complain(struct iso_appliance *appliance, const char *text)
     appliance->complaining = true;
 }
 
-static void finish(struct iso_appliance *appliance, const struct iso_verdict *verdict)
+static void finish(struct iso_appliance *appliance, struct iso_verdict *verdict)
 {
+    iso__appliance_shut_out(appliance, verdict);
     if (appliance->mode == ISO_APPLIANCE_WATCH) {
         iso__appliance_finish_visit(appliance, *verdict);
     } else {
         iso__appliance_finish_recognition(appliance, verdict);
     }
+    iso__appliance_count_verdict(appliance, verdict);
 }
 
 /* One record an attempt: what it looked like, in how many frames, for how long. */
@@ -102,9 +104,9 @@ static void follow_track(struct iso_appliance *appliance)
 /* Takes a usable face in. OK, or why it is none after all. */
 static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
 {
-    struct iso_decision_frame face;
+    struct iso_decision_frame face = {.score = NAN};
     struct iso_verdict verdict;
-    const int error = compare(appliance, &face);
+    const int error = iso__appliance_is_shut(appliance) ? 0 : compare(appliance, &face);
     if (error) {
         if (error != -ENODATA) {
             iso__appliance_complain(appliance, strerror(-error));
@@ -168,8 +170,6 @@ static int extract(struct iso_appliance *appliance, const struct iso_frame *fram
     return error;
 }
 
-/* What becomes of the frame just extracted: the extraction's own word, or what speaks against using
- * a good one. */
 /* Whether a face that was fitted moves as the living do; one that has not been seen for long enough
  * is given the benefit of the doubt. */
 static bool is_lifeless(struct iso_appliance *appliance, const struct iso_frame *frame)
@@ -189,6 +189,8 @@ static bool is_lifeless(struct iso_appliance *appliance, const struct iso_frame 
     return iso_liveness_feed(&appliance->liveness, &seen) == ISO_LIVENESS_STILL;
 }
 
+/* What becomes of the frame just extracted: the extraction's own word, or what speaks against using
+ * a good one. */
 static enum iso_capture judge(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
     const int64_t t_ns = frame->t_ns;
@@ -256,9 +258,36 @@ static void note_image(struct iso_appliance *appliance)
     }
 }
 
+/* What comes so late that it says nothing about who is there now. */
+static bool is_stale(struct iso_appliance *appliance, const struct iso_frame *frame,
+                     int64_t arrival_ns)
+{
+    const int64_t stale_ns = appliance->parts.config->sensor.stale_ms * ISO_NS_PER_MS;
+    struct iso_fault fault;
+    if (arrival_ns - frame->t_ns < stale_ns) {
+        return false;
+    }
+    (void)iso_fault_set(&fault, -ESTALE, "frame %llu is %lld ms late",
+                        (unsigned long long)frame->sequence,
+                        (long long)((arrival_ns - frame->t_ns) / ISO_NS_PER_MS));
+    iso__appliance_complain(appliance, fault.text);
+    return true;
+}
+
+/* A frame that is the one before it again, to the bit, is no second opinion of the face in it: it
+ * must not agree with itself. (Some more of them are an attack, see is_lifeless.) */
+static bool is_echo(const struct iso_appliance *appliance)
+{
+    return appliance->parts.config->motion.frozen_frames > 0 && appliance->liveness.repeated > 0;
+}
+
 void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
                           int64_t arrival_ns)
 {
+    if (is_stale(appliance, frame, arrival_ns)) {
+        iso__appliance_time(appliance, arrival_ns);
+        return;
+    }
     iso__appliance_time(appliance, frame->t_ns);
     if (appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)) {
         return;
@@ -267,7 +296,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     enum iso_capture capture = judge(appliance, frame);
     if (capture == ISO_CAPTURE_OK) {
         appliance->complaining = false;
-        capture = take_face(appliance, frame->t_ns, arrival_ns);
+        capture = is_echo(appliance) ? capture : take_face(appliance, frame->t_ns, arrival_ns);
     } else if (iso_capture_is_attack(capture)) {
         take_attack(appliance, capture, frame->t_ns, arrival_ns);
     }
@@ -280,7 +309,10 @@ int64_t iso__appliance_due_ns(const struct iso_appliance *appliance)
 {
     const int64_t decision_ns = iso_decision_due_ns(&appliance->decision);
     const int64_t attack_ns = iso_attack_tally_due_ns(&appliance->attacks);
-    const int64_t due_ns = decision_ns < attack_ns ? decision_ns : attack_ns;
+    const int64_t lockout_ns = iso_lockout_due_ns(&appliance->lockout);
+    int64_t due_ns = decision_ns < attack_ns ? decision_ns : attack_ns;
+    due_ns = lockout_ns < due_ns ? lockout_ns : due_ns;
+    due_ns = appliance->lockout_save_ns < due_ns ? appliance->lockout_save_ns : due_ns;
     if (appliance->mode == ISO_APPLIANCE_WATCH || due_ns < appliance->deadline_ns) {
         return due_ns;
     }

@@ -9,6 +9,7 @@
 #include "firmware/enrolment.h"
 #include "firmware/hint_filter.h"
 #include "firmware/image_tally.h"
+#include "firmware/lockout.h"
 #include "firmware/track.h"
 
 struct iso_appliance {
@@ -37,6 +38,8 @@ struct iso_appliance {
     struct iso_image_tally image; /* of the visit */
     char last_outcome[16 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
+    struct iso_lockout lockout;
+    int64_t lockout_save_ns; /* when to try again to keep it; ISO_NEVER_NS: it is kept */
 
     /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
     int64_t deadline_ns;           /* of the claim, or of the action */
@@ -83,6 +86,24 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
 
 /* Whether a person may come in at this time; one who is not in the gallery may not. */
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person);
+
+/* ---- lock-out and lockdown (appliance_refusal.c) ---- */
+
+/* As it was before a restart; a lockdown if that cannot be known. */
+void iso__appliance_start_lockout(struct iso_appliance *appliance);
+
+/* It is t_ns: a lock may be over. */
+void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns);
+
+/* Whether nobody is let in, or recognised for a client. */
+bool iso__appliance_is_shut(const struct iso_appliance *appliance);
+
+/* Has the verdict say nothing but that, if it is so. */
+void iso__appliance_shut_out(const struct iso_appliance *appliance, struct iso_verdict *verdict);
+
+/* Takes a verdict in that was told; a lock may begin. */
+void iso__appliance_count_verdict(struct iso_appliance *appliance,
+                                  const struct iso_verdict *verdict);
 
 /* ---- actions of a client (appliance_action.c) ---- */
 

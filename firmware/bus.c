@@ -1,11 +1,14 @@
 #include "firmware/bus.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/contract.h"
 #include "firmware/bus_state.h"
+
+enum { CALL_TIMEOUT_US = 2 * 1000 * 1000 };
 
 static int connect_address(const char *address, sd_bus **out)
 {
@@ -36,6 +39,40 @@ static int on_disconnected(sd_bus_message *signal, void *context, sd_bus_error *
     return 0;
 }
 
+/* Everything that hangs on the connection, and who had something through it. */
+static void drop(struct iso_bus *bus)
+{
+    if (bus->claimant[0]) {
+        iso_appliance_release(bus->appliance);
+    }
+    if (bus->aiming) {
+        iso_appliance_aim(bus->appliance, false);
+    }
+    iso__bus_forget_claimant(bus);
+    bus->aiming = sd_bus_track_unref(bus->aiming);
+    bus->object = sd_bus_slot_unref(bus->object);
+    bus->filter = sd_bus_slot_unref(bus->filter);
+    bus->naming = sd_bus_slot_unref(bus->naming);
+    bus->disconnected = sd_bus_slot_unref(bus->disconnected);
+    if (bus->bus) {
+        (void)sd_bus_detach_event(bus->bus);
+        bus->bus = sd_bus_flush_close_unref(bus->bus);
+    }
+    bus->serving = false;
+}
+
+/* Begins a connection; that it works is not known yet. */
+static int begin(struct iso_bus *bus)
+{
+    int r = connect_address(bus->address, &bus->bus);
+    /* Who claims the camera is looked up on the bus while the door waits. */
+    r = r < 0 ? r : sd_bus_set_method_call_timeout(bus->bus, CALL_TIMEOUT_US);
+    return r < 0 ? r
+                 : sd_bus_match_signal_async(
+                       bus->bus, &bus->disconnected, "org.freedesktop.DBus.Local", NULL,
+                       "org.freedesktop.DBus.Local", "Disconnected", on_disconnected, NULL, bus);
+}
+
 int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fault)
 {
     const char *unique;
@@ -43,13 +80,9 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
     if (!bus) {
         return iso_fault_set(fault, -ENOMEM, "bus: out of memory");
     }
-    int r = connect_address(address, &bus->bus);
+    (void)snprintf(bus->address, sizeof bus->address, "%s", address);
+    int r = begin(bus);
     r = r < 0 ? r : sd_bus_get_unique_name(bus->bus, &unique); /* waits for the handshake */
-    r = r < 0
-            ? r
-            : sd_bus_match_signal_async(bus->bus, &bus->disconnected, "org.freedesktop.DBus.Local",
-                                        NULL, "org.freedesktop.DBus.Local", "Disconnected",
-                                        on_disconnected, NULL, bus);
     if (r < 0) {
         iso_bus_close(bus);
         return iso_fault_set(fault, r, "bus '%s': %s", address, strerror(-r));
@@ -60,18 +93,39 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
 
 void iso_bus_close(struct iso_bus *bus)
 {
-    if (!bus) {
-        return;
+    if (bus) {
+        bus->claimant[0] = '\0'; /* the appliance may be gone already */
+        bus->aiming = sd_bus_track_unref(bus->aiming);
+        drop(bus);
+        free(bus);
     }
-    iso__bus_forget_claimant(bus);
-    sd_bus_track_unref(bus->aiming);
-    sd_bus_slot_unref(bus->object);
-    sd_bus_slot_unref(bus->disconnected);
-    if (bus->bus) {
-        (void)sd_bus_detach_event(bus->bus);
-        sd_bus_flush_close_unref(bus->bus);
+}
+
+/* Calls beyond a client's allowance are answered before they get anywhere. */
+static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    const char *sender = sd_bus_message_get_sender(message);
+    (void)out;
+    if (!sd_bus_message_is_method_call(message, NULL, NULL)) {
+        return 0;
     }
-    free(bus);
+    if (sender && iso_call_rate_take(&bus->rate, sender, iso_times_now_ns(&bus->parts->times))) {
+        return 0;
+    }
+    const int r = sd_bus_reply_method_errorf(message, ISO_CONTRACT_ERROR_TOO_MANY_CALLS,
+                                             "too many calls: wait a second");
+    return r < 0 ? r : 1;
+}
+
+/* Has the object and the limit on the connection, within the event loop. */
+static int attach(struct iso_bus *bus)
+{
+    int r = sd_bus_attach_event(bus->bus, bus->event, SD_EVENT_PRIORITY_NORMAL);
+    r = r < 0 ? r : sd_bus_add_filter(bus->bus, &bus->filter, limit_calls, bus);
+    return r < 0 ? r
+                 : sd_bus_add_object_vtable(bus->bus, &bus->object, ISO_CONTRACT_PATH,
+                                            ISO_CONTRACT_INTERFACE, iso__bus_vtable, bus);
 }
 
 int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
@@ -79,10 +133,9 @@ int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
 {
     bus->appliance = appliance;
     bus->parts = parts;
-    int r = sd_bus_attach_event(bus->bus, event, SD_EVENT_PRIORITY_NORMAL);
-    r = r < 0 ? r
-              : sd_bus_add_object_vtable(bus->bus, &bus->object, ISO_CONTRACT_PATH,
-                                         ISO_CONTRACT_INTERFACE, iso__bus_vtable, bus);
+    bus->event = event;
+    iso_call_rate_init(&bus->rate, iso_times_now_ns(&parts->times));
+    int r = attach(bus);
     if (r < 0) {
         return iso_fault_set(fault, r, "bus: %s", strerror(-r));
     }
@@ -91,10 +144,44 @@ int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
         return iso_fault_set(fault, r, "bus: the name %s: %s", ISO_CONTRACT_NAME,
                              r == -EEXIST ? "another isothermd has it" : strerror(-r));
     }
+    bus->serving = true;
     return 0;
 }
 
 bool iso_bus_is_gone(const struct iso_bus *bus)
 {
     return bus->gone;
+}
+
+bool iso_bus_is_serving(const struct iso_bus *bus)
+{
+    return bus->serving;
+}
+
+/* The answer to the request of the name: 1 is "yours". */
+static int on_named(sd_bus_message *reply, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    uint32_t answer = 0;
+    (void)out;
+    bus->serving = !sd_bus_message_is_method_error(reply, NULL) &&
+                   sd_bus_message_read(reply, "u", &answer) >= 0 && answer == 1;
+    bus->gone = !bus->serving;
+    return 0;
+}
+
+int iso_bus_mend(struct iso_bus *bus, struct iso_fault *fault)
+{
+    drop(bus);
+    int r = begin(bus);
+    r = r < 0 ? r : attach(bus);
+    r = r < 0 ? r
+              : sd_bus_request_name_async(bus->bus, &bus->naming, ISO_CONTRACT_NAME, 0, on_named,
+                                          bus);
+    if (r < 0) {
+        drop(bus);
+        return iso_fault_set(fault, r, "bus '%s': %s", bus->address, strerror(-r));
+    }
+    bus->gone = false;
+    return 0;
 }

@@ -2,7 +2,8 @@
  *
  * One client at a time has the claim, known by its unique name; when that leaves the bus the claim
  * is released. Status signals go to the claimant only. Used by one thread, that of the event loop.
- * Who may call at all is the bus's policy (board/generic/org.isotherm.Isotherm.conf). */
+ * Who may call at all is the bus's policy (board/generic/org.isotherm.Isotherm.conf); how often, is
+ * call_rate.h. */
 #ifndef ISO_FIRMWARE_BUS_H
 #define ISO_FIRMWARE_BUS_H
 
@@ -33,7 +34,15 @@ int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
                   const struct iso_appliance_parts *parts, sd_event *event, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The connection is lost, for good. */
+/* The connection is lost. Nobody is served, and nothing waits for it: the appliance goes on. */
 bool iso_bus_is_gone(const struct iso_bus *bus);
+
+/* The name is ours, and calls are answered. */
+bool iso_bus_is_serving(const struct iso_bus *bus);
+
+/* Gives a lost connection up, with the claim that somebody had through it, and begins another one,
+ * without waiting: whether it comes about shows iso_bus_is_serving, or iso_bus_is_gone again. An
+ * error of connecting, and it is still gone. Not from within a handler of the bus. */
+int iso_bus_mend(struct iso_bus *bus, struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

@@ -25,6 +25,7 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-EINVAL, ISO_CONTRACT_ERROR_INVALID_ARGUMENT},
         {-EKEYREJECTED, ISO_CONTRACT_ERROR_REJECTED},
         {-EBADMSG, ISO_CONTRACT_ERROR_REJECTED},
+        {-EPERM, ISO_CONTRACT_ERROR_LOCKED_OUT},
     };
     const char *text = fault->text[0] ? fault->text : strerror(-error);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -216,7 +217,7 @@ static int on_identify_stop(sd_bus_message *call, void *context, sd_bus_error *o
     return stop_action(context, call, ISO_APPLIANCE_IDENTIFY, out);
 }
 
-/* ---- gallery, status, log ---- */
+/* ---- gallery, status ---- */
 
 static int append_people(sd_bus_message *reply, const struct iso_gallery *gallery)
 {
@@ -269,6 +270,31 @@ static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
     (void)out;
     return send_reply(reply, r < 0 ? r : iso__bus_append_status(reply, bus));
 }
+
+/* ---- refusal ---- */
+
+static int on_clear_lockout(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    struct iso_fault fault = {""};
+    const int r = iso_appliance_clear_lockout(bus->appliance, &fault);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
+static int on_set_lockdown(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    struct iso_fault fault = {""};
+    int on = 0;
+    int r = sd_bus_message_read(call, "b", &on);
+    if (r < 0) {
+        return r;
+    }
+    r = iso_appliance_lockdown(bus->appliance, on != 0, &fault);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
+/* ---- log ---- */
 
 static int append_line(void *context, const char *line)
 {
@@ -326,6 +352,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
            iso__bus_import),
     METHOD(ISO_CONTRACT_ROTATE_KEYS, "", NOTHING, "s", "remark\0", iso__bus_rotate_keys),
     METHOD(ISO_CONTRACT_GET_ADDRESS, "", NOTHING, "s", "address\0", iso__bus_get_address),
+    METHOD(ISO_CONTRACT_CLEAR_LOCKOUT, "", NOTHING, "", NOTHING, on_clear_lockout),
+    METHOD(ISO_CONTRACT_SET_LOCKDOWN, "b", "on\0", "", NOTHING, on_set_lockdown),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuud", "result\0done\0stage\0stages\0quality\0"),

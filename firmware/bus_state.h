@@ -5,14 +5,18 @@
 #include <systemd/sd-bus.h>
 
 #include "firmware/bus.h"
+#include "firmware/call_rate.h"
 
 struct iso_bus {
-    sd_bus *bus;
-    sd_bus_slot *object, *disconnected;
+    char address[256];
+    sd_event *event; /* that of iso_bus_serve */
+    sd_bus *bus;     /* NULL: it is gone */
+    sd_bus_slot *object, *disconnected, *filter, *naming;
     sd_bus_track *track;  /* of the claimant */
     char claimant[256];   /* unique name; "": nobody */
     sd_bus_track *aiming; /* who wants View signals; NULL: nobody */
-    bool gone;
+    bool gone, serving;   /* serving: the name is ours */
+    struct iso_call_rate rate;
     struct iso_appliance *appliance;
     const struct iso_appliance_parts *parts;
 };

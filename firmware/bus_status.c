@@ -184,6 +184,10 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
               : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",
                                       iso_audit_last(bus->parts->audit));
     r = r < 0 ? r : append_counts(reply, &status.counts);
+    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "lockdown", "b", (int)status.lockdown);
+    r = r < 0 ? r
+              : sd_bus_message_append(reply, "{sv}", "lockout-ms", "x",
+                                      status.lockout_ns / ISO_NS_PER_MS);
     r = r < 0 || !status.view ? r : iso__bus_append_view_entries(reply, status.view);
     return r < 0 ? r : sd_bus_message_close_container(reply);
 }

@@ -240,6 +240,9 @@ static const char *find_conflict(const struct iso_config *config)
     if (config->door.retry_ms > config->door.retry_max_ms) {
         return "[door] retry_ms is above retry_max_ms";
     }
+    if (config->lockout.first_ms > config->lockout.longest_ms) {
+        return "[lockout] first_ms is above longest_ms";
+    }
     if (config->decision.agree > config->decision.max_frames) {
         return "[decision] agree is above max_frames";
     }

@@ -32,7 +32,7 @@ struct iso_config_sensor {
     char near_mm[ISO_CONFIG_TEXT_SIZE], far_mm[ISO_CONFIG_TEXT_SIZE];
     char confidence[ISO_CONFIG_TEXT_SIZE];
     double distance_min_mm, distance_max_mm;
-    int silence_ms, retry_ms, retry_max_ms;
+    int silence_ms, stale_ms, retry_ms, retry_max_ms;
 };
 
 struct iso_config_door {
@@ -79,6 +79,12 @@ struct iso_config_decision {
     int agree, max_frames, attack_frames, gap_ms, refractory_ms;
 };
 
+struct iso_config_lockout {
+    int failures, attacks; /* 0: they never lock */
+    int first_ms, longest_ms, forget_ms;
+    char path[ISO_CONFIG_TEXT_SIZE];
+};
+
 struct iso_config_motion {
     double still_mm_s, still_deg_s, jump_mm_s, jump_deg_s;
     int lifeless_ms, frozen_frames; /* 0: not looked at */
@@ -113,6 +119,10 @@ struct iso_config_bus {
     int action_ms, claim_ms;
 };
 
+struct iso_config_process {
+    bool confine;
+};
+
 struct iso_config_model {
     char head[ISO_CONFIG_TEXT_SIZE], metric[ISO_CONFIG_TEXT_SIZE], cohort[ISO_CONFIG_TEXT_SIZE];
 };
@@ -125,11 +135,13 @@ struct iso_config {
     struct iso_config_recognition recognition;
     struct iso_config_match match;
     struct iso_config_decision decision;
+    struct iso_config_lockout lockout;
     struct iso_config_motion motion;
     struct iso_config_hint hint;
     struct iso_config_enroll enroll;
     struct iso_config_log log;
     struct iso_config_bus bus;
+    struct iso_config_process process;
     struct iso_config_model model;
 };
 

@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
-#include <sys/prctl.h>
 #include <syslog.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 #include <unistd.h>
 
 #include "firmware/bus.h"
+#include "firmware/confine.h"
 #include "firmware/parts.h"
 
 /* Wakes up the event loop when one of these can be read; it does nothing else. */
@@ -20,6 +20,9 @@ struct watched_fd {
     int fd;
     sd_event_source *source;
 };
+
+/* The first and the longest wait before a lost bus is tried again. */
+static const int64_t bus_retry_ns = 200 * ISO_NS_PER_MS, bus_retry_max_ns = 10 * ISO_NS_PER_S;
 
 struct daemon {
     sd_event *event;
@@ -29,9 +32,14 @@ struct daemon {
     struct iso_appliance *appliance;
     struct watched_fd sensor, door;
     bool quit;
-    uint64_t watchdog_us; /* 0: nobody watches */
-    uint64_t progress;    /* as it was when the watchdog was fed last */
-    int64_t fed_ns;       /* and when that was */
+    struct iso_fault unlocked;   /* why memory is not locked; "" if it is */
+    struct iso_fault unconfined; /* why the process is not confined; "" if it is */
+    bool bus_lost;               /* as it was told */
+    int64_t bus_try_ns;          /* when to connect next, while it is gone */
+    int64_t bus_wait_ns;         /* how long after the next failure */
+    uint64_t watchdog_us;        /* 0: nobody watches */
+    uint64_t progress;           /* as it was when the watchdog was fed last */
+    int64_t fed_ns;              /* and when that was */
 };
 
 void iso_daemon_say(int priority, const char *text)
@@ -103,7 +111,9 @@ static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
 {
     (void)signal(SIGPIPE, SIG_IGN);
     (void)signal(SIGXFSZ, SIG_IGN);
-    (void)prctl(PR_SET_DUMPABLE, 0); /* biometric data in no core file */
+    if (iso_confine_memory(&daemon->unlocked) == 0) {
+        daemon->unlocked.text[0] = '\0';
+    }
     int r = sd_event_new(&daemon->event);
     r = r < 0 ? r : catch_signals(daemon);
     return r < 0 ? fail(r, "event loop", fault) : 0;
@@ -117,10 +127,54 @@ static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
     return error ? fail(error, "appliance", fault) : iso_appliance_start(daemon->appliance, fault);
 }
 
+/* A kernel without the means is told of when the daemon is ready, and no reason to keep the door
+ * shut. */
+static int confine(struct daemon *daemon, int error, const struct iso_fault *why,
+                   struct iso_fault *fault)
+{
+    if (error == -ENOSYS || error == -ENOTSUP) {
+        daemon->unconfined = *why;
+        return 0;
+    }
+    return error ? iso_fault_set(fault, error, "%s", why->text) : 0;
+}
+
+static int confine_files(struct daemon *daemon, const struct iso_config *config,
+                         struct iso_fault *fault)
+{
+    struct iso_fault why = {"not confined, as [process] confine says"};
+    const int error = config->process.confine ? iso_confine_files(config, &why) : -ENOTSUP;
+    return confine(daemon, error, &why, fault);
+}
+
+static int confine_calls(struct daemon *daemon, const struct iso_config *config,
+                         struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    if (!config->process.confine) {
+        return 0;
+    }
+    const int error = iso_confine_calls(&why);
+    return confine(daemon, error, &why, fault);
+}
+
+static void say_what_is_open(const struct daemon *daemon)
+{
+    if (daemon->unlocked.text[0]) {
+        iso_daemon_say(LOG_WARNING, daemon->unlocked.text);
+    }
+    if (daemon->unconfined.text[0]) {
+        iso_daemon_say(LOG_WARNING, daemon->unconfined.text);
+    }
+}
+
 static int set_up(struct daemon *daemon, const struct iso_config *config, struct iso_fault *fault)
 {
     const struct iso_times times = iso_times_system();
     int error = prepare_process(daemon, fault);
+    if (!error) {
+        error = confine_files(daemon, config, fault);
+    }
     if (!error) {
         error = iso_parts_open(config, &times, &daemon->parts, fault);
     }
@@ -132,6 +186,9 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
     }
     if (!error) {
         error = iso_bus_serve(daemon->bus, daemon->appliance, &daemon->lent, daemon->event, fault);
+    }
+    if (!error) {
+        error = confine_calls(daemon, config, fault);
     }
     return error;
 }
@@ -171,6 +228,35 @@ static void tell_service_manager(struct daemon *daemon, int64_t now_ns)
     }
 }
 
+/* The door needs no bus: it is looked after while the bus comes back, or does not. Returns when to
+ * look again. */
+static int64_t mend_bus(struct daemon *daemon, int64_t now_ns)
+{
+    struct iso_fault fault = {""};
+    if (!iso_bus_is_gone(daemon->bus)) {
+        if (daemon->bus_lost && iso_bus_is_serving(daemon->bus)) {
+            iso_daemon_say(LOG_NOTICE, "the bus is back");
+            daemon->bus_lost = false;
+        }
+        return ISO_NEVER_NS;
+    }
+    if (!daemon->bus_lost) {
+        iso_daemon_say(LOG_ERR, "the bus is gone");
+        daemon->bus_lost = true;
+        daemon->bus_try_ns = now_ns;
+        daemon->bus_wait_ns = bus_retry_ns;
+    }
+    if (now_ns >= daemon->bus_try_ns) {
+        if (iso_bus_mend(daemon->bus, &fault)) {
+            fault.text[0] = '\0'; /* that it is gone has been said */
+        }
+        daemon->bus_try_ns = now_ns + daemon->bus_wait_ns;
+        daemon->bus_wait_ns = 2 * daemon->bus_wait_ns < bus_retry_max_ns ? 2 * daemon->bus_wait_ns
+                                                                         : bus_retry_max_ns;
+    }
+    return daemon->bus_try_ns;
+}
+
 /* Waits until something happens or the appliance has something to do. */
 static int wait_until(struct daemon *daemon, int64_t wake_ns, struct iso_fault *fault)
 {
@@ -186,16 +272,14 @@ static int wait_until(struct daemon *daemon, int64_t wake_ns, struct iso_fault *
 static int loop(struct daemon *daemon, struct iso_fault *fault)
 {
     while (!daemon->quit) {
-        const int64_t wake_ns = iso_appliance_step(daemon->appliance);
+        const int64_t step_ns = iso_appliance_step(daemon->appliance);
+        const int64_t mend_ns = mend_bus(daemon, iso_times_now_ns(&daemon->parts->times));
         watch(daemon, &daemon->sensor, iso_appliance_sensor_fd(daemon->appliance));
         watch(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
         tell_service_manager(daemon, iso_times_now_ns(&daemon->parts->times));
-        const int error = wait_until(daemon, wake_ns, fault);
+        const int error = wait_until(daemon, step_ns < mend_ns ? step_ns : mend_ns, fault);
         if (error) {
             return error;
-        }
-        if (iso_bus_is_gone(daemon->bus)) {
-            return iso_fault_set(fault, -ECONNRESET, "the bus is gone");
         }
     }
     return 0;
@@ -233,6 +317,7 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
             daemon.watchdog_us = 0;
         }
         warn_of_key(config, daemon.parts);
+        say_what_is_open(&daemon);
         iso_daemon_say(LOG_INFO, "ready");
         (void)sd_notify(0, "READY=1\nSTATUS=Watching the door");
         error = loop(&daemon, fault);

@@ -7,7 +7,7 @@
 #include "firmware/config.h"
 
 /* Runs until SIGTERM or SIGINT: 0. Else a negative errno with a fault: of opening what the
- * configuration asks for, or of the bus (-ECONNRESET it is lost). */
+ * configuration asks for, or of the bus; a bus that is lost later is no reason to end. */
 int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

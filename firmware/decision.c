@@ -9,7 +9,8 @@
 const char *iso_reason_name(enum iso_reason reason)
 {
     static const char *const names[ISO_REASONS] = {
-        "none", "match", "unknown", "left", "not-valid", "unlogged", "attack",
+        "none",     "match",  "unknown",    "left",     "not-valid",
+        "unlogged", "attack", "locked-out", "lockdown",
     };
     return (unsigned)reason < ISO_REASONS ? names[reason] : NULL;
 }

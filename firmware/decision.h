@@ -38,10 +38,14 @@ enum iso_reason {
     ISO_REASON_NOT_VALID, /* known, but not at this time */
     ISO_REASON_UNLOGGED,  /* the audit log cannot be written */
     ISO_REASON_ATTACK,    /* a picture, a screen, a mask */
+    /* Of the lock-out (lockout.h), which goes before the decision. */
+    ISO_REASON_LOCKED_OUT,
+    ISO_REASON_LOCKDOWN,
     ISO_REASONS
 };
 
-/* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack"; NULL outside. */
+/* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack", "locked-out", "lockdown";
+ * NULL outside. */
 const char *iso_reason_name(enum iso_reason reason);
 
 /* All-zero is DENY. */

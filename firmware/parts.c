@@ -129,6 +129,21 @@ static int open_stores(struct iso_parts *parts, struct iso_fault *fault)
     return error ? error : compare_stores(parts, fault);
 }
 
+/* The lock-out's memory is beside the audit log, if it has no place of its own. */
+static void place_lockout(struct iso_parts *parts)
+{
+    static const char name[] = "lockout";
+    const struct iso_config *config = &parts->config;
+    const char *slash = strrchr(config->log.path, '/');
+    const size_t length = slash ? (size_t)(slash + 1 - config->log.path) : 0;
+    if (*config->lockout.path) {
+        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%s", config->lockout.path);
+    } else {
+        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%.*s%s", (int)length,
+                       config->log.path, name);
+    }
+}
+
 int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,
                         struct iso_fault *fault)
 {
@@ -150,6 +165,7 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
     }
     parts->config = *config;
     parts->times = *times;
+    place_lockout(parts);
     int error = open_pipeline(parts, fault);
     if (!error) {
         error = open_stores(parts, fault);
@@ -235,6 +251,7 @@ struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
         .door_io = parts->door_io,
         .cards = parts->cards,
         .ring = parts->ring,
+        .lockout_path = parts->lockout_path,
         .gallery = parts->gallery,
         .audit = parts->audit,
         .events = *events,

@@ -16,6 +16,7 @@ struct iso_parts {
     struct iso_audit *audit;
     struct iso_door_io *door_io;
     struct iso_cards *cards; /* NULL: none are sent */
+    char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
 };
 
 /* Opens them in an order in which the door's lines are touched last. Every error of

@@ -90,6 +90,9 @@ unlock_ms = 200
 path = $run/state/gallery.db
 [decision]
 gap_ms = 150
+[lockout]
+failures = 0
+attacks = 0
 [log]
 path = $run/state/audit.log
 [bus]

@@ -134,6 +134,8 @@ static int make_config(struct rehearsal *r)
         }
     }
     c->log.journal = false;  /* it is no visit of today's */
+    c->lockout.failures = 0; /* a corpus has more strangers in a row than a door */
+    c->lockout.attacks = 0;
     (void)snprintf(c->sensor.pace, sizeof c->sensor.pace, "realtime");
     c->decision.threshold = isnan(o->threshold) ? c->decision.threshold : o->threshold;
     return 0;

@@ -19,6 +19,7 @@ struct appliance {
     char *directory; /* of its own, removed at the end */
     char slot[128], configuration[128];
     char bench[128];       /* of the virtual camera; "" without one */
+    char people[512];      /* the recordings of those who come: the stored ones, or a copy */
     const char *gap_ms;    /* who is not seen for so long has left */
     const char *settle_ms; /* of appliance_visit(): longer than that */
     struct run daemon;

@@ -22,7 +22,7 @@ static const char configuration[] =
     " \"http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd\">\n"
     "<busconfig><type>session</type><listen>unix:path=%s/bus</listen><auth>EXTERNAL</auth>\n"
     "<policy context=\"default\"><allow send_destination=\"*\" eavesdrop=\"true\"/>\n"
-    "<allow eavesdrop=\"true\"/><allow own=\"*\"/></policy></busconfig>\n";
+    "<allow eavesdrop=\"true\"/><allow own=\"*\"/><allow user=\"*\"/></policy></busconfig>\n";
 
 static void write_configuration(const char *directory, const char *path)
 {
@@ -33,18 +33,42 @@ static void write_configuration(const char *directory, const char *path)
     assert_int_equal(fclose(file), 0);
 }
 
+void private_bus_include(const struct private_bus *bus, const char *file)
+{
+    char path[96];
+
+    (void)snprintf(path, sizeof path, "%s/bus.conf", bus->directory);
+    FILE *file_of_bus = fopen(path, "r+");
+    assert_non_null(file_of_bus);
+    assert_int_equal(fseek(file_of_bus, -(long)strlen("</busconfig>\n"), SEEK_END), 0);
+    assert_true(fprintf(file_of_bus, "<include>%s</include></busconfig>\n", file) > 0);
+    assert_int_equal(fclose(file_of_bus), 0);
+}
+
+static void write_in_directory(const struct private_bus *bus)
+{
+    char path[96];
+
+    (void)snprintf(path, sizeof path, "%s/bus.conf", bus->directory);
+    write_configuration(bus->directory, path);
+}
+
 bool private_bus_start(struct private_bus *bus)
 {
-    char path[96], option[128];
+    strcpy(bus->directory, "/tmp/isotherm-bus-XXXXXX");
+    assert_non_null(mkdtemp(bus->directory));
+    write_in_directory(bus);
+    return private_bus_revive(bus);
+}
+
+bool private_bus_revive(struct private_bus *bus)
+{
+    char option[128];
     int address[2];
     size_t length = 0;
     ssize_t n;
 
-    strcpy(bus->directory, "/tmp/isotherm-bus-XXXXXX");
-    assert_non_null(mkdtemp(bus->directory));
-    (void)snprintf(path, sizeof path, "%s/bus.conf", bus->directory);
-    (void)snprintf(option, sizeof option, "--config-file=%s", path);
-    write_configuration(bus->directory, path);
+    (void)snprintf(option, sizeof option, "--config-file=%s/bus.conf", bus->directory);
     assert_int_equal(pipe(address), 0);
     bus->pid = fork();
     assert_true(bus->pid >= 0);
@@ -64,7 +88,7 @@ bool private_bus_start(struct private_bus *bus)
         bus->address[length] = '\0';
     } while (n > 0 && !strchr(bus->address, '\n'));
     close(address[0]);
-    bus->address[strcspn(bus->address, "\n")] = '\0';
+    bus->address[strcspn(bus->address, ",\n")] = '\0'; /* without the guid, which changes */
     if (bus->address[0] == '\0') {
         int status = 0;
         waitpid(bus->pid, &status, 0);
@@ -85,7 +109,7 @@ static void remove_file(const struct private_bus *bus, const char *name)
     unlink(path);
 }
 
-void private_bus_stop(struct private_bus *bus)
+void private_bus_kill(struct private_bus *bus)
 {
     if (bus->pid > 0) {
         kill(bus->pid, SIGTERM);
@@ -93,6 +117,11 @@ void private_bus_stop(struct private_bus *bus)
         bus->pid = 0;
     }
     remove_file(bus, "bus");
+}
+
+void private_bus_stop(struct private_bus *bus)
+{
+    private_bus_kill(bus);
     remove_file(bus, "bus.conf");
     rmdir(bus->directory);
 }

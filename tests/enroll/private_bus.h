@@ -19,6 +19,13 @@ enum { TEST_SKIPPED = 77 };
  * skipped. Anything else that goes wrong fails the test. */
 bool private_bus_start(struct private_bus *bus);
 
+/* Ends the daemon and leaves its directory; begins another daemon there, at the same address. */
+void private_bus_kill(struct private_bus *bus);
+bool private_bus_revive(struct private_bus *bus);
+
+/* Has the next daemon there read another file of configuration, too. */
+void private_bus_include(const struct private_bus *bus, const char *file);
+
 void private_bus_stop(struct private_bus *bus);
 
 #endif

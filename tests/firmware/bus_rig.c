@@ -53,6 +53,14 @@ sd_bus *bus_rig_connect(char *told)
     return bus;
 }
 
+void bus_rig_connect_clients(struct bus_rig *fixture)
+{
+    for (int i = 0; i < 2; i++) {
+        sd_bus_flush_close_unref(fixture->client[i]);
+        fixture->client[i] = bus_rig_connect(fixture->told[i]);
+    }
+}
+
 static void on_message(void *context, int priority, const char *text)
 {
     (void)context;
@@ -85,9 +93,7 @@ int bus_rig_setup(void **state)
                       &fault)) {
         fail_msg("%s", fault.text);
     }
-    for (int i = 0; i < 2; i++) {
-        fixture.client[i] = bus_rig_connect(fixture.told[i]);
-    }
+    bus_rig_connect_clients(&fixture);
     *state = &fixture;
     return 0;
 }
@@ -198,6 +204,15 @@ const char *bus_rig_news(struct bus_rig *fixture, int client)
     strcpy(text, fixture->told[client]);
     fixture->told[client][0] = '\0';
     return text;
+}
+
+void bus_rig_restart_bus(struct bus_rig *fixture)
+{
+    private_bus_kill(&private);
+    assert_true(private_bus_revive(&private));
+    for (int i = 0; i < 2; i++) {
+        fixture->client[i] = sd_bus_flush_close_unref(fixture->client[i]);
+    }
 }
 
 void bus_rig_end_bus(void)

@@ -55,6 +55,12 @@ void bus_rig_run(struct bus_rig *rig, int64_t ms);
 /* What a client was told since the last call. */
 const char *bus_rig_news(struct bus_rig *rig, int client);
 
+/* The clients leave the bus, if they have one, and connect to that which is there. */
+void bus_rig_connect_clients(struct bus_rig *rig);
+
+/* The bus goes away, under everybody's feet, and another one comes to the same address. */
+void bus_rig_restart_bus(struct bus_rig *rig);
+
 /* The bus goes away, under everybody's feet. */
 void bus_rig_end_bus(void);
 

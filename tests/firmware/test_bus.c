@@ -214,7 +214,7 @@ static const char *status_of(struct bus_rig *f, const char *key)
         if (strcmp(name, key) == 0) {
             const char *s;
             uint32_t u;
-            uint64_t t;
+            uint64_t t = 0; /* a boolean fills half of it */
             double d;
             switch (*contents) {
             case 's':
@@ -354,6 +354,63 @@ static void notices_the_end_of_the_bus(void **state)
     }
     assert_true(iso_bus_is_gone(f->service));
     rig_run(f->rig, 1000); /* and the appliance does not mind */
+    struct iso_fault fault = {""};
+    assert_true(iso_bus_mend(f->service, &fault) < 0);
+    assert_true(iso_bus_is_gone(f->service));
+}
+
+static void comes_back_to_a_bus_that_does(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    struct iso_fault fault = {""};
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_CLAIM, NULL), "");
+    bus_rig_restart_bus(f);
+    for (int i = 0; i < BUS_RIG_ROUNDS && !iso_bus_is_gone(f->service); i++) {
+        assert_true(sd_event_run(f->event, 200) >= 0);
+    }
+    assert_false(iso_bus_is_serving(f->service) && !iso_bus_is_gone(f->service));
+    assert_int_equal(iso_bus_mend(f->service, &fault), 0);
+    assert_int_equal(iso_appliance_status(f->rig->appliance).mode, ISO_APPLIANCE_WATCH);
+    for (int i = 0; i < BUS_RIG_ROUNDS && !iso_bus_is_serving(f->service); i++) {
+        assert_true(sd_event_run(f->event, 200) >= 0);
+    }
+    assert_true(iso_bus_is_serving(f->service));
+    bus_rig_connect_clients(f);
+    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_CLAIM, NULL), "");
+}
+
+static void who_calls_without_end_is_refused(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    int answered = 0;
+    for (int i = 0; i < 100; i++) {
+        const char *error = bus_rig_call(f, 0, ISO_CONTRACT_LIST_PEOPLE, NULL);
+        answered += !*error;
+        assert_true(!*error || strcmp(error, "TooManyCalls") == 0);
+    }
+    assert_in_range(answered, 30, 60);
+    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_LIST_PEOPLE, NULL), ""); /* somebody else */
+    rig_run(f->rig, 1000);
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_LIST_PEOPLE, NULL), "");
+}
+
+static void an_administrator_shuts_the_door(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    rig_enrol(f->rig, "anna", 50);
+    sd_bus_message *call = bus_rig_new_call(f, 0, ISO_CONTRACT_SET_LOCKDOWN);
+    assert_true(sd_bus_message_append(call, "b", 1) >= 0);
+    assert_string_equal(bus_rig_send(f, 0, call)->error, "");
+    assert_string_equal(status_of(f, "lockdown"), "b 1");
+    assert_string_equal(status_of(f, "lockout-ms"), "x 0");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_CLAIM, NULL), "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_VERIFY_START, "anna"), "LockedOut");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_CLEAR_LOCKOUT, NULL), "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_VERIFY_START, "anna"), "LockedOut");
+    call = bus_rig_new_call(f, 0, ISO_CONTRACT_SET_LOCKDOWN);
+    assert_true(sd_bus_message_append(call, "b", 0) >= 0);
+    assert_string_equal(bus_rig_send(f, 0, call)->error, "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_VERIFY_START, "anna"), "");
 }
 
 int main(void)
@@ -374,6 +431,9 @@ int main(void)
         TEST(reads_the_log),
         TEST(one_service_has_the_name),
         cmocka_unit_test(says_that_there_is_no_bus),
+        TEST(an_administrator_shuts_the_door),
+        TEST(who_calls_without_end_is_refused),
+        TEST(comes_back_to_a_bus_that_does),
         TEST(notices_the_end_of_the_bus),
     };
     return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);

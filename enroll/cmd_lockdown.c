@@ -1,0 +1,60 @@
+/* lockdown and lockout: whether anybody is let in at all. */
+#include "enroll/commands.h"
+
+#include <string.h>
+
+#include "core/contract.h"
+#include "enroll/report.h"
+
+static enum cli_exit bad_word(const char *command, const char *word, const char *words,
+                              struct cli_fault *fault)
+{
+    return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "%s takes %s, not '%s'", command, words,
+                         word);
+}
+
+enum cli_exit cli_lockdown(struct cli_door *door, const struct cli_arguments *arguments,
+                           struct cli_fault *fault)
+{
+    const bool on = strcmp(arguments->person, "on") == 0;
+    sd_bus_message *call = NULL;
+
+    if (!on && strcmp(arguments->person, "off") != 0) {
+        return bad_word("lockdown", arguments->person, "on or off", fault);
+    }
+    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_SET_LOCKDOWN, &call, fault);
+    if (exit) {
+        return exit;
+    }
+    const int r = sd_bus_message_append(call, "b", (int)on);
+    if (r < 0) {
+        sd_bus_message_unref(call);
+        return cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
+    }
+    exit = cli_door_send(door, call, NULL, fault);
+    if (exit) {
+        return exit;
+    }
+    if (arguments->json) {
+        return cli_report_json(json_pack("{s:b}", "lockdown", (int)on));
+    }
+    puts(on ? "Nobody is let in from now on." : "The door is in service.");
+    return CLI_EXIT_OK;
+}
+
+enum cli_exit cli_lockout(struct cli_door *door, const struct cli_arguments *arguments,
+                          struct cli_fault *fault)
+{
+    if (strcmp(arguments->person, "clear") != 0) {
+        return bad_word("lockout", arguments->person, "clear", fault);
+    }
+    const enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_CLEAR_LOCKOUT, NULL, fault);
+    if (exit) {
+        return exit;
+    }
+    if (arguments->json) {
+        return cli_report_json(json_pack("{s:b}", "cleared", 1));
+    }
+    puts("Failures are forgotten.");
+    return CLI_EXIT_OK;
+}

@@ -1,0 +1,41 @@
+/* How often the clients of the bus may call: pure, time comes as an argument. A door has to be
+ * watched while somebody calls without end; so each client has an allowance that fills again with
+ * time, and calls beyond it are refused before they are looked at.
+ *
+ * Clients are told apart by their unique names, which cost nothing: whoever leaves the bus and
+ * comes back has another one. A new client therefore takes its allowance out of one that all
+ * newcomers share. The last ISO_CALL_RATE_CLIENTS are remembered; of older ones only this shared
+ * allowance is. */
+#ifndef ISO_FIRMWARE_CALL_RATE_H
+#define ISO_FIRMWARE_CALL_RATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { ISO_CALL_RATE_CLIENTS = 16, ISO_CALL_RATE_NAME_SIZE = 64 };
+
+/* An allowance: at most `burst` calls at once, `per_s` in the long run. */
+struct iso_call_allowance {
+    double calls; /* left */
+    int64_t t_ns; /* when it was so */
+};
+
+struct iso_call_rate {
+    struct iso_call_allowance newcomers;
+    struct {
+        char name[ISO_CALL_RATE_NAME_SIZE]; /* "": nobody */
+        struct iso_call_allowance allowance;
+    } clients[ISO_CALL_RATE_CLIENTS];
+};
+
+/* 40 calls at once and 20 a second of a client; 40 at once and 10 a second of newcomers. */
+#define ISO_CALL_RATE_BURST          40.0
+#define ISO_CALL_RATE_PER_S          20.0
+#define ISO_CALL_RATE_NEWCOMER_PER_S 10.0
+
+void iso_call_rate_init(struct iso_call_rate *rate, int64_t now_ns);
+
+/* Whether a call of this client is to be answered; it is counted if so. now_ns does not fall. */
+bool iso_call_rate_take(struct iso_call_rate *rate, const char *client, int64_t now_ns);
+
+#endif

@@ -1,0 +1,35 @@
+#include "firmware/confine.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+
+/* Whether everything can be locked that will ever be there: if not, an allocation would fail later
+ * for want of a right, which no test of it would have seen. */
+static bool may_lock_all(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_MEMLOCK, &limit)) {
+        return false;
+    }
+    return limit.rlim_cur == RLIM_INFINITY;
+}
+
+int iso_confine_memory(struct iso_fault *fault)
+{
+    const struct rlimit none = {0, 0};
+    (void)setrlimit(RLIMIT_CORE, &none);
+    if (prctl(PR_SET_DUMPABLE, 0)) {
+        return iso_fault_set(fault, -errno, "the process stays dumpable: %m");
+    }
+    if (!may_lock_all()) {
+        return iso_fault_set(fault, -EPERM,
+                             "memory is not locked: the limit of locked memory is not infinite");
+    }
+    if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT)) {
+        return iso_fault_set(fault, -errno, "memory is not locked: %m");
+    }
+    return 0;
+}

@@ -1,0 +1,232 @@
+/* Who may ask what of the daemon: the installed policy on a bus of the test's own, a stand-in for
+ * the daemon that answers every call, and clients in the groups of the policy, in whose place those
+ * of Debian stand. Needs root, to become somebody else. */
+#include <errno.h>
+#include <grp.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <systemd/sd-bus.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "core/contract.h"
+#include "tests/enroll/private_bus.h"
+#include "tests/support/scratch.h"
+
+#define POLICY ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Isotherm.conf"
+
+enum { NOBODY_UID = 65534, ALLOWED = 0, DENIED = 1, CONFUSED = 2 };
+
+static const char *const groups[][2] = {
+    {"isotherm-observe", "games"},
+    {"isotherm-identify", "audio"},
+    {"isotherm-enroll", "video"},
+    {"isotherm", "floppy"},
+};
+
+enum rank { OBSERVE = 0, IDENTIFY, ENROLL, ADMINISTER, NO_GROUP };
+
+static const struct {
+    const char *method;
+    bool may[NO_GROUP + 1];
+} rules[] = {
+    {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false}},
+    {ISO_CONTRACT_AIM_START, {true, false, false, true, false}},
+    {ISO_CONTRACT_AIM_STOP, {true, false, false, true, false}},
+    {ISO_CONTRACT_CLAIM, {false, true, true, true, false}},
+    {ISO_CONTRACT_RELEASE, {false, true, true, true, false}},
+    {ISO_CONTRACT_IDENTIFY_START, {false, true, false, true, false}},
+    {ISO_CONTRACT_IDENTIFY_STOP, {false, true, false, true, false}},
+    {ISO_CONTRACT_VERIFY_START, {false, true, false, true, false}},
+    {ISO_CONTRACT_VERIFY_STOP, {false, true, false, true, false}},
+    {ISO_CONTRACT_ENROLL_START, {false, false, true, true, false}},
+    {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false}},
+    {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false}},
+    {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false}},
+    {ISO_CONTRACT_READ_LOG, {false, false, false, true, false}},
+    {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false}},
+    {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false}},
+};
+
+enum { RULES = sizeof rules / sizeof *rules };
+
+static struct private_bus private;
+static pid_t server;
+
+/* ---- the policy, with groups that there are ---- */
+
+static void replace(char *text, size_t size, const char *from, const char *to)
+{
+    char *at = strstr(text, from);
+    assert_non_null(at);
+    const size_t rest = strlen(at + strlen(from)) + 1;
+    assert_true((size_t)(at - text) + strlen(to) + rest <= size);
+    memmove(at + strlen(to), at + strlen(from), rest);
+    memcpy(at, to, strlen(to));
+}
+
+static void write_policy(const char *path)
+{
+    size_t size;
+    char *file = scratch_read(POLICY, &size);
+    char *text = calloc(1, 2 * size);
+    assert_non_null(text);
+    memcpy(text, file, size);
+    for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
+        char from[64], to[64];
+        (void)snprintf(from, sizeof from, "<policy group=\"%s\">", groups[i][0]);
+        (void)snprintf(to, sizeof to, "<policy group=\"%s\">", groups[i][1]);
+        replace(text, 2 * size, from, to);
+    }
+    replace(text, 2 * size, "<policy user=\"isotherm\">", "<policy user=\"daemon\">");
+    scratch_write_text(path, text);
+    free(text);
+    free(file);
+}
+
+/* ---- both ends ---- */
+
+static sd_bus *connect_bus(void)
+{
+    sd_bus *bus = NULL;
+    int r = sd_bus_new(&bus);
+    r = r < 0 ? r : sd_bus_set_address(bus, private.address);
+    r = r < 0 ? r : sd_bus_set_bus_client(bus, 1);
+    return r < 0 || sd_bus_start(bus) < 0 ? NULL : bus;
+}
+
+static int answer(sd_bus_message *message, void *context, sd_bus_error *error)
+{
+    (void)context;
+    (void)error;
+    return sd_bus_message_is_method_call(message, ISO_CONTRACT_INTERFACE, NULL)
+               ? sd_bus_reply_method_return(message, NULL)
+               : 0;
+}
+
+static void serve(int ready)
+{
+    sd_bus *bus = connect_bus();
+    if (!bus || sd_bus_add_filter(bus, NULL, answer, NULL) < 0 ||
+        sd_bus_request_name(bus, ISO_CONTRACT_NAME, 0) < 0 || write(ready, "r", 1) != 1) {
+        _exit(1);
+    }
+    for (;;) {
+        while (sd_bus_process(bus, NULL) > 0) {
+        }
+        (void)sd_bus_wait(bus, UINT64_MAX);
+    }
+}
+
+static int group_setup(void **state)
+{
+    int ready[2];
+    char byte;
+    (void)state;
+    if (geteuid() != 0 || !private_bus_start(&private)) {
+        return 0;
+    }
+    char policy[128];
+    (void)snprintf(policy, sizeof policy, "%s/policy.conf", private.directory);
+    private_bus_kill(&private);
+    write_policy(policy);
+    private_bus_include(&private, policy);
+    assert_int_equal(chmod(private.directory, 0755), 0);
+    assert_true(private_bus_revive(&private));
+    assert_int_equal(pipe(ready), 0);
+    server = fork();
+    assert_true(server >= 0);
+    if (server == 0) {
+        serve(ready[1]);
+    }
+    close(ready[1]);
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    close(ready[0]);
+    (void)unlink(policy);
+    return 0;
+}
+
+static int group_teardown(void **state)
+{
+    (void)state;
+    if (server > 0) {
+        kill(server, SIGKILL);
+        waitpid(server, NULL, 0);
+        private_bus_stop(&private);
+    }
+    return 0;
+}
+
+/* One verdict a rule, from a child in this group. */
+static void ask_all(enum rank group, uint8_t verdicts[RULES])
+{
+    sd_bus *bus;
+    gid_t gid = NOBODY_UID;
+    const struct group *entry = group < NO_GROUP ? getgrnam(groups[group][1]) : NULL;
+    if (group < NO_GROUP && !entry) {
+        _exit(1);
+    }
+    gid = entry ? entry->gr_gid : gid;
+    if (setgroups(1, &gid) || setgid(NOBODY_UID) || setuid(NOBODY_UID) || !(bus = connect_bus())) {
+        _exit(1);
+    }
+    for (int i = 0; i < RULES; i++) {
+        sd_bus_error error = SD_BUS_ERROR_NULL;
+        const int r = sd_bus_call_method(bus, ISO_CONTRACT_NAME, ISO_CONTRACT_PATH,
+                                         ISO_CONTRACT_INTERFACE, rules[i].method, &error, NULL, "");
+        verdicts[i] = r >= 0                                                      ? ALLOWED
+                      : sd_bus_error_has_name(&error, SD_BUS_ERROR_ACCESS_DENIED) ? DENIED
+                                                                                  : CONFUSED;
+        if (verdicts[i] == CONFUSED) {
+            fprintf(stderr, "%s: %s\n", rules[i].method, error.name ? error.name : strerror(-r));
+        }
+        sd_bus_error_free(&error);
+    }
+}
+
+static void expect_rights(enum rank group)
+{
+    uint8_t verdicts[RULES];
+    int status = 0, out[2];
+    assert_int_equal(pipe(out), 0);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        ask_all(group, verdicts);
+        _exit(write(out[1], verdicts, sizeof verdicts) != (ssize_t)sizeof verdicts);
+    }
+    close(out[1]);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(read(out[0], verdicts, sizeof verdicts), sizeof verdicts);
+    close(out[0]);
+    for (int i = 0; i < RULES; i++) {
+        if (verdicts[i] != (rules[i].may[group] ? ALLOWED : DENIED)) {
+            fail_msg("%s: verdict %d for %s", rules[i].method, verdicts[i],
+                     group < NO_GROUP ? groups[group][0] : "nobody");
+        }
+    }
+}
+
+static void everybody_may_what_the_group_may(void **state)
+{
+    (void)state;
+    if (server <= 0) {
+        print_message("skipped: needs root and a dbus-daemon\n");
+        skip();
+    }
+    for (int group = OBSERVE; group <= NO_GROUP; group++) {
+        expect_rights((enum rank)group);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(everybody_may_what_the_group_may)};
+    return cmocka_run_group_tests(tests, group_setup, group_teardown);
+}

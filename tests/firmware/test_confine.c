@@ -1,0 +1,205 @@
+/* What a confined process can no longer do. Each case is a child that confines itself, tries, and
+ * ends with the error that it met; or is ended. */
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ptrace.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/confine.h"
+#include "tests/support/scratch.h"
+
+enum { CANNOT = 200 };
+
+static struct iso_config config;
+static char inside[4096];
+
+/* State in one directory, and another one beside it. */
+static int setup(void **state)
+{
+    const int error = scratch_setup(state);
+    config = iso_config_default();
+    (void)snprintf(config.sensor.backend, sizeof config.sensor.backend, "v4l2");
+    scratch_mkdir(scratch_path(*state, "state"));
+    (void)snprintf(config.gallery.path, sizeof config.gallery.path, "%s",
+                   scratch_path(*state, "state/gallery.db"));
+    (void)snprintf(config.log.path, sizeof config.log.path, "%s",
+                   scratch_path(*state, "state/audit.log"));
+    (void)snprintf(inside, sizeof inside, "%s", scratch_path(*state, "state/new"));
+    return error;
+}
+
+/* 0 or the errno that `try` met in a confined child; negative: the signal that ended it. */
+static int attempt(int (*try)(void))
+{
+    int status = 0;
+    fflush(NULL);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct iso_fault fault = {""};
+        int error = iso_confine_files(&config, &fault);
+        error = error ? error : iso_confine_calls(&fault);
+        _exit(error == -ENOSYS || error == -ENOTSUP ? CANNOT : error ? CANNOT + 1 : try());
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    if (WIFSIGNALED(status)) {
+        return -WTERMSIG(status);
+    }
+    if (WEXITSTATUS(status) == CANNOT) {
+        print_message("this build or kernel confines nothing\n");
+        skip();
+    }
+    assert_int_not_equal(WEXITSTATUS(status), CANNOT + 1);
+    return WEXITSTATUS(status);
+}
+
+static int try_open(const char *path, int flags)
+{
+    return open(path, flags | O_CLOEXEC, 0600) < 0 ? errno : 0;
+}
+
+static int write_inside(void)
+{
+    return try_open(inside, O_RDWR | O_CREAT) || rename(inside, config.log.path) ||
+           unlink(config.log.path);
+}
+
+static int write_outside(void)
+{
+    return try_open("/etc/isotherm-test", O_WRONLY | O_CREAT);
+}
+
+static int read_outside(void)
+{
+    /* The scratch directories lie in that of temporary files, which may be used. */
+    return try_open("/root", O_RDONLY | O_DIRECTORY);
+}
+
+static int read_system(void)
+{
+    return try_open("/etc/passwd", O_RDONLY);
+}
+
+static int truncate_outside(void)
+{
+    return truncate("/etc/passwd", 1 << 20) ? errno : 0;
+}
+
+static int execute(void)
+{
+    execl("/bin/true", "true", (char *)NULL);
+    return errno;
+}
+
+static int trace(void)
+{
+    return ptrace(PTRACE_TRACEME, 0, NULL, NULL) ? errno : 0;
+}
+
+static int become_root(void)
+{
+    return setuid(0) ? errno : 0;
+}
+
+static int internet(void)
+{
+    return socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0) < 0 ? errno : 0;
+}
+
+static int local(void)
+{
+    return socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0) < 0 ? errno : 0;
+}
+
+static int device_news(void)
+{
+    return socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, 15) < 0 ? errno : 0;
+}
+
+static void its_stores_can_be_written(void **state)
+{
+    (void)state;
+    assert_int_equal(attempt(write_inside), 0);
+}
+
+static void nothing_else_can(void **state)
+{
+    (void)state;
+    assert_int_equal(attempt(write_outside), EACCES);
+    assert_int_equal(attempt(truncate_outside), EACCES);
+}
+
+static void what_is_not_named_cannot_be_read(void **state)
+{
+    (void)state;
+    assert_int_equal(attempt(read_outside), EACCES);
+    assert_int_equal(attempt(read_system), 0);
+}
+
+static void a_replayed_recording_may_be_anywhere(void **state)
+{
+    (void)state;
+    (void)snprintf(config.sensor.backend, sizeof config.sensor.backend, "replay");
+    assert_int_equal(attempt(read_outside), 0);
+    assert_int_equal(attempt(write_outside), EACCES);
+}
+
+static void it_cannot_become_another_program(void **state)
+{
+    (void)state;
+    assert_int_equal(attempt(execute), -SIGSYS);
+    assert_int_equal(attempt(trace), -SIGSYS);
+    assert_int_equal(attempt(become_root), -SIGSYS);
+}
+
+static void it_has_no_network(void **state)
+{
+    (void)state;
+    assert_int_equal(attempt(internet), EPERM);
+    assert_int_equal(attempt(local), 0);
+    assert_int_equal(attempt(device_news), 0);
+}
+
+/* By the limit that there is: locked, or a reason why not; and never a core file. */
+static void its_memory_stays_its_own(void **state)
+{
+    struct iso_fault fault = {""};
+    struct rlimit core, locked;
+    int status = 0;
+    (void)state;
+    assert_int_equal(getrlimit(RLIMIT_MEMLOCK, &locked), 0);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        const int error = iso_confine_memory(&fault);
+        const bool right = locked.rlim_cur == RLIM_INFINITY
+                               ? error == 0 || fault.text[0]
+                               : error == -EPERM && strstr(fault.text, "not locked");
+        const bool no_core = getrlimit(RLIMIT_CORE, &core) == 0 && core.rlim_max == 0;
+        _exit(right && no_core ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, scratch_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(its_stores_can_be_written),        TEST(nothing_else_can),
+        TEST(what_is_not_named_cannot_be_read), TEST(a_replayed_recording_may_be_anywhere),
+        TEST(it_cannot_become_another_program), TEST(it_has_no_network),
+        TEST(its_memory_stays_its_own),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,276 @@
+/* The lock-out by itself: counting, locking, forgetting, and what outlasts a restart. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/lockout_file.h"
+#include "firmware/times.h"
+#include "tests/support/scratch.h"
+
+#define S ISO_NS_PER_S
+
+enum { AGREE = 2 };
+
+static const struct iso_lockout_options options = {
+    .failures = 3, .attacks = 2, .first_ns = 10 * S, .longest_ns = 50 * S, .forget_ns = 100 * S};
+
+static struct iso_lockout lockout;
+
+static int setup(void **state)
+{
+    iso_lockout_init(&lockout, &options);
+    return scratch_setup(state);
+}
+
+static bool verdict(enum iso_reason reason, int frames, int64_t t_s)
+{
+    const struct iso_verdict v = {
+        .allow = reason == ISO_REASON_MATCH, .reason = reason, .frames = frames};
+    (void)iso_lockout_time(&lockout, t_s * S);
+    return iso_lockout_verdict(&lockout, &v, AGREE, t_s * S);
+}
+
+static bool fails(int64_t t_s)
+{
+    return verdict(ISO_REASON_UNKNOWN, 6, t_s);
+}
+
+static void expect(enum iso_reason refusal, int64_t remaining_s, int64_t t_s)
+{
+    assert_int_equal(iso_lockout_refusal(&lockout), refusal);
+    assert_int_equal(iso_lockout_remaining_ns(&lockout, t_s * S), remaining_s * S);
+}
+
+static void locks_after_failures_in_a_row(void **state)
+{
+    (void)state;
+    assert_false(fails(1));
+    assert_false(verdict(ISO_REASON_MATCH, 2, 2)); /* which has them forgotten */
+    assert_false(fails(3));
+    assert_false(fails(4));
+    expect(ISO_REASON_NONE, 0, 4);
+    assert_true(fails(5));
+    expect(ISO_REASON_LOCKED_OUT, 10, 5);
+    assert_int_equal(iso_lockout_due_ns(&lockout), 15 * S);
+    assert_false(iso_lockout_time(&lockout, 15 * S - 1));
+    assert_true(iso_lockout_time(&lockout, 15 * S));
+    expect(ISO_REASON_NONE, 0, 15);
+}
+
+static void locks_after_attacks_whoever_is_admitted_meanwhile(void **state)
+{
+    (void)state;
+    assert_false(verdict(ISO_REASON_ATTACK, 0, 1));
+    assert_false(verdict(ISO_REASON_MATCH, 2, 2));
+    assert_true(verdict(ISO_REASON_ATTACK, 0, 3));
+    expect(ISO_REASON_LOCKED_OUT, 10, 3);
+}
+
+static void counts_who_could_have_been_recognised(void **state)
+{
+    static const struct {
+        enum iso_reason reason;
+        int frames;
+        bool counts;
+    } cases[] = {
+        {ISO_REASON_UNKNOWN, 6, true},   {ISO_REASON_ATTACK, 0, true},
+        {ISO_REASON_LEFT, 2, true},      {ISO_REASON_LEFT, 1, false},
+        {ISO_REASON_MATCH, 2, false},    {ISO_REASON_NOT_VALID, 2, false},
+        {ISO_REASON_UNLOGGED, 2, false}, {ISO_REASON_LOCKED_OUT, 6, false},
+        {ISO_REASON_LOCKDOWN, 6, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct iso_verdict v = {.reason = cases[i].reason, .frames = cases[i].frames};
+        assert_int_equal(iso_lockout_counts(&v, AGREE), cases[i].counts);
+    }
+}
+
+/* Locks at t_s; returns for how many seconds. */
+static int64_t lock_at(int64_t t_s)
+{
+    bool locked = false;
+    for (int i = 0; i < options.failures; i++) {
+        assert_false(locked);
+        locked = fails(t_s);
+    }
+    assert_true(locked);
+    return iso_lockout_remaining_ns(&lockout, t_s * S) / S;
+}
+
+static void each_lock_is_twice_as_long_up_to_the_longest(void **state)
+{
+    static const int64_t lengths_s[] = {10, 20, 40, 50, 50};
+    int64_t t_s = 0;
+    (void)state;
+    for (size_t i = 0; i < sizeof lengths_s / sizeof *lengths_s; i++) {
+        assert_int_equal(lock_at(t_s), lengths_s[i]);
+        t_s += lengths_s[i];
+        assert_true(iso_lockout_time(&lockout, t_s * S));
+    }
+    /* A lock ends at t_s: what is remembered of it is forgotten forget_ns later. */
+    assert_int_equal(iso_lockout_due_ns(&lockout), (t_s + 100) * S);
+    assert_int_equal(lock_at(t_s + 100), 10);
+}
+
+static void nothing_counts_while_it_lasts(void **state)
+{
+    (void)state;
+    (void)lock_at(0);
+    for (int i = 0; i < 20; i++) {
+        assert_false(fails(i / 4));
+    }
+    expect(ISO_REASON_LOCKED_OUT, 5, 5);
+    assert_true(iso_lockout_time(&lockout, 10 * S));
+    assert_false(fails(11));
+    assert_false(fails(11));
+}
+
+static void forgets_failures_in_time(void **state)
+{
+    (void)state;
+    assert_false(fails(0));
+    assert_false(fails(99));
+    assert_int_equal(iso_lockout_due_ns(&lockout), 199 * S);
+    assert_true(iso_lockout_time(&lockout, 199 * S));
+    assert_int_equal(iso_lockout_due_ns(&lockout), ISO_NEVER_NS);
+    assert_false(fails(200));
+    assert_false(fails(201));
+}
+
+static void is_cleared(void **state)
+{
+    (void)state;
+    (void)lock_at(0);
+    iso_lockout_clear(&lockout);
+    expect(ISO_REASON_NONE, 0, 0);
+    assert_int_equal(lock_at(1), 10);
+}
+
+static void zero_never_locks(void **state)
+{
+    const struct iso_lockout_options never = {.first_ns = S, .longest_ns = S, .forget_ns = S};
+    (void)state;
+    iso_lockout_init(&lockout, &never);
+    for (int i = 0; i < 100; i++) {
+        assert_false(fails(0));
+        assert_false(verdict(ISO_REASON_ATTACK, 0, 0));
+    }
+}
+
+static void lockdown_goes_before_all_and_outlasts_a_clear(void **state)
+{
+    (void)state;
+    (void)lock_at(0);
+    lockout.lockdown = true;
+    assert_int_equal(iso_lockout_refusal(&lockout), ISO_REASON_LOCKDOWN);
+    iso_lockout_clear(&lockout);
+    assert_int_equal(iso_lockout_refusal(&lockout), ISO_REASON_LOCKDOWN);
+}
+
+/* ---- over a restart ---- */
+
+static void outlasts_a_restart_with_a_clock_of_its_own(void **state)
+{
+    const char *path = scratch_path(*state, "lockout");
+    struct iso_lockout_record record = {0};
+    struct iso_fault fault = {""};
+    assert_int_equal(iso_lockout_load(path, &record, &fault), -ENOENT);
+    (void)lock_at(1000);
+    (void)verdict(ISO_REASON_UNKNOWN, 6, 1004);
+    record = iso_lockout_record_of(&lockout, 1004 * S);
+    assert_int_equal(iso_lockout_save(path, &record, &fault), 0);
+    memset(&record, 0, sizeof record);
+    assert_int_equal(iso_lockout_load(path, &record, &fault), 0);
+    iso_lockout_init(&lockout, &options);
+    iso_lockout_restore(&lockout, &record, 3 * S);
+    expect(ISO_REASON_LOCKED_OUT, 6, 3);
+    assert_true(iso_lockout_time(&lockout, 9 * S));
+    assert_int_equal(lock_at(9), 20); /* the second */
+    assert_int_equal(access(scratch_path(*state, "lockout.new"), F_OK), -1);
+}
+
+static void odd_numbers_are_taken_for_the_worst(void **state)
+{
+    const struct iso_lockout_record record = {
+        .failures = -4, .attacks = 0, .locks = 1 << 30, .remaining_ns = INT64_MAX};
+    (void)state;
+    iso_lockout_restore(&lockout, &record, 7 * S);
+    expect(ISO_REASON_LOCKED_OUT, 50, 7);
+    assert_true(iso_lockout_time(&lockout, 57 * S));
+    assert_int_equal(lock_at(57), 50);
+}
+
+static void every_damage_of_the_file_is_found(void **state)
+{
+    const char *path = scratch_path(*state, "lockout");
+    struct iso_lockout_record record = {3, 1, 2, 1500 * ISO_NS_PER_MS, true};
+    struct iso_lockout_record read = {.failures = 77};
+    struct iso_fault fault;
+    size_t size;
+    assert_int_equal(iso_lockout_save(path, &record, &fault), 0);
+    char *good = scratch_read(path, &size);
+    char *bad = malloc(size + 1);
+    assert_non_null(bad);
+    for (size_t bit = 0; bit < 8 * size; bit++) {
+        memcpy(bad, good, size);
+        bad[size] = '\0';
+        bad[bit / 8] = (char)(bad[bit / 8] ^ 1 << bit % 8);
+        assert_int_equal(iso_lockout_parse(bad, size, &read), -EBADMSG);
+    }
+    for (size_t length = 0; length < size; length++) {
+        memcpy(bad, good, size);
+        bad[length] = '\0';
+        assert_int_equal(iso_lockout_parse(bad, length, &read), -EBADMSG);
+    }
+    assert_int_equal(read.failures, 77);
+    scratch_write_text(path, "isotherm-lockout 1 0 0 0 0 open 00000000\n");
+    assert_int_equal(iso_lockout_load(path, &read, &fault), -EBADMSG);
+    assert_non_null(strstr(fault.text, "damaged"));
+    free(good);
+    free(bad);
+}
+
+static void a_file_that_cannot_be_written_stays_as_it_was(void **state)
+{
+    const struct iso_lockout_record record = {.failures = 1};
+    struct iso_fault fault = {""};
+    const char *path = scratch_path(*state, "none/lockout");
+    assert_int_equal(iso_lockout_save(path, &record, &fault), -ENOENT);
+    assert_non_null(strstr(fault.text, "cannot be written"));
+    assert_int_equal(mkdir(scratch_path(*state, "lockout.new"), 0700), 0);
+    path = scratch_path(*state, "lockout");
+    scratch_write_text(path, "as it was");
+    assert_int_equal(iso_lockout_save(path, &record, &fault), -EISDIR);
+    size_t size;
+    char *text = scratch_read(path, &size);
+    assert_memory_equal(text, "as it was", size);
+    free(text);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, scratch_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(locks_after_failures_in_a_row),
+        TEST(locks_after_attacks_whoever_is_admitted_meanwhile),
+        TEST(counts_who_could_have_been_recognised),
+        TEST(each_lock_is_twice_as_long_up_to_the_longest),
+        TEST(nothing_counts_while_it_lasts),
+        TEST(forgets_failures_in_time),
+        TEST(is_cleared),
+        TEST(zero_never_locks),
+        TEST(lockdown_goes_before_all_and_outlasts_a_clear),
+        TEST(outlasts_a_restart_with_a_clock_of_its_own),
+        TEST(odd_numbers_are_taken_for_the_worst),
+        TEST(every_damage_of_the_file_is_found),
+        TEST(a_file_that_cannot_be_written_stays_as_it_was),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
