@@ -6,6 +6,7 @@
 #   make bench    milliseconds per stage from frame to verdict; heat beside its peers
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
+#   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make clean    removes what the others made
 
@@ -15,7 +16,7 @@ FUZZ_SEED ?= 1
 KILLS ?= 1000
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check bench fuzz kills install clean
+.PHONY: demo check vm-check bench fuzz kills drill install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -53,6 +54,11 @@ kills:
 	cmake --preset dev
 	cmake --build --preset dev --target kill_stores
 	build/dev/tests/firmware/kill_stores $(KILLS)
+
+drill:
+	cmake/install_packages.sh build test
+	cmake --preset dev
+	cmake --build --preset dev --target drill
 
 install:
 	cmake/install_packages.sh build

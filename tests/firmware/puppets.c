@@ -68,7 +68,9 @@ static int stream_open(const struct iso_option *options, size_t n_options,
         return refuse(being_opened, being_opened->open_error, "puppet: will not open", fault);
     }
     stream = calloc(1, sizeof *stream);
-    assert_non_null(stream);
+    if (!stream) {
+        return refuse(being_opened, -ENOMEM, "puppet: out of memory", fault);
+    }
     stream->sensor = being_opened;
     stream->frame = (struct iso_frame){
         .camera = {.projection = ISO_PINHOLE,
@@ -111,7 +113,7 @@ static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame *
     stream->depth_mm[1] = (float)(100 + (int)sensor->frames[sensor->next].capture);
     stream->depth_mm[2] = (float)(1100 + sensor->frames[sensor->next].right_mm);
     stream->frame.t_ns = sensor->frames[sensor->next].t_ns;
-    stream->frame.sequence = (uint64_t)sensor->next++;
+    stream->frame.sequence = sensor->forgotten + (uint64_t)sensor->next++;
     *frame = &stream->frame;
     return 0;
 }
@@ -185,6 +187,13 @@ void puppet_sensor_add(struct puppet_sensor *sensor, int64_t t_ns, int face,
 void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
                           enum iso_capture capture, int right_mm)
 {
+    if (sensor->n_frames == PUPPET_FRAMES_MAX) { /* those that were fetched make room */
+        sensor->n_frames -= sensor->next;
+        memmove(sensor->frames, sensor->frames + sensor->next,
+                (size_t)sensor->n_frames * sizeof *sensor->frames);
+        sensor->forgotten += (uint64_t)sensor->next;
+        sensor->next = 0;
+    }
     assert_in_range(sensor->n_frames, 0, PUPPET_FRAMES_MAX - 1);
     sensor->frames[sensor->n_frames].t_ns = t_ns;
     sensor->frames[sensor->n_frames].face = face;
@@ -237,6 +246,11 @@ static int search(void *self, const struct iso_search_entry *entries, int n_entr
     int n = 0;
     if (pipeline->search_error) {
         return pipeline->search_error;
+    }
+    if (pipeline->raving) {
+        hits[0] = (struct iso_search_hit){INT64_MAX, NAN, INFINITY};
+        *n_hits = capacity > 0;
+        return 0;
     }
     for (int i = 0; i < n_entries; i++) {
         const double score = 10 - abs(puppet_face_of(probe) - puppet_face_of(entries[i].tmpl));

@@ -30,6 +30,7 @@ struct puppet_sensor {
         int right_mm; /* where the face is; -999..999 */
     } frames[PUPPET_FRAMES_MAX];
     int n_frames, next;
+    uint64_t forgotten;                      /* frames before those, all of them fetched */
     int open_error, start_error, wait_error; /* what the next call of each fails with; stays */
     const char *text;                        /* what it says then; NULL: something */
     bool streams;                            /* it has no next_due_ns: silence is a fault */
@@ -51,6 +52,7 @@ void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
  * coverage and expression of a good enrolment, unless they are set here. */
 struct puppet_pipeline {
     int extract_error, search_error;
+    bool raving; /* searches find people that there are not, with scores that are no numbers */
     double yaw_rad, expression, uncovered;
     char sensor[32];         /* as the last extraction was told */
     enum iso_face_seen seen; /* what the image says of every frame */

@@ -16,7 +16,7 @@ for program in "$build"/tests/fuzz/fuzz_*; do
     corpus=$work/$target
     mkdir -p "$corpus"
     [ ! -d "$here/seeds/$target" ] || cp "$here/seeds/$target"/* "$corpus/"
-    "$program" -seed="$seed" -max_total_time="$seconds" -max_len=8192 -timeout=10 -rss_limit_mb=2048 \
+    "$program" -seed="$seed" -max_total_time="$seconds" -max_len=8192 -timeout=20 -rss_limit_mb=2048 \
         -artifact_prefix="$work/broken-$target-" -verbosity=0 -print_final_stats=1 \
         "$corpus" >"$work/$target.log" 2>&1 || {
         tail -40 "$work/$target.log" >&2
@@ -24,5 +24,6 @@ for program in "$build"/tests/fuzz/fuzz_*; do
         exit 1
     }
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$work/$target.log")
-    printf '%-12s %9s inputs\n' "$target" "$runs"
+    edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$work/$target.log" | tail -n 1)
+    printf '%-12s %9s inputs %6s edges\n' "$target" "$runs" "$edges"
 done

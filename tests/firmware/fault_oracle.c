@@ -1,0 +1,218 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "tests/firmware/fault_world.h"
+#include "tests/support/broken_disk.h"
+
+const char *const actor_names[ACTORS] = {[ANNA] = "anna", [BOB] = "bob", [CARL] = "carl"};
+
+struct world_counts total;
+
+bool world_is_faulty(const struct world *w, enum sim_fault fault)
+{
+    return sim_fault_plan_at(&w->plan, w->step, fault) != NULL;
+}
+
+void world_broken(const struct world *w, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, " (seed %d, step %d)\n", (int)w->plan.seed, w->step);
+    for (int i = 0; i < w->plan.n_events; i++) {
+        const struct sim_fault_event *event = &w->plan.events[i];
+        if (event->first <= w->step && w->step <= event->last) {
+            fprintf(stderr, "  while %s since step %d\n", sim_fault_name(event->fault),
+                    event->first);
+        }
+    }
+    fail();
+    abort();
+}
+
+void oracle_see(struct world *w, int64_t t_ns, enum actor actor, bool echo)
+{
+    const struct puppet_sensor *sensor = &w->rig->sensor;
+    const uint64_t number = sensor->forgotten + (uint64_t)sensor->n_frames - 1;
+    struct oracle *o = &w->oracle;
+    if (o->n_seen == SEEN_MAX) {
+        o->n_seen = SEEN_MAX / 2;
+        memmove(o->seen, o->seen + SEEN_MAX / 2, SEEN_MAX / 2 * sizeof *o->seen);
+    }
+    o->seen[o->n_seen++] = (struct sight){t_ns, number, actor, echo};
+}
+
+static bool may_enter(const struct world *w, enum actor actor)
+{
+    const int64_t wall_s = w->rig->wall_ns / ISO_NS_PER_S;
+    const int64_t bob_from_s = INT64_C(1795250000) - 86400, bob_until_s = 1795250000 + 86400;
+    return actor == ANNA || (actor == CARL && w->oracle.carl_is_enrolled) ||
+           (actor == BOB && wall_s >= bob_from_s && wall_s <= bob_until_s);
+}
+
+/* How many frames of their own of this actor there were, without anybody else among them and
+ * without a gap, up to number `last`. */
+static int frames_until(const struct world *w, enum actor actor, int last)
+{
+    const struct oracle *o = &w->oracle;
+    const int64_t gap_ns = w->rig->config.decision.gap_ms * ISO_NS_PER_MS;
+    const int64_t stale_ns = (w->rig->config.sensor.stale_ms + FRAME_MS) * ISO_NS_PER_MS;
+    int64_t t_ns = w->rig->now_ns;
+    int n = 0;
+    for (int i = last; i >= 0; i--) {
+        const int64_t reach_ns = i == last ? stale_ns : gap_ns;
+        if (o->seen[i].actor != actor || t_ns - o->seen[i].t_ns > reach_ns) {
+            break;
+        }
+        t_ns = o->seen[i].t_ns;
+        n += !o->seen[i].echo;
+    }
+    return n;
+}
+
+uint64_t oracle_fetched(const struct world *w)
+{
+    return w->rig->sensor.forgotten + (uint64_t)w->rig->sensor.next;
+}
+
+/* The same up to one of the frames that the appliance fetched since it was observed last: there are
+ * several of them if they were late. */
+static int frames_of(const struct world *w, enum actor actor)
+{
+    const struct oracle *o = &w->oracle;
+    int most = 0;
+    for (int last = o->n_seen - 1; last >= 0 && o->seen[last].number >= o->fetched; last--) {
+        const int n = o->seen[last].number < oracle_fetched(w) ? frames_until(w, actor, last) : 0;
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
+/* Whether the lock-out has certainly shut the door: not in the last moments of it. */
+static bool is_shut(const struct world *w)
+{
+    return w->oracle.lockdown || w->rig->now_ns + 200 * ISO_NS_PER_MS < w->oracle.locked_until_ns;
+}
+
+static void judge_admission(struct world *w, const char *name)
+{
+    enum actor actor = ANNA;
+    while (actor < STRANGER && strncmp(name, actor_names[actor], strlen(actor_names[actor])) != 0) {
+        actor++;
+    }
+    if (actor == STRANGER || !may_enter(w, actor)) {
+        world_broken(w, "let in who may not enter: %s", name);
+    }
+    if (frames_of(w, actor) < w->rig->config.decision.agree) {
+        world_broken(w, "let in %s after %d frames", actor_names[actor], frames_of(w, actor));
+    }
+    if (w->oracle.claimed || is_shut(w)) {
+        world_broken(w, "let in %s while nobody is", actor_names[actor]);
+    }
+    if (broken_disk.error) {
+        world_broken(w, "let in %s without a record", actor_names[actor]);
+    }
+    w->oracle.allowed_ns = w->rig->now_ns;
+    w->oracle.failures = 0;
+    total.allowed++;
+}
+
+static void note_failure(struct world *w, bool attack)
+{
+    const struct iso_config_lockout *config = &w->rig->config.lockout;
+    struct oracle *o = &w->oracle;
+    const int64_t now_ns = w->rig->now_ns;
+    if (now_ns < o->locked_until_ns) {
+        return;
+    }
+    if (o->failed_ns && now_ns - o->failed_ns >= config->forget_ms * ISO_NS_PER_MS) {
+        o->failures = o->attacks = o->locks = 0;
+    }
+    o->failed_ns = now_ns;
+    o->attacks += attack;
+    o->failures += !attack;
+    if (o->failures >= config->failures || o->attacks >= config->attacks) {
+        const int64_t length_ms = (int64_t)config->first_ms << (o->locks < 8 ? o->locks : 8);
+        const int64_t most_ms = config->longest_ms;
+        o->locked_until_ns = now_ns + (length_ms < most_ms ? length_ms : most_ms) * ISO_NS_PER_MS;
+        o->failed_ns = o->locked_until_ns;
+        o->locks++;
+        o->failures = o->attacks = 0;
+    }
+}
+
+/* Takes one piece of news in. */
+static void hear(struct world *w, const char *news)
+{
+    unsigned frames = 0;
+    if (strncmp(news, "visit allow ", 12) == 0) {
+        judge_admission(w, news + 12);
+    } else if (strncmp(news, "visit deny ", 11) == 0) {
+        total.denied++;
+        if (strncmp(news + 11, "unknown", 7) == 0 || strncmp(news + 11, "attack", 6) == 0) {
+            note_failure(w, news[11] == 'a');
+        } else if (sscanf(news + 11, "left %u", &frames) == 1 &&
+                   frames >= (unsigned)w->rig->config.decision.agree) {
+            note_failure(w, false);
+        }
+    } else if (strncmp(news, "enroll completed", 16) == 0) {
+        w->oracle.carl_is_enrolled = true;
+    } else if (strcmp(news, "claim lost") == 0) {
+        w->oracle.claimed = false;
+    }
+}
+
+/* Faults that leave nothing to decide by, or no place to write it down. */
+static bool blinds(enum sim_fault fault)
+{
+    return fault == SIM_FAULT_SENSOR_DROP || fault == SIM_FAULT_SENSOR_CORRUPT ||
+           fault == SIM_FAULT_SENSOR_FROZEN || fault == SIM_FAULT_SENSOR_BLANK ||
+           fault == SIM_FAULT_SENSOR_GONE || fault == SIM_FAULT_DISK_FULL ||
+           fault == SIM_FAULT_DISK_READ_ONLY;
+}
+
+/* Ten steps are a second. */
+static void judge_safety(const struct world *w)
+{
+    const struct oracle *o = &w->oracle;
+    const int64_t open_ns = w->rig->now_ns - o->allowed_ns;
+    const int64_t most_ns = (w->rig->config.door.unlock_ms + 2 * FRAME_MS) * ISO_NS_PER_MS;
+    if (rig_relay(w->rig) && (!w->running || o->allowed_ns == 0 || open_ns > most_ns)) {
+        world_broken(w, "the relay has power");
+    }
+    for (int fault = 0; fault < SIM_FAULTS; fault++) {
+        const struct sim_fault_event *event = sim_fault_plan_at(&w->plan, w->step,
+                                                                (enum sim_fault)fault);
+        if (!event || w->step - event->first <= 10) {
+            continue;
+        }
+        if (blinds(event->fault) && open_ns < ISO_NS_PER_S / 10 * (w->step - event->first - 10)) {
+            world_broken(w, "let in although there is %s", sim_fault_name(event->fault));
+        }
+        if (event->fault == SIM_FAULT_SENSOR_GONE && w->running) {
+            const struct iso_appliance_status status = iso_appliance_status(w->rig->appliance);
+            if (strcmp(status.sensor_state, "lost") != 0 ||
+                (status.door != ISO_DOOR_FAULT && open_ns > most_ns)) {
+                world_broken(w, "the door is %s", iso_door_state_name(status.door));
+            }
+        }
+    }
+}
+
+void oracle_observe(struct world *w)
+{
+    char text[4096];
+    (void)snprintf(text, sizeof text, "%s", rig_news(w->rig));
+    for (char *rest = text, *news; (news = strsep(&rest, ";"));) {
+        hear(w, news + strspn(news, " "));
+    }
+    /* Failures of clients count too, and do not all tell why: the lock may begin earlier. */
+    if (w->running && iso_appliance_status(w->rig->appliance).lockout_ns > 0) {
+        w->oracle.failures = w->oracle.attacks = 0;
+    }
+    judge_safety(w);
+}
