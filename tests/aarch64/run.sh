@@ -1,0 +1,51 @@
+#!/bin/bash
+# Cross-builds everything for arm64 (preset aarch64) and runs it under qemu-aarch64-static: the units of core, drivers and
+# firmware, the appliance on stored frames, and the daemon with its client and visitors.
+#
+#   run.sh BUILD [TESTS]     TESTS: names of ctest, instead of the usual ones
+#
+# Ends with "N passed, N failed, N skipped". Where the cross compiler or the emulator is missing, all is skipped and counted.
+set -euo pipefail
+source_dir=$(cd "$(dirname "$0")/../.." && pwd)
+root=$source_dir/build/aarch64-root
+# Not those of V4L2, whose calls the emulator does not know, nor those that take it minutes.
+usual='test_firmware_config test_firmware_gallery test_firmware_audit test_firmware_decision test_firmware_track
+    test_firmware_sensor_keeper test_firmware_pipeline test_sensor_contract test_sensor_replay
+    test_recording test_png test_door_contract test_gpio_line test_stereo_calibration test_registration
+    test_template test_shape_fit'
+tests=${2:-$usual}
+
+skip() {
+    echo "skipped: $1"
+    echo '0 passed, 0 failed, 1 skipped'
+    exit 0
+}
+for program in aarch64-linux-gnu-gcc aarch64-linux-gnu-g++ qemu-aarch64-static; do
+    command -v $program >/dev/null || skip "$program is not installed (cmake/install_packages.sh arm64)"
+done
+"$source_dir/cmake/aarch64_root.sh" "$root"
+cd "$source_dir"
+cmake --preset aarch64 >/dev/null
+# shellcheck disable=SC2086
+cmake --build --preset aarch64 --target isothermd isotherm $tests
+build=$(cd "$1" && pwd)
+export OPENBLAS_NUM_THREADS=1
+
+# ---- the units ----
+passed=0 failed=0 skipped=0
+log=$build/arm64-check.log
+# What starts the daemon itself is below: an emulated program cannot start another.
+ctest --test-dir "$build" -j "$(nproc)" --timeout 600 --output-on-failure \
+    -R "^($(echo $tests | tr ' ' '|'))\$" 2>&1 | tee "$log" || true
+passed=$(grep -c ' Passed ' "$log" || true)
+skipped=$(grep -c '\*\*\*Skipped' "$log" || true)
+failed=$(grep -c -E '\*\*\*(Failed|Exception|Timeout|Not Run)' "$log" || true)
+
+# ---- the daemon ----
+if "$source_dir/tests/aarch64/daemon.sh" "$build"; then
+    passed=$((passed + 1))
+else
+    failed=$((failed + 1))
+fi
+echo "arm64: $passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ] && [ "$passed" -gt 1 ]
