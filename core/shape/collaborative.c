@@ -1,87 +1,189 @@
 #include "core/shape/collaborative.h"
 
-#include <cblas.h>
 #include <errno.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, int32_t size,
-                        int32_t stride)
+/* The parts that dictionaries are made of. */
+static struct iso_feature_layout parts_of(const struct iso_collaborative_kind *kind,
+                                          const struct iso_feature_layout *layout)
 {
-    size_t entries = (size_t)n * (size_t)n;
-    struct iso_dictionary made = {.n = n, .size = size, .atom = atom, .stride = stride};
-    made.value = calloc((size_t)n, sizeof *made.value);
-    made.vector = calloc(entries, sizeof *made.vector);
-    if (!made.value || !made.vector) {
-        iso_dictionary_done(&made);
+    return kind->joined ? (struct iso_feature_layout){layout->size, 1, {layout->size}} : *layout;
+}
+
+/* Each part of unit length, and what is joined as a whole, too. */
+static void unit_length(const struct iso_collaborative_kind *kind,
+                        const struct iso_feature_layout *layout, float *feature)
+{
+    iso_gallery_normalise(layout, feature);
+    if (kind->joined) {
+        const struct iso_feature_layout whole = parts_of(kind, layout);
+        iso_gallery_normalise(&whole, feature);
+    }
+}
+
+/* ---- learning ---- */
+
+void iso_collaborative_free(void *model)
+{
+    struct iso_collaborative *m = model;
+    for (int32_t k = 0; k < m->n_parts; k++) {
+        iso_dictionary_done(&m->part[k]);
+    }
+    iso_gallery_done(&m->gallery);
+    free(m);
+}
+
+int iso_collaborative_train(const struct iso_collaborative_kind *kind,
+                            const struct iso_labelled *training, void **model)
+{
+    struct iso_collaborative *m = calloc(1, sizeof *m);
+    if (!m) {
         return -ENOMEM;
     }
-    double trace = 0.0;
-    for (int32_t i = 0; i < n; i++) {
-        double *row = &made.vector[(size_t)i * (size_t)n];
-        iso_dictionary_products(&made, &atom[(size_t)i * (size_t)stride], row);
-        trace += row[i];
+    m->kind = kind;
+    const int32_t size = training->layout->size;
+    const struct iso_feature_layout parts = parts_of(kind, training->layout);
+    int error = iso_gallery_init(&m->gallery, training);
+    for (int32_t i = 0; !error && i < training->n; i++) {
+        unit_length(kind, training->layout, &m->gallery.feature[(size_t)i * (size_t)size]);
     }
-    if (!isfinite(trace) ||
-        LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', n, made.vector, n, made.value)) {
-        iso_dictionary_done(&made);
-        return -EDOM;
+    const float *atom = m->gallery.feature;
+    for (int32_t k = 0; !error && k < parts.n_parts; k++) {
+        error = iso_dictionary_init(&m->part[k], atom, training->n, parts.part_size[k], size);
+        m->n_parts += !error;
+        atom += parts.part_size[k];
     }
-    *d = made;
+    if (error) {
+        iso_collaborative_free(m);
+        return error;
+    }
+    *model = m;
     return 0;
 }
 
-void iso_dictionary_done(struct iso_dictionary *d)
+/* ---- a query's codes ---- */
+
+/* The memory of a code. */
+struct room {
+    float *features; /* y, residual */
+    double *numbers;
+};
+
+static void room_done(struct room *room)
 {
-    free(d->value);
-    free(d->vector);
-    *d = (struct iso_dictionary){0};
+    free(room->features);
+    free(room->numbers);
 }
 
-void iso_dictionary_products(const struct iso_dictionary *d, const float *y, double *product)
+static int code_init(const struct iso_collaborative *m, struct room *room, struct iso_code *code)
 {
+    const size_t n = (size_t)m->gallery.n, size = (size_t)m->gallery.layout.size;
+    const size_t parts = (size_t)m->n_parts;
+    room->features = malloc(2 * size * sizeof *room->features);
+    room->numbers = calloc((2 * parts + 4) * n, sizeof *room->numbers);
+    if (!room->features || !room->numbers) {
+        room_done(room);
+        return -ENOMEM;
+    }
+    const float *y = room->features;
+    for (size_t k = 0; k < parts; k++) {
+        code->y[k] = y;
+        code->product[k] = &room->numbers[2 * k * n];
+        code->alpha[k] = &room->numbers[(2 * k + 1) * n];
+        y += m->part[k].size;
+    }
+    code->mean = &room->numbers[2 * parts * n];
+    code->right = code->mean + n;
+    code->scratch = code->right + n;
+    code->residual = room->features + size;
+    return 0;
+}
+
+static int find_code(const struct iso_collaborative *m, const float *feature, int32_t left,
+                     struct room *room, struct iso_code *code)
+{
+    *code = (struct iso_code){.left = left};
+    int error = code_init(m, room, code);
+    if (error) {
+        return error;
+    }
+    memcpy(room->features, feature, (size_t)m->gallery.layout.size * sizeof *feature);
+    unit_length(m->kind, &m->gallery.layout, room->features);
+    for (int32_t k = 0; k < m->n_parts; k++) {
+        iso_dictionary_products(&m->part[k], code->y[k], code->product[k]);
+    }
+    m->kind->find(m, code);
+    return 0;
+}
+
+double iso_code_residual(const struct iso_collaborative *m, const struct iso_code *code, int32_t k,
+                         int32_t class)
+{
+    const struct iso_dictionary *d = &m->part[k];
+    double square = 0.0;
+    memcpy(code->residual, code->y[k], (size_t)d->size * sizeof *code->residual);
     for (int32_t i = 0; i < d->n; i++) {
         const float *atom = &d->atom[(size_t)i * (size_t)d->stride];
-        double sum = 0.0;
-        for (int32_t j = 0; j < d->size; j++) {
-            sum += (double)atom[j] * (double)y[j];
+        for (int32_t j = 0; m->gallery.label[i] == class && j < d->size; j++) {
+            code->residual[j] -= (float)code->alpha[k][i] * atom[j];
         }
-        product[i] = sum;
     }
+    for (int32_t j = 0; j < d->size; j++) {
+        square += (double)code->residual[j] * (double)code->residual[j];
+    }
+    return square;
 }
 
-/* x = (D D' + c I)^-1 b by the eigenvectors, whose coefficients are put into `between`. */
-static void solve_all(const struct iso_dictionary *d, double c, const double *b, double *between,
-                      double *x)
+/* ---- what they say ---- */
+
+static bool is_present(const struct iso_gallery *gallery, int32_t class)
 {
-    cblas_dgemv(CblasColMajor, CblasTrans, d->n, d->n, 1.0, d->vector, d->n, b, 1, 0.0, between, 1);
-    for (int32_t j = 0; j < d->n; j++) {
-        between[j] /= fmax(d->value[j], 0.0) + c;
+    int32_t i = 0;
+    while (i < gallery->n && gallery->label[i] != class) {
+        i++;
     }
-    cblas_dgemv(CblasColMajor, CblasNoTrans, d->n, d->n, 1.0, d->vector, d->n, between, 1, 0.0, x,
-                1);
+    return i < gallery->n;
 }
 
-void iso_dictionary_solve(const struct iso_dictionary *d, double c, const double *b, int32_t left,
-                          double *scratch, double *alpha)
+int iso_collaborative_score(const void *model, const float *feature, double *score)
 {
-    solve_all(d, c, b, scratch, alpha);
-    if (left < 0) {
-        return;
+    const struct iso_collaborative *m = model;
+    struct room room;
+    struct iso_code code;
+    int error = find_code(m, feature, -1, &room, &code);
+    if (error) {
+        return error;
     }
-    /* alpha_left = 0 by a Lagrange multiplier: alpha - (alpha_left / x_left) x, x = (..)^-1 e_left.
-     */
-    double *x = &scratch[d->n], factor;
-    for (int32_t j = 0; j < d->n; j++) {
-        scratch[j] = d->vector[(size_t)j * (size_t)d->n + (size_t)left] /
-                     (fmax(d->value[j], 0.0) + c);
+    for (int32_t c = 0; c < m->gallery.n_classes; c++) {
+        score[c] = is_present(&m->gallery, c) ? m->kind->score(m, &code, c) : -INFINITY;
     }
-    cblas_dgemv(CblasColMajor, CblasNoTrans, d->n, d->n, 1.0, d->vector, d->n, scratch, 1, 0.0, x,
-                1);
-    factor = alpha[left] / x[left];
-    for (int32_t i = 0; i < d->n; i++) {
-        alpha[i] -= factor * x[i];
+    room_done(&room);
+    return 0;
+}
+
+int iso_collaborative_rank(const void *model, const float *feature, int32_t left, double *distance)
+{
+    const struct iso_collaborative *m = model;
+    struct room room;
+    struct iso_code code;
+    int error = find_code(m, feature, left, &room, &code);
+    if (error) {
+        return error;
     }
-    alpha[left] = 0.0;
+    double weight = 0.0;
+    for (int32_t k = 0; k < m->n_parts; k++) {
+        weight += code.weight[k];
+    }
+    for (int32_t i = 0; i < m->gallery.n; i++) {
+        double square = 0.0;
+        for (int32_t k = 0; i != left && k < m->n_parts; k++) {
+            double a = code.alpha[k][i];
+            square += code.weight[k] / weight * (1.0 - 2.0 * a * code.product[k][i] + a * a);
+        }
+        distance[i] = sqrt(fmax(0.0, square));
+    }
+    room_done(&room);
+    return 0;
 }

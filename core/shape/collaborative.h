@@ -1,31 +1,56 @@
-/* Coding over a dictionary of all shapes at once: what CRC-RLS and RCR have in common.
+/* Classifiers by collaborative representation: what CRC-RLS and RCR have in common.
  *
- * alpha = (D D' + c I)^-1 b, D one feature a row, b = D y + whatever pulls alpha elsewhere. By the
- * eigenvectors of D D', found once, any c > 0 costs two products of a matrix with a vector; and an
- * atom is left out exactly by the constraint that its coefficient be 0. */
+ * A feature is coded over all shapes of all classes at once; what a class, or one shape, takes part
+ * in that code says how alike they are. Kinds differ by what a dictionary is made of, by how codes
+ * are found, and by what a class's part is worth. */
 #ifndef ISO_CORE_SHAPE_COLLABORATIVE_H
 #define ISO_CORE_SHAPE_COLLABORATIVE_H
 
-#include <stdint.h>
+#include "core/shape/dictionary.h"
+#include "core/shape/gallery.h"
 
-struct iso_dictionary {
-    int32_t n, size;
-    const float *atom; /* [n] rows of `stride` values, borrowed; the first `size` are used */
-    int32_t stride;
-    double *value;  /* [n]: eigenvalues of D D' */
-    double *vector; /* [n][n]: eigenvectors, one after another */
+struct iso_collaborative {
+    const struct iso_collaborative_kind *kind;
+    struct iso_gallery gallery; /* features as they are coded: of unit length */
+    int32_t n_parts;
+    struct iso_dictionary part[ISO_SHAPE_PARTS_MAX];
 };
 
-/* -ENOMEM, -EDOM if atoms are not finite. */
-int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, int32_t size,
-                        int32_t stride) __attribute__((warn_unused_result));
-void iso_dictionary_done(struct iso_dictionary *d);
+/* A feature's codes, one for each dictionary, and what it takes to get them. */
+struct iso_code {
+    int32_t left;                         /* the shape whose coefficients are 0, or -1 */
+    const float *y[ISO_SHAPE_PARTS_MAX];  /* [part[k].size], of unit length */
+    double *product[ISO_SHAPE_PARTS_MAX]; /* [n]: D_k y_k */
+    double *alpha[ISO_SHAPE_PARTS_MAX];   /* [n] */
+    double weight[ISO_SHAPE_PARTS_MAX];   /* of each part in what the codes say, above 0 */
+    double *mean, *right, *scratch;       /* [n], [n], [2 n], for who finds codes */
+    float *residual;                      /* [size], for iso_code_residual */
+};
 
-/* D y: [n]. */
-void iso_dictionary_products(const struct iso_dictionary *d, const float *y, double *product);
+struct iso_collaborative_kind {
+    bool joined; /* one dictionary, of whole features; otherwise one of each part */
+    /* Finds alpha and weight; y, product and left are there. */
+    void (*find)(const struct iso_collaborative *model, struct iso_code *code);
+    /* The score of a class that there are shapes of. */
+    double (*score)(const struct iso_collaborative *model, const struct iso_code *code,
+                    int32_t class);
+};
 
-/* alpha for the right side b; `left` is the atom that is left out, or -1. scratch [2 n]. */
-void iso_dictionary_solve(const struct iso_dictionary *d, double c, const double *b, int32_t left,
-                          double *scratch, double *alpha);
+/* |y_k - D_k a_k|^2 over the shapes of one class. */
+double iso_code_residual(const struct iso_collaborative *model, const struct iso_code *code,
+                         int32_t k, int32_t class);
+
+/* As the operations of core/shape/classifier.h; the model is an iso_collaborative. Ranking takes
+ * each shape for a class of its own: its distance is what is left of y without its share, over the
+ * parts by their weights. Not over |alpha_i|, which is near 0 for most and puts them in no order.
+ */
+int iso_collaborative_train(const struct iso_collaborative_kind *kind,
+                            const struct iso_labelled *training, void **model)
+    __attribute__((warn_unused_result));
+void iso_collaborative_free(void *model);
+int iso_collaborative_score(const void *model, const float *feature, double *score)
+    __attribute__((warn_unused_result));
+int iso_collaborative_rank(const void *model, const float *feature, int32_t left, double *distance)
+    __attribute__((warn_unused_result));
 
 #endif

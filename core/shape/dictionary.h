@@ -1,0 +1,31 @@
+/* Coding over a dictionary of all shapes at once.
+ *
+ * alpha = (D D' + c I)^-1 b, D one feature a row, b = D y + whatever pulls alpha elsewhere. By the
+ * eigenvectors of D D', found once, any c > 0 costs two products of a matrix with a vector; and an
+ * atom is left out exactly by the constraint that its coefficient be 0. */
+#ifndef ISO_CORE_SHAPE_DICTIONARY_H
+#define ISO_CORE_SHAPE_DICTIONARY_H
+
+#include <stdint.h>
+
+struct iso_dictionary {
+    int32_t n, size;
+    const float *atom; /* [n] rows of `stride` values, borrowed; the first `size` are used */
+    int32_t stride;
+    double *value;  /* [n]: eigenvalues of D D' */
+    double *vector; /* [n][n]: eigenvectors, one after another */
+};
+
+/* -ENOMEM, -EDOM if atoms are not finite. */
+int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, int32_t size,
+                        int32_t stride) __attribute__((warn_unused_result));
+void iso_dictionary_done(struct iso_dictionary *d);
+
+/* D y: [n]. */
+void iso_dictionary_products(const struct iso_dictionary *d, const float *y, double *product);
+
+/* alpha for the right side b; `left` is the atom that is left out, or -1. scratch [2 n]. */
+void iso_dictionary_solve(const struct iso_dictionary *d, double c, const double *b, int32_t left,
+                          double *scratch, double *alpha);
+
+#endif
