@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "drivers/path.h"
+#include "sim/command.h"
 #include "sim/commands.h"
 #include "sim/data_file.h"
 #include "sim/eval/eval.h"
@@ -97,8 +98,15 @@ static int run_one(const struct arguments *arguments, const char *corpus, struct
     return error;
 }
 
-static int run(struct arguments *arguments, struct iso_fault *fault)
+static int run(void *target, struct iso_fault *fault)
 {
+    struct arguments *arguments = target;
+    if (arguments->corpora.n == 0 || !arguments->out) {
+        return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
+    }
+    if (arguments->eval.threads == 0) {
+        arguments->eval.threads = sim_threads_default(arguments->eval.extract.heat);
+    }
     struct sim_contest contests[CORPORA_MAX];
     struct sim_training_set *training = NULL;
     size_t n = arguments->corpora.n;
@@ -119,12 +127,6 @@ static int run(struct arguments *arguments, struct iso_fault *fault)
     return sim_contest_csv(contests, n, arguments->out, fault);
 }
 
-static int complain(const struct iso_fault *fault, int exit_code)
-{
-    fprintf(stderr, "isotherm-sim eval: %s\n", fault->text);
-    return exit_code;
-}
-
 int sim_cmd_eval(int argc, char **argv)
 {
     struct arguments arguments = {
@@ -137,35 +139,16 @@ int sim_cmd_eval(int argc, char **argv)
         sim_extract_option_set(&arguments.eval.extract),
         sim_match_option_set(&arguments.eval.match),
     };
-    size_t n_sets = sizeof sets / sizeof *sets;
-    struct iso_fault fault = {""};
-    switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
-    case SIM_OPTIONS_HELP:
-        puts("Usage: isotherm-sim eval --corpus DIR --out DIR [OPTION...]\n\n"
-             "Enrols the gallery of a corpus, searches it for every probe, and writes scores.csv,\n"
-             "landmarks.csv, cmc.csv, det.csv, growth.csv, curves.csv, summary.json and plots; "
-             "with\n"
-             "several methods or corpora also methods.csv, and all of them in one table.\n");
-        sim_options_help(sets, n_sets, stdout);
-        sim_method_choice_help(stdout);
-        return SIM_EXIT_OK;
-    case SIM_OPTIONS_REFUSED:
-        return complain(&fault, SIM_EXIT_USAGE);
-    case SIM_OPTIONS_READ:
-        break;
-    }
-    if (arguments.corpora.n == 0 || !arguments.out) {
-        (void)iso_fault_set(&fault, 0, "--corpus and --out are needed");
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    if (arguments.eval.threads == 0) {
-        arguments.eval.threads = sim_threads_default(arguments.eval.extract.heat);
-    }
-    int error = run(&arguments, &fault);
-    if (!error) {
-        return SIM_EXIT_OK;
-    }
-    return complain(&fault, error == -EINVAL   ? SIM_EXIT_USAGE
-                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
-                                               : SIM_EXIT_FAULT);
+    const struct sim_command command = {
+        .name = "eval",
+        .needs = "--corpus DIR --out DIR",
+        .summary =
+            "Enrols the gallery of a corpus, searches it for every probe, and writes scores.csv,\n"
+            "landmarks.csv, cmc.csv, det.csv, growth.csv, curves.csv, summary.json and plots; "
+            "with\n"
+            "several methods or corpora also methods.csv, and all of them in one table.",
+        .run = run,
+        .notes = sim_method_choice_help,
+    };
+    return sim_command_run(&command, sets, sizeof sets / sizeof *sets, argc, argv);
 }

@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "sim/command.h"
 #include "sim/commands.h"
 #include "sim/loaders/import.h"
 #include "sim/options.h"
@@ -24,58 +25,49 @@ static const struct sim_option options[] = {
      FIELD(import.database_options.level_mm)},
 };
 
-static int complain(const struct iso_fault *fault, int exit_code)
+static void list_databases(FILE *out)
 {
-    fprintf(stderr, "isotherm-sim import: %s\n", fault->text);
-    return exit_code;
+    fputs("\nDatabases:\n", out);
+    for (size_t i = 0; sim_databases[i]; i++) {
+        fprintf(out, "  %-12s%s\n", sim_databases[i]->name, sim_databases[i]->source);
+    }
 }
 
-static void print_help(const struct sim_option_set *set)
+static int run(void *target, struct iso_fault *fault)
 {
-    puts("Usage: isotherm-sim import --database NAME --from DIR --out DIR [OPTION...]\n\n"
-         "Makes a corpus of a public database of 3D faces that you have a licence for. Each scan "
-         "is\n"
-         "seen by a virtual depth camera; the first neutral one of a person is enrolled.\n");
-    sim_options_help(set, 1, stdout);
-    puts("\nDatabases:");
-    for (size_t i = 0; sim_databases[i]; i++) {
-        printf("  %-12s%s\n", sim_databases[i]->name, sim_databases[i]->source);
+    struct arguments *arguments = target;
+    struct sim_import_options *import = &arguments->import;
+    struct sim_import_report report;
+    if (!arguments->database || !import->from || !import->to) {
+        return iso_fault_set(fault, -EINVAL, "--database, --from and --out are needed");
     }
+    import->database = sim_database_find(arguments->database);
+    if (!import->database) {
+        return iso_fault_set(fault, -EINVAL, "--database: '%s' is unknown", arguments->database);
+    }
+    if (!(import->database_options.level_mm > 0.0)) {
+        return iso_fault_set(fault, -EINVAL, "--level: must be above 0");
+    }
+    int error = sim_import(import, &report, fault);
+    if (!error) {
+        printf("%zu scans of %zu people, %zu refused\n", report.scans, report.people,
+               report.refused);
+    }
+    return error;
 }
 
 int sim_cmd_import(int argc, char **argv)
 {
     struct arguments arguments = {.import.database_options.level_mm = 0.32};
     const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
-    struct iso_fault fault = {""};
-    enum sim_options_outcome outcome = sim_options_parse(argc, argv, &set, 1, &fault);
-    if (outcome == SIM_OPTIONS_HELP) {
-        print_help(&set);
-        return SIM_EXIT_OK;
-    }
-    if (outcome == SIM_OPTIONS_REFUSED) {
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    struct sim_import_options *import = &arguments.import;
-    if (!arguments.database || !import->from || !import->to) {
-        (void)iso_fault_set(&fault, 0, "--database, --from and --out are needed");
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    import->database = sim_database_find(arguments.database);
-    if (!import->database || !(import->database_options.level_mm > 0.0)) {
-        (void)iso_fault_set(&fault, 0,
-                            import->database ? "--level: must be above 0"
-                                             : "--database: '%s' is unknown",
-                            arguments.database);
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    struct sim_import_report report;
-    int error = sim_import(import, &report, &fault);
-    if (error) {
-        return complain(&fault, error == -EINVAL   ? SIM_EXIT_USAGE
-                                : error == -ENOENT ? SIM_EXIT_NOT_FOUND
-                                                   : SIM_EXIT_FAULT);
-    }
-    printf("%zu scans of %zu people, %zu refused\n", report.scans, report.people, report.refused);
-    return SIM_EXIT_OK;
+    const struct sim_command command = {
+        .name = "import",
+        .needs = "--database NAME --from DIR --out DIR",
+        .summary = "Makes a corpus of a public database of 3D faces that you have a licence for. "
+                   "Each scan is\n"
+                   "seen by a virtual depth camera; the first neutral one of a person is enrolled.",
+        .run = run,
+        .notes = list_databases,
+    };
+    return sim_command_run(&command, &set, 1, argc, argv);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "sim/command.h"
 #include "sim/commands.h"
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
@@ -27,8 +28,15 @@ static const struct sim_option own_options[] = {
     {"model", "FILE", "head model", sim_option_text, FIELD(study.model)},
 };
 
-static int run(const struct arguments *arguments, struct iso_fault *fault)
+static int run(void *target, struct iso_fault *fault)
 {
+    struct arguments *arguments = target;
+    if (!arguments->study.corpus || !arguments->out) {
+        return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
+    }
+    if (arguments->study.threads == 0) {
+        arguments->study.threads = sim_threads_default(arguments->study.extract.heat);
+    }
     if (mkdir(arguments->out, 0777) != 0 && errno != EEXIST) {
         return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
     }
@@ -49,12 +57,6 @@ static int run(const struct arguments *arguments, struct iso_fault *fault)
     return error;
 }
 
-static int complain(const struct iso_fault *fault, int exit_code)
-{
-    fprintf(stderr, "isotherm-sim landmarks: %s\n", fault->text);
-    return exit_code;
-}
-
 int sim_cmd_landmarks(int argc, char **argv)
 {
     struct arguments arguments = {
@@ -64,33 +66,14 @@ int sim_cmd_landmarks(int argc, char **argv)
         {own_options, sizeof own_options / sizeof *own_options, &arguments},
         sim_extract_option_set(&arguments.study.extract),
     };
-    size_t n_sets = sizeof sets / sizeof *sets;
-    struct iso_fault fault = {""};
-    switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
-    case SIM_OPTIONS_HELP:
-        puts("Usage: isotherm-sim landmarks --corpus DIR --out DIR [OPTION...]\n\n"
-             "Runs the extractor over every frame of a corpus, holds the landmarks against\n"
-             "landmarks.csv, counts what is accepted and refused, of people and of what is none,\n"
-             "and writes landmarks.csv, frames.csv and summary.json.\n");
-        sim_options_help(sets, n_sets, stdout);
-        return SIM_EXIT_OK;
-    case SIM_OPTIONS_REFUSED:
-        return complain(&fault, SIM_EXIT_USAGE);
-    case SIM_OPTIONS_READ:
-        break;
-    }
-    if (!arguments.study.corpus || !arguments.out) {
-        (void)iso_fault_set(&fault, 0, "--corpus and --out are needed");
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    if (arguments.study.threads == 0) {
-        arguments.study.threads = sim_threads_default(arguments.study.extract.heat);
-    }
-    int error = run(&arguments, &fault);
-    if (!error) {
-        return SIM_EXIT_OK;
-    }
-    return complain(&fault, error == -EINVAL   ? SIM_EXIT_USAGE
-                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
-                                               : SIM_EXIT_FAULT);
+    const struct sim_command command = {
+        .name = "landmarks",
+        .needs = "--corpus DIR --out DIR",
+        .summary =
+            "Runs the extractor over every frame of a corpus, holds the landmarks against\n"
+            "landmarks.csv, counts what is accepted and refused, of people and of what is none,\n"
+            "and writes landmarks.csv, frames.csv and summary.json.",
+        .run = run,
+    };
+    return sim_command_run(&command, sets, sizeof sets / sizeof *sets, argc, argv);
 }

@@ -1,8 +1,8 @@
 /* isotherm-sim shapes: retrieval of non-rigid shapes by what heat tells of them. */
 #include <errno.h>
 #include <stdio.h>
-#include <string.h>
 
+#include "sim/command.h"
 #include "sim/commands.h"
 #include "sim/eval/extract_options.h"
 #include "sim/shapes/crops.h"
@@ -100,8 +100,9 @@ static void quieten_blas(void)
     }
 }
 
-static int run_generate(struct arguments *arguments, struct iso_fault *fault)
+static int run_generate(void *target, struct iso_fault *fault)
 {
+    struct arguments *arguments = target;
     int32_t n = 0;
     if (!arguments->generate.out) {
         return iso_fault_set(fault, -EINVAL, "--out is needed");
@@ -114,8 +115,9 @@ static int run_generate(struct arguments *arguments, struct iso_fault *fault)
     return error;
 }
 
-static int run_eval(struct arguments *arguments, struct iso_fault *fault)
+static int run_eval(void *target, struct iso_fault *fault)
 {
+    struct arguments *arguments = target;
     if (!arguments->study.corpus || !arguments->study.out) {
         return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
     }
@@ -124,8 +126,9 @@ static int run_eval(struct arguments *arguments, struct iso_fault *fault)
     return sim_shapes_study(&arguments->study, stdout, fault);
 }
 
-static int run_tables(struct arguments *arguments, struct iso_fault *fault)
+static int run_tables(void *target, struct iso_fault *fault)
 {
+    struct arguments *arguments = target;
     if (!arguments->tables.corpus || !arguments->tables.out) {
         return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
     }
@@ -134,8 +137,9 @@ static int run_tables(struct arguments *arguments, struct iso_fault *fault)
     return sim_shapes_tables(&arguments->tables, stdout, fault);
 }
 
-static int run_crops(struct arguments *arguments, struct iso_fault *fault)
+static int run_crops(void *target, struct iso_fault *fault)
 {
+    struct arguments *arguments = target;
     int32_t n = 0, n_empty = 0;
     if (!arguments->crops.out) {
         return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
@@ -148,35 +152,32 @@ static int run_crops(struct arguments *arguments, struct iso_fault *fault)
     return error;
 }
 
-static const struct target {
-    const char *name, *needs, *summary;
-    const struct sim_option *options;
-    size_t n_options;
-    int (*run)(struct arguments *arguments, struct iso_fault *fault);
-} targets[] = {
-    {"generate", "--out DIR",
-     "Makes creatures in many poses: a corpus of non-rigid shapes. The same options make the same\n"
-     "bytes.",
-     generate_options, sizeof generate_options / sizeof *generate_options, run_generate},
-    {"eval", "--corpus DIR --out DIR",
-     "Measures how well methods and classifiers retrieve the shapes of a corpus.", eval_options,
-     sizeof eval_options / sizeof *eval_options, run_eval},
-    {"tables", "--corpus DIR --out DIR",
-     "Prints tables 4.1-4.13, 5.1 and 5.2 of the dissertation for corpora of ours, with its own\n"
-     "figures beside them.",
-     tables_options, sizeof tables_options / sizeof *tables_options, run_tables},
-    {"crops", "--corpus DIR --out DIR",
-     "Cuts the foremost thing out of recorded frames: a corpus of faces and of what is none.",
-     crops_options, sizeof crops_options / sizeof *crops_options, run_crops},
+static const struct sim_subcommand targets[] = {
+    {{"shapes generate", "--out DIR",
+      "Makes creatures in many poses: a corpus of non-rigid shapes. The same options make the "
+      "same\n"
+      "bytes.",
+      run_generate, NULL},
+     generate_options,
+     sizeof generate_options / sizeof *generate_options},
+    {{"shapes eval", "--corpus DIR --out DIR",
+      "Measures how well methods and classifiers retrieve the shapes of a corpus.", run_eval, NULL},
+     eval_options,
+     sizeof eval_options / sizeof *eval_options},
+    {{"shapes tables", "--corpus DIR --out DIR",
+      "Prints tables 4.1-4.13, 5.1 and 5.2 of the dissertation for corpora of ours, with its own\n"
+      "figures beside them.",
+      run_tables, NULL},
+     tables_options,
+     sizeof tables_options / sizeof *tables_options},
+    {{"shapes crops", "--corpus DIR --out DIR",
+      "Cuts the foremost thing out of recorded frames: a corpus of faces and of what is none.",
+      run_crops, NULL},
+     crops_options,
+     sizeof crops_options / sizeof *crops_options},
 };
 
-static int complain(const struct iso_fault *fault, int exit_code)
-{
-    fprintf(stderr, "isotherm-sim shapes: %s\n", fault->text);
-    return exit_code;
-}
-
-static int run_target(const struct target *target, int argc, char **argv)
+int sim_cmd_shapes(int argc, char **argv)
 {
     struct arguments arguments = {
         .generate = {.preset = "plain", .seed = 1},
@@ -184,38 +185,6 @@ static int run_target(const struct target *target, int argc, char **argv)
         .tables = {.queries = 36, .smooth = 10, .seed = 1},
         .threads = sim_threads_default(ISO_HEAT_DIRECT),
     };
-    struct sim_option_set set = {target->options, target->n_options, &arguments};
-    struct iso_fault fault = {""};
-    switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
-    case SIM_OPTIONS_HELP:
-        printf("Usage: isotherm-sim shapes %s %s [OPTION...]\n\n%s\n\n", target->name,
-               target->needs, target->summary);
-        sim_options_help(&set, 1, stdout);
-        return SIM_EXIT_OK;
-    case SIM_OPTIONS_REFUSED:
-        return complain(&fault, SIM_EXIT_USAGE);
-    case SIM_OPTIONS_READ:
-        break;
-    }
-    int error = target->run(&arguments, &fault);
-    if (!error) {
-        return SIM_EXIT_OK;
-    }
-    return complain(&fault, error == -EINVAL   ? SIM_EXIT_USAGE
-                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
-                                               : SIM_EXIT_FAULT);
-}
-
-int sim_cmd_shapes(int argc, char **argv)
-{
-    const char *name = argc > 1 ? argv[1] : "";
-    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
-        if (strcmp(name, targets[i].name) == 0) {
-            return run_target(&targets[i], argc - 1, argv + 1);
-        }
-    }
-    bool help = strcmp(name, "--help") == 0;
-    fprintf(help ? stdout : stderr,
-            "Usage: isotherm-sim shapes generate|eval|tables|crops [OPTION...]\n");
-    return help ? SIM_EXIT_OK : SIM_EXIT_USAGE;
+    return sim_subcommand_run("shapes", targets, sizeof targets / sizeof *targets, &arguments, argc,
+                              argv);
 }

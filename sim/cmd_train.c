@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "drivers/text.h"
+#include "sim/command.h"
 #include "sim/commands.h"
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
@@ -114,8 +115,12 @@ static int draw_head(const struct iso_head_model *model, const char *directory,
     return sim_head_pictures(model, directory, fault);
 }
 
-static int train_head(const struct arguments *arguments, struct iso_fault *fault)
+static int train_head(void *target, struct iso_fault *fault)
 {
+    const struct arguments *arguments = target;
+    if (!arguments->ict || !arguments->out) {
+        return iso_fault_set(fault, -EINVAL, "--ict and --out are needed");
+    }
     if (arguments->n_vertices > ISO_HEAD_VERTICES_MAX ||
         arguments->n_identity > ISO_HEAD_IDENTITY_MAX ||
         arguments->n_expression > ISO_HEAD_EXPRESSION_MAX) {
@@ -190,8 +195,12 @@ static int save_cohort(const struct iso_template *templates, uint32_t n, const c
     return error;
 }
 
-static int train_cohort(const struct arguments *arguments, struct iso_fault *fault)
+static int train_cohort(void *target, struct iso_fault *fault)
 {
+    const struct arguments *arguments = target;
+    if (!arguments->ict || !arguments->out) {
+        return iso_fault_set(fault, -EINVAL, "--ict and --out are needed");
+    }
     struct sim_train_cohort_options options = {
         .extract = iso_extract_options_default(),
         .n_people = arguments->n_people > ISO_COHORT_MAX ? 0 : (uint32_t)arguments->n_people,
@@ -253,8 +262,12 @@ static void print_metric_report(const struct sim_train_metric_report *r)
     }
 }
 
-static int train_metric(const struct arguments *arguments, struct iso_fault *fault)
+static int train_metric(void *target, struct iso_fault *fault)
 {
+    const struct arguments *arguments = target;
+    if (!arguments->corpora || !arguments->out) {
+        return iso_fault_set(fault, -EINVAL, "--corpora and --out are needed");
+    }
     struct sim_train_metric_options options = sim_train_metric_options_default();
     char names[4096];
     char *words[SIM_METRIC_CORPORA_MAX];
@@ -289,27 +302,28 @@ static int train_metric(const struct arguments *arguments, struct iso_fault *fau
     return error;
 }
 
-static const struct target {
-    const char *name, *summary;
-    const struct sim_option *options;
-    size_t n_options;
-    int (*run)(const struct arguments *arguments, struct iso_fault *fault);
-} targets[] = {
-    {"head", "Trains the compact head model that faces are found and registered with.",
-     head_options, sizeof head_options / sizeof *head_options, train_head},
-    {"cohort", "Renders people in no gallery and writes the templates that normalise scores.",
-     cohort_options, sizeof cohort_options / sizeof *cohort_options, train_cohort},
-    {"metric", "Learns from corpora of rendered people how likely two templates are one person's.",
-     metric_options, sizeof metric_options / sizeof *metric_options, train_metric},
+static const struct sim_subcommand targets[] = {
+    {{"train head", "--ict DIR --out FILE",
+      "Trains the compact head model that faces are found and registered with. The same\n"
+      "options make the same bytes.",
+      train_head, NULL},
+     head_options,
+     sizeof head_options / sizeof *head_options},
+    {{"train cohort", "--ict DIR --out FILE",
+      "Renders people in no gallery and writes the templates that normalise scores. The same\n"
+      "options make the same bytes.",
+      train_cohort, NULL},
+     cohort_options,
+     sizeof cohort_options / sizeof *cohort_options},
+    {{"train metric", "--corpora DIR,... --out FILE",
+      "Learns from corpora of rendered people how likely two templates are one person's. The same\n"
+      "options make the same bytes.",
+      train_metric, NULL},
+     metric_options,
+     sizeof metric_options / sizeof *metric_options},
 };
 
-static int complain(const struct iso_fault *fault, int exit_code)
-{
-    fprintf(stderr, "isotherm-sim train: %s\n", fault->text);
-    return exit_code;
-}
-
-static int run_target(const struct target *target, int argc, char **argv)
+int sim_cmd_train(int argc, char **argv)
 {
     struct arguments arguments = {
         .model = SIM_DATA_FILE_MODEL,
@@ -320,45 +334,6 @@ static int run_target(const struct target *target, int argc, char **argv)
         .n_identity = sim_train_head_options_default().n_identity,
         .n_expression = sim_train_head_options_default().n_expression,
     };
-    struct sim_option_set set = {target->options, target->n_options, &arguments};
-    struct iso_fault fault = {""};
-    switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
-    case SIM_OPTIONS_HELP:
-        printf("Usage: isotherm-sim train %s --%s --out FILE [OPTION...]\n\n%s The same\n"
-               "options make the same bytes.\n\n",
-               target->name, target->run == train_metric ? "corpora DIR,..." : "ict DIR",
-               target->summary);
-        sim_options_help(&set, 1, stdout);
-        return SIM_EXIT_OK;
-    case SIM_OPTIONS_REFUSED:
-        return complain(&fault, SIM_EXIT_USAGE);
-    case SIM_OPTIONS_READ:
-        break;
-    }
-    const bool from_corpora = target->run == train_metric;
-    if (!(from_corpora ? arguments.corpora : arguments.ict) || !arguments.out) {
-        (void)iso_fault_set(&fault, 0, "--%s and --out are needed",
-                            from_corpora ? "corpora" : "ict");
-        return complain(&fault, SIM_EXIT_USAGE);
-    }
-    int error = target->run(&arguments, &fault);
-    if (!error) {
-        return SIM_EXIT_OK;
-    }
-    return complain(&fault, error == -EINVAL   ? SIM_EXIT_USAGE
-                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
-                                               : SIM_EXIT_FAULT);
-}
-
-int sim_cmd_train(int argc, char **argv)
-{
-    const char *name = argc > 1 ? argv[1] : "";
-    for (size_t i = 0; i < sizeof targets / sizeof *targets; i++) {
-        if (strcmp(name, targets[i].name) == 0) {
-            return run_target(&targets[i], argc - 1, argv + 1);
-        }
-    }
-    bool help = strcmp(name, "--help") == 0;
-    fprintf(help ? stdout : stderr, "Usage: isotherm-sim train head|cohort|metric [OPTION...]\n");
-    return help ? SIM_EXIT_OK : SIM_EXIT_USAGE;
+    return sim_subcommand_run("train", targets, sizeof targets / sizeof *targets, &arguments, argc,
+                              argv);
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Exit codes and complaints of `isotherm-sim eval`, `landmarks` and `show`: commands.sh PROGRAM SOURCE_DIRECTORY
+# Exit codes and complaints of isotherm-sim's commands: commands.sh PROGRAM SOURCE_DIRECTORY
 set -u
 simulator=$1 source=$2
 model=$source/core/data/head.model
@@ -92,6 +92,12 @@ expect 2 '--corpus and --out are needed' shapes eval --corpus x
 expect 2 "--distort: 'rain:1' is no KIND:LEVEL" shapes eval --distort rain:1
 expect 3 'nowhere/manifest.csv' shapes eval --corpus "$work/nowhere" --out "$work/s"
 expect 3 'nowhere/manifest.csv' shapes tables --corpus "$work/nowhere" --out "$work/s"
+expect 0 '' train --help
+expect 0 '' train metric --help
+expect 2 'Usage: isotherm-sim train head|cohort|metric' train heads
+expect 2 'isotherm-sim train head: --ict and --out are needed' train head --ict x
+expect 2 '--corpora and --out are needed' train metric
+expect 3 'nowhere' train head --ict "$work/nowhere" --out "$work/head.model"
 expect 0 '' import --help
 expect 2 '--database, --from and --out are needed' import --database frgc
 expect 2 "--database: 'lfw' is unknown" import --database lfw --from "$work" --out "$work/imported"

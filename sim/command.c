@@ -1,0 +1,73 @@
+#include "sim/command.h"
+
+#include <errno.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "sim/commands.h"
+
+static int complain(const struct sim_command *command, const struct iso_fault *fault, int exit_code)
+{
+    fprintf(stderr, "isotherm-sim %s: %s\n", command->name, fault->text);
+    return exit_code;
+}
+
+static void print_help(const struct sim_command *command, const struct sim_option_set *sets,
+                       size_t n_sets)
+{
+    printf("Usage: isotherm-sim %s %s [OPTION...]\n\n%s\n\n", command->name, command->needs,
+           command->summary);
+    sim_options_help(sets, n_sets, stdout);
+    if (command->notes) {
+        command->notes(stdout);
+    }
+}
+
+int sim_command_run(const struct sim_command *command, const struct sim_option_set *sets,
+                    size_t n_sets, int argc, char **argv)
+{
+    struct iso_fault fault = {""};
+    switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
+    case SIM_OPTIONS_HELP:
+        print_help(command, sets, n_sets);
+        return SIM_EXIT_OK;
+    case SIM_OPTIONS_REFUSED:
+        return complain(command, &fault, SIM_EXIT_USAGE);
+    case SIM_OPTIONS_READ:
+        break;
+    }
+    int error = command->run(sets[0].target, &fault);
+    if (!error) {
+        return SIM_EXIT_OK;
+    }
+    return complain(command, &fault,
+                    error == -EINVAL   ? SIM_EXIT_USAGE
+                    : error == -ENOENT ? SIM_EXIT_NOT_FOUND
+                                       : SIM_EXIT_FAULT);
+}
+
+/* A command's own word, behind its group's. */
+static const char *word_of(const char *group, const struct sim_subcommand *subcommand)
+{
+    return subcommand->command.name + strlen(group) + 1;
+}
+
+int sim_subcommand_run(const char *group, const struct sim_subcommand *list, size_t n,
+                       void *arguments, int argc, char **argv)
+{
+    const char *word = argc > 1 ? argv[1] : "";
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(word, word_of(group, &list[i])) == 0) {
+            const struct sim_option_set set = {list[i].options, list[i].n_options, arguments};
+            return sim_command_run(&list[i].command, &set, 1, argc - 1, argv + 1);
+        }
+    }
+    bool help = strcmp(word, "--help") == 0;
+    FILE *out = help ? stdout : stderr;
+    fprintf(out, "Usage: isotherm-sim %s ", group);
+    for (size_t i = 0; i < n; i++) {
+        fprintf(out, "%s%s", i ? "|" : "", word_of(group, &list[i]));
+    }
+    fputs(" [OPTION...]\n", out);
+    return help ? SIM_EXIT_OK : SIM_EXIT_USAGE;
+}
