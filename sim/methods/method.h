@@ -48,6 +48,7 @@ struct sim_method {
 extern const struct sim_method sim_method_hfpc;
 extern const struct sim_method sim_method_hfpc_literal;
 extern const struct sim_method sim_method_hfpc_weighted;
+extern const struct sim_method sim_method_hfpc_weighted_1;
 extern const struct sim_method sim_method_cp_hk;
 extern const struct sim_method sim_method_icp;
 extern const struct sim_method sim_method_icp_upper;
@@ -56,7 +57,7 @@ extern const struct sim_method sim_method_fishersurfaces;
 extern const struct sim_method sim_method_anthroface_10;
 extern const struct sim_method sim_method_anthroface_25;
 
-enum { SIM_METHODS = 10 };
+enum { SIM_METHODS = 11 };
 
 /* All of them, the appliance's own first, with a NULL at the end. */
 extern const struct sim_method *const sim_methods[SIM_METHODS + 1];

@@ -4,7 +4,10 @@
  * 2013, 5.11 to 5.13; the weight is that of methods/reflectance.h), so that isotherms bend about
  * brows, lips and lids as well as about the relief. All else is what the appliance does when it
  * compares by distance: mesh, sources, t, radii (the areas enclosed are those of the surface, not
- * of the density), sampling by polar angle, trimmed distance. */
+ * of the density), sampling by polar angle, trimmed distance.
+ *
+ * `hfpc-weighted-1` is the control: the same on the same mesh with density 1 everywhere. What sets
+ * the two apart is the weight, what sets it apart from `hfpc` is the way here. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,11 +52,12 @@ static int make_room(struct work *w)
     return error || (w->density && w->heat) ? error : -ENOMEM;
 }
 
-static int release_heat(const struct sim_scan *face, double t_mm2, struct work *w)
+/* reflectance: of the face's grid, or NULL for density 1. */
+static int release_heat(const float *reflectance, double t_mm2, struct work *w)
 {
     const struct iso_mesh *mesh = w->face->mesh;
     for (int32_t i = 0; i < mesh->n_vertices; i++) {
-        w->density[i] = (double)face->reflectance[w->face->pixel[i]];
+        w->density[i] = reflectance ? (double)reflectance[w->face->pixel[i]] : 1.0;
     }
     int error = iso_stiffness_mass_weighted(mesh, ISO_MASS_CONSISTENT, w->density, w->stiffness,
                                             w->mass);
@@ -107,18 +111,14 @@ static void discard(void *description)
     }
 }
 
-static int describe(const void *knowledge, const struct sim_scan *face, void **description)
+static int describe(const struct sim_scan *face, const float *reflectance, void **description)
 {
-    (void)knowledge;
-    if (!face->reflectance) {
-        return -ENODATA;
-    }
     const struct iso_extract_options options = iso_extract_options_default();
     struct work w = {0};
     struct iso_template *tmpl = calloc(1, sizeof *tmpl);
     int error = tmpl ? sim_scan_mesh_new(face, 1, &w.face) : -ENOMEM;
     error = error ? error : make_room(&w);
-    error = error ? error : release_heat(face, options.t_mm2, &w);
+    error = error ? error : release_heat(reflectance, options.t_mm2, &w);
     error = error ? error : trace(&options, face, &w, tmpl);
     work_done(&w);
     if (error) {
@@ -127,6 +127,18 @@ static int describe(const void *knowledge, const struct sim_scan *face, void **d
     }
     *description = tmpl;
     return 0;
+}
+
+static int describe_weighted(const void *knowledge, const struct sim_scan *face, void **description)
+{
+    (void)knowledge;
+    return face->reflectance ? describe(face, face->reflectance, description) : -ENODATA;
+}
+
+static int describe_evenly(const void *knowledge, const struct sim_scan *face, void **description)
+{
+    (void)knowledge;
+    return describe(face, NULL, description);
 }
 
 static int distance(const void *knowledge, const void *probe, const void *gallery, double *out)
@@ -141,7 +153,15 @@ const struct sim_method sim_method_hfpc_weighted = {
     .source = "Abdelrahman 2013, chapters 6 and 5: the appliance's contours by distance, of heat "
               "whose density is the skin's infrared reflectance",
     .infrared = true,
-    .describe = describe,
+    .describe = describe_weighted,
+    .discard = discard,
+    .distance = distance,
+};
+
+const struct sim_method sim_method_hfpc_weighted_1 = {
+    .name = "hfpc-weighted-1",
+    .source = "control of hfpc-weighted: the same on the same mesh, with density 1",
+    .describe = describe_evenly,
     .discard = discard,
     .distance = distance,
 };

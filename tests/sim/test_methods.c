@@ -328,6 +328,30 @@ static void test_skin_bends_contours(void **state)
     sim_scan_free(blind);
 }
 
+/* The control sees no image, and is what the weighted method makes of skin that has no pattern. */
+static void test_control_weighs_nothing(void **state)
+{
+    (void)state;
+    const struct sim_method *control = &sim_method_hfpc_weighted_1,
+                            *weighted = &sim_method_hfpc_weighted;
+    struct sim_scan *plain = draw_person(5, 0.0, 0), *spotted = draw_person(5, 0.0, 0);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        plain->reflectance[i] = 1.0f;
+    }
+    void *weightless = describe(weighted, NULL, plain),
+         *controlled = describe(control, NULL, spotted);
+    assert_float_equal(distance(control, NULL, controlled, weightless), 0.0, 0.0);
+    control->discard(controlled);
+    free(spotted->reflectance);
+    spotted->reflectance = NULL;
+    controlled = describe(control, NULL, spotted);
+    assert_float_equal(distance(control, NULL, controlled, weightless), 0.0, 0.0);
+    control->discard(controlled);
+    weighted->discard(weightless);
+    sim_scan_free(plain);
+    sim_scan_free(spotted);
+}
+
 static double plane(const void *context, double x, double y)
 {
     (void)y;
@@ -478,6 +502,7 @@ int main(void)
         cmocka_unit_test(test_icp_upper_looks_above),
         cmocka_unit_test(test_icp_wants_overlap),
         cmocka_unit_test(test_skin_bends_contours),
+        cmocka_unit_test(test_control_weighs_nothing),
         cmocka_unit_test(test_geodesics),
         cmocka_unit_test(test_contours_need_a_surface),
         cmocka_unit_test_setup_teardown(test_refuses_to_learn, setup, teardown),
