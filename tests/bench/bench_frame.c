@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/clock.h"
 #include "core/extract.h"
 #include "core/match/index.h"
 #include "drivers/recording/recording.h"
 #include "firmware/decision.h"
+#include "firmware/times.h"
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
 #include "sim/eval/latency.h"
