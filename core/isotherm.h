@@ -30,6 +30,7 @@
 #include "core/match/cohort.h"
 #include "core/match/distance.h"
 #include "core/match/icp.h"
+#include "core/match/index.h"
 #include "core/match/metric.h"
 #include "core/match/search.h"
 #include "core/match/template.h"

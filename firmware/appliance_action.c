@@ -314,8 +314,8 @@ void iso__appliance_enroll_face(struct iso_appliance *appliance)
     const struct iso_template *tmpl = &appliance->extraction.tmpl;
     struct iso_enrolment_gallery gallery = {.person = appliance->person.id};
     bool passed = false;
-    gallery.entries = iso_gallery_entries(appliance->parts.gallery, &gallery.n_entries);
-    gallery.own = iso_gallery_entries_of(appliance->parts.gallery, gallery.person, &gallery.n_own);
+    gallery.everybody = iso_gallery_everybody(appliance->parts.gallery);
+    gallery.own = iso_gallery_only(appliance->parts.gallery, gallery.person);
     const int error = iso_enrolment_frame(&appliance->enrolment, tmpl, &appliance->parts.pipeline,
                                           &gallery, &passed);
     if (error) {

@@ -69,16 +69,13 @@ static int compare(const struct iso_appliance *appliance, struct iso_decision_fr
 {
     const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
     const struct iso_gallery *gallery = appliance->parts.gallery;
-    const struct iso_search_entry *entries;
+    const struct iso_candidates among = appliance->mode == ISO_APPLIANCE_VERIFY
+                                            ? iso_gallery_only(gallery, appliance->person.id)
+                                            : iso_gallery_everybody(gallery);
     struct iso_search_hit hits[2];
-    int n_entries = 0, n = 0;
-    if (appliance->mode == ISO_APPLIANCE_VERIFY) {
-        entries = iso_gallery_entries_of(gallery, appliance->person.id, &n_entries);
-    } else {
-        entries = iso_gallery_entries(gallery, &n_entries);
-    }
-    const int error = pipeline->ops->search(pipeline->self, entries, n_entries,
-                                            &appliance->extraction.tmpl, hits, 2, &n);
+    int n = 0;
+    const int error = pipeline->ops->search(pipeline->self, &among, &appliance->extraction.tmpl,
+                                            hits, 2, &n);
     if (error) {
         return error;
     }

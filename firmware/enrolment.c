@@ -17,14 +17,14 @@ void iso_enrolment_begin(struct iso_enrolment *enrolment,
     enrolment->duplicate_of = 0;
 }
 
-/* The best score of a probe with some templates; -INFINITY if there are none, or too few points for
- * a comparison. */
-static int best_score(const struct iso_pipeline *pipeline, const struct iso_search_entry *entries,
-                      int n_entries, const struct iso_template *probe, double *out)
+/* The best score of a probe among these; -INFINITY if there is nobody, or too few points for a
+ * comparison. */
+static int best_score(const struct iso_pipeline *pipeline, const struct iso_candidates *among,
+                      const struct iso_template *probe, double *out)
 {
     struct iso_search_hit hit;
     int n = 0;
-    const int error = pipeline->ops->search(pipeline->self, entries, n_entries, probe, &hit, 1, &n);
+    const int error = pipeline->ops->search(pipeline->self, among, probe, &hit, 1, &n);
     if (error && error != -ENODATA) {
         return error;
     }
@@ -39,8 +39,9 @@ static int lowest_score(const struct iso_enrolment *enrolment, const struct iso_
     double lowest = INFINITY;
     for (int i = 0; i < enrolment->stage; i++) {
         const struct iso_search_entry entry = {.person = 1, .tmpl = &enrolment->frames[i]};
+        const struct iso_candidates before = {.entries = &entry, .n_entries = 1};
         double score = 0;
-        const int error = best_score(pipeline, &entry, 1, frame, &score);
+        const int error = best_score(pipeline, &before, frame, &score);
         if (error) {
             return error;
         }
@@ -57,8 +58,8 @@ static int find_duplicate(const struct iso_enrolment *enrolment,
 {
     struct iso_search_hit hits[2]; /* one of them may be the person's own */
     int n = 0;
-    const int error = pipeline->ops->search(pipeline->self, gallery->entries, gallery->n_entries,
-                                            &enrolment->fused, hits, 2, &n);
+    const int error = pipeline->ops->search(pipeline->self, &gallery->everybody, &enrolment->fused,
+                                            hits, 2, &n);
     if (error) {
         return error == -ENODATA ? 0 : error;
     }
@@ -79,8 +80,8 @@ static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pip
     double own = INFINITY;
     int64_t duplicate = 0;
     int error = 0;
-    if (gallery->n_own > 0) {
-        error = best_score(pipeline, gallery->own, gallery->n_own, &enrolment->fused, &own);
+    if (!iso_candidates_none(&gallery->own)) {
+        error = best_score(pipeline, &gallery->own, &enrolment->fused, &own);
     }
     if (!error && !enrolment->options.allow_duplicate) {
         error = find_duplicate(enrolment, pipeline, gallery, &duplicate);

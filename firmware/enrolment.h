@@ -47,9 +47,8 @@ struct iso_enrolment_options {
 
 /* Whom the new template is compared with. */
 struct iso_enrolment_gallery {
-    const struct iso_search_entry *entries, *own; /* everybody's; those of the person enrolled */
-    int n_entries, n_own;
-    int64_t person; /* who is enrolled, if already known, else 0 */
+    struct iso_candidates everybody, own; /* own: the person enrolled, alone */
+    int64_t person;                       /* who that is, if already known, else 0 */
 };
 
 struct iso_enrolment {

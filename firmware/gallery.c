@@ -7,170 +7,15 @@
 #include <string.h>
 
 #include "firmware/gallery_db.h"
+#include "firmware/gallery_memory.h"
 
 struct iso_gallery {
     struct iso_gallery_db *db;
     size_t capacity;
-    uint32_t algorithm;
-
-    struct iso_person *people; /* by rising id */
-    size_t n_people, people_capacity;
-    struct iso_search_entry *entries; /* in the order of people */
-    size_t n_entries, entries_capacity;
+    struct iso_gallery_memory memory;
 };
 
-/* ---- memory ---- */
-
-static void free_template(const struct iso_template *tmpl)
-{
-    struct iso_template *own = (struct iso_template *)(uintptr_t)tmpl;
-    if (own) {
-        iso_template_wipe(own);
-        free(own);
-    }
-}
-
-/* Room for one more item of an array. */
-static int reserve(void **items, size_t item_size, size_t n, size_t *capacity)
-{
-    if (n < *capacity) {
-        return 0;
-    }
-    const size_t more = *capacity ? 2 * *capacity : 16;
-    void *grown = reallocarray(*items, more, item_size);
-    if (!grown) {
-        return -ENOMEM;
-    }
-    *items = grown;
-    *capacity = more;
-    return 0;
-}
-
-static int reserve_person(struct iso_gallery *gallery)
-{
-    void *people = gallery->people;
-    const int error = reserve(&people, sizeof *gallery->people, gallery->n_people,
-                              &gallery->people_capacity);
-    gallery->people = people;
-    return error;
-}
-
-static int reserve_entry(struct iso_gallery *gallery)
-{
-    void *entries = gallery->entries;
-    const int error = reserve(&entries, sizeof *gallery->entries, gallery->n_entries,
-                              &gallery->entries_capacity);
-    gallery->entries = entries;
-    return error;
-}
-
-/* Behind the last entry of this person or of one enrolled before. There is room. */
-static void insert_entry(struct iso_gallery *gallery, int64_t person,
-                         const struct iso_template *tmpl)
-{
-    size_t at = gallery->n_entries;
-    while (at > 0 && gallery->entries[at - 1].person > person) {
-        at--;
-    }
-    memmove(gallery->entries + at + 1, gallery->entries + at,
-            (gallery->n_entries - at) * sizeof *gallery->entries);
-    gallery->entries[at] = (struct iso_search_entry){.person = person, .tmpl = tmpl};
-    gallery->n_entries++;
-}
-
-static void remove_entries(struct iso_gallery *gallery, int64_t person)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < gallery->n_entries; i++) {
-        if (gallery->entries[i].person == person) {
-            free_template(gallery->entries[i].tmpl);
-        } else {
-            gallery->entries[kept++] = gallery->entries[i];
-        }
-    }
-    gallery->n_entries = kept;
-}
-
-static struct iso_person *find_own(const struct iso_gallery *gallery, int64_t id)
-{
-    for (size_t i = 0; i < gallery->n_people; i++) {
-        if (gallery->people[i].id == id) {
-            return &gallery->people[i];
-        }
-    }
-    return NULL;
-}
-
 /* ---- opening ---- */
-
-static int load_person(void *context, const struct iso_person *person, struct iso_fault *fault)
-{
-    struct iso_gallery *gallery = context;
-    if (iso_gallery_find(gallery, person->name)) {
-        return iso_gallery_db_damaged(gallery->db, "two people of one name", fault);
-    }
-    if (reserve_person(gallery)) {
-        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
-    }
-    gallery->people[gallery->n_people++] = *person;
-    return 0;
-}
-
-/* Takes a template in that the running algorithm can use. */
-static int load_usable(struct iso_gallery *gallery, struct iso_person *person,
-                       const struct iso_template *tmpl, struct iso_fault *fault)
-{
-    struct iso_template *copy = malloc(sizeof *copy);
-    if (!copy || reserve_entry(gallery)) {
-        free(copy);
-        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
-    }
-    *copy = *tmpl;
-    insert_entry(gallery, person->id, copy);
-    person->usable++; /* NOLINT(clang-analyzer-unix.Malloc): the gallery's entry keeps the copy */
-    return 0;
-}
-
-static int load_template(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,
-                         size_t size, struct iso_fault *fault)
-{
-    struct iso_gallery *gallery = context;
-    struct iso_person *person = find_own(gallery, person_id);
-    struct iso_template tmpl;
-    if (!person) {
-        return iso_gallery_db_damaged(gallery->db, "a template belongs to nobody", fault);
-    }
-    person->templates++;
-    int error = iso_template_parse(bytes, size, &tmpl);
-    if (error == -EPROTONOSUPPORT) {
-        return 0;
-    }
-    if (error || tmpl.algorithm != algorithm) {
-        return iso_gallery_db_damaged(gallery->db, "a template cannot be read", fault);
-    }
-    if (algorithm == gallery->algorithm) {
-        error = load_usable(gallery, person, &tmpl, fault);
-    }
-    iso_template_wipe(&tmpl);
-    return error;
-}
-
-static int load(struct iso_gallery *gallery, struct iso_fault *fault)
-{
-    const struct iso_gallery_visitor visitor = {load_person, load_template, gallery};
-    return iso_gallery_db_load(gallery->db, &visitor, fault);
-}
-
-/* Frees people and templates, not the database. */
-static void forget(struct iso_gallery *gallery)
-{
-    for (size_t i = 0; i < gallery->n_entries; i++) {
-        free_template(gallery->entries[i].tmpl);
-    }
-    free(gallery->entries);
-    sodium_memzero(gallery->people, gallery->n_people * sizeof *gallery->people);
-    free(gallery->people);
-}
 
 int iso_gallery_open(const struct iso_gallery_options *options, struct iso_gallery **out,
                      struct iso_fault *fault)
@@ -180,9 +25,11 @@ int iso_gallery_open(const struct iso_gallery_options *options, struct iso_galle
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->path);
     }
     gallery->capacity = (size_t)options->capacity;
-    gallery->algorithm = options->algorithm;
     int error = iso_gallery_db_open(options, &gallery->db, fault);
-    error = error ? error : load(gallery, fault);
+    if (!error) {
+        error = iso_gallery_memory_load(gallery->db, options->algorithm, options->metric,
+                                        &gallery->memory, fault);
+    }
     if (error) {
         iso_gallery_close(gallery);
         return error;
@@ -194,7 +41,7 @@ int iso_gallery_open(const struct iso_gallery_options *options, struct iso_galle
 void iso_gallery_close(struct iso_gallery *gallery)
 {
     if (gallery) {
-        forget(gallery);
+        iso_gallery_memory_done(&gallery->memory);
         iso_gallery_db_close(gallery->db);
         free(gallery);
     }
@@ -205,8 +52,9 @@ void iso_gallery_close(struct iso_gallery *gallery)
 int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
-    if (!person && gallery->n_people >= gallery->capacity) {
-        return iso_fault_set(fault, -EDQUOT, "the gallery is full: %zu people", gallery->n_people);
+    if (!person && gallery->memory.n_people >= gallery->capacity) {
+        return iso_fault_set(fault, -EDQUOT, "the gallery is full: %zu people",
+                             gallery->memory.n_people);
     }
     if (person && person->templates >= ISO_GALLERY_TEMPLATES_MAX) {
         return iso_fault_set(fault, -EDQUOT, "%s has %u templates, there is no room for more", name,
@@ -215,9 +63,9 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
     return 0;
 }
 
-/* The transaction, and then the memory for which there is room: nothing can go wrong between. */
-static int add_reserved(struct iso_gallery *gallery, const struct iso_person *person,
-                        const struct iso_template *copy, const void *bytes, size_t size,
+/* The transaction, and then the memory, where nothing can go wrong. */
+static int add_prepared(struct iso_gallery *gallery, const struct iso_person *person,
+                        const void *bytes, size_t size, struct iso_gallery_kept *kept,
                         struct iso_fault *fault)
 {
     const struct iso_person *known = iso_gallery_find(gallery, person->name);
@@ -232,24 +80,14 @@ static int add_reserved(struct iso_gallery *gallery, const struct iso_person *pe
     }
     error = iso_gallery_db_put_person(gallery->db, &row, &row.id, fault);
     if (!error) {
-        error = iso_gallery_db_put_template(gallery->db, row.id, copy->algorithm, bytes, size,
-                                            fault);
+        error = iso_gallery_db_put_template(gallery->db, row.id, gallery->memory.algorithm, bytes,
+                                            size, fault);
     }
     error = iso_gallery_db_end(gallery->db, error, fault);
-    if (error) {
-        return error;
+    if (!error) {
+        iso_gallery_memory_add(&gallery->memory, &row, kept);
     }
-    if (!known) {
-        row.templates = row.usable = 0;
-        gallery->people[gallery->n_people++] = row;
-    }
-    struct iso_person *own = find_own(gallery, row.id);
-    own->valid_from_s = row.valid_from_s;
-    own->valid_until_s = row.valid_until_s;
-    own->templates++;
-    own->usable++;
-    insert_entry(gallery, row.id, copy);
-    return 0;
+    return error;
 }
 
 static int check_addition(const struct iso_gallery *gallery, const struct iso_person *person,
@@ -259,7 +97,7 @@ static int check_addition(const struct iso_gallery *gallery, const struct iso_pe
     if (flaw) {
         return iso_fault_set(fault, -EINVAL, "%s", flaw);
     }
-    if (tmpl->algorithm != gallery->algorithm) {
+    if (tmpl->algorithm != gallery->memory.algorithm) {
         return iso_fault_set(fault, -EINVAL, "the template is of another algorithm");
     }
     return iso_gallery_room(gallery, person->name, fault);
@@ -277,20 +115,17 @@ int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person
     if (size < 0) {
         return iso_fault_set(fault, -EINVAL, "the template is out of range");
     }
-    struct iso_template *copy = malloc(sizeof *copy);
-    if (!copy || reserve_person(gallery) || reserve_entry(gallery)) {
-        error = iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
-    } else {
-        /* As it will be read back: the search sees the same before and after a restart. */
-        error = iso_template_parse(bytes, (size_t)size, copy);
-    }
-    if (!error) {
-        error = add_reserved(gallery, person, copy, bytes, (size_t)size, fault);
-    }
+    /* As it will be read back: the search sees the same before and after a restart. */
+    struct iso_gallery_kept kept = {.tmpl = NULL};
+    error = iso_gallery_memory_prepare(&gallery->memory, bytes, (size_t)size, &kept);
     if (error) {
-        free_template(copy);
+        error = iso_fault_set(fault, error == -ENOMEM ? error : -EINVAL, "%s",
+                              error == -ENOMEM ? "gallery: out of memory"
+                                               : "the template is out of range");
+    } else {
+        error = add_prepared(gallery, person, bytes, (size_t)size, &kept, fault);
     }
-    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc): the gallery's entry keeps the copy */
+    iso_gallery_memory_discard(&kept);
     sodium_memzero(bytes, sizeof bytes);
     return error;
 }
@@ -310,11 +145,7 @@ int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso
     if (error) {
         return error;
     }
-    remove_entries(gallery, person->id);
-    const size_t at = (size_t)(person - gallery->people);
-    gallery->n_people--;
-    memmove(gallery->people + at, gallery->people + at + 1,
-            (gallery->n_people - at) * sizeof *gallery->people);
+    iso_gallery_memory_remove(&gallery->memory, person->id);
     return 0;
 }
 
@@ -378,17 +209,15 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
 
 /* What the database holds now, read back before the transaction ends. Two of one name are found
  * here, when they have come with one import. */
-static int reread(const struct iso_gallery *gallery, struct iso_gallery *out,
+static int reread(const struct iso_gallery *gallery, struct iso_gallery_memory *out,
                   struct iso_fault *fault)
 {
-    *out = (struct iso_gallery){
-        .db = gallery->db, .capacity = gallery->capacity, .algorithm = gallery->algorithm};
-    int error = load(out, fault);
-    if (!error && out->n_people > out->capacity) {
-        error = iso_fault_set(fault, -EDQUOT, "the gallery is full: it holds %zu people, not %zu",
-                              out->capacity, out->n_people);
-    }
-    return error;
+    const int error = iso_gallery_memory_load(gallery->db, gallery->memory.algorithm,
+                                              gallery->memory.metric, out, fault);
+    return !error && out->n_people > gallery->capacity
+               ? iso_fault_set(fault, -EDQUOT, "the gallery is full: it holds %zu people, not %zu",
+                               gallery->capacity, out->n_people)
+               : error;
 }
 
 static int check_items(const struct iso_gallery_item *items, size_t n, struct iso_fault *fault)
@@ -410,7 +239,7 @@ static int check_items(const struct iso_gallery_item *items, size_t n, struct is
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
                        bool replace, size_t *added, struct iso_fault *fault)
 {
-    struct iso_gallery now = {0};
+    struct iso_gallery_memory now = {0};
     size_t count = 0;
     int error = check_items(items, n, fault);
     error = error ? error : iso_gallery_db_begin(gallery->db, fault);
@@ -421,11 +250,11 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
     error = error ? error : reread(gallery, &now, fault);
     error = iso_gallery_db_end(gallery->db, error, fault);
     if (error) {
-        forget(&now);
+        iso_gallery_memory_done(&now);
         return error;
     }
-    forget(gallery);
-    *gallery = now;
+    iso_gallery_memory_done(&gallery->memory);
+    gallery->memory = now;
     *added = count;
     return 0;
 }
@@ -460,7 +289,8 @@ static int export_template(void *context, int64_t person_id, uint32_t algorithm,
 {
     struct exporting *exporting = context;
     struct iso_gallery_item *item = &exporting->item;
-    const struct iso_person *person = find_own(exporting->gallery, person_id);
+    const struct iso_person *person = iso_gallery_memory_find(&exporting->gallery->memory,
+                                                              person_id);
     if (!person || (exporting->only && exporting->only != person)) {
         return 0;
     }
@@ -528,15 +358,16 @@ struct iso_gallery_version iso_gallery_version(const struct iso_gallery *gallery
 
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n)
 {
-    *n = gallery->n_people;
-    return gallery->people;
+    *n = gallery->memory.n_people;
+    return gallery->memory.people;
 }
 
 const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, const char *name)
 {
-    for (size_t i = 0; i < gallery->n_people; i++) {
-        if (strcmp(gallery->people[i].name, name) == 0) {
-            return &gallery->people[i];
+    const struct iso_gallery_memory *memory = &gallery->memory;
+    for (size_t i = 0; i < memory->n_people; i++) {
+        if (strcmp(memory->people[i].name, name) == 0) {
+            return &memory->people[i];
         }
     }
     return NULL;
@@ -544,26 +375,81 @@ const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, con
 
 const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, int64_t id)
 {
-    return find_own(gallery, id);
+    return iso_gallery_memory_find(&gallery->memory, id);
 }
 
-const struct iso_search_entry *iso_gallery_entries(const struct iso_gallery *gallery, int *n)
+struct iso_candidates iso_gallery_everybody(const struct iso_gallery *gallery)
 {
-    *n = (int)gallery->n_entries;
-    return gallery->entries;
+    return (struct iso_candidates){
+        .entries = gallery->memory.entries,
+        .n_entries = (int)gallery->memory.n_entries,
+        .index = gallery->memory.index,
+    };
 }
 
-const struct iso_search_entry *iso_gallery_entries_of(const struct iso_gallery *gallery,
-                                                      int64_t person, int *n)
+struct iso_candidates iso_gallery_only(const struct iso_gallery *gallery, int64_t person)
 {
+    const struct iso_gallery_memory *memory = &gallery->memory;
+    struct iso_metric_vector vector;
+    if (memory->index) {
+        const int error = iso_index_find(memory->index, person, &vector);
+        sodium_memzero(&vector, sizeof vector);
+        return error ? (struct iso_candidates){0}
+                     : (struct iso_candidates){.index = memory->index, .person = person};
+    }
     size_t first = 0, end;
-    while (first < gallery->n_entries && gallery->entries[first].person != person) {
+    while (first < memory->n_entries && memory->entries[first].person != person) {
         first++;
     }
     end = first;
-    while (end < gallery->n_entries && gallery->entries[end].person == person) {
+    while (end < memory->n_entries && memory->entries[end].person == person) {
         end++;
     }
-    *n = (int)(end - first);
-    return *n ? gallery->entries + first : NULL;
+    return first == end ? (struct iso_candidates){0}
+                        : (struct iso_candidates){.entries = memory->entries + first,
+                                                  .n_entries = (int)(end - first)};
+}
+
+struct fetching {
+    const struct iso_gallery *gallery;
+    struct iso_template *out;
+    int n, capacity;
+    uint32_t seen;
+};
+
+static int fetch_template(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,
+                          size_t size, struct iso_fault *fault)
+{
+    struct fetching *fetching = context;
+    (void)person_id;
+    fetching->seen++;
+    if (algorithm != fetching->gallery->memory.algorithm || fetching->n == fetching->capacity) {
+        return 0;
+    }
+    const int error = iso_template_parse(bytes, size, &fetching->out[fetching->n]);
+    fetching->n += !error;
+    return error && error != -EPROTONOSUPPORT
+               ? iso_gallery_db_damaged(fetching->gallery->db, "a template cannot be read", fault)
+               : 0;
+}
+
+int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct iso_template *out,
+                          int capacity, int *n, struct iso_fault *fault)
+{
+    const struct iso_person *own = iso_gallery_find_id(gallery, person);
+    struct fetching fetching = {gallery, out, 0, capacity, 0};
+    const struct iso_gallery_visitor visitor = {NULL, fetch_template, &fetching};
+    if (!own) {
+        return iso_fault_set(fault, -ENOENT, "nobody has the number %lld", (long long)person);
+    }
+    int error = iso_gallery_db_templates(gallery->db, person, &visitor, fault);
+    if (!error && fetching.seen != own->templates) {
+        error = iso_gallery_db_damaged(gallery->db, "records are missing", fault);
+    }
+    if (error) {
+        sodium_memzero(out, (size_t)fetching.n * sizeof *out);
+        return error;
+    }
+    *n = fetching.n;
+    return 0;
 }

@@ -1,5 +1,6 @@
-/* The gallery: who is enrolled, with which templates; sealed in an SQLite database, and all of it
- * in memory for the search.
+/* The gallery: who is enrolled, with which templates; sealed in an SQLite database. In memory are
+ * the people, and what a search looks at: an index of vectors if there is a metric
+ * (core/match/index.h, 664 bytes a person), else the templates.
  *
  * Every change is one transaction that is on the disk when the call returns: after a kill at any
  * moment the gallery is what it was before the change or after it. A new database is made beside
@@ -16,7 +17,7 @@
  * says.
  *
  * Used by one thread. Everything handed out is valid until the next add, import, remove or close.
- * Templates are wiped from memory when they are freed. */
+ * Templates and vectors are wiped from memory when they are freed. */
 #ifndef ISO_FIRMWARE_GALLERY_H
 #define ISO_FIRMWARE_GALLERY_H
 
@@ -25,8 +26,8 @@
 #include <stdint.h>
 
 #include "core/fault.h"
-#include "core/match/search.h"
 #include "core/match/template.h"
+#include "firmware/candidates.h"
 #include "firmware/key_ring.h"
 #include "firmware/person_name.h"
 
@@ -46,10 +47,11 @@ struct iso_person {
 struct iso_gallery;
 
 struct iso_gallery_options {
-    const char *path;          /* beside it PATH.anchor */
-    int capacity;              /* most people */
-    uint32_t algorithm;        /* whose templates are searched */
-    struct iso_key_ring *ring; /* outlives the gallery */
+    const char *path;                /* beside it PATH.anchor */
+    int capacity;                    /* most people */
+    uint32_t algorithm;              /* whose templates are searched */
+    const struct iso_metric *metric; /* outlives the gallery; NULL: templates stay in memory */
+    struct iso_key_ring *ring;       /* outlives the gallery */
     bool migrate; /* a database of version 1, which was not sealed, is sealed at the first start */
 };
 
@@ -139,11 +141,16 @@ const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, s
 const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, const char *name);
 const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, int64_t id);
 
-/* The usable templates, those of one person side by side. */
-const struct iso_search_entry *iso_gallery_entries(const struct iso_gallery *gallery, int *n);
+/* Whom a search looks at: by their usable templates, or with a metric by an index of them. Who has
+ * no usable template is not among them. */
+struct iso_candidates iso_gallery_everybody(const struct iso_gallery *gallery);
+struct iso_candidates iso_gallery_only(const struct iso_gallery *gallery, int64_t person);
 
-/* The usable templates of one person; NULL and 0 if there are none. */
-const struct iso_search_entry *iso_gallery_entries_of(const struct iso_gallery *gallery,
-                                                      int64_t person, int *n);
+/* The usable templates of one person, opened from the database: at most `capacity` of them, which
+ * the caller wipes. Some 0.1 ms a template. -ENOENT nobody has this number; -EBADMSG a record is
+ * not what was stored, -EIO, -ENOMEM: then nothing of it is left in `out`. */
+int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct iso_template *out,
+                          int capacity, int *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 #endif

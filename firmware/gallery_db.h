@@ -38,6 +38,12 @@ struct iso_gallery_visitor {
 int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visitor *visitor,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* The templates of one person alone, by rising id; the visitor's `person` is not called. That none
+ * is missing is for the caller to see, who knows how many there are. */
+int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
+                             const struct iso_gallery_visitor *visitor, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* ---- changes: begin, some of the others, end ---- */
 
 /* -EIO: the change before could not be anchored, and still cannot. */

@@ -74,7 +74,8 @@ typedef int (*visit_fn)(struct iso_gallery_db *db, sqlite3_stmt *row,
                         const struct iso_gallery_visitor *visitor, uint8_t *digest,
                         struct iso_fault *fault);
 
-static int each_row(struct iso_gallery_db *db, const char *sql, visit_fn visit,
+/* `parameter` is that of the statement, if it has one. */
+static int each_row(struct iso_gallery_db *db, const char *sql, int64_t parameter, visit_fn visit,
                     const struct iso_gallery_visitor *visitor, uint8_t *digest,
                     struct iso_fault *fault)
 {
@@ -82,6 +83,7 @@ static int each_row(struct iso_gallery_db *db, const char *sql, visit_fn visit,
     int error = 0;
     int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
     if (step == SQLITE_OK) {
+        (void)sqlite3_bind_int64(query, 1, parameter);
         while (!error && (step = sqlite3_step(query)) == SQLITE_ROW) {
             error = visit(db, query, visitor, digest, fault);
         }
@@ -98,18 +100,28 @@ int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visi
                         struct iso_fault *fault)
 {
     uint8_t digest[ISO_SEAL_DIGEST_BYTES] = {0};
-    int error = each_row(db, "SELECT id, record FROM person ORDER BY id", visit_person, visitor,
+    int error = each_row(db, "SELECT id, record FROM person ORDER BY id", 0, visit_person, visitor,
                          digest, fault);
     if (!error) {
         error = each_row(db,
                          "SELECT id, person_id, algorithm, record FROM template "
                          "ORDER BY person_id, id",
-                         visit_template, visitor, digest, fault);
+                         0, visit_template, visitor, digest, fault);
     }
     if (!error && sodium_memcmp(digest, db->draft.digest, sizeof digest) != 0) {
         error = iso_gallery_db_damaged(db, "records are missing, or are old ones", fault);
     }
     return error;
+}
+
+int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
+                             const struct iso_gallery_visitor *visitor, struct iso_fault *fault)
+{
+    uint8_t digest[ISO_SEAL_DIGEST_BYTES] = {0}; /* of a part: it says nothing */
+    return each_row(db,
+                    "SELECT id, person_id, algorithm, record FROM template "
+                    "WHERE person_id = ?1 ORDER BY id",
+                    person, visit_template, visitor, digest, fault);
 }
 
 /* ---- writing ---- */

@@ -97,10 +97,12 @@ static int open_log(struct iso_parts *parts, struct iso_fault *fault)
 static int open_gallery(struct iso_parts *parts, struct iso_fault *fault)
 {
     const struct iso_config *config = &parts->config;
+    const struct iso_pipeline *pipeline = &parts->pipeline;
     const struct iso_gallery_options options = {
         .path = config->gallery.path,
         .capacity = config->gallery.capacity,
-        .algorithm = parts->pipeline.ops->algorithm(parts->pipeline.self),
+        .algorithm = pipeline->ops->algorithm(pipeline->self),
+        .metric = pipeline->ops->metric ? pipeline->ops->metric(pipeline->self) : NULL,
         .ring = parts->ring,
         .migrate = config->seal.migrate,
     };

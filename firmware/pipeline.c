@@ -1,8 +1,10 @@
 #include "firmware/pipeline.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "firmware/data_file.h"
 
@@ -51,17 +53,59 @@ static int pipeline_extract(void *self, const struct iso_frame *frame, const cha
     return error;
 }
 
-static int pipeline_search(void *self, const struct iso_search_entry *entries, int n_entries,
+/* One person of an index: verification. */
+static int score_one(const struct pipeline *pipeline, const struct iso_candidates *among,
+                     const struct iso_metric_vector *probe, struct iso_search_hit *hits,
+                     int capacity, int *n_hits)
+{
+    struct iso_metric_vector person;
+    const bool known = capacity > 0 && iso_index_find(among->index, among->person, &person) == 0;
+    if (known) {
+        hits[0] = (struct iso_search_hit){
+            .person = among->person,
+            .distance_mm = NAN,
+            .score = iso_metric_score(pipeline->metric, &person, probe),
+        };
+        explicit_bzero(&person, sizeof person);
+    }
+    *n_hits = known;
+    return 0;
+}
+
+static int search_index(const struct pipeline *pipeline, const struct iso_candidates *among,
+                        const struct iso_template *tmpl, struct iso_search_hit *hits, int capacity,
+                        int *n_hits)
+{
+    struct iso_metric_vector probe;
+    int error = iso_metric_project(pipeline->metric, tmpl, &probe);
+    if (error) {
+        return error;
+    }
+    error = among->person ? score_one(pipeline, among, &probe, hits, capacity, n_hits)
+                          : iso_index_search(among->index, &probe, hits, capacity, n_hits);
+    explicit_bzero(&probe, sizeof probe);
+    return error;
+}
+
+static int pipeline_search(void *self, const struct iso_candidates *among,
                            const struct iso_template *probe, struct iso_search_hit *hits,
                            int capacity, int *n_hits)
 {
     const struct pipeline *pipeline = self;
-    if (pipeline->metric) {
-        return iso_search_by_metric(entries, n_entries, probe, pipeline->metric, hits, capacity,
-                                    n_hits);
+    if (among->index) {
+        return search_index(pipeline, among, probe, hits, capacity, n_hits);
     }
-    return iso_search(entries, n_entries, probe, pipeline->cohort, &pipeline->match, hits, capacity,
-                      n_hits);
+    if (pipeline->metric) {
+        return iso_search_by_metric(among->entries, among->n_entries, probe, pipeline->metric, hits,
+                                    capacity, n_hits);
+    }
+    return iso_search(among->entries, among->n_entries, probe, pipeline->cohort, &pipeline->match,
+                      hits, capacity, n_hits);
+}
+
+static const struct iso_metric *pipeline_metric(const void *self)
+{
+    return ((const struct pipeline *)self)->metric;
 }
 
 static uint32_t pipeline_algorithm(const void *self)
@@ -101,6 +145,7 @@ static void pipeline_close(void *self)
 static const struct iso_pipeline_ops ops = {
     .extract = pipeline_extract,
     .search = pipeline_search,
+    .metric = pipeline_metric,
     .algorithm = pipeline_algorithm,
     .model = pipeline_model,
     .close = pipeline_close,

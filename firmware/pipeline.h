@@ -11,8 +11,8 @@
 #include "core/clock.h"
 #include "core/extract.h"
 #include "core/fault.h"
-#include "core/match/search.h"
 #include "drivers/vision/face_check.h"
+#include "firmware/candidates.h"
 
 struct iso_pipeline_ops {
     /* The template of a frame, or why there is none: out->outcome. `sensor` is the model of the
@@ -20,11 +20,15 @@ struct iso_pipeline_ops {
     int (*extract)(void *self, const struct iso_frame *frame, const char *sensor,
                    struct iso_extraction *out);
 
-    /* As iso_search_by_metric, or iso_search with the pipeline's cohort and options. -ENODATA: the
-     * probe has too few points to say anything about it. */
-    int (*search)(void *self, const struct iso_search_entry *entries, int n_entries,
-                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
-                  int *n_hits);
+    /* The best people among these for a probe, as iso_index_search, iso_search_by_metric or
+     * iso_search (with the pipeline's metric, or cohort and options). -ENODATA: the probe has too
+     * few points to say anything about it. */
+    int (*search)(void *self, const struct iso_candidates *among, const struct iso_template *probe,
+                  struct iso_search_hit *hits, int capacity, int *n_hits);
+
+    /* OPTIONAL: what an index of people has to be made by; NULL: there is none, people are compared
+     * by their templates. */
+    const struct iso_metric *(*metric)(const void *self);
 
     /* Whose templates can be compared, and which head model they come from. */
     uint32_t (*algorithm)(const void *self);

@@ -25,6 +25,22 @@ void bench_print_machine(void)
     }
 }
 
+void bench_print_memory(void)
+{
+    char line[128];
+    long now_kib = 0, peak_kib = 0;
+    FILE *file = fopen("/proc/self/status", "re");
+    while (file && fgets(line, sizeof line, file)) {
+        (void)sscanf(line, "VmRSS: %ld", &now_kib);
+        (void)sscanf(line, "VmHWM: %ld", &peak_kib);
+    }
+    if (file) {
+        fclose(file);
+        printf("resident memory: %.1f MiB, at most %.1f MiB\n", (double)now_kib / 1024.0,
+               (double)peak_kib / 1024.0);
+    }
+}
+
 enum { STREAMS = 8, FLOATS = 8192, PASSES = 400, LANES = 8 };
 
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float))));

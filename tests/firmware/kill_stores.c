@@ -244,19 +244,18 @@ static bool run_writer(struct tally *tally, struct message *under_way)
 static bool is_as(const struct stores *stores, int person, int templates)
 {
     char name[32];
-    int n = 0;
     (void)snprintf(name, sizeof name, "person %d", person);
     const struct iso_person *found = iso_gallery_find(stores->gallery, name);
     if (!found) {
         return templates == 0;
     }
-    const struct iso_search_entry *entries = iso_gallery_entries_of(stores->gallery, found->id, &n);
-    for (int i = 0; i < n; i++) {
-        if (puppet_face_of(entries[i].tmpl) != person + 1) {
+    const struct iso_candidates own = iso_gallery_only(stores->gallery, found->id);
+    for (int i = 0; i < own.n_entries; i++) {
+        if (puppet_face_of(own.entries[i].tmpl) != person + 1) {
             give_up(name, "has the template of another person");
         }
     }
-    return n == templates;
+    return own.n_entries == templates;
 }
 
 /* Who is there, against who has to be; the change under way holds or does not. */

@@ -237,10 +237,10 @@ static int by_falling_score(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-static int search(void *self, const struct iso_search_entry *entries, int n_entries,
-                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
-                  int *n_hits)
+static int search(void *self, const struct iso_candidates *among, const struct iso_template *probe,
+                  struct iso_search_hit *hits, int capacity, int *n_hits)
 {
+    const struct iso_search_entry *entries = among->entries;
     const struct puppet_pipeline *pipeline = self;
     struct iso_search_hit all[64];
     int n = 0;
@@ -252,7 +252,7 @@ static int search(void *self, const struct iso_search_entry *entries, int n_entr
         *n_hits = capacity > 0;
         return 0;
     }
-    for (int i = 0; i < n_entries; i++) {
+    for (int i = 0; i < among->n_entries; i++) {
         const double score = 10 - abs(puppet_face_of(probe) - puppet_face_of(entries[i].tmpl));
         int at = 0;
         assert_int_equal(entries[i].tmpl->algorithm, PUPPET_ALGORITHM);

@@ -76,13 +76,17 @@ static void fails_when_nothing_agrees(void **state)
     assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
 }
 
+static struct iso_candidates first_of(const struct iso_search_entry *entries, int n)
+{
+    return (struct iso_candidates){.entries = entries, .n_entries = n};
+}
+
 static void finds_a_duplicate(void **state)
 {
     const struct iso_template known = puppet_template(54, PUPPET_ALGORITHM);
     const struct iso_search_entry entries[] = {{.person = 9, .tmpl = &known}};
     (void)state;
-    gallery.entries = entries;
-    gallery.n_entries = 1;
+    gallery.everybody = first_of(entries, 1);
     assert_true(frame(50));
     assert_true(frame(51));
     assert_true(frame(52));
@@ -95,8 +99,7 @@ static void a_duplicate_may_be_allowed(void **state)
     const struct iso_template known = puppet_template(54, PUPPET_ALGORITHM);
     const struct iso_search_entry entries[] = {{.person = 9, .tmpl = &known}};
     (void)state;
-    gallery.entries = entries;
-    gallery.n_entries = 1;
+    gallery.everybody = first_of(entries, 1);
     enrolment.options.allow_duplicate = true;
     (void)frame(50);
     (void)frame(51);
@@ -109,8 +112,7 @@ static void somebody_less_alike_is_no_duplicate(void **state)
     const struct iso_template known = puppet_template(55, PUPPET_ALGORITHM);
     const struct iso_search_entry entries[] = {{.person = 9, .tmpl = &known}};
     (void)state;
-    gallery.entries = entries;
-    gallery.n_entries = 1;
+    gallery.everybody = first_of(entries, 1);
     (void)frame(50);
     (void)frame(51);
     (void)frame(52);
@@ -125,14 +127,14 @@ static void adds_to_a_person(void **state)
     const struct iso_search_entry entries[] = {{.person = 3, .tmpl = &known},
                                                {.person = 9, .tmpl = &other}};
     (void)state;
-    gallery = (struct iso_enrolment_gallery){entries, entries, 1, 1, 3};
+    gallery = (struct iso_enrolment_gallery){first_of(entries, 1), first_of(entries, 1), 3};
     (void)frame(50);
     (void)frame(51);
     (void)frame(52);
     assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
 
     assert_int_equal(setup(NULL), 0);
-    gallery = (struct iso_enrolment_gallery){entries, entries, 2, 1, 3};
+    gallery = (struct iso_enrolment_gallery){first_of(entries, 2), first_of(entries, 1), 3};
     (void)frame(50);
     (void)frame(51);
     (void)frame(52);
@@ -145,7 +147,7 @@ static void does_not_add_somebody_else_to_a_person(void **state)
     const struct iso_template known = puppet_template(90, PUPPET_ALGORITHM);
     const struct iso_search_entry entries[] = {{.person = 3, .tmpl = &known}};
     (void)state;
-    gallery = (struct iso_enrolment_gallery){entries, entries, 1, 1, 3};
+    gallery = (struct iso_enrolment_gallery){first_of(entries, 1), first_of(entries, 1), 3};
     (void)frame(50);
     (void)frame(51);
     (void)frame(52);

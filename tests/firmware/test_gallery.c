@@ -35,13 +35,11 @@ static int add(struct iso_gallery *gallery, const char *name, int face, struct i
 static void expect_person(const struct iso_gallery *gallery, const char *name, unsigned templates)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
-    int n = -1;
     assert_non_null(person);
     assert_int_equal(person->templates, templates);
     assert_int_equal(person->usable, templates);
     assert_ptr_equal(iso_gallery_find_id(gallery, person->id), person);
-    (void)iso_gallery_entries_of(gallery, person->id, &n);
-    assert_int_equal(n, templates);
+    assert_int_equal(iso_gallery_only(gallery, person->id).n_entries, templates);
 }
 
 static void begins_empty_and_private(void **state)
@@ -49,13 +47,13 @@ static void begins_empty_and_private(void **state)
     struct iso_gallery *gallery = open_gallery(*state);
     struct stat status;
     size_t n_people = 1;
-    int n_entries = 1;
     (void)iso_gallery_people(gallery, &n_people);
-    (void)iso_gallery_entries(gallery, &n_entries);
+    const struct iso_candidates all = iso_gallery_everybody(gallery);
+    const struct iso_candidates one = iso_gallery_only(gallery, 1);
     assert_int_equal(n_people, 0);
-    assert_int_equal(n_entries, 0);
+    assert_true(iso_candidates_none(&all));
+    assert_true(iso_candidates_none(&one));
     assert_null(iso_gallery_find(gallery, "anna"));
-    assert_null(iso_gallery_entries_of(gallery, 1, &n_entries));
     assert_int_equal(stat(scratch_path(*state, "g.db"), &status), 0);
     assert_int_equal(status.st_mode & 0777, 0600);
     iso_gallery_close(gallery);
@@ -66,9 +64,8 @@ static void begins_empty_and_private(void **state)
 static void check_three(const struct iso_gallery *gallery)
 {
     size_t n_people = 0;
-    int n = 0;
     const struct iso_person *people = iso_gallery_people(gallery, &n_people);
-    const struct iso_search_entry *entries = iso_gallery_entries(gallery, &n);
+    const struct iso_candidates all = iso_gallery_everybody(gallery);
     assert_int_equal(n_people, 2);
     assert_string_equal(people[0].name, "anna");
     assert_string_equal(people[1].name, "Zo\xc3\xab");
@@ -78,11 +75,11 @@ static void check_three(const struct iso_gallery *gallery)
     expect_person(gallery, "anna", 2);
     expect_person(gallery, "Zo\xc3\xab", 1);
     /* Those of one person side by side, though they came in another order. */
-    assert_int_equal(n, 3);
-    assert_int_equal(puppet_face_of(entries[0].tmpl), 20);
-    assert_int_equal(puppet_face_of(entries[1].tmpl), 22);
-    assert_int_equal(puppet_face_of(entries[2].tmpl), 60);
-    assert_int_equal(entries[1].person, people[0].id);
+    assert_int_equal(all.n_entries, 3);
+    assert_int_equal(puppet_face_of(all.entries[0].tmpl), 20);
+    assert_int_equal(puppet_face_of(all.entries[1].tmpl), 22);
+    assert_int_equal(puppet_face_of(all.entries[2].tmpl), 60);
+    assert_int_equal(all.entries[1].person, people[0].id);
 }
 
 static void keeps_people_over_a_restart(void **state)
@@ -102,12 +99,11 @@ static void a_template_is_as_it_was(void **state)
 {
     const struct iso_template wanted = puppet_template(20, PUPPET_ALGORITHM);
     struct iso_gallery *gallery = open_gallery(*state);
-    int n = 0;
     assert_int_equal(add(gallery, "anna", 20, NULL), 0);
-    assert_memory_equal(iso_gallery_entries(gallery, &n)->tmpl, &wanted, sizeof wanted);
+    assert_memory_equal(iso_gallery_everybody(gallery).entries->tmpl, &wanted, sizeof wanted);
     iso_gallery_close(gallery);
     gallery = open_gallery(*state);
-    assert_memory_equal(iso_gallery_entries(gallery, &n)->tmpl, &wanted, sizeof wanted);
+    assert_memory_equal(iso_gallery_everybody(gallery).entries->tmpl, &wanted, sizeof wanted);
     iso_gallery_close(gallery);
 }
 
@@ -115,7 +111,6 @@ static void deletes_a_person_whole(void **state)
 {
     struct iso_fault fault = {""};
     struct iso_gallery *gallery = open_gallery(*state);
-    int n = 0;
     assert_int_equal(add(gallery, "anna", 20, NULL), 0);
     assert_int_equal(add(gallery, "bob", 60, NULL), 0);
     assert_int_equal(add(gallery, "anna", 22, NULL), 0);
@@ -123,8 +118,7 @@ static void deletes_a_person_whole(void **state)
     assert_int_equal(iso_gallery_remove(gallery, "anna", NULL), 0);
     assert_null(iso_gallery_find(gallery, "anna"));
     expect_person(gallery, "bob", 1);
-    (void)iso_gallery_entries(gallery, &n);
-    assert_int_equal(n, 1);
+    assert_int_equal(iso_gallery_everybody(gallery).n_entries, 1);
     assert_int_equal(iso_gallery_remove(gallery, "anna", &fault), -ENOENT);
     assert_string_equal(fault.text, "anna: no such person");
     iso_gallery_close(gallery);
@@ -213,10 +207,150 @@ static void refuses_what_makes_no_sense(void **state)
     iso_gallery_close(gallery);
 }
 
+/* A metric of the puppets' templates. */
+static struct iso_metric *new_metric(void)
+{
+    const struct iso_template any = puppet_template(20, PUPPET_ALGORITHM);
+    const struct iso_metric shape = {
+        .algorithm = PUPPET_ALGORITHM,
+        .landmarks = 3,
+        .n_radii = any.n_radii,
+        .n_points = any.n_points,
+        .n_dimensions = 5,
+        .weight_min = 0.25f,
+        .gain = 1.0f,
+    };
+    struct iso_metric *metric = NULL;
+    assert_int_equal(iso_metric_new(&shape, &metric), 0);
+    for (int v = 0; v < metric->n_values; v++) {
+        metric->curve_mm[v] = (float)((v * 37) % 11);
+        metric->axis[v * 5 + v % 5] = 1.0f;
+    }
+    for (int d = 0; d < 5; d++) {
+        metric->between[d] = 2.0f;
+    }
+    return metric;
+}
+
+/* The vector that the index has to have for somebody with templates of these faces. */
+static void expect_vector(const struct iso_gallery *gallery, const struct iso_metric *metric,
+                          const char *name, const int *faces, int n)
+{
+    const struct iso_person *person = iso_gallery_find(gallery, name);
+    struct iso_metric_vector all = {.n = 0}, one, found;
+    for (int i = 0; i < n; i++) {
+        const struct iso_template tmpl = puppet_template(faces[i], PUPPET_ALGORITHM);
+        assert_int_equal(iso_metric_project(metric, &tmpl, &one), 0);
+        iso_metric_vector_add(metric, &one, &all);
+    }
+    const struct iso_candidates own = iso_gallery_only(gallery, person->id);
+    assert_int_equal(own.person, person->id);
+    assert_int_equal(iso_index_find(own.index, person->id, &found), 0);
+    assert_int_equal(found.n, n);
+    assert_memory_equal(found.mean, all.mean, 5 * sizeof(float));
+    assert_int_equal(person->usable, n);
+}
+
+static void expect_index(const struct iso_gallery *gallery, const struct iso_metric *metric)
+{
+    static const int annas[] = {20, 22}, bobs[] = {60};
+    const struct iso_candidates all = iso_gallery_everybody(gallery);
+    assert_non_null(all.index);
+    assert_int_equal(all.person, 0);
+    assert_int_equal(all.n_entries, 0);
+    assert_int_equal(iso_index_size(all.index), 2);
+    expect_vector(gallery, metric, "anna", annas, 2);
+    expect_vector(gallery, metric, "bob", bobs, 1);
+}
+
+static void with_a_metric_it_keeps_an_index_of_vectors(void **state)
+{
+    struct iso_metric *metric = new_metric();
+    struct iso_gallery_options options = stores_gallery(*state);
+    struct iso_gallery *gallery = NULL;
+    options.metric = metric;
+    assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    assert_int_equal(add(gallery, "bob", 60, NULL), 0);
+    assert_int_equal(add(gallery, "anna", 22, NULL), 0);
+    assert_int_equal(add(gallery, "cleo", 70, NULL), 0);
+    const int64_t cleo = iso_gallery_find(gallery, "cleo")->id;
+    assert_int_equal(iso_gallery_remove(gallery, "cleo", NULL), 0);
+    const struct iso_candidates gone = iso_gallery_only(gallery, cleo);
+    assert_true(iso_candidates_none(&gone));
+    expect_index(gallery, metric);
+    iso_gallery_close(gallery);
+
+    assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+    expect_index(gallery, metric);
+    iso_gallery_close(gallery);
+    iso_metric_free(metric);
+}
+
+/* They are enrolled, and nobody is like them. */
+static void a_template_without_points_is_in_no_index(void **state)
+{
+    struct iso_metric *metric = new_metric();
+    struct iso_gallery_options options = stores_gallery(*state);
+    struct iso_gallery *gallery = NULL;
+    const struct iso_person anna = {.name = "anna"};
+    struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM);
+    memset(tmpl.weight, 0, sizeof tmpl.weight);
+    options.metric = metric;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+        if (i == 0) {
+            assert_int_equal(iso_gallery_add(gallery, &anna, &tmpl, NULL), 0);
+        }
+        assert_int_equal(iso_gallery_find(gallery, "anna")->usable, 1);
+        assert_int_equal(iso_index_size(iso_gallery_everybody(gallery).index), 0);
+        iso_gallery_close(gallery);
+    }
+    assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+    assert_int_equal(iso_gallery_remove(gallery, "anna", NULL), 0);
+    iso_gallery_close(gallery);
+    iso_metric_free(metric);
+}
+
+static void templates_are_opened_one_person_at_a_time(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_template found[3];
+    struct iso_fault fault = {""};
+    int n = 77;
+    assert_int_equal(add(gallery, "anna", 20, NULL), 0);
+    assert_int_equal(add(gallery, "bob", 60, NULL), 0);
+    assert_int_equal(add(gallery, "anna", 22, NULL), 0);
+    const int64_t anna = iso_gallery_find(gallery, "anna")->id;
+    const int64_t bob = iso_gallery_find(gallery, "bob")->id;
+    assert_int_equal(iso_gallery_templates(gallery, anna, found, 3, &n, NULL), 0);
+    assert_int_equal(n, 2);
+    const struct iso_template wanted[] = {puppet_template(20, PUPPET_ALGORITHM),
+                                          puppet_template(22, PUPPET_ALGORITHM)};
+    assert_memory_equal(found, wanted, sizeof wanted);
+    assert_int_equal(iso_gallery_templates(gallery, bob, found, 3, &n, NULL), 0);
+    assert_int_equal(n, 1);
+    assert_int_equal(puppet_face_of(&found[0]), 60);
+    assert_int_equal(iso_gallery_templates(gallery, anna, found, 1, &n, NULL), 0); /* the first */
+    assert_int_equal(n, 1);
+    assert_int_equal(puppet_face_of(&found[0]), 20);
+    n = 77;
+    assert_int_equal(iso_gallery_templates(gallery, 99, found, 3, &n, &fault), -ENOENT);
+    assert_string_equal(fault.text, "nobody has the number 99");
+    assert_int_equal(n, 77);
+    iso_gallery_close(gallery);
+
+    struct iso_gallery_options options = stores_gallery(*state);
+    options.algorithm++;
+    assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+    assert_int_equal(iso_gallery_templates(gallery, anna, found, 3, &n, NULL), 0);
+    assert_int_equal(n, 0); /* of another algorithm */
+    iso_gallery_close(gallery);
+}
+
 static void keeps_templates_of_another_algorithm(void **state)
 {
     struct iso_gallery *gallery = open_gallery(*state);
-    int n = -1;
     assert_int_equal(add(gallery, "anna", 20, NULL), 0);
     iso_gallery_close(gallery);
 
@@ -226,8 +360,7 @@ static void keeps_templates_of_another_algorithm(void **state)
     const struct iso_person *person = iso_gallery_find(gallery, "anna");
     assert_int_equal(person->templates, 1);
     assert_int_equal(person->usable, 0);
-    (void)iso_gallery_entries(gallery, &n);
-    assert_int_equal(n, 0);
+    assert_int_equal(iso_gallery_everybody(gallery).n_entries, 0);
     iso_gallery_close(gallery);
 
     gallery = open_gallery(*state);
@@ -239,10 +372,17 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(begins_empty_and_private),    TEST(keeps_people_over_a_restart),
-        TEST(a_template_is_as_it_was),     TEST(deletes_a_person_whole),
-        TEST(leaves_nothing_behind),       TEST(refuses_more_than_its_capacity),
-        TEST(refuses_what_makes_no_sense), TEST(keeps_templates_of_another_algorithm),
+        TEST(begins_empty_and_private),
+        TEST(keeps_people_over_a_restart),
+        TEST(a_template_is_as_it_was),
+        TEST(deletes_a_person_whole),
+        TEST(leaves_nothing_behind),
+        TEST(refuses_more_than_its_capacity),
+        TEST(refuses_what_makes_no_sense),
+        TEST(keeps_templates_of_another_algorithm),
+        TEST(with_a_metric_it_keeps_an_index_of_vectors),
+        TEST(a_template_without_points_is_in_no_index),
+        TEST(templates_are_opened_one_person_at_a_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* The real pipeline: what it is made of, refused when it is not right, and one stored face. */
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,6 +113,33 @@ static void refuses_options_out_of_range(void **state)
     expect_refusal(&wanted, -EINVAL, "extractor: options out of range");
 }
 
+/* Of everybody, of one, and of one who is not in it: the same score as by templates. */
+static void search_an_index(const struct iso_pipeline *pipeline, const struct iso_template *tmpl,
+                            double score)
+{
+    const struct iso_metric *metric = pipeline->ops->metric(pipeline->self);
+    struct iso_index *index = NULL;
+    struct iso_metric_vector vector;
+    struct iso_template empty = *tmpl;
+    memset(empty.weight, 0, sizeof empty.weight);
+    assert_int_equal(iso_metric_project(metric, tmpl, &vector), 0);
+    assert_int_equal(iso_index_new(metric, &index), 0);
+    assert_int_equal(iso_index_reserve(index, 1), 0);
+    assert_int_equal(iso_index_put(index, 31, &vector), 0);
+    for (int64_t person = 30; person <= 32; person++) {
+        const struct iso_candidates among = {.index = index, .person = person == 30 ? 0 : person};
+        struct iso_search_hit hit;
+        int n = 77;
+        assert_int_equal(pipeline->ops->search(pipeline->self, &among, tmpl, &hit, 1, &n), 0);
+        assert_int_equal(n, person == 32 ? 0 : 1);
+        assert_true(n == 0 || (hit.person == 31 && fabs(hit.score - score) < 1e-5));
+        assert_true(n == 0 || isnan(hit.distance_mm));
+        assert_int_equal(pipeline->ops->search(pipeline->self, &among, &empty, &hit, 1, &n),
+                         -ENODATA);
+    }
+    iso_index_free(index);
+}
+
 static void recognise_a_stored_face(const char *metric_path)
 {
     struct iso_pipeline_options wanted = options();
@@ -138,11 +166,15 @@ static void recognise_a_stored_face(const char *metric_path)
     const struct iso_search_entry entries[] = {{.person = 31, .tmpl = &extraction.tmpl}};
     struct iso_search_hit hit;
     int n = 0;
-    assert_int_equal(pipeline.ops->search(pipeline.self, entries, 1, &extraction.tmpl, &hit, 1, &n),
-                     0);
+    const struct iso_candidates among = {.entries = entries, .n_entries = 1};
+    assert_int_equal(pipeline.ops->search(pipeline.self, &among, &extraction.tmpl, &hit, 1, &n), 0);
     assert_int_equal(n, 1);
     assert_int_equal(hit.person, 31);
     assert_true(metric_path ? hit.score > 4.0 : hit.distance_mm < 0.01);
+    assert_int_equal(pipeline.ops->metric(pipeline.self) == NULL, metric_path == NULL);
+    if (metric_path) {
+        search_an_index(&pipeline, &extraction.tmpl, hit.score);
+    }
 
     memset(frame->depth_mm, 0,
            (size_t)frame->width_px * (size_t)frame->height_px * sizeof *frame->depth_mm);

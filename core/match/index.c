@@ -1,0 +1,340 @@
+#include "core/match/index.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/math/lanes.h"
+
+enum { STRIDE_MAX = (ISO_METRIC_DIMENSIONS_MAX + ISO_LANES - 1) / ISO_LANES * ISO_LANES };
+
+struct row {
+    int64_t person;
+    double constant; /* of the score: what does not depend on the probe */
+    float scale;     /* of the vector */
+    int32_t n;       /* templates */
+};
+
+struct iso_index {
+    const struct iso_metric *metric;
+    size_t stride; /* floats of a vector: the dimensions, and zeros to a multiple of ISO_LANES */
+    size_t n, capacity;
+    struct row *row;                            /* by rising person */
+    float *mean;                                /* [capacity][stride] */
+    size_t people[ISO_INDEX_TEMPLATES_MAX + 1]; /* how many people have so many templates */
+};
+
+/* ---- memory ---- */
+
+int iso_index_new(const struct iso_metric *metric, struct iso_index **out)
+{
+    struct iso_index *index = calloc(1, sizeof *index);
+    if (!index) {
+        return -ENOMEM;
+    }
+    index->metric = metric;
+    index->stride = ((size_t)metric->n_dimensions + ISO_LANES - 1) / ISO_LANES * ISO_LANES;
+    *out = index;
+    return 0;
+}
+
+/* Only the rows in use: the others were never touched, or wiped before. */
+static void forget(struct iso_index *index)
+{
+    if (index->n > 0) {
+        explicit_bzero(index->row, index->n * sizeof *index->row);
+        explicit_bzero(index->mean, index->n * index->stride * sizeof *index->mean);
+    }
+    free(index->row);
+    free(index->mean);
+}
+
+void iso_index_free(struct iso_index *index)
+{
+    if (index) {
+        forget(index);
+        free(index);
+    }
+}
+
+int iso_index_reserve(struct iso_index *index, size_t n_people)
+{
+    if (n_people <= index->capacity) {
+        return 0;
+    }
+    const size_t least = index->capacity ? 2 * index->capacity : 16;
+    const size_t capacity = n_people > least ? n_people : least;
+    /* Not realloc, which would leave what it moved. */
+    struct row *row = calloc(capacity, sizeof *row);
+    float *mean = calloc(capacity, index->stride * sizeof *mean);
+    if (!row || !mean) {
+        free(row);
+        free(mean);
+        return -ENOMEM;
+    }
+    if (index->n > 0) {
+        memcpy(row, index->row, index->n * sizeof *row);
+        memcpy(mean, index->mean, index->n * index->stride * sizeof *mean);
+    }
+    forget(index);
+    index->row = row;
+    index->mean = mean;
+    index->capacity = capacity;
+    return 0;
+}
+
+size_t iso_index_size(const struct iso_index *index)
+{
+    return index->n;
+}
+
+/* ---- the closed form ---- */
+
+struct terms {
+    double shrink, same, any;
+};
+
+/* Of a person with n templates and a probe with one, in a dimension of that variance. */
+static struct terms terms_of(double between, int n)
+{
+    return (struct terms){
+        .shrink = n * between / (1.0 + n * between),
+        .same = 1.0 + between / (1.0 + n * between),
+        .any = 1.0 + between,
+    };
+}
+
+static double constant_of(const struct iso_metric *metric, const struct iso_metric_vector *vector)
+{
+    double sum = 0.0;
+    for (int d = 0; d < metric->n_dimensions; d++) {
+        const struct terms t = terms_of((double)metric->between[d], vector->n);
+        const double known = t.shrink * (double)(vector->scale * vector->mean[d]);
+        sum += log(t.any / t.same) - known * known / t.same;
+    }
+    return 0.5 * (double)metric->gain * sum + (double)metric->bias;
+}
+
+/* A probe as people with so many templates see it. */
+struct view {
+    double constant;
+    float weight[STRIDE_MAX]; /* of a person's unscaled numbers */
+};
+
+static void make_view(const struct iso_metric *metric, const struct iso_metric_vector *probe, int n,
+                      struct view *view)
+{
+    double sum = 0.0;
+    memset(view->weight, 0, sizeof view->weight);
+    for (int d = 0; d < metric->n_dimensions; d++) {
+        const struct terms t = terms_of((double)metric->between[d], n);
+        const double x = (double)(probe->scale * probe->mean[d]);
+        sum += x * x * (1.0 / t.any - 1.0 / t.same);
+        view->weight[d] = (float)((double)metric->gain * x * t.shrink / t.same);
+    }
+    view->constant = 0.5 * (double)metric->gain * sum;
+}
+
+static float dot(const float *a, const float *b, size_t stride)
+{
+    iso_lanes even = {0}, odd = {0};
+    size_t i = 0;
+    for (; i + 2 * ISO_LANES <= stride; i += 2 * ISO_LANES) {
+        even += ISO_LANES_LOAD(&a[i]) * ISO_LANES_LOAD(&b[i]);
+        odd += ISO_LANES_LOAD(&a[i + ISO_LANES]) * ISO_LANES_LOAD(&b[i + ISO_LANES]);
+    }
+    if (i < stride) {
+        even += ISO_LANES_LOAD(&a[i]) * ISO_LANES_LOAD(&b[i]);
+    }
+    even += odd;
+    return ((even[0] + even[4]) + (even[2] + even[6])) +
+           ((even[1] + even[5]) + (even[3] + even[7]));
+}
+
+/* ---- rows ---- */
+
+/* The first row of this person or one with a larger number. */
+static size_t lower_bound(const struct iso_index *index, int64_t person)
+{
+    size_t low = 0, high = index->n;
+    if (high > 0 && index->row[high - 1].person < person) {
+        return high; /* as they come from a gallery */
+    }
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (index->row[middle].person < person) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+static bool is_at(const struct iso_index *index, int64_t person, size_t at)
+{
+    return at < index->n && index->row[at].person == person;
+}
+
+static float *mean_at(const struct iso_index *index, size_t at)
+{
+    return &index->mean[at * index->stride];
+}
+
+/* Moves the rows from `from` on to `to`. */
+static void move_rows(struct iso_index *index, size_t from, size_t to)
+{
+    const size_t n = index->n - from;
+    memmove(&index->row[to], &index->row[from], n * sizeof *index->row);
+    memmove(mean_at(index, to), mean_at(index, from), n * index->stride * sizeof *index->mean);
+}
+
+int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metric_vector *vector)
+{
+    const size_t at = lower_bound(index, person);
+    if (vector->n < 1 || vector->n > ISO_INDEX_TEMPLATES_MAX) {
+        return -EINVAL;
+    }
+    if (is_at(index, person, at)) {
+        index->people[index->row[at].n]--;
+    } else if (index->n == index->capacity) {
+        return -ENOSPC;
+    } else {
+        move_rows(index, at, at + 1);
+        index->n++;
+    }
+    index->row[at] = (struct row){
+        .person = person,
+        .constant = constant_of(index->metric, vector),
+        .scale = vector->scale,
+        .n = vector->n,
+    };
+    float *mean = mean_at(index, at);
+    memset(mean, 0, index->stride * sizeof *mean);
+    memcpy(mean, vector->mean, (size_t)index->metric->n_dimensions * sizeof *mean);
+    index->people[vector->n]++;
+    return 0;
+}
+
+static void vector_at(const struct iso_index *index, size_t at, struct iso_metric_vector *out)
+{
+    out->n = index->row[at].n;
+    out->scale = index->row[at].scale;
+    memset(out->mean, 0, sizeof out->mean);
+    memcpy(out->mean, mean_at(index, at), (size_t)index->metric->n_dimensions * sizeof *out->mean);
+}
+
+int iso_index_add(struct iso_index *index, int64_t person, const struct iso_metric_vector *one)
+{
+    struct iso_metric_vector all = {.n = 0};
+    if (one->n < 1) {
+        return -EINVAL;
+    }
+    (void)!iso_index_find(index, person, &all);
+    iso_metric_vector_add(index->metric, one, &all);
+    const int error = iso_index_put(index, person, &all);
+    explicit_bzero(&all, sizeof all);
+    return error;
+}
+
+int iso_index_find(const struct iso_index *index, int64_t person, struct iso_metric_vector *out)
+{
+    const size_t at = lower_bound(index, person);
+    if (!is_at(index, person, at)) {
+        return -ENOENT;
+    }
+    vector_at(index, at, out);
+    return 0;
+}
+
+int iso_index_remove(struct iso_index *index, int64_t person)
+{
+    const size_t at = lower_bound(index, person);
+    if (!is_at(index, person, at)) {
+        return -ENOENT;
+    }
+    index->people[index->row[at].n]--;
+    move_rows(index, at + 1, at);
+    index->n--;
+    explicit_bzero(&index->row[index->n], sizeof *index->row);
+    explicit_bzero(mean_at(index, index->n), index->stride * sizeof *index->mean);
+    return 0;
+}
+
+/* ---- searching ---- */
+
+/* A row, and the scan's score of it. */
+struct candidate {
+    size_t at;
+    double score;
+};
+
+/* By falling score; of equal ones the first row stays first. Returns how many there are. */
+static int keep(struct candidate *best, int n, int capacity, struct candidate candidate)
+{
+    int i = n < capacity ? n : capacity - 1;
+    for (; i > 0 && best[i - 1].score < candidate.score; i--) {
+        best[i] = best[i - 1];
+    }
+    best[i] = candidate;
+    return n < capacity ? n + 1 : n;
+}
+
+static int scan(const struct iso_index *index, const struct view *views, struct candidate *best,
+                int capacity)
+{
+    double worst = -INFINITY; /* of a full list */
+    int n = 0;
+    for (size_t i = 0; i < index->n; i++) {
+        const struct row *row = &index->row[i];
+        const struct view *view = &views[row->n - 1];
+        const float product = dot(view->weight, mean_at(index, i), index->stride);
+        const double score = view->constant + row->constant + (double)row->scale * (double)product;
+        if (n < capacity || score > worst) {
+            n = keep(best, n, capacity, (struct candidate){i, score});
+            worst = best[n - 1].score;
+        }
+    }
+    return n;
+}
+
+static bool comes_before(const struct iso_search_hit *a, const struct iso_search_hit *b)
+{
+    return a->score > b->score || (a->score >= b->score && a->person < b->person);
+}
+
+int iso_index_search(const struct iso_index *index, const struct iso_metric_vector *probe,
+                     struct iso_search_hit *hits, int capacity, int *n_hits)
+{
+    struct view views[ISO_INDEX_TEMPLATES_MAX];
+    struct candidate best[ISO_INDEX_HITS_MAX];
+    struct iso_metric_vector person;
+    if (probe->n != 1 || capacity < 0 || capacity > ISO_INDEX_HITS_MAX) {
+        return -EINVAL;
+    }
+    for (int n = 1; n <= ISO_INDEX_TEMPLATES_MAX; n++) {
+        if (index->people[n] > 0) {
+            make_view(index->metric, probe, n, &views[n - 1]);
+        }
+    }
+    const int n = capacity > 0 ? scan(index, views, best, capacity) : 0;
+    for (int i = 0; i < n; i++) {
+        vector_at(index, best[i].at, &person);
+        const struct iso_search_hit hit = {
+            .person = index->row[best[i].at].person,
+            .distance_mm = NAN,
+            .score = iso_metric_score(index->metric, &person, probe),
+        };
+        int at = i;
+        for (; at > 0 && comes_before(&hit, &hits[at - 1]); at--) {
+            hits[at] = hits[at - 1];
+        }
+        hits[at] = hit;
+    }
+    explicit_bzero(views, sizeof views);
+    explicit_bzero(&person, sizeof person);
+    *n_hits = n;
+    return 0;
+}

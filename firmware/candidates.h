@@ -1,0 +1,25 @@
+/* Whom a probe is compared with: some templates, or an index of people. Refers to what is
+ * elsewhere, which stays as it is as long as this is used. */
+#ifndef ISO_FIRMWARE_CANDIDATES_H
+#define ISO_FIRMWARE_CANDIDATES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/match/index.h"
+#include "core/match/search.h"
+
+/* All zero: nobody. */
+struct iso_candidates {
+    const struct iso_search_entry *entries; /* those of one person side by side */
+    int n_entries;
+    const struct iso_index *index; /* if not NULL: instead of the entries ... */
+    int64_t person;                /* ... this person of it alone; 0: everybody */
+};
+
+static inline bool iso_candidates_none(const struct iso_candidates *among)
+{
+    return !among->index && among->n_entries == 0;
+}
+
+#endif

@@ -1,0 +1,316 @@
+#include "firmware/gallery_memory.h"
+
+#include <errno.h>
+#include <sodium.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert((int)ISO_GALLERY_TEMPLATES_MAX <= (int)ISO_INDEX_TEMPLATES_MAX,
+               "whoever fits into a gallery fits into its index");
+
+static void free_template(const struct iso_template *tmpl)
+{
+    struct iso_template *own = (struct iso_template *)(uintptr_t)tmpl;
+    if (own) {
+        iso_template_wipe(own);
+        free(own);
+    }
+}
+
+void iso_gallery_memory_done(struct iso_gallery_memory *memory)
+{
+    for (size_t i = 0; i < memory->n_entries; i++) {
+        free_template(memory->entries[i].tmpl);
+    }
+    free(memory->entries);
+    iso_index_free(memory->index);
+    sodium_memzero(memory->people, memory->n_people * sizeof *memory->people);
+    free(memory->people);
+    *memory = (struct iso_gallery_memory){0};
+}
+
+/* ---- room ---- */
+
+/* Room for one more item of an array. */
+static int reserve(void **items, size_t item_size, size_t n, size_t *capacity)
+{
+    if (n < *capacity) {
+        return 0;
+    }
+    const size_t more = *capacity ? 2 * *capacity : 16;
+    void *grown = reallocarray(*items, more, item_size);
+    if (!grown) {
+        return -ENOMEM;
+    }
+    *items = grown;
+    *capacity = more;
+    return 0;
+}
+
+static int reserve_person(struct iso_gallery_memory *memory)
+{
+    void *people = memory->people;
+    const int error = reserve(&people, sizeof *memory->people, memory->n_people,
+                              &memory->people_capacity);
+    memory->people = people;
+    return error;
+}
+
+static int reserve_template(struct iso_gallery_memory *memory)
+{
+    void *entries = memory->entries;
+    if (memory->index) {
+        return iso_index_reserve(memory->index, iso_index_size(memory->index) + 1);
+    }
+    const int error = reserve(&entries, sizeof *memory->entries, memory->n_entries,
+                              &memory->entries_capacity);
+    memory->entries = entries;
+    return error;
+}
+
+/* ---- one template ---- */
+
+static int keep_template(const struct iso_template *tmpl, struct iso_gallery_kept *out)
+{
+    struct iso_template *copy = malloc(sizeof *copy);
+    if (!copy) {
+        return -ENOMEM;
+    }
+    *copy = *tmpl;
+    out->tmpl = copy;
+    return 0;
+}
+
+static int keep_vector(const struct iso_metric *metric, const struct iso_template *tmpl,
+                       struct iso_gallery_kept *out)
+{
+    out->vector.n = 0;
+    const int error = iso_metric_project(metric, tmpl, &out->vector);
+    return error == -ENODATA ? 0 : error;
+}
+
+int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
+                               struct iso_gallery_kept *out)
+{
+    struct iso_template tmpl;
+    int error = iso_template_parse(bytes, size, &tmpl);
+    if (error) {
+        return error;
+    }
+    struct iso_gallery_kept kept = {.tmpl = NULL};
+    if (tmpl.algorithm != memory->algorithm) {
+        error = -EINVAL;
+    } else {
+        error = memory->metric ? keep_vector(memory->metric, &tmpl, &kept)
+                               : keep_template(&tmpl, &kept);
+    }
+    iso_template_wipe(&tmpl);
+    if (!error && (reserve_person(memory) || reserve_template(memory))) {
+        error = -ENOMEM;
+    }
+    if (error) {
+        iso_gallery_memory_discard(&kept);
+        return error;
+    }
+    *out = kept; /* NOLINT(clang-analyzer-unix.Malloc): whoever asked has the copy */
+    sodium_memzero(&kept, sizeof kept);
+    return 0;
+}
+
+void iso_gallery_memory_discard(struct iso_gallery_kept *kept)
+{
+    free_template(kept->tmpl);
+    sodium_memzero(kept, sizeof *kept);
+}
+
+/* Behind the last entry of this person or of one enrolled before. There is room. */
+static void insert_entry(struct iso_gallery_memory *memory, int64_t person,
+                         const struct iso_template *tmpl)
+{
+    size_t at = memory->n_entries;
+    while (at > 0 && memory->entries[at - 1].person > person) {
+        at--;
+    }
+    memmove(memory->entries + at + 1, memory->entries + at,
+            (memory->n_entries - at) * sizeof *memory->entries);
+    memory->entries[at] = (struct iso_search_entry){.person = person, .tmpl = tmpl};
+    memory->n_entries++;
+}
+
+/* There is room, and nobody has more templates than an index takes. */
+static int insert(struct iso_gallery_memory *memory, int64_t person, struct iso_gallery_kept *kept)
+{
+    int error = 0;
+    if (!memory->index) {
+        insert_entry(memory, person, kept->tmpl);
+        kept->tmpl = NULL;
+    } else if (kept->vector.n > 0) {
+        error = iso_index_add(memory->index, person, &kept->vector);
+    }
+    iso_gallery_memory_discard(kept);
+    return error;
+}
+
+void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_person *row,
+                            struct iso_gallery_kept *kept)
+{
+    struct iso_person *own = iso_gallery_memory_find(memory, row->id);
+    if (!own) { /* numbers rise */
+        own = &memory->people[memory->n_people++];
+        *own = *row;
+        own->templates = own->usable = 0;
+    }
+    own->valid_from_s = row->valid_from_s;
+    own->valid_until_s = row->valid_until_s;
+    own->templates++;
+    own->usable++;
+    (void)!insert(memory, row->id, kept);
+}
+
+/* ---- people ---- */
+
+struct iso_person *iso_gallery_memory_find(const struct iso_gallery_memory *memory, int64_t person)
+{
+    size_t low = 0, high = memory->n_people;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (memory->people[middle].id < person) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < memory->n_people && memory->people[low].id == person ? &memory->people[low] : NULL;
+}
+
+void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person)
+{
+    struct iso_person *own = iso_gallery_memory_find(memory, person);
+    size_t kept = 0;
+    for (size_t i = 0; i < memory->n_entries; i++) {
+        if (memory->entries[i].person == person) {
+            free_template(memory->entries[i].tmpl);
+        } else {
+            memory->entries[kept++] = memory->entries[i];
+        }
+    }
+    memory->n_entries = kept;
+    if (memory->index) { /* who has no vector is not in it */
+        (void)!iso_index_remove(memory->index, person);
+    }
+    if (own) {
+        const size_t behind = memory->n_people - (size_t)(own - memory->people) - 1;
+        memmove(own, own + 1, behind * sizeof *own);
+        memory->n_people--;
+    }
+}
+
+/* ---- all of the database ---- */
+
+struct loading {
+    struct iso_gallery_db *db;
+    struct iso_gallery_memory memory;
+};
+
+static int load_person(void *context, const struct iso_person *person, struct iso_fault *fault)
+{
+    struct iso_gallery_memory *memory = &((struct loading *)context)->memory;
+    if (reserve_person(memory)) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    memory->people[memory->n_people++] = *person;
+    return 0;
+}
+
+/* Takes a template in that the running algorithm can use. */
+static int load_usable(struct iso_gallery_memory *memory, struct iso_person *person,
+                       const void *bytes, size_t size)
+{
+    struct iso_gallery_kept kept;
+    int error = iso_gallery_memory_prepare(memory, bytes, size, &kept);
+    if (!error) {
+        error = insert(memory, person->id, &kept);
+    }
+    person->usable += !error;
+    return error;
+}
+
+/* Whether it is a template of that algorithm at all. */
+static int check_unusable(const void *bytes, size_t size, uint32_t algorithm)
+{
+    struct iso_template tmpl;
+    const int error = iso_template_parse(bytes, size, &tmpl);
+    if (error) {
+        return error;
+    }
+    const bool fits = tmpl.algorithm == algorithm;
+    iso_template_wipe(&tmpl);
+    return fits ? 0 : -EBADMSG;
+}
+
+static int load_template(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,
+                         size_t size, struct iso_fault *fault)
+{
+    struct loading *loading = context;
+    struct iso_person *person = iso_gallery_memory_find(&loading->memory, person_id);
+    if (!person) {
+        return iso_gallery_db_damaged(loading->db, "a template belongs to nobody", fault);
+    }
+    person->templates++;
+    const int error = algorithm == loading->memory.algorithm
+                          ? load_usable(&loading->memory, person, bytes, size)
+                          : check_unusable(bytes, size, algorithm);
+    if (error == -ENOMEM) {
+        return iso_fault_set(fault, error, "gallery: out of memory");
+    }
+    return error && error != -EPROTONOSUPPORT
+               ? iso_gallery_db_damaged(loading->db, "a template cannot be read", fault)
+               : 0;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static int check_names(const struct loading *loading, struct iso_fault *fault)
+{
+    const size_t n = loading->memory.n_people;
+    int error = 0;
+    const char **names = calloc(n ? n : 1, sizeof *names);
+    if (!names) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    for (size_t i = 0; i < n; i++) {
+        names[i] = loading->memory.people[i].name;
+    }
+    qsort(names, n, sizeof *names, by_name);
+    for (size_t i = 1; i < n && !error; i++) {
+        if (strcmp(names[i - 1], names[i]) == 0) {
+            error = iso_gallery_db_damaged(loading->db, "two people of one name", fault);
+        }
+    }
+    free(names);
+    return error;
+}
+
+int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
+                            const struct iso_metric *metric, struct iso_gallery_memory *out,
+                            struct iso_fault *fault)
+{
+    struct loading loading = {.db = db, .memory = {.algorithm = algorithm, .metric = metric}};
+    const struct iso_gallery_visitor visitor = {load_person, load_template, &loading};
+    int error = 0;
+    if (metric && iso_index_new(metric, &loading.memory.index)) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    error = iso_gallery_db_load(db, &visitor, fault);
+    error = error ? error : check_names(&loading, fault);
+    if (error) {
+        iso_gallery_memory_done(&loading.memory);
+        return error;
+    }
+    *out = loading.memory;
+    return 0;
+}

@@ -1,0 +1,327 @@
+/* The index: its scan finds whom the exhaustive score finds, whatever came, changed and left. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "core/match/index.h"
+#include "tests/support/scarce_memory.h"
+
+enum { DIMENSIONS = 150, PEOPLE = 3000, SHORTLIST = 10 };
+
+/* What rounding may put in another order. */
+static const double rounding = 1e-4;
+
+/* Numbers of mean 0 and variance 1, the same ones every time (twelve uniform ones: close enough).
+ */
+static float normal(uint32_t *state)
+{
+    double sum = -6.0;
+    for (int i = 0; i < 12; i++) {
+        *state = *state * 1664525u + 1013904223u;
+        sum += (double)*state / 4294967296.0;
+    }
+    return (float)sum;
+}
+
+/* As much between people as the shipped metric has, from much to hardly any. */
+static struct iso_metric *new_metric(int n_dimensions)
+{
+    const struct iso_metric shape = {
+        .landmarks = 1,
+        .n_radii = 1,
+        .n_points = 4,
+        .n_dimensions = n_dimensions,
+        .weight_min = 0.5f,
+        .gain = 0.0437f,
+        .bias = 4.2f,
+    };
+    struct iso_metric *m = NULL;
+    assert_int_equal(iso_metric_new(&shape, &m), 0);
+    for (int d = 0; d < n_dimensions; d++) {
+        m->between[d] = 120.0f * expf(-0.04f * (float)d);
+    }
+    return m;
+}
+
+/* A person's own numbers; with `spread`, one template of that person. */
+static struct iso_metric_vector person_of(const struct iso_metric *m, uint32_t *state)
+{
+    struct iso_metric_vector v = {.n = 1, .scale = 1.0f};
+    for (int d = 0; d < m->n_dimensions; d++) {
+        v.mean[d] = sqrtf(m->between[d]) * normal(state);
+    }
+    return v;
+}
+
+static struct iso_metric_vector template_of(const struct iso_metric *m,
+                                            const struct iso_metric_vector *person, float spread,
+                                            uint32_t *state)
+{
+    struct iso_metric_vector noisy = *person, out = {.n = 0};
+    for (int d = 0; d < m->n_dimensions; d++) {
+        noisy.mean[d] += spread * normal(state);
+    }
+    iso_metric_vector_add(m, &noisy, &out); /* which scales it */
+    return out;
+}
+
+struct crowd {
+    struct iso_metric *metric;
+    struct iso_index *index;
+    uint32_t state;
+    struct iso_metric_vector own[PEOPLE], all[PEOPLE]; /* person i has number 5 + 2 i */
+};
+
+static int64_t number_of(int i)
+{
+    return 5 + 2 * (int64_t)i;
+}
+
+/* 1 to 16 templates each. */
+static void enrol(struct crowd *c, int i)
+{
+    c->own[i] = person_of(c->metric, &c->state);
+    c->all[i].n = 0;
+    for (int k = 0; k < 1 + i % ISO_INDEX_TEMPLATES_MAX; k++) {
+        const struct iso_metric_vector one = template_of(c->metric, &c->own[i], 1.0f, &c->state);
+        iso_metric_vector_add(c->metric, &one, &c->all[i]);
+        assert_int_equal(iso_index_add(c->index, number_of(i), &one), 0);
+    }
+}
+
+static struct crowd *new_crowd(int people)
+{
+    struct crowd *c = calloc(1, sizeof *c);
+    assert_non_null(c);
+    c->metric = new_metric(DIMENSIONS);
+    c->state = 1;
+    assert_int_equal(iso_index_new(c->metric, &c->index), 0);
+    assert_int_equal(iso_index_reserve(c->index, (size_t)people), 0);
+    for (int i = 0; i < people; i++) {
+        enrol(c, i);
+    }
+    assert_int_equal(iso_index_size(c->index), people);
+    return c;
+}
+
+static void free_crowd(struct crowd *c)
+{
+    iso_index_free(c->index);
+    iso_metric_free(c->metric);
+    free(c);
+}
+
+static int falling(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x < y) - (x > y);
+}
+
+/* One search against everybody's exact score: nobody who is better than the last one by more than
+ * rounding is missing, and who is there has the exact score. */
+static void expect_exhaustive(const struct crowd *c, int people,
+                              const struct iso_metric_vector *probe)
+{
+    static double scores[PEOPLE], sorted[PEOPLE];
+    struct iso_search_hit hits[SHORTLIST];
+    int n = 0;
+    for (int i = 0; i < people; i++) {
+        scores[i] = sorted[i] = iso_metric_score(c->metric, &c->all[i], probe);
+    }
+    qsort(sorted, (size_t)people, sizeof *sorted, falling);
+    assert_int_equal(iso_index_search(c->index, probe, hits, SHORTLIST, &n), 0);
+    assert_int_equal(n, people < SHORTLIST ? people : SHORTLIST);
+    for (int i = 0; i < n; i++) {
+        const int64_t who = (hits[i].person - 5) / 2;
+        assert_true(who >= 0 && who < people);
+        assert_true(hits[i].score <= scores[who] && hits[i].score >= scores[who]);
+        assert_true(isnan(hits[i].distance_mm));
+        assert_true(fabs(hits[i].score - sorted[i]) < rounding);
+        assert_true(i == 0 || hits[i - 1].score >= hits[i].score);
+    }
+}
+
+static void a_scan_finds_whom_the_exhaustive_score_finds(void **state)
+{
+    (void)state;
+    struct crowd *c = new_crowd(PEOPLE);
+    for (int i = 0; i < PEOPLE; i += 61) {
+        struct iso_metric_vector probe = template_of(c->metric, &c->own[i], 1.0f, &c->state);
+        expect_exhaustive(c, PEOPLE, &probe);
+        probe = template_of(c->metric, &c->own[i], 8.0f, &c->state); /* hardly to be known */
+        expect_exhaustive(c, PEOPLE, &probe);
+        const struct iso_metric_vector stranger = person_of(c->metric, &c->state);
+        probe = template_of(c->metric, &stranger, 1.0f, &c->state);
+        expect_exhaustive(c, PEOPLE, &probe);
+    }
+    free_crowd(c);
+}
+
+static void people_come_and_change_and_leave(void **state)
+{
+    (void)state;
+    enum { FEW = 40 };
+    struct crowd *c = new_crowd(FEW);
+    struct iso_metric_vector found;
+    const struct iso_metric_vector probe = template_of(c->metric, &c->own[3], 1.0f, &c->state);
+    for (int i = 0; i < FEW; i++) {
+        assert_int_equal(iso_index_find(c->index, number_of(i), &found), 0);
+        assert_int_equal(found.n, c->all[i].n);
+        assert_true(found.scale <= c->all[i].scale && found.scale >= c->all[i].scale);
+        assert_memory_equal(found.mean, c->all[i].mean, DIMENSIONS * sizeof(float));
+    }
+    /* In the middle, the first and the last leave, and come again in another order. */
+    static const int moved[] = {17, 0, 39, 3};
+    for (int k = 0; k < 4; k++) {
+        assert_int_equal(iso_index_remove(c->index, number_of(moved[k])), 0);
+        assert_int_equal(iso_index_find(c->index, number_of(moved[k]), &found), -ENOENT);
+        assert_int_equal(iso_index_remove(c->index, number_of(moved[k])), -ENOENT);
+        assert_int_equal(iso_index_size(c->index), FEW - 1 - k);
+    }
+    for (int k = 0; k < 4; k++) {
+        assert_int_equal(iso_index_put(c->index, number_of(moved[k]), &c->all[moved[k]]), 0);
+    }
+    expect_exhaustive(c, FEW, &probe);
+    /* Another one in somebody's place, with another number of templates. */
+    c->all[8] = c->all[9];
+    assert_int_equal(iso_index_put(c->index, number_of(8), &c->all[9]), 0);
+    assert_int_equal(iso_index_size(c->index), FEW);
+    expect_exhaustive(c, FEW, &probe);
+    /* More room keeps who is there. */
+    assert_int_equal(iso_index_reserve(c->index, 10 * FEW), 0);
+    expect_exhaustive(c, FEW, &probe);
+    free_crowd(c);
+}
+
+static void equals_come_in_the_order_of_their_numbers(void **state)
+{
+    (void)state;
+    struct crowd *c = new_crowd(1);
+    struct iso_search_hit hits[3];
+    int n = 0;
+    assert_int_equal(iso_index_reserve(c->index, 3), 0);
+    assert_int_equal(iso_index_put(c->index, 2, &c->all[0]), 0);
+    assert_int_equal(iso_index_put(c->index, 9, &c->all[0]), 0);
+    assert_int_equal(iso_index_search(c->index, &c->all[0], hits, 3, &n), 0);
+    assert_int_equal(n, 3);
+    assert_true(hits[0].person == 2 && hits[1].person == 5 && hits[2].person == 9);
+    assert_int_equal(iso_index_search(c->index, &c->all[0], hits, 2, &n), 0);
+    assert_int_equal(n, 2);
+    assert_true(hits[0].person == 2 && hits[1].person == 5);
+    free_crowd(c);
+}
+
+/* Fewer dimensions than lanes, and a number that is no multiple of them. */
+static void every_number_of_dimensions_will_do(void **state)
+{
+    (void)state;
+    for (int dimensions = 1; dimensions <= ISO_METRIC_DIMENSIONS_MAX; dimensions++) {
+        struct iso_metric *m = new_metric(dimensions);
+        struct iso_index *index = NULL;
+        uint32_t random = 7;
+        const struct iso_metric_vector own = person_of(m, &random);
+        const struct iso_metric_vector person = template_of(m, &own, 1.0f, &random);
+        const struct iso_metric_vector probe = template_of(m, &own, 1.0f, &random);
+        struct iso_search_hit hit;
+        int n = 0;
+        assert_int_equal(iso_index_new(m, &index), 0);
+        assert_int_equal(iso_index_reserve(index, 1), 0);
+        assert_int_equal(iso_index_put(index, 1, &person), 0);
+        assert_int_equal(iso_index_search(index, &probe, &hit, 1, &n), 0);
+        const double wanted = iso_metric_score(m, &person, &probe);
+        assert_true(hit.score <= wanted && hit.score >= wanted);
+        iso_index_free(index);
+        iso_metric_free(m);
+    }
+}
+
+static void what_it_cannot_do_is_an_error(void **state)
+{
+    (void)state;
+    struct crowd *c = new_crowd(2);
+    struct iso_metric_vector none = {.n = 0}, many = c->all[0], found = {.n = 77};
+    struct iso_search_hit hit = {.person = 77};
+    int n = 77;
+    many.n = ISO_INDEX_TEMPLATES_MAX + 1;
+    assert_int_equal(iso_index_put(c->index, 5, &none), -EINVAL);
+    assert_int_equal(iso_index_put(c->index, 5, &many), -EINVAL);
+    assert_int_equal(iso_index_add(c->index, 5, &none), -EINVAL);
+    assert_int_equal(iso_index_reserve(c->index, 16), 0);
+    for (int i = 2; i < 16; i++) {
+        assert_int_equal(iso_index_put(c->index, 100 + i, &c->all[0]), 0);
+    }
+    assert_int_equal(iso_index_put(c->index, 99, &c->all[0]), -ENOSPC);
+    assert_int_equal(iso_index_add(c->index, 99, &c->all[0]), -ENOSPC);
+    assert_int_equal(iso_index_put(c->index, 5, &c->all[1]), 0); /* who is there needs no room */
+    assert_int_equal(iso_index_size(c->index), 16);
+    assert_int_equal(iso_index_find(c->index, 6, &found), -ENOENT);
+    assert_int_equal(found.n, 77);
+    assert_int_equal(iso_index_search(c->index, &c->all[1], &hit, 1, &n), -EINVAL); /* two in it */
+    assert_int_equal(iso_index_search(c->index, &none, &hit, 1, &n), -EINVAL);
+    assert_int_equal(iso_index_search(c->index, &c->all[0], &hit, -1, &n), -EINVAL);
+    assert_int_equal(iso_index_search(c->index, &c->all[0], &hit, ISO_INDEX_HITS_MAX + 1, &n),
+                     -EINVAL);
+    assert_true(n == 77 && hit.person == 77);
+    assert_int_equal(iso_index_search(c->index, &c->all[0], NULL, 0, &n), 0);
+    assert_int_equal(n, 0);
+    free_crowd(c);
+    iso_index_free(NULL);
+}
+
+static void an_empty_index_finds_nobody(void **state)
+{
+    (void)state;
+    struct crowd *c = new_crowd(0);
+    const struct iso_metric_vector own = person_of(c->metric, &c->state);
+    struct iso_search_hit hit;
+    int n = 77;
+    assert_int_equal(iso_index_search(c->index, &own, &hit, 1, &n), 0);
+    assert_int_equal(n, 0);
+    assert_int_equal(iso_index_put(c->index, 1, &own), -ENOSPC);
+    free_crowd(c);
+}
+
+static int grow(void *context, struct iso_fault *fault)
+{
+    struct crowd *c = context;
+    struct iso_index *index = NULL;
+    int error = iso_index_new(c->metric, &index);
+    error = error ? error : iso_index_reserve(index, 16);
+    if (!error) {
+        assert_int_equal(iso_index_put(index, 1, &c->all[0]), 0);
+        error = iso_index_reserve(index, 17);
+        assert_int_equal(iso_index_size(index), 1);
+        assert_int_equal(iso_index_find(index, 1, &c->all[1]), 0);
+    }
+    iso_index_free(index);
+    return error ? iso_fault_set(fault, error, "out of memory") : 0;
+}
+
+static void nothing_leaks_when_memory_runs_out(void **state)
+{
+    (void)state;
+    struct crowd *c = new_crowd(1);
+    assert_int_equal(scarce_memory_exhaust(grow, c, 10), 5);
+    free_crowd(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scan_finds_whom_the_exhaustive_score_finds),
+        cmocka_unit_test(people_come_and_change_and_leave),
+        cmocka_unit_test(equals_come_in_the_order_of_their_numbers),
+        cmocka_unit_test(every_number_of_dimensions_will_do),
+        cmocka_unit_test(what_it_cannot_do_is_an_error),
+        cmocka_unit_test(an_empty_index_finds_nobody),
+        cmocka_unit_test(nothing_leaks_when_memory_runs_out),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
