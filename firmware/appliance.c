@@ -83,6 +83,11 @@ static void init_door(struct iso_appliance *appliance)
 
 /* ---- the sensor ---- */
 
+const char *iso__appliance_sensor_state(const struct iso_appliance *appliance)
+{
+    return !appliance->keeper.sensor ? "lost" : appliance->keeper.sees ? "started" : "silent";
+}
+
 static void init_sensor(struct iso_appliance *appliance, int64_t now_ns)
 {
     const struct iso_config_sensor *config = &appliance->parts.config->sensor;
@@ -90,31 +95,52 @@ static void init_sensor(struct iso_appliance *appliance, int64_t now_ns)
         .silence_ns = config->silence_ms * ISO_NS_PER_MS,
         .retry_ns = config->retry_ms * ISO_NS_PER_MS,
         .retry_max_ns = config->retry_max_ms * ISO_NS_PER_MS,
+        .pause_ns = config->pause_ms * ISO_NS_PER_MS,
+        .stale_ns = config->stale_ms * ISO_NS_PER_MS,
     };
     iso_sensor_keeper_init(&appliance->keeper, &options, &appliance->parts.sensor, now_ns);
 }
 
-static void on_sensor_gone(struct iso_appliance *appliance, int64_t now_ns)
+static void on_sensor_gone(struct iso_appliance *appliance)
 {
     struct iso_audit_record record = iso_audit_record_of("sensor");
     record.reason = "lost";
     record.note = appliance->keeper.fault;
     iso__appliance_say(appliance, LOG_ERR, "%s", appliance->keeper.fault);
     (void)iso__appliance_record(appliance, &record);
-    iso_decision_reset(&appliance->decision);
-    iso_track_reset(&appliance->track);
     iso__appliance_action_disconnect(appliance);
-    iso_door_control_set_fault(&appliance->door, true, now_ns);
 }
 
-static void on_sensor_back(struct iso_appliance *appliance, int64_t now_ns)
+static void on_sensor_back(struct iso_appliance *appliance)
 {
     struct iso_audit_record record = iso_audit_record_of("sensor");
     record.reason = "started";
     iso__appliance_say(appliance, LOG_NOTICE, "sensor %s started",
                        iso_sensor_name(appliance->keeper.sensor));
     (void)iso__appliance_record(appliance, &record);
-    iso_door_control_set_fault(&appliance->door, false, now_ns);
+}
+
+/* The safe state and its end: whoever was before the camera may be another by now, and what was
+ * decided of the one before is forgotten. A client's action goes on if the camera does. */
+static void follow_sight(struct iso_appliance *appliance, int64_t now_ns)
+{
+    const struct iso_sensor_keeper *keeper = &appliance->keeper;
+    if (keeper->sees == !appliance->blind) {
+        return;
+    }
+    appliance->blind = !keeper->sees;
+    if (appliance->blind) {
+        iso_decision_reset(&appliance->decision);
+        iso_track_reset(&appliance->track);
+        if (keeper->sensor) {
+            struct iso_audit_record record = iso_audit_record_of("sensor");
+            record.reason = "silent";
+            record.note = keeper->fault;
+            iso__appliance_say(appliance, LOG_WARNING, "%s", keeper->fault);
+            (void)iso__appliance_record(appliance, &record);
+        }
+    }
+    iso_door_control_set_fault(&appliance->door, appliance->blind, now_ns);
 }
 
 /* ---- start, step, stop ---- */
@@ -210,13 +236,14 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
     const struct iso_sensor_keeper *keeper = &appliance->keeper;
     init_sensor(appliance, now_ns);
     if (iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame) == ISO_SENSOR_BACK) {
-        on_sensor_back(appliance, now_ns);
+        on_sensor_back(appliance);
         return 0;
     }
     if (keeper->error == -EINVAL || keeper->error == -ENOENT) {
         return iso_fault_set(fault, keeper->error, "%s", keeper->fault);
     }
-    on_sensor_gone(appliance, now_ns);
+    on_sensor_gone(appliance);
+    follow_sight(appliance, now_ns);
     return 0;
 }
 
@@ -250,7 +277,9 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
 static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
 {
     const struct iso_frame *frame = NULL;
-    switch (iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame)) {
+    const enum iso_sensor_news news = iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame);
+    follow_sight(appliance, now_ns); /* before what was seen now is looked at */
+    switch (news) {
     case ISO_SENSOR_FRAME:
         iso__appliance_frame(appliance, frame, now_ns);
         break;
@@ -262,10 +291,10 @@ static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
         iso__appliance_complain(appliance, appliance->keeper.fault);
         break;
     case ISO_SENSOR_BACK:
-        on_sensor_back(appliance, now_ns);
+        on_sensor_back(appliance);
         break;
     case ISO_SENSOR_GONE:
-        on_sensor_gone(appliance, now_ns);
+        on_sensor_gone(appliance);
         break;
     }
 }
@@ -332,7 +361,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .mode = appliance->mode,
         .door = appliance->door.door.state,
         .door_fault = appliance->door.broken ? appliance->door.fault : "",
-        .sensor_state = appliance->keeper.sensor ? "started" : "lost",
+        .sensor_state = iso__appliance_sensor_state(appliance),
         .sensor_model = appliance->keeper.model,
         .sensor_calibration = appliance->keeper.calibration,
         .sensor_fault = appliance->keeper.fault,

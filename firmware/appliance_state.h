@@ -15,6 +15,7 @@
 struct iso_appliance {
     struct iso_appliance_parts parts;
     struct iso_sensor_keeper keeper;
+    bool blind; /* the door is at fault because the sensor sees nothing */
     struct iso_door_control door;
     int64_t start_ns;
     enum iso_appliance_mode mode;
@@ -63,6 +64,9 @@ int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audi
  * change, "start" before all. */
 void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
                                    const char *note);
+
+/* "started", "silent" (it runs, but nothing is seen), "lost". */
+const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
 
 /* ---- frames (appliance_frame.c) ---- */
 

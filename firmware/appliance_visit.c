@@ -48,7 +48,7 @@ static void record_verdict(struct iso_appliance *appliance, const char *person,
     record.score = verdict->score;
     record.threshold = iso_config_threshold(appliance->parts.config);
     record.frames = verdict->frames;
-    record.sensor = appliance->keeper.sensor ? "started" : "lost";
+    record.sensor = iso__appliance_sensor_state(appliance);
     char image[ISO_IMAGE_TALLY_TEXT_SIZE];
     if (iso_image_tally_text(&appliance->image, image)) {
         record.note = image;

@@ -33,7 +33,7 @@
 struct iso_audit_record {
     const char *event; /* REQUIRED: "start", "visit", "door", ... */
     const char *person, *verdict, *reason, *note;
-    const char *sensor; /* its health at a decision: "started", "lost" */
+    const char *sensor; /* its health at a decision: "started", "silent", "lost" */
     double score, threshold;
     int frames, attack_frames;
     /* Which gallery, and its number of changes (iso_gallery_version): those who are put back later

@@ -32,7 +32,7 @@ struct iso_config_sensor {
     char near_mm[ISO_CONFIG_TEXT_SIZE], far_mm[ISO_CONFIG_TEXT_SIZE];
     char confidence[ISO_CONFIG_TEXT_SIZE];
     double distance_min_mm, distance_max_mm;
-    int silence_ms, stale_ms, retry_ms, retry_max_ms;
+    int pause_ms, silence_ms, stale_ms, retry_ms, retry_max_ms;
 };
 
 struct iso_config_door {

@@ -17,6 +17,7 @@ void iso_sensor_keeper_init(struct iso_sensor_keeper *keeper,
         .source = *source,
         .try_ns = now_ns,
         .wait_ns = options->retry_ns,
+        .sees = true,
     };
 }
 
@@ -31,6 +32,7 @@ static void close_sensor(struct iso_sensor_keeper *keeper, int64_t now_ns)
 {
     iso_sensor_close(keeper->sensor);
     keeper->sensor = NULL;
+    keeper->sees = false;
     keeper->try_ns = now_ns + keeper->wait_ns;
     keeper->wait_ns *= 2;
     if (keeper->wait_ns > keeper->options.retry_max_ns) {
@@ -55,8 +57,37 @@ static enum iso_sensor_news try_to_open(struct iso_sensor_keeper *keeper, int64_
         close_sensor(keeper, now_ns);
         return ISO_SENSOR_FLAW;
     }
-    keeper->heard_ns = now_ns;
+    keeper->heard_ns = keeper->seen_ns = now_ns;
     return ISO_SENSOR_BACK;
+}
+
+static void sign_of_sight(struct iso_sensor_keeper *keeper, int64_t now_ns)
+{
+    keeper->seen_ns = now_ns;
+    keeper->sees = true;
+}
+
+/* Nothing of any use has come. Returns true if it has become too long just now. */
+static bool loses_sight(struct iso_sensor_keeper *keeper, int64_t now_ns)
+{
+    if (!keeper->sees || now_ns - keeper->seen_ns < keeper->options.pause_ns) {
+        return false;
+    }
+    keeper->sees = false;
+    return true;
+}
+
+/* The same; it is the fault. */
+static void doubt_sight(struct iso_sensor_keeper *keeper, int64_t now_ns)
+{
+    struct iso_fault fault;
+    if (loses_sight(keeper, now_ns)) {
+        note_fault(keeper,
+                   iso_fault_set(&fault, -ETIMEDOUT, "sensor %s: nothing seen for %lld ms",
+                                 iso_sensor_name(keeper->sensor),
+                                 (long long)((now_ns - keeper->seen_ns) / ISO_NS_PER_MS)),
+                   &fault);
+    }
 }
 
 static void sign_of_life(struct iso_sensor_keeper *keeper, int64_t now_ns)
@@ -72,9 +103,11 @@ static enum iso_sensor_news note_nothing(struct iso_sensor_keeper *keeper, int64
     int64_t due_ns;
     if (iso_sensor_next_due_ns(keeper->sensor, &due_ns) == 0) {
         sign_of_life(keeper, now_ns);
+        sign_of_sight(keeper, now_ns);
         return ISO_SENSOR_QUIET;
     }
     if (now_ns - keeper->heard_ns < keeper->options.silence_ns) {
+        doubt_sight(keeper, now_ns);
         return ISO_SENSOR_QUIET;
     }
     struct iso_fault fault;
@@ -101,6 +134,11 @@ enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, in
     if (error == 0) {
         struct iso_sensor_description description;
         sign_of_life(keeper, now_ns);
+        if (now_ns - (*frame)->t_ns < keeper->options.stale_ns) {
+            sign_of_sight(keeper, now_ns);
+        } else {
+            doubt_sight(keeper, now_ns);
+        }
         keeper->frames++;
         if (iso_sensor_describe(keeper->sensor, &description) == 0) {
             (void)snprintf(keeper->model, sizeof keeper->model, "%s", description.model);
@@ -112,6 +150,7 @@ enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, in
     note_fault(keeper, error, &fault);
     if (error == -EBADMSG) {
         keeper->heard_ns = now_ns;
+        (void)loses_sight(keeper, now_ns);
         return ISO_SENSOR_FLAW;
     }
     close_sensor(keeper, now_ns);

@@ -6,7 +6,12 @@
  *
  * A lost or damaged frame is reported and changes nothing. Silence is counted only for a back end
  * that has no next_due_ns: one that has says itself when there is something to see, and may be idle
- * for good. */
+ * for good.
+ *
+ * A camera that hiccups is not opened anew at once, but nobody can be seen meanwhile: `sees` tells
+ * that sooner. It falls with the sensor's loss, and pause_ns after the last frame that was whole
+ * and not late; it rises with the next one, not with the opening of a sensor that has still to show
+ * that it works. */
 #ifndef ISO_FIRMWARE_SENSOR_KEEPER_H
 #define ISO_FIRMWARE_SENSOR_KEEPER_H
 
@@ -24,6 +29,8 @@ struct iso_sensor_source {
 
 struct iso_sensor_keeper_options {
     int64_t silence_ns, retry_ns, retry_max_ns;
+    int64_t pause_ns; /* how long without a frame of any use until nothing is seen */
+    int64_t stale_ns; /* a frame that comes so long after its exposure is of none */
 };
 
 struct iso_sensor_keeper {
@@ -33,6 +40,8 @@ struct iso_sensor_keeper {
     int64_t try_ns;            /* AWAY: when to try next */
     int64_t wait_ns;           /* how long after the next failure */
     int64_t heard_ns;          /* RUNNING: the last sign of life */
+    int64_t seen_ns;           /* RUNNING: the last frame of any use */
+    bool sees;                 /* what is before the camera now is known */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;
     char model[32];       /* of the sensor; "" while unknown */
@@ -49,7 +58,7 @@ enum iso_sensor_news {
     ISO_SENSOR_GONE,  /* it does not, from now on; see ->fault */
 };
 
-/* AWAY, to be tried at once. */
+/* AWAY, to be tried at once; the first sensor to be opened is believed to see. */
 void iso_sensor_keeper_init(struct iso_sensor_keeper *keeper,
                             const struct iso_sensor_keeper_options *options,
                             const struct iso_sensor_source *source, int64_t now_ns);

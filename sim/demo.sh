@@ -83,6 +83,7 @@ start_daemon()
 [sensor]
 backend = replay
 path = $slot
+stale_ms = 5000
 [door]
 backend = null
 unlock_ms = 200

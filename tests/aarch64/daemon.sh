@@ -53,6 +53,7 @@ cat >"$run/isotherm.conf" <<END
 [sensor]
 backend = replay
 path = $run/slot
+stale_ms = 5000
 [door]
 backend = null
 [decision]

@@ -45,6 +45,7 @@ backend = replay
 path = $run/slot
 pace = asap
 loop = yes
+stale_ms = 5000
 [door]
 unlock_ms = 200
 [decision]

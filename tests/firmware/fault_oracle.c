@@ -175,30 +175,75 @@ static bool blinds(enum sim_fault fault)
            fault == SIM_FAULT_DISK_READ_ONLY;
 }
 
-/* Ten steps are a second. */
-static void judge_safety(const struct world *w)
+/* Whether the policy has the door unlocked because of somebody who was let in. */
+static bool is_granted(const struct world *w)
 {
-    const struct oracle *o = &w->oracle;
-    const int64_t open_ns = w->rig->now_ns - o->allowed_ns;
     const int64_t most_ns = (w->rig->config.door.unlock_ms + 2 * FRAME_MS) * ISO_NS_PER_MS;
-    if (rig_relay(w->rig) && (!w->running || o->allowed_ns == 0 || open_ns > most_ns)) {
+    return w->running && w->oracle.allowed_ns != 0 &&
+           w->rig->now_ns - w->oracle.allowed_ns <= most_ns;
+}
+
+/* Nothing has been seen for a second, or since the start: the appliance says so, and the door is at
+ * fault, but for the rest of the time for which it was unlocked before. */
+static void judge_silence(struct world *w)
+{
+    struct oracle *o = &w->oracle;
+    if (!w->running || w->rig->now_ns - o->sighted_ns < ISO_NS_PER_S) {
+        o->silent = false;
+        return;
+    }
+    const struct iso_appliance_status status = iso_appliance_status(w->rig->appliance);
+    if (strcmp(status.sensor_state, "started") == 0) {
+        world_broken(w, "sees what nobody has shown it");
+    }
+    if (status.door != ISO_DOOR_FAULT && !is_granted(w)) {
+        world_broken(w, "sees nothing, and the door is %s", iso_door_state_name(status.door));
+    }
+    if (o->allowed_ns >= o->sighted_ns + ISO_NS_PER_S) {
+        world_broken(w, "let in unseen");
+    }
+    total.silences += !o->silent;
+    o->silent = true;
+}
+
+/* A fault that has lasted for a second. */
+static void judge_fault(struct world *w, enum sim_fault fault)
+{
+    struct oracle *o = &w->oracle;
+    if (blinds(fault) && o->allowed_ns >= o->since_ns[fault] + ISO_NS_PER_S) {
+        world_broken(w, "let in although there is %s", sim_fault_name(fault));
+    }
+    if (fault == SIM_FAULT_SENSOR_GONE && w->running &&
+        strcmp(iso_appliance_status(w->rig->appliance).sensor_state, "lost") != 0) {
+        world_broken(w, "has a sensor that is gone");
+    }
+    total.lasted[fault] += !o->judged[fault];
+    o->judged[fault] = true;
+}
+
+static void judge_safety(struct world *w)
+{
+    if (rig_relay(w->rig) && !is_granted(w)) {
         world_broken(w, "the relay has power");
     }
-    for (int fault = 0; fault < SIM_FAULTS; fault++) {
+    judge_silence(w);
+    for (int i = 0; i < SIM_FAULTS; i++) {
+        const enum sim_fault fault = (enum sim_fault)i;
+        if (world_is_faulty(w, fault) &&
+            w->rig->now_ns - w->oracle.since_ns[fault] >= ISO_NS_PER_S) {
+            judge_fault(w, fault);
+        }
+    }
+}
+
+void oracle_begin_step(struct world *w)
+{
+    for (int i = 0; i < SIM_FAULTS; i++) {
         const struct sim_fault_event *event = sim_fault_plan_at(&w->plan, w->step,
-                                                                (enum sim_fault)fault);
-        if (!event || w->step - event->first <= 10) {
-            continue;
-        }
-        if (blinds(event->fault) && open_ns < ISO_NS_PER_S / 10 * (w->step - event->first - 10)) {
-            world_broken(w, "let in although there is %s", sim_fault_name(event->fault));
-        }
-        if (event->fault == SIM_FAULT_SENSOR_GONE && w->running) {
-            const struct iso_appliance_status status = iso_appliance_status(w->rig->appliance);
-            if (strcmp(status.sensor_state, "lost") != 0 ||
-                (status.door != ISO_DOOR_FAULT && open_ns > most_ns)) {
-                world_broken(w, "the door is %s", iso_door_state_name(status.door));
-            }
+                                                                (enum sim_fault)i);
+        if (event && event->first == w->step) {
+            w->oracle.since_ns[i] = w->rig->now_ns;
+            w->oracle.judged[i] = false;
         }
     }
 }

@@ -25,6 +25,8 @@ struct sight {
 /* What has been counted over all seeds. */
 struct world_counts {
     int allowed, denied, restarts, absences, acts, by_fault[SIM_FAULTS];
+    int lasted[SIM_FAULTS]; /* of those, how many were judged a second after they began */
+    int silences;           /* how often nothing was seen for a second, whatever the reason */
 };
 
 extern struct world_counts total;
@@ -37,8 +39,11 @@ struct oracle {
     bool carl_is_enrolled, lockdown, claimed;
     int failures, attacks, locks;
     int64_t locked_until_ns, failed_ns;
-    int64_t allowed_ns; /* the last visit that was allowed */
-    int64_t broken_ns;  /* when the disk was broken last */
+    int64_t allowed_ns;           /* the last visit that was allowed */
+    int64_t broken_ns;            /* when the disk was broken last */
+    int64_t sighted_ns;           /* when the sensor was last handed a frame that was not late */
+    int64_t since_ns[SIM_FAULTS]; /* when each fault began that there is */
+    bool silent, judged[SIM_FAULTS];
 };
 
 /* One seed's run. */
@@ -70,6 +75,9 @@ bool world_is_faulty(const struct world *w, enum sim_fault fault);
 /* Fails the test, with seed, step and the faults that there are. */
 __attribute__((noreturn, format(printf, 2, 3))) void world_broken(const struct world *w,
                                                                   const char *format, ...);
+
+/* A step begins: takes note of the faults that begin with it. */
+void oracle_begin_step(struct world *w);
 
 /* The sensor is handed its next frame: a whole one, with this actor in it. */
 void oracle_see(struct world *w, int64_t t_ns, enum actor actor, bool echo);

@@ -257,6 +257,7 @@ static void two_people_one_after_the_other(void **state)
 static void a_slow_machine_sees_one_visit(void **state)
 {
     struct rig *rig = *state;
+    rig->config.sensor.stale_ms = 5000;
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     rig_show(rig, 50, 2);
@@ -412,6 +413,50 @@ static void a_damaged_frame_is_no_fault_of_the_door(void **state)
     assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "started");
 }
 
+/* The camera hiccups: within a second nobody is let in for what was seen before, and it is not
+ * opened anew. */
+static void a_silent_sensor_is_a_fault_of_the_door_within_a_second(void **state)
+{
+    struct rig *rig = *state;
+    rig->sensor.streams = true;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 33 + 890);
+    assert_string_equal(rig_news(rig), "");
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "door fault fault");
+    assert_false(rig_relay(rig));
+    assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "silent");
+    assert_non_null(strstr(rig_record(rig, "sensor"), "\"reason\":\"silent\""));
+    assert_non_null(strstr(rig_record(rig, "sensor"), "nothing seen for 9"));
+    rig_run(rig, 200);
+    rig_show(rig, 50, 1); /* one of two that would have agreed */
+    rig_run(rig, 50);
+    assert_string_equal(rig_news(rig), "door locked recovered");
+    assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "started");
+    assert_int_equal(rig->sensor.opened, 1);
+    rig_show(rig, 50, 1);
+    rig_run(rig, 50);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
+}
+
+/* A client's enrolment outlives it. */
+static void an_action_goes_on_after_a_pause(void **state)
+{
+    struct rig *rig = *state;
+    const struct iso_enroll_request anna = {.person = "anna"};
+    rig->sensor.streams = true;
+    rig_start(rig);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &anna, NULL), 0);
+    rig_run(rig, 1200);
+    assert_string_equal(rig_news(rig), "door fault fault");
+    assert_int_equal(iso_appliance_status(rig->appliance).mode, ISO_APPLIANCE_ENROLL);
+    rig_run(rig, 5000); /* and is lost with the sensor */
+    assert_string_equal(rig_news(rig), "enroll disconnected 0/3 done");
+}
+
 static void the_watchdog_sees_an_idle_sensor_and_not_a_dead_one(void **state)
 {
     struct rig *rig = *state;
@@ -535,6 +580,8 @@ int main(void)
         TEST(starts_without_a_sensor),
         TEST(does_not_start_with_a_sensor_that_cannot_be),
         TEST(a_damaged_frame_is_no_fault_of_the_door),
+        TEST(a_silent_sensor_is_a_fault_of_the_door_within_a_second),
+        TEST(an_action_goes_on_after_a_pause),
         TEST(the_watchdog_sees_an_idle_sensor_and_not_a_dead_one),
         TEST(puts_the_door_on_record),
         TEST(sends_the_card_of_who_is_let_in),

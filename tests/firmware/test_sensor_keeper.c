@@ -17,7 +17,11 @@ static struct iso_sensor_keeper keeper;
 
 static int setup(void **state)
 {
-    const struct iso_sensor_keeper_options options = {1000 * MS, 100 * MS, 700 * MS};
+    const struct iso_sensor_keeper_options options = {.silence_ns = 1000 * MS,
+                                                      .retry_ns = 100 * MS,
+                                                      .retry_max_ns = 700 * MS,
+                                                      .pause_ns = 400 * MS,
+                                                      .stale_ns = 300 * MS};
     const struct iso_sensor_source source = puppet_sensor_source(&sensor);
     (void)state;
     now_ns = 1000 * MS;
@@ -166,6 +170,75 @@ static void a_silent_stream_is_broken(void **state)
     assert_string_equal(keeper.fault, "sensor puppet: no frame for 1000 ms");
 }
 
+static void a_pause_is_told_before_the_silence_is_over(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    puppet_sensor_add(&sensor, 1800 * MS, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    now_ns = 1399 * MS;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_true(keeper.sees);
+    now_ns = 1400 * MS;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_false(keeper.sees);
+    assert_string_equal(keeper.fault, "sensor puppet: nothing seen for 400 ms");
+    assert_int_equal(sensor.closed, 0);
+    now_ns = 1800 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_true(keeper.sees);
+}
+
+static void frames_that_come_late_are_no_sight(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    for (int i = 0; i < 6; i++) {
+        puppet_sensor_add(&sensor, (1000 + 100 * i) * MS, 42, ISO_CAPTURE_OK);
+    }
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    now_ns = 1300 * MS; /* 300 ms late */
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_true(keeper.sees);
+    now_ns = 1400 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_false(keeper.sees);
+    assert_int_equal(look(), ISO_SENSOR_FRAME); /* 200 ms late */
+    assert_true(keeper.sees);
+}
+
+static void damaged_frames_are_no_sight(void **state)
+{
+    (void)state;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    sensor.wait_error = -EBADMSG;
+    now_ns = 1399 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FLAW);
+    assert_true(keeper.sees);
+    now_ns = 1400 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FLAW);
+    assert_false(keeper.sees);
+    assert_string_equal(keeper.fault, "puppet: will not wait");
+}
+
+static void opening_again_what_was_lost_is_no_sight_yet(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    assert_true(keeper.sees);
+    sensor.wait_error = -ENODEV;
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+    assert_false(keeper.sees);
+    sensor.wait_error = 0;
+    now_ns += 100 * MS;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    assert_false(keeper.sees);
+    puppet_sensor_add(&sensor, now_ns, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_true(keeper.sees);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
@@ -178,6 +251,10 @@ int main(void)
         TEST(goes_on_after_a_damaged_frame),
         TEST(an_idle_sensor_may_be_idle_for_good),
         TEST(a_silent_stream_is_broken),
+        TEST(a_pause_is_told_before_the_silence_is_over),
+        TEST(frames_that_come_late_are_no_sight),
+        TEST(damaged_frames_are_no_sight),
+        TEST(opening_again_what_was_lost_is_no_sight_yet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

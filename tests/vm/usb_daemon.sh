@@ -62,6 +62,7 @@ wait_for 30 'no video node' test -s node
 configure "backend = v4l2
 device = $(cat node)
 camera = $VM_DIRECTORY/bench/camera.ini
+pause_ms = 600000
 silence_ms = 600000
 stale_ms = 600000" <<END
 [door]
