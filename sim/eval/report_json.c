@@ -18,10 +18,10 @@ static json_t *settings_json(const struct sim_eval *eval)
                      : eval->metric                            ? "metric"
                      : eval->cohort                            ? "cohort-normalised"
                                                                : "negative distance, mm",
-                     "fuse", (json_int_t)o->fuse, "gallery_frames",
-                     (json_int_t)o->gallery_frames, "probe_frames", (json_int_t)o->probe_frames,
-                     "gallery_limit", (json_int_t)o->gallery_limit, "sensor", eval->acquisition->origin.sensor, "extract",
-                     sim_json_extract(&o->extract), "match", match);
+                     "fuse", (json_int_t)o->fuse, "gallery_frames", (json_int_t)o->gallery_frames,
+                     "probe_frames", (json_int_t)o->probe_frames, "gallery_limit",
+                     (json_int_t)o->gallery_limit, "sensor", eval->acquisition->origin.sensor,
+                     "extract", sim_json_extract(&o->extract), "match", match);
 }
 
 static json_t *reasons_json(const size_t reason[SIM_REASONS])
