@@ -42,7 +42,7 @@ table() {
 # What frames that are fused gain: each visit of eight frames is eight samples of one, four of two, ...
 fused() {
     for preset in mild strong hard; do
-        render $preset-8 --preset $preset --seed 5 --frames-per-visit 8 --people 100 --probes 200 --strangers 100
+        render $preset-8 --preset $preset --seed 5 --frames-per-visit 8 --people 60 --probes 180 --strangers 60
         for frames in 1 2 4 8; do
             evaluate $preset-fused-$frames --corpus "$scratch/$preset-8" --gallery-frames 1 --fuse $frames
             echo "$preset, $frames fused:"
