@@ -263,6 +263,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     init_watch(appliance);
     init_door(appliance);
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
+    iso__appliance_unlearn(appliance);
     tell_unusable(appliance);
     iso__appliance_start_lockout(appliance);
     tell_image_check(appliance);

@@ -81,12 +81,19 @@ void iso__appliance_end_attack(struct iso_appliance *appliance);
 /* When one of deadlines, decisions, visits and attack attempts is due. */
 int64_t iso__appliance_due_ns(const struct iso_appliance *appliance);
 
-/* ---- visits (appliance_visit.c) ---- */
+/* ---- visits (appliance_visit.c, appliance_learn.c) ---- */
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);
 
 /* WATCH: the verdict of a visit. Logs it, tells the door, reports it. */
 void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict);
+
+/* WATCH: keeps the template just extracted, if the visit that it ended is one to learn from. Last
+ * of all: nobody waits for it. */
+void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verdict *verdict);
+
+/* Deletes what was learned, if nothing is to be learned any more; on record. */
+void iso__appliance_unlearn(struct iso_appliance *appliance);
 
 /* Whether a person may come in at this time; one who is not in the gallery may not. */
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person);

@@ -119,4 +119,5 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
                        verdict_word(&verdict), iso_reason_name(verdict.reason), verdict.frames,
                        (long long)(visit.latency_ns / ISO_NS_PER_MS));
     appliance->parts.events.visit(appliance->parts.events.context, &visit);
+    iso__appliance_learn(appliance, &verdict);
 }

@@ -243,6 +243,9 @@ static const char *find_conflict(const struct iso_config *config)
     if (config->lockout.first_ms > config->lockout.longest_ms) {
         return "[lockout] first_ms is above longest_ms";
     }
+    if (config->update.templates > 0 && config->update.score < iso_config_threshold(config)) {
+        return "[update] score is below the threshold";
+    }
     if (config->decision.agree > config->decision.max_frames) {
         return "[decision] agree is above max_frames";
     }

@@ -79,6 +79,12 @@ struct iso_config_decision {
     int agree, max_frames, attack_frames, gap_ms, refractory_ms;
 };
 
+/* What the appliance learns of people at confident matches (learning.h). */
+struct iso_config_update {
+    int templates; /* of one person, at most; 0: none, and what was learned is forgotten */
+    double score;
+};
+
 struct iso_config_lockout {
     int failures, attacks; /* 0: they never lock */
     int first_ms, longest_ms, forget_ms;
@@ -135,6 +141,7 @@ struct iso_config {
     struct iso_config_recognition recognition;
     struct iso_config_match match;
     struct iso_config_decision decision;
+    struct iso_config_update update;
     struct iso_config_lockout lockout;
     struct iso_config_motion motion;
     struct iso_config_hint hint;

@@ -149,6 +149,11 @@ const struct iso_config_key iso_config_keys[] = {
     {"decision", "refractory_ms", ISO_CONFIG_COUNT, false, AT(decision, refractory_ms), 100, 600000,
      NULL, "8000", "who stays after a verdict is looked at again after this time"},
 
+    {"update", "templates", ISO_CONFIG_COUNT, false, AT(update, templates), 0, 8, NULL, "0",
+     "learn so many templates of a person at confident matches; 0: none, forget those learned"},
+    {"update", "score", ISO_CONFIG_NUMBER, false, AT(update, score), -100, 100, NULL, "6",
+     "score that is confident; also how like the enrolled templates a learned one has to be"},
+
     {"lockout", "failures", ISO_CONFIG_COUNT, false, AT(lockout, failures), 0, 1000, NULL, "5",
      "refusals of strangers in a row after which nobody is let in for a while (0: never)"},
     {"lockout", "attacks", ISO_CONFIG_COUNT, false, AT(lockout, attacks), 0, 1000, NULL, "3",

@@ -16,12 +16,14 @@ enum {
     HEADER_BYTES = 4 + 4 * 2 + 4 + ISO_TEMPLATE_SENSOR_MAX + 4,
     POINT_BYTES = 7,
     COUNTS_PER_MM = 64,
+    LEARNED = 0x8000, /* bit of the number of frames */
 };
 
 static bool counts_in_range(unsigned n_radii, unsigned n_points, unsigned n_frames)
 {
     return n_radii >= 1 && n_radii <= ISO_TEMPLATE_RADII_MAX && n_points >= 4 &&
-           n_points <= ISO_TEMPLATE_POINTS_MAX && n_frames >= 1;
+           n_points <= ISO_TEMPLATE_POINTS_MAX && n_frames >= 1 &&
+           n_frames <= ISO_TEMPLATE_FRAMES_MAX;
 }
 
 static size_t serialised_size(unsigned n_radii, unsigned n_points)
@@ -74,7 +76,7 @@ int iso_template_serialise(const struct iso_template *t, void *bytes, size_t siz
     p = iso_put_u16(p, ISO_TEMPLATE_VERSION);
     p = iso_put_u16(p, t->n_radii);
     p = iso_put_u16(p, t->n_points);
-    p = iso_put_u16(p, t->n_frames);
+    p = iso_put_u16(p, (uint16_t)(t->n_frames | (t->learned ? LEARNED : 0)));
     p = iso_put_u32(p, t->algorithm);
     p = iso_put_bytes(p, t->sensor, sizeof t->sensor);
     p = iso_put_f32(p, t->quality);
@@ -109,7 +111,8 @@ int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
     memset(&t, 0, sizeof t);
     t.n_radii = iso_get_u16(p + 6);
     t.n_points = iso_get_u16(p + 8);
-    t.n_frames = iso_get_u16(p + 10);
+    t.n_frames = iso_get_u16(p + 10) & ISO_TEMPLATE_FRAMES_MAX;
+    t.learned = (iso_get_u16(p + 10) & LEARNED) != 0;
     if (!counts_in_range(t.n_radii, t.n_points, t.n_frames) ||
         size != serialised_size(t.n_radii, t.n_points) ||
         iso_get_u32(p + size - 4) != iso_crc32(0, bytes, size - 4)) {
@@ -220,7 +223,8 @@ int iso_template_fuse(const struct iso_template *const *templates, int n, struct
     }
     if (!error) {
         struct iso_template fused = *templates[0];
-        fused.n_frames = (uint16_t)(frames < UINT16_MAX ? frames : UINT16_MAX);
+        fused.n_frames = (uint16_t)(frames < ISO_TEMPLATE_FRAMES_MAX ? frames
+                                                                     : ISO_TEMPLATE_FRAMES_MAX);
         fused.quality = (float)(quality / n);
         fusion_finish(&fusion, n, &fused);
         *out = fused;

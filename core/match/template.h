@@ -5,6 +5,7 @@
 #ifndef ISO_CORE_MATCH_TEMPLATE_H
 #define ISO_CORE_MATCH_TEMPLATE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -15,6 +16,7 @@ enum {
     ISO_TEMPLATE_RADII_MAX = 4,
     ISO_TEMPLATE_POINTS_MAX = 32,
     ISO_TEMPLATE_SENSOR_MAX = 16,
+    ISO_TEMPLATE_FRAMES_MAX = 0x7fff,
     /* Largest serialised template. */
     ISO_TEMPLATE_BYTES_MAX = 64 +
                              ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS * ISO_TEMPLATE_POINTS_MAX * 7,
@@ -24,17 +26,18 @@ struct iso_template {
     uint32_t algorithm; /* hash of everything that shapes the points: model, radii, t, ... */
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* sensor class, NUL-terminated: "astra", "kinect2" */
     uint16_t n_radii, n_points, n_frames; /* frames fused into it */
+    bool learned;                         /* at a visit, by nobody's order; else by an enrolment */
     float quality;                        /* 0..1: weighted share of measured points */
     float radius_mm[ISO_TEMPLATE_RADII_MAX];
     float points_mm[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX][3];
     float weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX]; /* 0..1 */
 };
 
-/* Serialised, little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16,
- * algorithm u32, sensor[16], quality f32, radius f32[n_radii], then per point int16[3] (1/64 mm)
- * and uint8 weight (1/255), at the end a CRC-32 of all before it. Returns the bytes written;
- * -EINVAL for a template out of range (also a point beyond +-511 mm or not finite), -ENOSPC if they
- * do not fit. */
+/* Serialised, little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16
+ * (of which bit 15 says learned), algorithm u32, sensor[16], quality f32, radius f32[n_radii], then
+ * per point int16[3] (1/64 mm) and uint8 weight (1/255), at the end a CRC-32 of all before it.
+ * Returns the bytes written; -EINVAL for a template out of range (also a point beyond +-511 mm or
+ * not finite), -ENOSPC if they do not fit. */
 int iso_template_serialise(const struct iso_template *tmpl, void *bytes, size_t size)
     __attribute__((warn_unused_result));
 
@@ -48,7 +51,7 @@ void iso_template_wipe(struct iso_template *tmpl);
 /* One template from several of the same person (1..64, all of one algorithm and shape): each is
  * registered to the first by trimmed ICP, then points are averaged by weight. -EINVAL for
  * none or templates that differ in shape or algorithm, -ENODATA if one has too few points in common
- * with the first to be registered. */
+ * with the first to be registered. What was learned leaves no trace in it. */
 int iso_template_fuse(const struct iso_template *const *templates, int n, struct iso_template *out)
     __attribute__((warn_unused_result));
 

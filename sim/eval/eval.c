@@ -8,6 +8,18 @@
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
 #include "sim/eval/method_match.h"
+#include "sim/face/person.h"
+
+/* What a visit of fewer frames would be: the rest of each row is not looked at. */
+static void shorten(struct sim_corpus *corpus, const struct sim_eval_options *options)
+{
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        struct sim_corpus_row *row = &corpus->rows[i];
+        const size_t most = row->role == SIM_ROLE_GALLERY ? options->gallery_frames
+                                                          : options->probe_frames;
+        row->count = most > 0 && most < row->count ? most : row->count;
+    }
+}
 
 static int load(struct sim_eval *eval, struct iso_fault *fault)
 {
@@ -20,6 +32,9 @@ static int load(struct sim_eval *eval, struct iso_fault *fault)
     }
     if (!error) {
         error = sim_corpus_read(eval->options.corpus, &eval->corpus, fault);
+    }
+    if (!error) {
+        shorten(eval->corpus, &eval->options);
     }
     return error;
 }
@@ -57,8 +72,18 @@ static bool wants_faces(const struct sim_eval *eval)
     return false;
 }
 
+/* A cohort does not say whose templates it holds, but they are of the population `train`: nobody of
+ * it may be tested with a cohort. */
 static int check_cohort(const struct sim_eval *eval, struct iso_fault *fault)
 {
+    const char trained[] = SIM_POPULATION_TRAIN "-";
+    for (size_t row = 0; eval->cohort && row < eval->corpus->n_rows; row++) {
+        const char *origin = eval->corpus->rows[row].note;
+        if (strncmp(origin, trained, strlen(trained)) == 0) {
+            return iso_fault_set(fault, -EBADMSG, "%s: may hold people of %s (%s)",
+                                 eval->options.cohort, eval->options.corpus, origin);
+        }
+    }
     if (eval->cohort && iso_cohort_algorithm(eval->cohort) != eval->acquisition->origin.algorithm) {
         return iso_fault_set(fault, -EBADMSG, "%s: made by algorithm %08x, templates are of %08x",
                              eval->options.cohort, (unsigned)iso_cohort_algorithm(eval->cohort),

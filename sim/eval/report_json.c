@@ -1,5 +1,6 @@
 #include "drivers/path.h"
 #include "sim/eval/json.h"
+#include "sim/eval/promise.h"
 #include "sim/eval/report.h"
 
 static json_t *settings_json(const struct sim_eval *eval)
@@ -11,15 +12,16 @@ static json_t *settings_json(const struct sim_eval *eval)
     json_t *match = json_pack("{s:f, s:i, s:s}", "trim", o->match.trim, "icp_iterations",
                               o->match.icp_iterations, "transform",
                               o->match.transform == ISO_ICP_AFFINE ? "affine" : "rigid");
-    return json_pack("{s:s, s:s, s:s, s:I, s:I, s:s, s:o, s:o}", "method",
+    return json_pack("{s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:s, s:o, s:o}", "method",
                      sim_eval_first(eval)->name, "algorithm", algorithm, "score",
                      sim_method_pairwise(sim_eval_first(eval)) ? "negative distance"
                      : eval->metric                            ? "metric"
                      : eval->cohort                            ? "cohort-normalised"
                                                                : "negative distance, mm",
-                     "fuse", (json_int_t)o->fuse, "gallery_limit", (json_int_t)o->gallery_limit,
-                     "sensor", eval->acquisition->origin.sensor, "extract",
-                     sim_json_extract(&o->extract), "match", match);
+                     "fuse", (json_int_t)o->fuse, "gallery_frames", (json_int_t)o->gallery_frames,
+                     "probe_frames", (json_int_t)o->probe_frames, "gallery_limit",
+                     (json_int_t)o->gallery_limit, "sensor", eval->acquisition->origin.sensor,
+                     "extract", sim_json_extract(&o->extract), "match", match);
 }
 
 static json_t *reasons_json(const size_t reason[SIM_REASONS])
@@ -50,6 +52,19 @@ static json_t *acquisition_json(const struct sim_eval *eval)
                      reasons_json(probe[SIM_PROBE_MATED]), "strangers",
                      reasons_json(probe[SIM_PROBE_STRANGER]), "not_faces",
                      reasons_json(probe[SIM_PROBE_NONE]));
+}
+
+static json_t *promises_json(const struct sim_scores *scores)
+{
+    struct sim_promise promises[SIM_PROMISES];
+    json_t *array = json_array();
+    sim_promises_of(scores, promises);
+    for (int i = 0; i < SIM_PROMISES; i++) {
+        json_array_append_new(array, json_pack("{s:f, s:o, s:o}", "score", promises[i].score, "fmr",
+                                               sim_json_rate(promises[i].false_match), "fnmr",
+                                               sim_json_rate(promises[i].non_match)));
+    }
+    return array;
 }
 
 static json_t *verification_json(const struct sim_verification *v)
@@ -166,5 +181,8 @@ int sim_report_json(const struct sim_eval *eval, const char *directory, struct i
         (json_int_t)a->none_matched, "growth", growth_json(&eval->growth), "conditions",
         conditions_json(a), "landmarks", sim_json_landmarks(eval->landmarks), "latency_ms",
         latencies_json(a));
+    if (summary && eval->metric && !sim_method_pairwise(sim_eval_first(eval))) {
+        json_object_set_new(summary, "calibration", promises_json(&a->verification.scores));
+    }
     return sim_json_file(summary, path, fault);
 }

@@ -1,5 +1,6 @@
 #include <math.h>
 
+#include "sim/eval/promise.h"
 #include "sim/eval/report.h"
 
 static void print_rate(FILE *out, const char *name, struct sim_rate rate)
@@ -56,6 +57,25 @@ static void print_verification(const struct sim_verification *v, FILE *out)
     }
     fprintf(out, "  %-24s %7.1e\n", "smallest FMR supported",
             sim_rate_smallest(v->scores.n_non_mated));
+}
+
+/* Only a metric's scores promise anything. */
+static void print_promises(const struct sim_eval *eval, FILE *out)
+{
+    const struct sim_verification *v = &eval->analysis->verification;
+    if (!eval->metric || sim_method_pairwise(sim_eval_first(eval)) || v->n_det == 0) {
+        return;
+    }
+    struct sim_promise promises[SIM_PROMISES];
+    sim_promises_of(&v->scores, promises);
+    fputs("Calibration:  score   FMR promised       FMR %  [95 %]            FNMR %\n", out);
+    for (int i = 0; i < SIM_PROMISES; i++) {
+        const struct sim_promise *p = &promises[i];
+        const struct sim_interval interval = sim_rate_interval(p->false_match);
+        fprintf(out, "  %17.1f %14.0e %11.4f  [%.4f, %.4f] %8.2f\n", p->score, pow(10.0, -p->score),
+                100.0 * sim_rate_value(p->false_match), 100.0 * interval.low,
+                100.0 * interval.high, 100.0 * sim_rate_value(p->non_match));
+    }
 }
 
 static void print_identification(const struct sim_eval *eval, FILE *out)
@@ -186,6 +206,7 @@ void sim_report_text(const struct sim_eval *eval, FILE *out)
                                                       : "negative distance, mm (no cohort)");
     print_acquisition(eval, out);
     print_verification(&a->verification, out);
+    print_promises(eval, out);
     print_identification(eval, out);
     if (a->n_kind[SIM_PROBE_NONE] > 0) {
         fprintf(out, "Not faces: %zu of %zu taken for a face, %zu would match at FMR %.0e\n",

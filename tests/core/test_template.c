@@ -50,6 +50,7 @@ static void a_template_survives_its_bytes(void **state)
     struct iso_template t = person(3, 0.3f, 0.2f), back;
     t.weight[1][4][7] = 0.0f;
     t.n_frames = 5;
+    t.learned = true;
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     int size = iso_template_serialise(&t, bytes, sizeof bytes);
     assert_true(size > 0);
@@ -57,6 +58,7 @@ static void a_template_survives_its_bytes(void **state)
     assert_int_equal(back.algorithm, 77);
     assert_string_equal(back.sensor, "astra");
     assert_int_equal(back.n_frames, 5);
+    assert_true(back.learned);
     assert_true(back.weight[1][4][7] == 0.0f && back.weight[0][0][0] == 1.0f);
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         for (int k = 0; k < 3; k++) {

@@ -13,11 +13,13 @@
 
 #include <cmocka.h>
 
+#include "sim/data_file.h"
 #include "sim/eval/report.h"
 #include "tests/support/scratch.h"
 
 #define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
 #define MODEL  ISOTHERM_SOURCE_DIR "/core/data/head.model"
+#define METRIC ISOTHERM_SOURCE_DIR "/core/data/face.metric"
 #define COHORT ISOTHERM_SOURCE_DIR "/core/data/cohort.templates"
 
 static const char *const recordings[] = {"p01-enrol", "p02-enrol", "p01-v1",
@@ -254,6 +256,83 @@ static void test_refusals(void **state)
     expect_refusal(&options, -EBADMSG, "made by algorithm");
 }
 
+static void write_manifest(const char *directory, const char *origin)
+{
+    char text[1024];
+    (void)snprintf(text, sizeof text,
+                   "recording,first,count,subject,session,role,pose,expression,note\n"
+                   "p01-enrol,0,1,p01,e,gallery,,,test-2\n"
+                   "p01-v1,0,1,p01,v1,probe,,,test-2\n"
+                   "x01-v1,0,1,x01,v1,impostor,,,%s\n",
+                   origin);
+    scratch_write_text(scratch_path(directory, "manifest.csv"), text);
+}
+
+/* Whoever the shipped metric was learned from cannot be tested with it, not even as a stranger; the
+ * refusal names the corpus and its origin. */
+static void test_nobody_the_metric_learned_from_is_tested(void **state)
+{
+    struct iso_fault fault = {""};
+    struct iso_metric *metric = NULL;
+    struct sim_eval_options options = options_for(*state);
+    options.metric = METRIC;
+    assert_int_equal(sim_metric_load(METRIC, &metric, &fault), 0);
+    assert_true(metric->n_origins >= 2);
+    for (int i = 0; i < metric->n_origins; i++) {
+        char words[128];
+        write_manifest(*state, metric->origin[i]);
+        (void)snprintf(words, sizeof words, "learned from the people of %s (%s)",
+                       (const char *)*state, metric->origin[i]);
+        expect_refusal(&options, -EBADMSG, words);
+    }
+    iso_metric_free(metric);
+    write_manifest(*state, "test-2");
+    sim_eval_free(evaluate(&options));
+}
+
+/* A cohort does not say whom it holds: nobody of its population is tested with it. */
+static void test_nobody_of_the_cohorts_population_is_tested(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    options.cohort = COHORT;
+    write_manifest(*state, "train-7");
+    expect_refusal(&options, -EBADMSG, "cohort.templates: may hold people of ");
+    expect_refusal(&options, -EBADMSG, "(train-7)");
+    write_manifest(*state, "test-2");
+    sim_eval_free(evaluate(&options));
+}
+
+static const struct sim_sample *sample_of_row(const struct sim_eval *eval, size_t row)
+{
+    const struct sim_acquisition *a = eval->acquisition;
+    for (size_t i = 0; i < a->n_samples; i++) {
+        if (a->samples[i].row == row) {
+            return &a->samples[i];
+        }
+    }
+    fail_msg("row %zu has no sample", row);
+    return NULL;
+}
+
+/* Rows are shortened by what they are for; what is left of them is fused. */
+static void test_frames_of_a_row(void **state)
+{
+    struct sim_eval_options options = options_for(*state);
+    options.gallery_frames = 1;
+    struct sim_eval *eval = evaluate(&options);
+    assert_int_equal(eval->acquisition->n_captures, 1 + 1 + 2 + 1 + 1 + 1);
+    assert_int_equal(sample_of_row(eval, 0)->tmpl.n_frames, 1);
+    assert_int_equal(sample_of_row(eval, 2)->tmpl.n_frames, 2);
+    sim_eval_free(eval);
+    options.gallery_frames = 0;
+    options.probe_frames = 1;
+    eval = evaluate(&options);
+    assert_int_equal(eval->acquisition->n_captures, 2 + 2 + 1 + 1 + 1 + 1);
+    assert_int_equal(sample_of_row(eval, 0)->tmpl.n_frames, 2);
+    assert_int_equal(sample_of_row(eval, 2)->tmpl.n_frames, 1);
+    sim_eval_free(eval);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -264,6 +343,11 @@ int main(void)
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(test_damaged_frame_is_counted, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_refusals, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_nobody_the_metric_learned_from_is_tested, setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_nobody_of_the_cohorts_population_is_tested, setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_frames_of_a_row, setup, scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

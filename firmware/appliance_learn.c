@@ -1,0 +1,113 @@
+/* WATCH: what is learned at a visit, and forgotten again. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <syslog.h>
+
+#include "core/capture.h"
+#include "firmware/appliance_state.h"
+#include "firmware/gallery_forget.h"
+#include "firmware/learning.h"
+
+/* Whether the template in hand is as like the enrolled ones among these as has to be. */
+static bool is_like(const struct iso_appliance *appliance,
+                    const struct iso_learning_options *options, int64_t person,
+                    const struct iso_template *own, int n)
+{
+    struct iso_search_entry enrolled[ISO_GALLERY_TEMPLATES_MAX];
+    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
+    const struct iso_candidates among = {
+        .entries = enrolled,
+        .n_entries = iso_learning_enrolled(person, own, n, enrolled),
+    };
+    struct iso_search_hit hit;
+    int n_hits = 0;
+    if (among.n_entries == 0 || n - among.n_entries >= options->templates) {
+        return false;
+    }
+    const int error = pipeline->ops->search(pipeline->self, &among, &appliance->extraction.tmpl,
+                                            &hit, 1, &n_hits);
+    return !error && n_hits == 1 && hit.score >= options->score;
+}
+
+/* Whether there is room for one more learned template of this person, and the template in hand is
+ * like the enrolled ones, as they are on the disk. */
+static bool may_learn(const struct iso_appliance *appliance,
+                      const struct iso_learning_options *options, int64_t person)
+{
+    int n = 0;
+    struct iso_fault fault = {""};
+    struct iso_template *own = calloc(ISO_GALLERY_TEMPLATES_MAX, sizeof *own);
+    if (!own) {
+        return false;
+    }
+    const int error = iso_gallery_templates(appliance->parts.gallery, person, own,
+                                            ISO_GALLERY_TEMPLATES_MAX, &n, &fault);
+    const bool like = !error && is_like(appliance, options, person, own, n);
+    for (int i = 0; i < n; i++) {
+        iso_template_wipe(&own[i]);
+    }
+    free(own);
+    return like;
+}
+
+/* What cannot be logged is not done. */
+static void keep(struct iso_appliance *appliance, const struct iso_verdict *verdict)
+{
+    struct iso_gallery *gallery = appliance->parts.gallery;
+    const struct iso_person *known = iso_gallery_find_id(gallery, verdict->person);
+    struct iso_audit_record record = iso_audit_record_of("learn");
+    struct iso_fault fault = {""};
+    if (!known || iso_gallery_room(gallery, known->name, NULL)) {
+        return;
+    }
+    const struct iso_person person = *known; /* the gallery's own moves when it grows */
+    record.person = person.name;
+    record.score = verdict->score;
+    if (iso__appliance_record(appliance, &record)) {
+        return;
+    }
+    struct iso_template learned = appliance->extraction.tmpl;
+    learned.learned = true;
+    if (iso_gallery_add(gallery, &person, &learned, &fault)) {
+        iso__appliance_say(appliance, LOG_ERR, "what was learned could not be stored");
+        record.note = fault.text;
+        record.reason = "not-stored";
+        (void)iso__appliance_record(appliance, &record);
+    } else {
+        iso__appliance_record_gallery(appliance, "gallery", NULL);
+    }
+    iso_template_wipe(&learned);
+}
+
+void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verdict *verdict)
+{
+    const struct iso_config_update *config = &appliance->parts.config->update;
+    const struct iso_learning_options options = {config->templates, config->score};
+    if (iso_learning_is_sure(&options, &appliance->decision, verdict) &&
+        appliance->image.contradicted == 0 &&
+        iso__appliance_enroll_gate(appliance) == ISO_CAPTURE_OK &&
+        may_learn(appliance, &options, verdict->person)) {
+        keep(appliance, verdict);
+    }
+}
+
+void iso__appliance_unlearn(struct iso_appliance *appliance)
+{
+    size_t n = 0;
+    char note[64];
+    struct iso_fault fault = {""};
+    if (appliance->parts.config->update.templates > 0) {
+        return;
+    }
+    if (iso_gallery_forget_learned(appliance->parts.gallery, &n, &fault)) {
+        iso__appliance_say(appliance, LOG_ERR, "what was learned could not be forgotten: %s",
+                           fault.text);
+    } else if (n > 0) {
+        struct iso_audit_record record = iso_audit_record_of("forget");
+        (void)snprintf(note, sizeof note, "%zu learned templates", n);
+        record.note = note;
+        (void)iso__appliance_record(appliance, &record);
+        iso__appliance_record_gallery(appliance, "gallery", NULL);
+    }
+}

@@ -1,0 +1,118 @@
+#include "firmware/gallery_forget.h"
+
+#include <errno.h>
+#include <sodium.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A person without what was learned, with the bytes that the item points to. */
+struct restored {
+    struct iso_gallery_item item;
+    uint8_t bytes[ISO_GALLERY_TEMPLATES_MAX][ISO_TEMPLATE_BYTES_MAX];
+};
+
+struct restoring {
+    struct restored *people;
+    size_t n, capacity, n_learned;
+};
+
+/* A template that this version cannot read was not learned by it. */
+static bool is_learned(const void *bytes, size_t size)
+{
+    struct iso_template tmpl;
+    const bool learned = iso_template_parse(bytes, size, &tmpl) == 0 && tmpl.learned;
+    iso_template_wipe(&tmpl);
+    return learned;
+}
+
+static void wipe(struct restoring *restoring)
+{
+    if (restoring->people) {
+        sodium_memzero(restoring->people, restoring->capacity * sizeof *restoring->people);
+        free(restoring->people);
+    }
+}
+
+/* Room for one more; what moves is wiped where it was. */
+static int reserve(struct restoring *restoring)
+{
+    if (restoring->n < restoring->capacity) {
+        return 0;
+    }
+    const size_t more = restoring->capacity ? 2 * restoring->capacity : 1;
+    struct restored *people = calloc(more, sizeof *people);
+    if (!people) {
+        return -ENOMEM;
+    }
+    for (size_t i = 0; i < restoring->n; i++) {
+        people[i] = restoring->people[i];
+        for (size_t t = 0; t < people[i].item.n; t++) {
+            people[i].item.templates[t].bytes = people[i].bytes[t];
+        }
+    }
+    wipe(restoring);
+    restoring->people = people;
+    restoring->capacity = more;
+    return 0;
+}
+
+static int restore(void *context, const struct iso_gallery_item *item, struct iso_fault *fault)
+{
+    struct restoring *restoring = context;
+    size_t learned = 0;
+    for (size_t i = 0; i < item->n; i++) {
+        learned += is_learned(item->templates[i].bytes, item->templates[i].size);
+    }
+    if (learned == 0 || learned == item->n) {
+        return 0;
+    }
+    if (reserve(restoring)) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    struct restored *person = &restoring->people[restoring->n++];
+    person->item.person = item->person;
+    for (size_t i = 0; i < item->n; i++) {
+        const size_t size = item->templates[i].size;
+        if (!is_learned(item->templates[i].bytes, size)) {
+            const size_t to = person->item.n++;
+            memcpy(person->bytes[to], item->templates[i].bytes, size);
+            person->item.templates[to].algorithm = item->templates[i].algorithm;
+            person->item.templates[to].bytes = person->bytes[to];
+            person->item.templates[to].size = size;
+        }
+    }
+    restoring->n_learned += learned;
+    return 0;
+}
+
+/* The items side by side, as an import wants them. */
+static int import(struct iso_gallery *gallery, const struct restoring *restoring,
+                  struct iso_fault *fault)
+{
+    size_t added = 0;
+    struct iso_gallery_item *items = calloc(restoring->n, sizeof *items);
+    if (!items) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    for (size_t i = 0; i < restoring->n; i++) {
+        items[i] = restoring->people[i].item;
+    }
+    const int error = iso_gallery_import(gallery, items, restoring->n, true, &added, fault);
+    sodium_memzero(items, restoring->n * sizeof *items);
+    free(items);
+    return error;
+}
+
+int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
+{
+    struct restoring restoring = {0};
+    int error = iso_gallery_export(gallery, NULL, restore, &restoring, fault);
+    if (!error && restoring.n > 0) {
+        error = import(gallery, &restoring, fault);
+    }
+    if (!error) {
+        *n = restoring.n_learned;
+    }
+    wipe(&restoring);
+    return error;
+}

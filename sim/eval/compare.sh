@@ -1,0 +1,78 @@
+#!/bin/sh
+# Makes every figure of the documents that compares: all methods on all corpora in one table (table), what frames fused gain
+# (fused), a thousand people enrolled (thousand), and what a score means before each sensor (sensors). The metric and the methods
+# that learn have seen none of these people; eval refuses if they have. SCRATCH keeps the corpora, which are rendered only if they
+# are not there, and the results (SCRATCH/results). DATA: head.model and face.metric. KINECT2: a corpus of real frames, or -.
+# usage: compare.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY KINECT2_DIRECTORY SCRATCH [table] [fused] [thousand] [sensors]
+set -eu
+sim=$1 ict=$2 data=$3 real=$4 scratch=$5
+shift 5
+export OPENBLAS_NUM_THREADS=1
+mkdir -p "$scratch/results"
+
+# render NAME OPTION...: the corpus of this name
+render() {
+    name=$1
+    shift
+    [ -e "$scratch/$name/manifest.csv" ] || "$sim" generate --ict "$ict" "$@" --out "$scratch/$name"
+}
+
+# evaluate RESULT OPTION...
+evaluate() {
+    result=$1
+    shift
+    mkdir -p "$scratch/results/$result"
+    "$sim" eval --model "$data/head.model" --metric "$data/face.metric" --out "$scratch/results/$result" "$@" \
+        >"$scratch/results/$result/report.txt"
+}
+
+table() {
+    render train --preset strong --population train --seed 4001 --people 120 --probes 360 --strangers 0 --marks
+    corpora=
+    for preset in mild strong texas hard pose far; do
+        render $preset --preset $preset --seed 4
+        corpora="$corpora --corpus $scratch/$preset"
+    done
+    [ "$real" = - ] || corpora="$corpora --corpus $real"
+    # shellcheck disable=SC2086
+    evaluate table --method all --train "$scratch/train" $corpora
+    sed -n '/^Methods on/,$p' "$scratch/results/table/report.txt"
+}
+
+# What frames that are fused gain: each visit of eight frames is eight samples of one, four of two, ...
+fused() {
+    for preset in mild strong hard; do
+        render $preset-8 --preset $preset --seed 5 --frames-per-visit 8 --people 60 --probes 180 --strangers 60
+        for frames in 1 2 4 8; do
+            evaluate $preset-fused-$frames --corpus "$scratch/$preset-8" --gallery-frames 1 --fuse $frames
+            echo "$preset, $frames fused:"
+            grep -E '^  (EER|FNMR at FMR|rank 1) ' "$scratch/results/$preset-fused-$frames/report.txt"
+        done
+    done
+}
+
+thousand() {
+    render thousand --preset mild --seed 6 --people 1000 --probes 1000 --strangers 500
+    evaluate thousand --corpus "$scratch/thousand"
+    sed -n '/^Identification/,/^By condition/p' "$scratch/results/thousand/report.txt"
+}
+
+sensors() {
+    for sensor in astra kinect2 d435 truedepth stereo; do
+        render sensor-$sensor --preset strong --seed 7 --sensor $sensor --people 100 --probes 200 --strangers 100
+        evaluate sensor-$sensor --corpus "$scratch/sensor-$sensor"
+        echo "$sensor:"
+        sed -n '/^  EER/p; /^  FNMR/p; /^Calibration/,/^Identification/p' "$scratch/results/sensor-$sensor/report.txt"
+    done
+}
+
+[ $# -gt 0 ] || set -- table fused thousand sensors
+for part; do
+    case $part in
+    table | fused | thousand | sensors) "$part" ;;
+    *)
+        echo "compare.sh: no part '$part'" >&2
+        exit 2
+        ;;
+    esac
+done

@@ -1,0 +1,19 @@
+/* What a calibrated score promises, and what it keeps: a score of s or more is to be as rare among
+ * strangers as 10^-s (core/match/metric.h), before every sensor. */
+#ifndef SIM_EVAL_PROMISE_H
+#define SIM_EVAL_PROMISE_H
+
+#include "sim/eval/det.h"
+
+enum { SIM_PROMISES = 4 };
+
+struct sim_promise {
+    double score;                /* 1, 2, 3, 4: promised are FMRs of 1e-1 to 1e-4 */
+    struct sim_rate false_match; /* non-mated comparisons that reach it */
+    struct sim_rate non_match;   /* mated ones that do not */
+};
+
+/* Of sorted scores that a metric made. */
+void sim_promises_of(const struct sim_scores *scores, struct sim_promise out[SIM_PROMISES]);
+
+#endif
