@@ -10,7 +10,8 @@
  *   ListPeople() -> a(sxxxu)             person, enrolled, valid_from, valid_until (s), templates
  *   DeletePerson(s person)
  *   GetStatus() -> a{sv}                 the keys below
- *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each
+ *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
+ *                                        not more than 1000, and from the oldest that is kept on
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
  *                                        looks at every record; sequence and head are those of an
  *                                        earlier report, head "" if there is none

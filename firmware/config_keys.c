@@ -47,7 +47,7 @@ const struct iso_config_key iso_config_keys[] = {
     {"sensor", "distance_max_mm", ISO_CONFIG_NUMBER, false, AT(sensor, distance_max_mm), 100, 10000,
      NULL, "1500", "a nose farther than this is too far"},
     {"sensor", "pause_ms", ISO_CONFIG_COUNT, false, AT(sensor, pause_ms), 100, 600000, NULL, "900",
-     "a stream without a frame for so long puts the door at fault until the next one"},
+     "so long after the exposure of a stream's last frame the door is at fault, until the next"},
     {"sensor", "silence_ms", ISO_CONFIG_COUNT, false, AT(sensor, silence_ms), 100, 600000, NULL,
      "5000", "a stream without a frame for so long is broken and opened anew"},
     {"sensor", "stale_ms", ISO_CONFIG_COUNT, false, AT(sensor, stale_ms), 100, 600000, NULL, "1000",

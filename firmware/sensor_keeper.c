@@ -61,9 +61,10 @@ static enum iso_sensor_news try_to_open(struct iso_sensor_keeper *keeper, int64_
     return ISO_SENSOR_BACK;
 }
 
-static void sign_of_sight(struct iso_sensor_keeper *keeper, int64_t now_ns)
+/* What was there at t_ns is known. */
+static void sign_of_sight(struct iso_sensor_keeper *keeper, int64_t t_ns)
 {
-    keeper->seen_ns = now_ns;
+    keeper->seen_ns = t_ns;
     keeper->sees = true;
 }
 
@@ -120,6 +121,17 @@ static enum iso_sensor_news note_nothing(struct iso_sensor_keeper *keeper, int64
     return ISO_SENSOR_GONE;
 }
 
+/* A frame shows what was there when it was exposed, not when it comes. */
+static void note_sight(struct iso_sensor_keeper *keeper, int64_t t_ns, int64_t now_ns)
+{
+    const int64_t age_ns = now_ns - t_ns;
+    if (age_ns < keeper->options.stale_ns && age_ns < keeper->options.pause_ns) {
+        sign_of_sight(keeper, t_ns);
+    } else {
+        doubt_sight(keeper, now_ns);
+    }
+}
+
 enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, int64_t now_ns,
                                             const struct iso_frame **frame)
 {
@@ -134,11 +146,7 @@ enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, in
     if (error == 0) {
         struct iso_sensor_description description;
         sign_of_life(keeper, now_ns);
-        if (now_ns - (*frame)->t_ns < keeper->options.stale_ns) {
-            sign_of_sight(keeper, now_ns);
-        } else {
-            doubt_sight(keeper, now_ns);
-        }
+        note_sight(keeper, (*frame)->t_ns, now_ns);
         keeper->frames++;
         if (iso_sensor_describe(keeper->sensor, &description) == 0) {
             (void)snprintf(keeper->model, sizeof keeper->model, "%s", description.model);

@@ -9,9 +9,9 @@
  * for good.
  *
  * A camera that hiccups is not opened anew at once, but nobody can be seen meanwhile: `sees` tells
- * that sooner. It falls with the sensor's loss, and pause_ns after the last frame that was whole
- * and not late; it rises with the next one, not with the opening of a sensor that has still to show
- * that it works. */
+ * that sooner. It falls with the sensor's loss, and pause_ns after the exposure of the last frame
+ * that was whole and not late; it rises with the next one, not with the opening of a sensor that
+ * has still to show that it works. */
 #ifndef ISO_FIRMWARE_SENSOR_KEEPER_H
 #define ISO_FIRMWARE_SENSOR_KEEPER_H
 
@@ -29,7 +29,7 @@ struct iso_sensor_source {
 
 struct iso_sensor_keeper_options {
     int64_t silence_ns, retry_ns, retry_max_ns;
-    int64_t pause_ns; /* how long without a frame of any use until nothing is seen */
+    int64_t pause_ns; /* how old the last frame of use may be until nothing is seen */
     int64_t stale_ns; /* a frame that comes so long after its exposure is of none */
 };
 
@@ -40,7 +40,7 @@ struct iso_sensor_keeper {
     int64_t try_ns;            /* AWAY: when to try next */
     int64_t wait_ns;           /* how long after the next failure */
     int64_t heard_ns;          /* RUNNING: the last sign of life */
-    int64_t seen_ns;           /* RUNNING: the last frame of any use */
+    int64_t seen_ns;           /* RUNNING: exposure of the last frame of use */
     bool sees;                 /* what is before the camera now is known */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;

@@ -84,6 +84,7 @@ start_daemon()
 backend = replay
 path = $slot
 stale_ms = 5000
+pause_ms = 5000
 [door]
 backend = null
 unlock_ms = 200

@@ -54,6 +54,7 @@ cat >"$run/isotherm.conf" <<END
 backend = replay
 path = $run/slot
 stale_ms = 5000
+pause_ms = 5000
 [door]
 backend = null
 [decision]

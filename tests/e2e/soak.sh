@@ -46,6 +46,7 @@ path = $run/slot
 pace = asap
 loop = yes
 stale_ms = 5000
+pause_ms = 5000
 [door]
 unlock_ms = 200
 [decision]

@@ -21,12 +21,16 @@
 
 #include "core/contract.h"
 
+enum { LOG_RECORDS_MAX = 100 }; /* that are handed out at once: fewer than may be asked for */
+
 struct service {
     const struct fake_script *script;
     const char *address;
     int trace_fd;
     char claimed_by[64], action[16]; /* "" for nobody and none */
     bool leave;
+    unsigned n_log_calls; /* those that were answered */
+    unsigned n_refused;
 };
 
 static void trace(const struct service *service, const char *text)
@@ -351,7 +355,8 @@ static int on_aim_stop(sd_bus_message *call, void *context, sd_bus_error *error)
 
 static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
 {
-    const struct service *service = context;
+    struct service *service = context;
+    const struct fake_script *script = service->script;
     sd_bus_message *reply = NULL;
     uint64_t from;
     uint32_t max;
@@ -359,10 +364,19 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
     if (fails(service, call, error)) {
         return -EIO;
     }
+    if (service->n_refused < script->refused) {
+        service->n_refused++;
+        return sd_bus_error_set(error, ISO_CONTRACT_ERROR_TOO_MANY_CALLS, "the fake says so");
+    }
+    const uint64_t n = ++service->n_log_calls;
+    const uint64_t first = 1 + n * script->records_go;
+    const uint64_t last = script->n_records + n * script->records_come;
     int r = sd_bus_message_read(call, "tu", &from, &max);
+    from = from < first ? first : from;
+    max = max < LOG_RECORDS_MAX ? max : LOG_RECORDS_MAX;
     r = r < 0 ? r : sd_bus_message_new_method_return(call, &reply);
     r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
-    for (uint64_t i = from; r >= 0 && i <= service->script->n_records && i - from < max; i++) {
+    for (uint64_t i = from; r >= 0 && i <= last && i - from < max; i++) {
         char line[128];
         (void)snprintf(line, sizeof line,
                        "{\"sequence\": %" PRIu64 ", \"time\": \"2026-11-21T08:30:15Z\", \"event\": "

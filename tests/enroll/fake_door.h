@@ -47,6 +47,9 @@ struct fake_script {
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
     const char *door, *door_fault;                              /* back end and its lines, so too */
     unsigned n_records;                                         /* in the log, numbered from 1 */
+    /* With every ReadLog so many more come, and so many of the oldest go. */
+    unsigned records_come, records_go;
+    unsigned refused; /* so many of the first calls of ReadLog are too many */
 };
 
 struct fake_door {

@@ -101,10 +101,10 @@ static void status_keeps_names_and_types(void **state)
 }
 
 /* The numbers of the records that a document holds, first and last. */
-static void expect_records(const char *words, size_t n, json_int_t first, json_int_t last)
+static void expect_records_of(const struct fake_script *script, const char *words, size_t n,
+                              json_int_t first, json_int_t last)
 {
-    const struct fake_script script = {.n_records = 600};
-    const struct cli_result result = cli_run(&script, words);
+    const struct cli_result result = cli_run(script, words);
     json_t *document = cli_json(&result);
     const json_t *records = json_object_get(document, "records");
 
@@ -114,6 +114,36 @@ static void expect_records(const char *words, size_t n, json_int_t first, json_i
     assert_int_equal(
         json_integer_value(json_object_get(json_array_get(records, n - 1), "sequence")), last);
     json_decref(document);
+}
+
+static void expect_records(const char *words, size_t n, json_int_t first, json_int_t last)
+{
+    const struct fake_script script = {.n_records = 600};
+    expect_records_of(&script, words, n, first, last);
+}
+
+/* Records come with every call: those that there were when it began are shown, and that has an end.
+ * Some go: those that are left are. */
+static void log_of_a_busy_door_has_an_end(void **state)
+{
+    const struct fake_script comes = {.n_records = 300, .records_come = 70};
+    const struct fake_script goes = {.n_records = 300, .records_come = 70, .records_go = 30};
+
+    (void)state;
+    expect_records_of(&comes, "log --json", 20, 281, 300);
+    expect_records_of(&comes, "log --json --count 100000", 300, 1, 300);
+    expect_records_of(&comes, "log --json --from 290 --count 50", 11, 290, 300);
+    expect_records_of(&goes, "log --json --count 100000", 270, 31, 300);
+    expect_records_of(&goes, "log --json --from 1", 20, 31, 50);
+}
+
+/* A long log takes more calls than a client has at once. */
+static void log_waits_until_it_may_call_again(void **state)
+{
+    const struct fake_script script = {.n_records = 30, .refused = 2};
+
+    (void)state;
+    expect_records_of(&script, "log --json", 20, 11, 30);
 }
 
 static void log_shows_the_last_or_those_from_a_number_on(void **state)
@@ -381,6 +411,8 @@ int main(void)
         cmocka_unit_test(remove_says_whom),
         cmocka_unit_test(remove_of_a_stranger),
         cmocka_unit_test(status_keeps_names_and_types),
+        cmocka_unit_test(log_of_a_busy_door_has_an_end),
+        cmocka_unit_test(log_waits_until_it_may_call_again),
         cmocka_unit_test(log_shows_the_last_or_those_from_a_number_on),
         cmocka_unit_test(log_is_one_line_a_record),
         cmocka_unit_test(log_of_nothing),

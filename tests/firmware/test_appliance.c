@@ -257,7 +257,7 @@ static void two_people_one_after_the_other(void **state)
 static void a_slow_machine_sees_one_visit(void **state)
 {
     struct rig *rig = *state;
-    rig->config.sensor.stale_ms = 5000;
+    rig->config.sensor.stale_ms = rig->config.sensor.pause_ms = 5000;
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     rig_show(rig, 50, 2);

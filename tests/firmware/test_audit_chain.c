@@ -1,5 +1,6 @@
 /* The audit log's chain: what is done to the files is found, segments, keys, the version before. */
 #include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -196,6 +197,54 @@ static void is_bounded_and_verifies(void **state)
     assert_int_equal(iso_audit_read(audit, report.first + 5, 20, audit_rig_see, &seen), 0);
     assert_int_equal(seen.n, 20); /* over the ends of segments */
     assert_int_equal(seen.first, report.first + 5);
+    iso_audit_close(audit);
+}
+
+struct reading {
+    uint64_t last; /* number of the record seen last */
+    size_t n, gaps;
+};
+
+static int see_in_order(void *context, const char *line)
+{
+    struct reading *reading = context;
+    uint64_t sequence = 0;
+    assert_int_equal(sscanf(line, "{\"sequence\":%" SCNu64, &sequence), 1);
+    assert_true(sequence > reading->last);
+    reading->gaps += sequence != reading->last + 1;
+    reading->last = sequence;
+    reading->n++;
+    return 0;
+}
+
+/* A reader in small steps, while records come and old segments go: nothing twice, nothing out of
+ * order, nothing missing but what has gone before it was asked for; up to the last. */
+static void is_read_while_it_grows_and_rotates(void **state)
+{
+    struct iso_audit *audit = open_small(*state);
+    struct reading reading = {0};
+    size_t batches_after_rotation = 0;
+    for (int i = 0; i < 600; i++) {
+        const uint64_t first = iso_audit_first(audit);
+        for (int k = i % 5; k > 0; k--) {
+            assert_int_equal(audit_rig_append(audit, "x", NULL), 0);
+        }
+        const size_t gaps = reading.gaps;
+        const uint64_t next = reading.last + 1;
+        const uint32_t max = i % 200 < 100 ? 3 : 1; /* keeps up, or falls behind */
+        assert_int_equal(iso_audit_read(audit, next, max, see_in_order, &reading), 0);
+        assert_true(reading.gaps == gaps || next < iso_audit_first(audit));
+        batches_after_rotation += iso_audit_first(audit) > first;
+    }
+    assert_true(batches_after_rotation > 20 && reading.gaps > 5);
+    while (reading.last < iso_audit_last(audit)) {
+        const uint64_t from = reading.last + 1 > iso_audit_first(audit) ? reading.last + 1
+                                                                        : iso_audit_first(audit);
+        const uint64_t left = iso_audit_last(audit) + 1 - from;
+        const size_t before = reading.n;
+        assert_int_equal(iso_audit_read(audit, from, 1000, see_in_order, &reading), 0);
+        assert_int_equal(reading.n - before, left);
+    }
     iso_audit_close(audit);
 }
 
@@ -400,6 +449,7 @@ int main(void)
         TEST(finds_a_flipped_bit_anywhere),
         TEST(refuses_an_old_log),
         TEST(is_bounded_and_verifies),
+        TEST(is_read_while_it_grows_and_rotates),
         TEST(verify_finds_what_was_done_to_old_segments),
         TEST(a_known_head_convicts_a_log_that_was_begun_anew),
         TEST(goes_on_under_another_key),

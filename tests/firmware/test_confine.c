@@ -2,6 +2,7 @@
  * ends with the error that it met; or is ended. */
 #include <errno.h>
 #include <fcntl.h>
+#include <link.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -154,6 +155,64 @@ static void a_replayed_recording_may_be_anywhere(void **state)
     assert_int_equal(attempt(write_outside), EACCES);
 }
 
+/* The folder of the product's own library, and the one around it; "" if it lies where everything
+ * may be read anyway. */
+static char folder[4096], around[4096];
+
+static int find_library(struct dl_phdr_info *library, size_t size, void *context)
+{
+    static const char *const open_to_all[] = {"/usr/", "/lib",  "/etc/",     "/sys/", "/proc/",
+                                              "/run/", "/dev/", "/var/tmp/", "/tmp/"};
+    (void)size;
+    (void)context;
+    if (!strstr(library->dlpi_name, "/libisotherm.so")) {
+        return 0;
+    }
+    for (size_t i = 0; i < sizeof open_to_all / sizeof *open_to_all; i++) {
+        if (strncmp(library->dlpi_name, open_to_all[i], strlen(open_to_all[i])) == 0) {
+            return 0;
+        }
+    }
+    (void)snprintf(folder, sizeof folder, "%s", library->dlpi_name);
+    *strrchr(folder, '/') = '\0';
+    (void)snprintf(around, sizeof around, "%s", folder);
+    *strrchr(around, '/') = '\0';
+    return 1;
+}
+
+static int read_library(void)
+{
+    char path[sizeof folder + 32];
+    (void)snprintf(path, sizeof path, "%s/libisotherm.so", folder);
+    return try_open(path, O_RDONLY) || try_open(folder, O_RDONLY | O_DIRECTORY);
+}
+
+static int write_library(void)
+{
+    char path[sizeof folder + 32];
+    (void)snprintf(path, sizeof path, "%s/new", folder);
+    return try_open(path, O_WRONLY | O_CREAT);
+}
+
+static int read_around_library(void)
+{
+    return try_open(around, O_RDONLY | O_DIRECTORY);
+}
+
+/* A library may load its parts from beside itself; nothing more of that place is opened by it. */
+static void what_lies_beside_a_library_can_be_read(void **state)
+{
+    (void)state;
+    (void)dl_iterate_phdr(find_library, NULL);
+    if (!*folder || !*around) {
+        print_message("the library lies where everything may be read\n");
+        skip();
+    }
+    assert_int_equal(attempt(read_library), 0);
+    assert_int_equal(attempt(write_library), EACCES);
+    assert_int_equal(attempt(read_around_library), EACCES);
+}
+
 static void it_cannot_become_another_program(void **state)
 {
     (void)state;
@@ -199,7 +258,7 @@ int main(void)
         TEST(its_stores_can_be_written),        TEST(nothing_else_can),
         TEST(what_is_not_named_cannot_be_read), TEST(a_replayed_recording_may_be_anywhere),
         TEST(it_cannot_become_another_program), TEST(it_has_no_network),
-        TEST(its_memory_stays_its_own),
+        TEST(its_memory_stays_its_own),         TEST(what_lies_beside_a_library_can_be_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
