@@ -48,6 +48,14 @@ timeout_ms = 600000
 END
 }
 
+# The same of the section [sensor]: frames are not too late, nor is the camera silent, because the processor is slow.
+patient_sensor_conf() {
+    cat <<END
+silence_ms = 600000
+stale_ms = 600000
+END
+}
+
 # The log is sealed on the disk: the daemon has to read it.
 log_records() {
     client log --count 100000 --json | tr -d ' \n'

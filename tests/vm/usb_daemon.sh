@@ -10,8 +10,7 @@ wait_for 30 'no video node' test -s node
 configure "backend = v4l2
 device = $(cat node)
 camera = $VM_DIRECTORY/bench/camera.ini
-silence_ms = 600000
-stale_ms = 600000" <<END
+$(patient_sensor_conf)" <<END
 [door]
 unlock_ms = 20000
 refused_ms = 20000

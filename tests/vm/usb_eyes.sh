@@ -16,8 +16,7 @@ left = $(sed -n 1p nodes)
 right = $(sed -n 2p nodes)
 calibration = $VM_DIRECTORY/bench/rig.ini
 pair_ms = 1000
-silence_ms = 600000
-stale_ms = 600000" <<END
+$(patient_sensor_conf)" <<END
 [door]
 unlock_ms = 20000
 refused_ms = 20000
