@@ -33,6 +33,18 @@ struct mapping {
     size_t length = 0, first = 0; /* of the map; from its begin to the picture */
 };
 
+/* A picture is handed out when libcamera says that its buffer is filled, not when it says that the
+ * request around it is done: requests are done in the order in which they were made, so that one
+ * whose buffer waits for another picture (the kernel had to give up its first one) would hold back
+ * the later ones and then come before them. Buffers come as they were filled. A request goes to
+ * libcamera again when both are through with it: `given_back` and `done`. */
+struct slot {
+    std::unique_ptr<Request> request;
+    FrameBuffer *buffer = nullptr;
+    bool given_back = false; /* nobody looks at the picture any more */
+    bool done = false;       /* libcamera has let go of the request */
+};
+
 class Eye
 {
   public:
@@ -68,6 +80,7 @@ class Eye
             controls_.set(controls::FrameDurationLimits,
                           Span<const int64_t, 2>({period_us, period_us}));
         }
+        camera_->bufferCompleted.connect(this, &Eye::filled);
         camera_->requestCompleted.connect(this, &Eye::completed);
         camera_->disconnected.connect(this, &Eye::disconnected);
         return error;
@@ -75,7 +88,6 @@ class Eye
 
     int start()
     {
-        done_.clear();
         if (lost_) {
             return -ENODEV;
         }
@@ -83,9 +95,8 @@ class Eye
             return explain();
         }
         streaming_ = true;
-        for (auto &request : requests_) {
-            request->reuse(Request::ReuseBuffers);
-            if (camera_->queueRequest(request.get())) {
+        for (slot &each : slots_) {
+            if (queue(each)) {
                 stop();
                 return -EIO;
             }
@@ -99,8 +110,9 @@ class Eye
         int error = streaming_ && camera_->stop() ? -EIO : 0;
         streaming_ = false;
         std::lock_guard<std::mutex> lock(mutex_);
-        done_.clear();
+        filled_.clear();
         taken_ = nullptr;
+        broken_ = false;
         while (read(fd_, &one, sizeof one) == (ssize_t)sizeof one) {
         }
         return lost_ ? -ENODEV : error;
@@ -111,25 +123,23 @@ class Eye
         uint64_t one;
         {
             std::lock_guard<std::mutex> lock(mutex_);
-            if (lost_) {
-                return -ENODEV;
+            if (lost_ || broken_) {
+                return lost_ ? -ENODEV : -EIO;
             }
-            if (done_.empty()) {
+            if (filled_.empty()) {
                 return -EAGAIN;
             }
-            taken_ = done_.front();
-            done_.pop_front();
+            taken_ = filled_.front();
+            filled_.pop_front();
         }
         (void)!read(fd_, &one, sizeof one);
-        const FrameBuffer *buffer = taken_->buffers().begin()->second;
-        const FrameMetadata &metadata = buffer->metadata();
+        const FrameMetadata &metadata = taken_->buffer->metadata();
         const StreamConfiguration &stream = config_->at(0);
-        if (taken_->status() != Request::RequestComplete ||
-            metadata.status != FrameMetadata::FrameSuccess) {
+        if (metadata.status != FrameMetadata::FrameSuccess) {
             int error = give_back();
             return error ? error : -EBADMSG;
         }
-        const mapping &map = maps_.at(buffer);
+        const mapping &map = maps_.at(taken_->buffer);
         *out = iso_libcamera_picture{map.at + map.first,     metadata.planes()[0].bytesused,
                                      stream.stride,          stream.pixelFormat.fourcc(),
                                      (int)stream.size.width, (int)stream.size.height,
@@ -139,16 +149,12 @@ class Eye
 
     int give_back()
     {
-        Request *request = taken_;
+        slot *returned = taken_;
         taken_ = nullptr;
-        if (!request) {
+        if (!returned || !let_go(*returned, &slot::given_back)) {
             return 0;
         }
-        request->reuse(Request::ReuseBuffers);
-        if (camera_->queueRequest(request)) {
-            return lost_ ? -ENODEV : -EIO;
-        }
-        return 0;
+        return queue(*returned) ? (lost_ ? -ENODEV : -EIO) : 0;
     }
 
     int fd() const
@@ -165,6 +171,31 @@ class Eye
         (void)poll(&told, 1, 900);
         std::lock_guard<std::mutex> lock(mutex_);
         return lost_ ? -ENODEV : -EIO;
+    }
+
+    /* Hands a request to libcamera; either thread. */
+    int queue(slot &each)
+    {
+        {
+            std::lock_guard<std::mutex> lock(mutex_);
+            each.given_back = each.done = false;
+        }
+        each.request->reuse(Request::ReuseBuffers);
+        return camera_->queueRequest(each.request.get());
+    }
+
+    /* Notes that one side is through with a request: whether both are now, which one of them only
+     * is told. */
+    bool let_go(slot &each, bool slot::*side)
+    {
+        std::lock_guard<std::mutex> lock(mutex_);
+        each.*side = true;
+        return each.given_back && each.done;
+    }
+
+    slot &slot_of(const Request *request)
+    {
+        return slots_[request->cookie()];
     }
 
     int configure(const iso_libcamera_options &options)
@@ -200,26 +231,44 @@ class Eye
             map.first = plane.offset;
             map.length = plane.offset + plane.length;
             void *at = mmap(nullptr, map.length, PROT_READ, MAP_SHARED, plane.fd.get(), 0);
-            auto request = camera_->createRequest();
-            if (at == MAP_FAILED || !request || request->addBuffer(stream, buffer.get())) {
+            if (at == MAP_FAILED) {
                 return -ENOMEM;
             }
             map.at = (uint8_t *)at;
             maps_[buffer.get()] = map;
-            requests_.push_back(std::move(request));
+            auto request = camera_->createRequest(slots_.size());
+            if (!request || request->addBuffer(stream, buffer.get())) {
+                return -ENOMEM;
+            }
+            slots_.push_back(slot{std::move(request), buffer.get()});
         }
         return 0;
     }
 
     /* In libcamera's thread. */
-    void completed(Request *request)
+    void filled(Request *request, FrameBuffer *buffer)
     {
         const uint64_t one = 1;
-        if (request->status() == Request::RequestCancelled) {
+        if (buffer->metadata().status == FrameMetadata::FrameCancelled) {
             return; /* it is being stopped */
         }
         std::lock_guard<std::mutex> lock(mutex_);
-        done_.push_back(request);
+        filled_.push_back(&slot_of(request));
+        (void)!write(fd_, &one, sizeof one);
+    }
+
+    /* In libcamera's thread. One that cannot be queued again is noticed by the next take, unless it
+     * is that the camera is being stopped. */
+    void completed(Request *request)
+    {
+        const uint64_t one = 1;
+        slot &each = slot_of(request);
+        if (request->status() == Request::RequestCancelled || !let_go(each, &slot::done) ||
+            !queue(each)) {
+            return;
+        }
+        std::lock_guard<std::mutex> lock(mutex_);
+        broken_ = true;
         (void)!write(fd_, &one, sizeof one);
     }
 
@@ -238,9 +287,10 @@ class Eye
             return;
         }
         (void)stop();
+        camera_->bufferCompleted.disconnect(this);
         camera_->requestCompleted.disconnect(this);
         camera_->disconnected.disconnect(this);
-        requests_.clear();
+        slots_.clear();
         for (auto &entry : maps_) {
             munmap(entry.second.at, entry.second.length);
         }
@@ -253,13 +303,13 @@ class Eye
     std::shared_ptr<Camera> camera_;
     std::unique_ptr<CameraConfiguration> config_;
     std::unique_ptr<FrameBufferAllocator> allocator_;
-    std::vector<std::unique_ptr<Request>> requests_;
+    std::vector<slot> slots_; /* the requests' cookies are indices */
     std::map<const FrameBuffer *, mapping> maps_;
     ControlList controls_;
-    std::mutex mutex_; /* of those that follow */
-    std::deque<Request *> done_;
-    bool lost_ = false;
-    Request *taken_ = nullptr;
+    std::mutex mutex_;          /* of those that follow */
+    std::deque<slot *> filled_; /* oldest first */
+    bool lost_ = false, broken_ = false;
+    slot *taken_ = nullptr;
     bool streaming_ = false;
     int fd_;
 };

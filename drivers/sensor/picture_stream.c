@@ -19,6 +19,8 @@ struct camera {
     size_t n_waiting;
     struct iso_picture waiting[WAITING_MAX];
     uint8_t *copies[WAITING_MAX + 1]; /* of the waiting ones; the last is the one handed out */
+    bool has_newest;                  /* since start: the number of the picture that came last */
+    uint32_t newest;
 };
 
 struct iso_picture_stream {
@@ -29,9 +31,10 @@ struct iso_picture_stream {
     struct camera cameras[ISO_PICTURE_CAMERAS_MAX];
     int n_cameras, epoll_fd;
     int64_t tolerance_ns;
-    uint64_t base, last_sequence; /* sequence of the stream = base + that of the device */
+    uint64_t last_sequence; /* of the stream; the device's number of that picture, in 32 bits */
+    uint32_t last_number;
     bool started[ISO_PICTURE_CAMERAS_MAX];
-    bool has_base, has_last;
+    bool has_number, has_last; /* since start; since ever */
     int64_t last_ns;
     uint64_t dropped;
 };
@@ -109,6 +112,7 @@ static int start_camera(struct iso_picture_stream *s, int index, struct iso_faul
     struct camera *camera = &s->cameras[index];
     struct epoll_event event = {.events = EPOLLIN};
     camera->n_waiting = 0;
+    camera->has_newest = false;
     int error = camera->source.start(camera->source.self, fault);
     if (error) {
         return error;
@@ -123,7 +127,7 @@ static int start_camera(struct iso_picture_stream *s, int index, struct iso_faul
 
 int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault *fault)
 {
-    stream->has_base = false;
+    stream->has_number = false;
     for (int i = 0; i < stream->n_cameras; i++) {
         int error = start_camera(stream, i, fault);
         if (error) {
@@ -172,6 +176,29 @@ static void copy_picture(struct camera *camera, struct iso_picture *picture)
     picture->bytes = copy;
 }
 
+/* Whether a picture comes after one that was taken later; where it would stand there is a gap
+ * already. Devices count in 32 bits, beyond which they begin anew. */
+static bool is_late(struct camera *camera, const struct iso_picture *picture)
+{
+    if (camera->has_newest && (int32_t)(picture->sequence - camera->newest) <= 0) {
+        return true;
+    }
+    camera->has_newest = true;
+    camera->newest = picture->sequence;
+    return false;
+}
+
+static int refuse_late(struct iso_picture_stream *s, const struct camera *camera,
+                       const struct iso_picture *picture, struct iso_fault *fault)
+{
+    int error = camera->source.give_back(camera->source.self, fault);
+    s->dropped++;
+    return error
+               ? error
+               : iso_fault_set(fault, -EBADMSG, "%s: picture %lu comes after picture %lu", s->owner,
+                               (unsigned long)picture->sequence, (unsigned long)camera->newest);
+}
+
 /* Takes what the kernel has of a camera's pictures. */
 static int fetch(struct iso_picture_stream *s, struct camera *camera, struct iso_fault *fault)
 {
@@ -181,6 +208,9 @@ static int fetch(struct iso_picture_stream *s, struct camera *camera, struct iso
         error = camera->source.take(camera->source.self, &picture, fault);
         if (error) {
             break;
+        }
+        if (is_late(camera, &picture)) {
+            return refuse_late(s, camera, &picture, fault);
         }
         if (camera->n_waiting == WAITING_MAX) {
             drop_oldest(camera);
@@ -227,13 +257,14 @@ static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
     int64_t t_ns = iso_clock_now_ns(&s->clock) - (age_ns > 0 ? age_ns : 0);
     out->t_ns = t_ns > s->last_ns ? t_ns : s->last_ns + 1;
     s->last_ns = out->t_ns;
-    if (!s->has_base) {
-        s->base = (s->has_last ? s->last_sequence + 1 : 0) - first->sequence;
-        s->has_base = true;
+    /* The first picture since the start follows on, whatever its number. */
+    out->sequence = s->has_last ? s->last_sequence + 1 : 0;
+    if (s->has_number) {
+        out->sequence = s->last_sequence + (uint32_t)(first->sequence - s->last_number);
     }
-    out->sequence = s->base + first->sequence;
+    s->last_number = first->sequence;
     s->last_sequence = out->sequence;
-    s->has_last = true;
+    s->has_number = s->has_last = true;
 }
 
 /* A set from what has come; -EAGAIN if it takes more. */

@@ -39,7 +39,8 @@ int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault
 int iso_picture_stream_stop(struct iso_picture_stream *stream);
 
 /* The next set, oldest first; polls until deadline_ns of the injected clock at the latest.
- * -ETIMEDOUT, and the errors of a source's take but -EAGAIN. */
+ * -ETIMEDOUT, and the errors of a source's take but -EAGAIN; -EBADMSG also for a picture that comes
+ * after one that was taken later: it is dropped, and pictures go on. */
 int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_ns,
                             struct iso_picture_set *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -48,7 +49,7 @@ int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_
  * follows takes it over and may still end in -ETIMEDOUT. */
 int iso_picture_stream_fd(const struct iso_picture_stream *stream);
 
-/* Pictures that came without a partner in time. */
+/* Pictures that came without a partner in time, or too late. */
 uint64_t iso_picture_stream_dropped(const struct iso_picture_stream *stream);
 
 #endif

@@ -37,7 +37,8 @@ struct sensor_stage {
     /* OPTIONAL. Undoes what is outside the scratch directory. */
     void (*tear_down)(struct sensor_scene *scene);
 
-    /* OPTIONAL. Has the camera make the next frame; without it they come by the clock. */
+    /* OPTIONAL. Has the camera make the next frame; without it they come by the clock. After the
+     * last frame there is it begins again with the first. */
     void (*offer)(struct sensor_scene *scene);
 
     /* OPTIONAL. Has frame number `stored` be lost on its way. Called before the start, and again by

@@ -193,6 +193,48 @@ static void lost_and_damaged_pictures_are_gaps(void **state)
     iso_sensor_close(sensor);
 }
 
+/* Numbers as a driver might give them that returns a picture late, or twice: what was handed up
+ * stays the newest, and the place of the late ones is a gap. */
+static void late_pictures_are_dropped(void **state)
+{
+    (void)state;
+    struct iso_sensor *sensor = started(false);
+    const struct iso_frame *frame = NULL;
+    struct iso_fault fault = {""};
+    static const uint32_t numbers[] = {0, 4, 1, 2, 2, 4, 5};
+    static const int expected[] = {0, 0, -EBADMSG, -EBADMSG, -EBADMSG, -EBADMSG, 0};
+    for (int i = 0; i < 7; i++) {
+        at(33 * i + 5);
+        fake.cameras[0].sequence = 40 + numbers[i];
+        shoot_depth(i, 33 * i, FAKE_GOOD);
+        assert_int_equal(look(sensor, &frame, &fault), expected[i]);
+        assert_int_equal(frame->sequence, i == 0 ? 0 : i < 6 ? 4 : 5);
+    }
+    assert_string_equal(fault.text, "sensor v4l2: picture 44 comes after picture 44");
+    const struct iso_sensor_health health = iso_sensor_health(sensor);
+    assert_int_equal(health.frames, 3);
+    assert_int_equal(health.lost, 3);
+    assert_int_equal(health.refused, 0); /* the class had nothing to refuse */
+    assert_int_equal(health.device.dropped, 4);
+    iso_sensor_close(sensor);
+}
+
+static void numbers_may_begin_anew_after_32_bits(void **state)
+{
+    (void)state;
+    const struct iso_frame *frame = NULL;
+    fake.cameras[0].sequence = UINT32_MAX - 1;
+    struct iso_sensor *sensor = started(false);
+    for (int i = 0; i < 4; i++) {
+        at(33 * i + 5);
+        shoot_depth(i, 33 * i, i == 2 ? FAKE_LOST : FAKE_GOOD);
+        assert_int_equal(look(sensor, &frame, NULL), i == 2 ? -ETIMEDOUT : 0);
+    }
+    assert_int_equal(frame->sequence, 3);
+    assert_int_equal(iso_sensor_health(sensor).lost, 1);
+    iso_sensor_close(sensor);
+}
+
 static void sequence_and_time_go_on_over_a_stop(void **state)
 {
     (void)state;
@@ -396,6 +438,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         ON_FAKE(frames_are_what_the_camera_gave),
         ON_FAKE(lost_and_damaged_pictures_are_gaps),
+        ON_FAKE(late_pictures_are_dropped),
+        ON_FAKE(numbers_may_begin_anew_after_32_bits),
         ON_FAKE(sequence_and_time_go_on_over_a_stop),
         ON_FAKE(a_driver_with_another_clock_gets_the_time_of_arrival),
         ON_FAKE(an_unplugged_camera_is_lost),

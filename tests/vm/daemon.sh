@@ -8,7 +8,7 @@ sim=/sys/kernel/config/gpio-sim/door
 die() {
     echo "FAILED: $1"
     tail -n 20 daemon.log
-    "$isotherm" --bus $address doctor || true
+    client doctor || true
     exit 1
 }
 
@@ -47,9 +47,10 @@ uptime_s() {
     cut -d . -f 1 /proc/uptime
 }
 
-# wait_for SECONDS WHAT COMMAND...: until the command is true
+# wait_for SECONDS WHAT COMMAND...: until the command is true. The seconds are those of an idle host; it gives up after six times as
+# many.
 wait_for() {
-    local until_s=$(($(uptime_s) + $1)) what=$2
+    local until_s=$(($(uptime_s) + 6 * $1)) what=$2
     shift 2
     until "$@"; do
         [ "$(uptime_s)" -le $until_s ] || die "$what"
@@ -63,19 +64,12 @@ is_at() {
 
 # ---- the appliance ----
 
-cat >bus.conf <<END
-<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
- "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
-<busconfig>
-  <listen>unix:path=$VM_DIRECTORY/bus</listen>
-  <policy context="default">
-    <allow send_destination="*"/>
-    <allow receive_sender="*"/>
-    <allow own="*"/>
-  </policy>
-</busconfig>
-END
-address=unix:path=$VM_DIRECTORY/bus
+story_directory=$VM_DIRECTORY story_source=$VM_SOURCE
+client() {
+    "$isotherm" --bus "$story_address" "$@"
+}
+. "$VM_SOURCE/tests/support/door_story.sh"
+bus_conf >bus.conf
 dbus-daemon --config-file=bus.conf --fork --nopidfile
 
 # configure SENSOR: writes isotherm.conf with those lines of [sensor], more from standard input; lines of qemu's.
@@ -84,13 +78,12 @@ configure() {
         printf '[sensor]\n%s\n' "$1"
         sed '1,/^path = /d' "$VM_SOURCE/board/qemu/isotherm.conf"
         cat
-        printf '[gallery]\npath = %s\n[log]\npath = %s\n[bus]\naddress = %s\n' "$VM_DIRECTORY/gallery.db" "$VM_DIRECTORY/audit.log" "$address"
-        printf '[model]\nhead = %s\nmetric = %s\n' "$VM_SOURCE/core/data/head.model" "$VM_SOURCE/core/data/face.metric"
+        stores_conf
     } >isotherm.conf
 }
 
 answers() {
-    "$isotherm" --bus $address status >/dev/null 2>&1
+    client status >/dev/null 2>&1
 }
 
 start() {

@@ -133,6 +133,7 @@ static const struct sensor_stage depth_and_infrared = {
 struct eyes {
     struct usb_camera *cameras[ISO_EYES];
     atomic_int next; /* picture */
+    bool spoilt;     /* one was lost */
     struct iso_stereo *stereo;
     struct iso_frame *expected;
 };
@@ -231,7 +232,8 @@ static void shoot(struct sensor_scene *scene, bool spoilt)
 {
     static uint8_t pictures[ISO_EYES][WALL_WIDTH * WALL_HEIGHT];
     struct eyes *eyes = scene->world;
-    make_pair(atomic_fetch_add(&eyes->next, 1), pictures[ISO_EYE_LEFT], pictures[ISO_EYE_RIGHT]);
+    make_pair(atomic_fetch_add(&eyes->next, 1) % SENSOR_STAGE_FRAMES, pictures[ISO_EYE_LEFT],
+              pictures[ISO_EYE_RIGHT]);
     for (int i = 0; i < ISO_EYES; i++) {
         usb_camera_shoot(eyes->cameras[i], 0, pictures[i], spoilt);
     }
@@ -245,7 +247,9 @@ static void shoot_pair(struct sensor_scene *scene)
 
 static void spoil_pair(struct sensor_scene *scene, int stored)
 {
+    struct eyes *eyes = scene->world;
     (void)stored;
+    eyes->spoilt = true;
     shoot(scene, true);
 }
 
@@ -309,12 +313,15 @@ static void plug_settled(struct sensor_scene *scene, bool in)
 }
 
 /* libcamera gives the kernel its buffers a little after the start, in a thread of its own, and
- * there is nothing to wait on: pictures of before that have nowhere to go. What is waited for is
- * counted in work, not in time: on a busy host both are slow. */
-static void wait_for_buffers(const struct sensor_scene *scene)
+ * there is nothing to wait on: pictures of before that have nowhere to go. The same when it has
+ * them all at a time, as it does after a lost picture: its buffer goes behind the others, and the
+ * requests of those are done no sooner than its own. What is waited for is counted in work, not in
+ * time: on a busy host both are slow. */
+static void wait_for_buffers(struct sensor_scene *scene)
 {
     struct eyes *eyes = scene->world;
-    for (int i = 0; atomic_load(&eyes->next) == 0 && i < 100; i++) {
+    const bool wait = atomic_load(&eyes->next) == 0 || eyes->spoilt;
+    for (int i = 0; wait && i < 100; i++) {
         for (volatile int work = 0; work < 100000; work++) {
         }
         (void)poll(NULL, 0, 2);
@@ -339,15 +346,13 @@ static void set_up_libcamera(struct sensor_scene *scene)
     add_option(scene, "pair_ms", "1000");
 }
 
-/* It cannot show a lost picture: uvcvideo puts the buffer of one that it drops behind the others,
- * and libcamera 0.0.3 completes requests in the order in which they were made, so that nothing
- * comes until that buffer is filled, and then not in order, which the class refuses (-EBADMSG). */
 static const struct sensor_stage libcamera = {
     .name = "libcamera-stereo: two GREY at USB",
     .back_end = "libcamera-stereo",
     .set_up = set_up_libcamera,
     .tear_down = leave_eyes,
     .offer = shoot_buffered,
+    .lose = spoil_pair,
     .plug = plug_settled,
     .expect = expect_wall,
 };
