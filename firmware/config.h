@@ -127,6 +127,7 @@ struct iso_config_bus {
 
 struct iso_config_process {
     bool confine;
+    int threads;
 };
 
 struct iso_config_model {

@@ -1,5 +1,6 @@
 /* The table of all configuration keys. */
 #include "firmware/config.h"
+#include "firmware/crew.h"
 
 #define AT(section, field) offsetof(struct iso_config, section.field)
 
@@ -224,6 +225,8 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"process", "confine", ISO_CONFIG_SWITCH, false, AT(process, confine), 0, 0, NULL, "yes",
      "give up what the daemon does not need of files and system calls (Landlock, seccomp)"},
+    {"process", "threads", ISO_CONFIG_COUNT, false, AT(process, threads), 1, ISO_CREW_MAX, NULL,
+     "1", "how many threads work on the heat of a face"},
 
     {"model", "head", ISO_CONFIG_TEXT, false, AT(model, head), 0, 0, NULL, "",
      "the head model; the installed one if empty"},

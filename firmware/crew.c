@@ -2,9 +2,17 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
+#include <time.h>
+
+/* How long a thread looks again and again before it sleeps: to be woken takes some 50 us, and so
+ * long a batch follows another or somebody finishes a task. On a machine that is busy it is what
+ * may be lost. */
+static const int64_t patience_ns = 60000;
 
 struct helper {
     struct iso_crew *crew;
@@ -17,17 +25,52 @@ struct iso_crew {
     int n_started; /* helpers */
     struct helper helper[ISO_CREW_MAX - 1];
 
-    pthread_mutex_t lock; /* of what follows, but for next */
+    pthread_mutex_t lock; /* to change what follows, but for next */
     pthread_cond_t begun, done;
-    bool open;       /* there is a batch to join */
-    bool ending;     /* of the crew */
-    unsigned number; /* of the batch */
-    int working;     /* helpers at it */
+    bool open;          /* there is a batch to join */
+    bool ending;        /* of the crew */
+    atomic_uint number; /* of the batch */
+    atomic_int working; /* helpers at it */
     iso_task *task;
     void *batch;
     int n_tasks;
     atomic_int next; /* task that nobody has taken */
 };
+
+static int64_t now_ns(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
+/* Lets the other thread of the core have what there is. */
+static void relax(void)
+{
+#if defined __x86_64__ || defined __i386__
+    __builtin_ia32_pause();
+#elif defined __aarch64__
+    __asm__ volatile("yield");
+#endif
+}
+
+/* Until there is another batch, or patience is over. */
+static void look_for_a_batch(struct iso_crew *crew, unsigned joined)
+{
+    const int64_t until_ns = now_ns() + patience_ns;
+    while (crew->number == joined && now_ns() < until_ns) {
+        relax();
+    }
+}
+
+/* Until no helper is at work, or patience is over. */
+static void look_for_the_end(struct iso_crew *crew)
+{
+    const int64_t until_ns = now_ns() + patience_ns;
+    while (crew->working > 0 && now_ns() < until_ns) {
+        relax();
+    }
+}
 
 static void take_tasks(struct iso_crew *crew, int worker)
 {
@@ -62,6 +105,9 @@ static void *help(void *context)
         if (crew->working == 0) {
             (void)pthread_cond_signal(&crew->done);
         }
+        (void)pthread_mutex_unlock(&crew->lock);
+        look_for_a_batch(crew, joined);
+        (void)pthread_mutex_lock(&crew->lock);
     }
     (void)pthread_mutex_unlock(&crew->lock);
     return NULL;
@@ -82,10 +128,24 @@ static void run(void *context, iso_task *task, void *batch, int n_tasks)
     take_tasks(crew, 0);
     (void)pthread_mutex_lock(&crew->lock);
     crew->open = false; /* who has not come by now need not */
+    (void)pthread_mutex_unlock(&crew->lock);
+    look_for_the_end(crew);
+    (void)pthread_mutex_lock(&crew->lock);
     while (crew->working > 0) {
         (void)pthread_cond_wait(&crew->done, &crew->lock);
     }
     (void)pthread_mutex_unlock(&crew->lock);
+}
+
+/* Signals are for who started the crew. */
+static int start(struct helper *helper)
+{
+    sigset_t all, before;
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = pthread_create(&helper->thread, NULL, help, helper);
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return error;
 }
 
 int iso_crew_new(int n_workers, struct iso_crew **out)
@@ -105,7 +165,7 @@ int iso_crew_new(int n_workers, struct iso_crew **out)
         struct helper *helper = &crew->helper[i];
         helper->crew = crew;
         helper->worker = i + 1;
-        if (pthread_create(&helper->thread, NULL, help, helper)) {
+        if (start(helper)) {
             iso_crew_free(crew);
             return -EAGAIN;
         }

@@ -30,6 +30,14 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
     options.extract.distance_min_mm = config->sensor.distance_min_mm;
     options.extract.distance_max_mm = config->sensor.distance_max_mm;
     options.extract.track = true;
+    if (config->process.threads > 1) {
+        const int error = iso_crew_new(config->process.threads, &parts->crew);
+        if (error) {
+            return iso_fault_set(fault, error, "%d threads: %s", config->process.threads,
+                                 error == -ENOMEM ? "out of memory" : strerror(-error));
+        }
+        options.extract.tasks = iso_crew_tasks(parts->crew);
+    }
     options.match.trim = config->match.trim;
     options.match.icp_iterations = config->match.icp_iterations;
     options.match.transform = config->match.transform;
@@ -229,6 +237,7 @@ void iso_parts_close(struct iso_parts *parts)
         iso_gallery_close(parts->gallery);
         iso_key_ring_close(parts->ring);
         iso_pipeline_close(&parts->pipeline);
+        iso_crew_free(parts->crew);
         free(parts);
     }
 }

@@ -6,10 +6,12 @@
 
 #include "core/fault.h"
 #include "firmware/appliance.h"
+#include "firmware/crew.h"
 
 struct iso_parts {
     struct iso_config config;
     struct iso_times times;
+    struct iso_crew *crew; /* NULL: one thread */
     struct iso_pipeline pipeline;
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
@@ -20,10 +22,10 @@ struct iso_parts {
 };
 
 /* Opens them in an order in which the door's lines are touched last. Every error of
- * iso_pipeline_open, iso_key_ring_open, iso_gallery_open, iso_audit_open, iso_cards_load and
- * iso_door_io_open, with nothing left open; -ESTALE if the log knows a newer gallery. But with
- * -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost and may come back. What `times`
- * points to must outlive the parts. */
+ * iso_crew_new, iso_pipeline_open, iso_key_ring_open, iso_gallery_open, iso_audit_open,
+ * iso_cards_load and iso_door_io_open, with nothing left open; -ESTALE if the log knows a newer
+ * gallery. But with -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost and may come
+ * back. What `times` points to must outlive the parts. */
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,9 +74,10 @@ static inline void add_triangles(struct cells *c, const iso_lanes z[4], int k,
 
 #define ADD(plane, value) ISO_LANES_STORE(plane, ISO_LANES_LOAD(plane) + (value))
 
-/* The edges of L from the triangles: part of a row of cells, in whole groups of lanes. */
-static void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
-                    ptrdiff_t to)
+/* The edges of L from the triangles: part of a row of cells, in whole groups of lanes. What belongs
+ * to pixels of the row itself, of the row below, or both. */
+static inline void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
+                           ptrdiff_t to, bool own, bool below)
 {
     const ptrdiff_t w = s->stride;
     for (ptrdiff_t i = from; i < to; i += ISO_LANES) {
@@ -87,19 +89,22 @@ static void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptr
         add_triangles(&c, z, 1, &grid->cell_mm2[1][i], (float)grid->pitch_mm);
         add_triangles(&c, z, 2, &grid->cell_mm2[2][i], (float)grid->pitch_mm);
         add_triangles(&c, z, 3, &grid->cell_mm2[3][i], (float)grid->pitch_mm);
-        ADD(&s->east[i], c.top);
-        ADD(&s->east[i + w], c.bottom);
-        ADD(&s->south[i], c.left);
-        ADD(&s->south[i + 1], c.right);
-        ISO_LANES_STORE(&s->south_east[i], c.falling);
-        ISO_LANES_STORE(&s->south_west[i + 1], c.rising);
-        ISO_LANES_STORE(&s->bound[i], c.bound);
+        if (own) {
+            ADD(&s->east[i], c.top);
+            ADD(&s->south[i], c.left);
+            ADD(&s->south[i + 1], c.right);
+            ISO_LANES_STORE(&s->south_east[i], c.falling);
+            ISO_LANES_STORE(&s->south_west[i + 1], c.rising);
+            ISO_LANES_STORE(&s->bound[i], c.bound);
+        }
+        if (below) {
+            ADD(&s->east[i + w], c.bottom);
+        }
     }
 }
 
-/* The diagonal of L: minus the sum of a row's other entries. And D^-1/2. */
-static void sum_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
-                    ptrdiff_t to)
+/* The diagonal of L: minus the sum of a row's other entries. */
+static void sum_row(struct iso_grid_stencil *s, ptrdiff_t from, ptrdiff_t to)
 {
     const ptrdiff_t w = s->stride;
     for (ptrdiff_t i = from; i < to; i += ISO_LANES) {
@@ -109,6 +114,12 @@ static void sum_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptr
         sum += ISO_LANES_LOAD(&s->south_west[i]) + ISO_LANES_LOAD(&s->south_west[i - w + 1]);
         ISO_LANES_STORE(&s->centre[i], -sum);
     }
+}
+
+/* D^-1/2. */
+static void root_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
+                     ptrdiff_t to)
+{
     for (ptrdiff_t i = from; i < to; i++) {
         float share = grid->share_mm2[i];
         s->root[i] = 1.0f / sqrtf(share > 0.0f ? share : INFINITY);
@@ -134,23 +145,83 @@ static void scale_row(struct iso_grid_stencil *s, ptrdiff_t from, ptrdiff_t to)
     }
 }
 
+/* The rows of a band, from the one above the window, whose cells have triangles at the window's
+ * pixels too. */
+struct band {
+    int first;      /* row of all bands */
+    int begin, end; /* rows of this one */
+    int bottom;     /* end of all */
+};
+
+static struct band band_of(struct iso_grid_window window, int band)
+{
+    const int first = window.row > 0 ? window.row - 1 : 0;
+    const int bottom = window.row + window.height, n = bottom - first;
+    return (struct band){
+        .first = first,
+        .begin = first + n * band / ISO_GRID_STENCIL_BANDS,
+        .end = first + n * (band + 1) / ISO_GRID_STENCIL_BANDS,
+        .bottom = bottom,
+    };
+}
+
+/* Zeroes the band's rows in all planes; the first and the last band what lies above and below. */
+static void clear_band(struct iso_grid_stencil *s, const struct iso_grid *grid, struct band rows,
+                       int band)
+{
+    const size_t origin = iso_grid_plane_origin(grid), stride = (size_t)s->stride;
+    const size_t begin = band == 0 ? 0 : origin + (size_t)rows.begin * stride;
+    const size_t end = band == ISO_GRID_STENCIL_BANDS - 1 ? s->plane_size
+                                                          : origin + (size_t)rows.end * stride;
+    for (size_t plane = 0; plane < PLANES; plane++) {
+        memset(&s->memory[plane * s->plane_size + begin], 0, (end - begin) * sizeof *s->memory);
+    }
+}
+
+/* The edges at the band's own pixels: those below it are the next band's, which works the row above
+ * itself out once more. */
+static void add_band(struct iso_grid_stencil *s, const struct iso_grid *grid,
+                     struct iso_grid_window window, struct band rows)
+{
+    const ptrdiff_t left = window.column > 0 ? window.column - ISO_LANES : 0;
+    const ptrdiff_t end = window.column + window.width, w = s->stride;
+    for (int row = rows.begin > rows.first ? rows.begin - 1 : rows.first; row < rows.end; row++) {
+        const bool own = row >= rows.begin, below = row + 1 < rows.end;
+        if (row + 1 < grid->height && (own || below)) {
+            add_row(s, grid, row * w + left, row * w + end, own, below);
+        }
+        if (own && row >= window.row) {
+            root_row(s, grid, row * w + window.column, row * w + end);
+        }
+    }
+}
+
+void iso_grid_stencil_build_band(struct iso_grid_stencil *s, const struct iso_grid *grid,
+                                 struct iso_grid_window window, int step, int band)
+{
+    const struct band rows = band_of(window, band);
+    const ptrdiff_t end = window.column + window.width, w = s->stride;
+    if (step == 0) {
+        clear_band(s, grid, rows, band);
+        add_band(s, grid, window, rows);
+        return;
+    }
+    for (int row = rows.begin > window.row ? rows.begin : window.row; row < rows.end; row++) {
+        if (step == 1) {
+            sum_row(s, row * w + window.column, row * w + end);
+        } else {
+            scale_row(s, row * w + window.column, row * w + end);
+        }
+    }
+}
+
 void iso_grid_stencil_build(struct iso_grid_stencil *s, const struct iso_grid *grid,
                             struct iso_grid_window window)
 {
-    memset(s->memory, 0, PLANES * s->plane_size * sizeof *s->memory);
-    const ptrdiff_t end = window.column + window.width;
-    const int bottom = window.row + window.height;
-    /* The cells above and to the left have triangles at the window's pixels too. */
-    const ptrdiff_t left = window.column > 0 ? window.column - ISO_LANES : 0;
-    for (int row = window.row > 0 ? window.row - 1 : 0; row < bottom && row + 1 < grid->height;
-         row++) {
-        add_row(s, grid, row * s->stride + left, row * s->stride + end);
-    }
-    for (int row = window.row; row < bottom; row++) {
-        sum_row(s, grid, row * s->stride + window.column, row * s->stride + end);
-    }
-    for (int row = window.row; row < bottom; row++) {
-        scale_row(s, row * s->stride + window.column, row * s->stride + end);
+    for (int step = 0; step < ISO_GRID_STENCIL_STEPS; step++) {
+        for (int band = 0; band < ISO_GRID_STENCIL_BANDS; band++) {
+            iso_grid_stencil_build_band(s, grid, window, step, band);
+        }
     }
 }
 

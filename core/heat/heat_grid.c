@@ -189,6 +189,8 @@ struct batch {
     struct iso_heat_grid *h;
     const struct iso_grid *grid;
     const struct iso_heat_grid_request *request;
+    struct iso_grid_window all; /* holds the sources' windows */
+    int step;                   /* of the operator */
 };
 
 /* y += weight D^-1/2 b: the unit load of the source. */
@@ -289,9 +291,6 @@ static void release_one(void *shared, int source, int worker_number)
         terms[j] = iso_chebyshev_exp(0.5 * t * flow->lambda, tolerance, worker->c[j]);
         columns[j] = column_plane(h, source, j);
     }
-    for (int j = 0; j < h->options.n_times; j++) {
-        clear(column_plane(h, source, j), h->stencil->stride, flow->dirty);
-    }
     if (h->n_times == 1) {
         finish(h, flow->window, expand_one(h, worker, flow, at, terms[0]), columns[0]);
     } else {
@@ -303,6 +302,31 @@ static void release_one(void *shared, int source, int worker_number)
     flow->dirty = flow->window;
     clear(worker->vector[0], h->stencil->stride, flow->window);
     clear(worker->vector[1], h->stencil->stride, flow->window);
+}
+
+/* A band of a step of the operator; with the first step, zeros for the columns. */
+static void prepare_one(void *shared, int task, int worker_number)
+{
+    const struct batch *batch = shared;
+    struct iso_heat_grid *h = batch->h;
+    const int source = task - ISO_GRID_STENCIL_BANDS;
+    (void)worker_number;
+    if (source < 0) {
+        iso_grid_stencil_build_band(h->stencil, batch->grid, batch->all, batch->step, task);
+        return;
+    }
+    for (int j = 0; j < h->options.n_times; j++) {
+        clear(column_plane(h, source, j), h->stencil->stride, h->flows[source].dirty);
+    }
+}
+
+/* What has to be there before heat is released. The first batch also wakes whoever is to help. */
+static void prepare(struct batch *batch, const struct iso_tasks *tasks)
+{
+    for (batch->step = 0; batch->step < ISO_GRID_STENCIL_STEPS; batch->step++) {
+        const int n_columns = batch->step == 0 ? batch->request->n_sources : 0;
+        iso_tasks_run(tasks, prepare_one, batch, ISO_GRID_STENCIL_BANDS + n_columns);
+    }
 }
 
 static bool on_surface(const struct iso_grid *grid, const struct iso_grid_point *source)
@@ -354,12 +378,12 @@ int iso_heat_grid(struct iso_heat_grid *h, const struct iso_grid *grid,
     }
     h->n_sources = request->n_sources;
     h->n_times = request->n_times;
-    struct iso_grid_window all = window_of(grid, &request->sources[0], reach);
+    struct batch batch = {h, grid, request, window_of(grid, &request->sources[0], reach), 0};
     for (int s = 0; s < request->n_sources; s++) {
         h->flows[s].window = window_of(grid, &request->sources[s], reach);
-        all = join(all, h->flows[s].window);
+        batch.all = join(batch.all, h->flows[s].window);
     }
-    iso_grid_stencil_build(h->stencil, grid, all);
+    prepare(&batch, tasks);
     for (int s = 0; s < request->n_sources; s++) {
         struct flow *flow = &h->flows[s];
         flow->lambda = fmax(iso_grid_stencil_bound(h->stencil, flow->window), argument_min / t_min);
@@ -368,7 +392,6 @@ int iso_heat_grid(struct iso_heat_grid *h, const struct iso_grid *grid,
             return -ERANGE;
         }
     }
-    struct batch batch = {h, grid, request};
     iso_tasks_run(tasks, release_one, &batch, request->n_sources);
     return 0;
 }
