@@ -225,6 +225,7 @@ int iso_template_fuse(const struct iso_template *const *templates, int n, struct
         struct iso_template fused = *templates[0];
         fused.n_frames = (uint16_t)(frames < ISO_TEMPLATE_FRAMES_MAX ? frames
                                                                      : ISO_TEMPLATE_FRAMES_MAX);
+        fused.learned = false;
         fused.quality = (float)(quality / n);
         fusion_finish(&fusion, n, &fused);
         *out = fused;

@@ -2,7 +2,8 @@
 # Makes every figure of the documents that compares: all methods on all corpora in one table (table), what frames fused gain
 # (fused), a thousand people enrolled (thousand), and what a score means before each sensor (sensors). The metric and the methods
 # that learn have seen none of these people; eval refuses if they have. SCRATCH keeps the corpora, which are rendered only if they
-# are not there, and the results (SCRATCH/results). DATA: head.model and face.metric. KINECT2: a corpus of real frames, or -.
+# are not there, and the results (SCRATCH/results). DATA: head.model and face.metric. KINECT2: a corpus of real frames, or -. The
+# environment may name METHODS for the table (all): hfpc-literal solves for 100 eigenpairs a face, which takes the most time.
 # usage: compare.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY KINECT2_DIRECTORY SCRATCH [table] [fused] [thousand] [sensors]
 set -eu
 sim=$1 ict=$2 data=$3 real=$4 scratch=$5
@@ -14,7 +15,10 @@ mkdir -p "$scratch/results"
 render() {
     name=$1
     shift
-    [ -e "$scratch/$name/manifest.csv" ] || "$sim" generate --ict "$ict" "$@" --out "$scratch/$name"
+    if [ ! -e "$scratch/$name/manifest.csv" ]; then
+        rm -rf "${scratch:?}/$name" # what an interrupted run has left
+        "$sim" generate --ict "$ict" "$@" --out "$scratch/$name"
+    fi
 }
 
 # evaluate RESULT OPTION...
@@ -35,7 +39,7 @@ table() {
     done
     [ "$real" = - ] || corpora="$corpora --corpus $real"
     # shellcheck disable=SC2086
-    evaluate table --method all --train "$scratch/train" $corpora
+    evaluate table --method "${METHODS:-all}" --train "$scratch/train" $corpora
     sed -n '/^Methods on/,$p' "$scratch/results/table/report.txt"
 }
 

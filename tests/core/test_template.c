@@ -147,8 +147,10 @@ static void fusing_averages_noise_away(void **state)
     struct iso_template one = person(1, 0.0f, 0.8f), two = person(1, 2.0f, -0.8f), fused;
     struct iso_template truth = person(1, 0.0f, 0.0f);
     const struct iso_template *both[2] = {&one, &two};
+    one.learned = true;
     assert_int_equal(iso_template_fuse(both, 2, &fused), 0);
     assert_int_equal(fused.n_frames, 2);
+    assert_false(fused.learned);
     struct iso_match_options options = iso_match_options_default();
     double noisy, clean;
     assert_int_equal(iso_match_distance(&one, &truth, &options, &noisy), 0);
