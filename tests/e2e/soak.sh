@@ -9,6 +9,8 @@ frames=$2
 shift 2
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
 export TSAN_OPTIONS=suppressions=$source_dir/tests/support/openni2_locks.supp
+# What the sanitizer keeps of freed memory is not growth.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-quarantine_size_mb=8}
 recordings=("$@")
 [ $# -gt 0 ] || recordings=(p01-v1 p02-v1 x01-v1 none-nobody1 none-photo1)
 run=$(mktemp -d)
