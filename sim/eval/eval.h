@@ -10,11 +10,11 @@
 #include "sim/eval/training_set.h"
 
 struct sim_eval_options {
-    const char *corpus;   /* directory */
-    const char *model;    /* file */
-    const char *metric;   /* file, or NULL: the score comes from distances */
-    const char *cohort;   /* file, or NULL: the score is the negative distance */
-    size_t fuse;          /* frames in a sample; 0: all frames of a row */
+    const char *corpus; /* directory */
+    const char *model;  /* file */
+    const char *metric; /* file, or NULL: the score comes from distances */
+    const char *cohort; /* file, or NULL: the score is the negative distance */
+    size_t fuse;        /* frames in a sample; 0: all frames of a row */
     /* How many frames of a row are looked at, the first of it; 0: all. */
     size_t gallery_frames, probe_frames;
     size_t gallery_limit; /* people; 0: all. Probes of the rest count as strangers */
@@ -71,8 +71,8 @@ static inline const struct sim_method *sim_eval_first(const struct sim_eval *eva
 /* The strings and the training set in the options must outlive the result. -EINVAL for options out
  * of range, a training set that shares people with the corpus, or a method that cannot learn;
  * -EBADMSG for a cohort or metric of another algorithm, a metric that was learned from people of
- * the corpus, a cohort that may hold some of them, or the errors of reading the corpus and the data files and of the extractor; each
- * with a fault. */
+ * the corpus, a cohort that may hold some of them, or the errors of reading the corpus and the data
+ * files and of the extractor; each with a fault. */
 int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
                  struct iso_fault *fault) __attribute__((warn_unused_result));
 void sim_eval_free(struct sim_eval *eval);

@@ -73,8 +73,8 @@ static void print_promises(const struct sim_eval *eval, FILE *out)
         const struct sim_promise *p = &promises[i];
         const struct sim_interval interval = sim_rate_interval(p->false_match);
         fprintf(out, "  %17.1f %14.0e %11.4f  [%.4f, %.4f] %8.2f\n", p->score, pow(10.0, -p->score),
-                100.0 * sim_rate_value(p->false_match), 100.0 * interval.low,
-                100.0 * interval.high, 100.0 * sim_rate_value(p->non_match));
+                100.0 * sim_rate_value(p->false_match), 100.0 * interval.low, 100.0 * interval.high,
+                100.0 * sim_rate_value(p->non_match));
     }
 }
 
