@@ -31,6 +31,7 @@
 #include "core/match/distance.h"
 #include "core/match/icp.h"
 #include "core/match/metric.h"
+#include "core/match/rerank.h"
 #include "core/match/search.h"
 #include "core/match/template.h"
 
