@@ -162,6 +162,7 @@ int iso__extract_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
     for (int r = 0; r < x->options.n_radii; r++) {
         tmpl->radius_mm[r] = (float)x->options.radius_mm[r];
     }
+    iso__extract_upper_face(x->patch, &tmpl->upper);
     if (x->on_grid) {
         trace_on_grid(x, tmpl);
         return 0;

@@ -8,7 +8,7 @@
 #include "core/math/crc32.h"
 
 /* Raised with every change of code that moves the points of a template. */
-enum { ALGORITHM_REVISION = 2 };
+enum { ALGORITHM_REVISION = 3 };
 
 enum { WORKERS_MAX = 16 };
 

@@ -104,4 +104,7 @@ int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out);
 int iso__extract_heat(struct iso_extractor *x);
 int iso__extract_isotherms(struct iso_extractor *x, struct iso_template *tmpl);
 
+/* extract_upper_face.c: the upper face of the patch, sampled at the nodes of a template. */
+void iso__extract_upper_face(const struct iso_face_patch *patch, struct iso_upper_face *out);
+
 #endif

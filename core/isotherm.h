@@ -32,6 +32,7 @@
 #include "core/match/icp.h"
 #include "core/match/index.h"
 #include "core/match/metric.h"
+#include "core/match/rerank.h"
 #include "core/match/search.h"
 #include "core/match/template.h"
 

@@ -29,7 +29,7 @@ static const struct sim_option head_options[] = {
     {"out", "FILE", "the model to write", sim_option_text, FIELD(out)},
     {"seed", "S", "of the expressions that are learned from (1)", sim_option_count, FIELD(seed)},
     {"vertices", "N", "(1180)", sim_option_count, FIELD(n_vertices)},
-    {"identity", "N", "modes to keep (40)", sim_option_count, FIELD(n_identity)},
+    {"identity", "N", "modes to keep (60)", sim_option_count, FIELD(n_identity)},
     {"expression", "N", "modes to keep (12)", sim_option_count, FIELD(n_expression)},
     {"pictures", "DIR", "also draw the model, its mesh and its modes", sim_option_text,
      FIELD(pictures)},
@@ -250,16 +250,22 @@ static int save_metric(const struct iso_metric *metric, const char *path, struct
     return error;
 }
 
+static void print_scores(const char *title, const struct sim_train_scores *s)
+{
+    printf("%-20s%zu mated comparisons, %zu others\n", title, s->n_mated, s->n_others);
+    for (int i = 0; i < 3; i++) {
+        printf("  at score %d        FMR %.2e, FNMR %.2f%%\n", 2 + i, s->fmr_at[i],
+               100.0 * s->false_non_match_at[i]);
+    }
+}
+
 static void print_metric_report(const struct sim_train_metric_report *r)
 {
     printf("learned from        %zu people, %zu of %zu frames\n", r->n_people, r->n_templates,
            r->n_frames);
     printf("variance explained  %.1f%%\n", 100.0 * r->explained);
-    printf("people held out     %zu mated comparisons, %zu others\n", r->n_mated, r->n_others);
-    for (int i = 0; i < 3; i++) {
-        printf("  at score %d        FMR %.2e, FNMR %.2f%%\n", 2 + i, r->fmr_at[i],
-               100.0 * r->false_non_match_at[i]);
-    }
+    print_scores("people held out", &r->metric);
+    print_scores("fused with surfaces", &r->fused);
 }
 
 static int train_metric(void *target, struct iso_fault *fault)

@@ -4,7 +4,7 @@
  * people and expressions it was trained on (linear morphable model: Blanz and Vetter 1999). Face
  * frame: x to the subject's left, y up, z out of the face, millimetres, the mean's nose tip at the
  * origin. Trained by `isotherm-sim train`, stored in one versioned, checksummed file of at most
- * 400 KB. This header parses and writes the bytes of that file; core itself opens no files.
+ * 640 KB. This header parses and writes the bytes of that file; core itself opens no files.
  *
  * File, little endian:
  *   char magic[8] = "ISOHEAD1"; uint32 bytes of the whole file; uint32 crc32 (IEEE 802.3) of all
@@ -28,7 +28,7 @@ enum {
     ISO_HEAD_TRIANGLES_MAX = 8192,
     ISO_HEAD_IDENTITY_MAX = 64,
     ISO_HEAD_EXPRESSION_MAX = 32,
-    ISO_HEAD_BYTES_MAX = 400 * 1024,
+    ISO_HEAD_BYTES_MAX = 640 * 1024,
 };
 
 /* What part of the head a vertex belongs to; bits. */

@@ -14,7 +14,7 @@
  * A score is the log likelihood ratio, scaled so that among strangers a score of s or more is as
  * rare as 10^-s: calibrated on people that the projection was not learned from, before several
  * sensors (what it comes to on others: README.md, Accuracy). One threshold is then one false match
- * rate. */
+ * rate. The few candidates that a search leaves are looked at again: rerank.h. */
 #ifndef ISO_CORE_MATCH_METRIC_H
 #define ISO_CORE_MATCH_METRIC_H
 
@@ -28,13 +28,21 @@ enum {
     ISO_METRIC_BYTES_MAX = 2 * 1024 * 1024,
 };
 
+/* How a fused score (rerank.h) comes from the metric's and the misfit of the upper faces. */
+struct iso_rerank_weights {
+    float metric; /* times the metric's score, >= 0 */
+    float upper;  /* times the misfit's -ln(rms / 1 mm), >= 0 */
+    float bias;
+};
+
 struct iso_metric {
     uint32_t algorithm; /* of the templates that it compares */
     uint32_t landmarks; /* bit l: the curves of landmark l are used */
     int n_radii, n_points, n_dimensions;
-    float weight_min; /* points that weigh less count as the mean curve's */
-    float gain, bias; /* score = gain * natural log likelihood ratio + bias */
-    int n_origins;    /* corpora it was learned from ... */
+    float weight_min;                 /* points that weigh less count as the mean curve's */
+    float gain, bias;                 /* score = gain * natural log likelihood ratio + bias */
+    struct iso_rerank_weights rerank; /* all zero: scores are not fused */
+    int n_origins;                    /* corpora it was learned from ... */
     char origin[ISO_METRIC_ORIGINS_MAX][ISO_METRIC_ORIGIN_MAX]; /* ... "POPULATION-SEED" */
     int n_values;    /* 3 * points of all curves that are used */
     float *curve_mm; /* [n_values] mean curves: radius, landmark, point, xyz */
@@ -56,11 +64,11 @@ int iso_metric_new(const struct iso_metric *shape, struct iso_metric **out)
     __attribute__((warn_unused_result));
 void iso_metric_free(struct iso_metric *metric);
 
-/* File, little endian: char magic[8] = "ISOMETR1"; uint32 bytes of the file; uint32 crc32 of all
+/* File, little endian: char magic[8] = "ISOMETR2"; uint32 bytes of the file; uint32 crc32 of all
  * that follows it; uint32 algorithm, landmarks; uint16 n_radii, n_points, n_dimensions, n_origins;
- * float weight_min, gain, bias; the origins, 64 bytes each; float curve_mm, between, centre; then
- * for each dimension a float, its step, and n_values int16: axis = step * number. -EBADMSG with
- * *fault (if not NULL) a static text if damaged; -ENOMEM. */
+ * float weight_min, gain, bias; float rerank.metric, upper, bias; the origins, 64 bytes each; float
+ * curve_mm, between, centre; then for each dimension a float, its step, and n_values int16: axis =
+ * step * number. -EBADMSG with *fault (if not NULL) a static text if damaged; -ENOMEM. */
 int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, const char **fault)
     __attribute__((warn_unused_result));
 

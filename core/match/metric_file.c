@@ -9,9 +9,9 @@
 #include "core/math/bytes.h"
 #include "core/math/crc32.h"
 
-static const char magic[8] = {'I', 'S', 'O', 'M', 'E', 'T', 'R', '1'};
+static const char magic[8] = {'I', 'S', 'O', 'M', 'E', 'T', 'R', '2'};
 
-enum { HEADER_BYTES = 8 + 4 + 4, SHAPE_BYTES = 2 * 4 + 4 * 2 + 3 * 4, STEPS = 32767 };
+enum { HEADER_BYTES = 8 + 4 + 4, SHAPE_BYTES = 2 * 4 + 4 * 2 + 6 * 4, STEPS = 32767 };
 
 static int count_bits(uint32_t bits)
 {
@@ -94,6 +94,9 @@ static const uint8_t *get_shape(const uint8_t *p, struct iso_metric *m)
     m->weight_min = iso_get_f32(p + 16);
     m->gain = iso_get_f32(p + 20);
     m->bias = iso_get_f32(p + 24);
+    m->rerank.metric = iso_get_f32(p + 28);
+    m->rerank.upper = iso_get_f32(p + 32);
+    m->rerank.bias = iso_get_f32(p + 36);
     return p + SHAPE_BYTES;
 }
 
@@ -127,11 +130,17 @@ static bool all_finite(const float *x, size_t n)
     return finite;
 }
 
+static bool rerank_sane(const struct iso_rerank_weights *w)
+{
+    return w->metric >= 0.0f && w->upper >= 0.0f && isfinite(w->metric) && isfinite(w->upper) &&
+           isfinite(w->bias);
+}
+
 static bool numbers_sane(const struct iso_metric *m)
 {
     const size_t values = (size_t)m->n_values, dimensions = (size_t)m->n_dimensions;
     bool sane = m->weight_min > 0.0f && m->weight_min <= 1.0f && m->gain > 0.0f &&
-                isfinite(m->gain) && isfinite(m->bias) &&
+                isfinite(m->gain) && isfinite(m->bias) && rerank_sane(&m->rerank) &&
                 all_finite(m->curve_mm, values + 2 * dimensions + values * dimensions);
     for (int d = 0; d < m->n_dimensions; d++) {
         sane = sane && m->between[d] >= 0.0f;
@@ -146,7 +155,7 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
 {
     const uint8_t *p = bytes;
     if (size < HEADER_BYTES + SHAPE_BYTES || memcmp(p, magic, sizeof magic) != 0) {
-        return refuse(fault, "not a metric file of version 1");
+        return refuse(fault, "not a metric file of version 2");
     }
     if (iso_get_u32(p + 8) != size) {
         return refuse(fault, "metric file: truncated or too long");
@@ -221,6 +230,9 @@ int iso_metric_serialise(const struct iso_metric *m, void **bytes, size_t *size)
     p = iso_put_f32(p, m->weight_min);
     p = iso_put_f32(p, m->gain);
     p = iso_put_f32(p, m->bias);
+    p = iso_put_f32(p, m->rerank.metric);
+    p = iso_put_f32(p, m->rerank.upper);
+    p = iso_put_f32(p, m->rerank.bias);
     p = iso_put_bytes(p, m->origin, (size_t)m->n_origins * ISO_METRIC_ORIGIN_MAX);
     p = put_floats(p, m->curve_mm, m->n_values);
     p = put_floats(p, m->between, m->n_dimensions);

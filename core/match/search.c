@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/match/rerank.h"
+
 /* Puts a hit in its place by falling score; a person keeps the best one only. */
 static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct iso_search_hit hit)
 {
@@ -79,26 +81,62 @@ static int gather(const struct iso_search_entry *first, int n_left, const struct
     return 0;
 }
 
+/* A person that the metric has found, and that person's entries. */
+struct candidate {
+    double score;
+    int first, n;
+};
+
+/* Keeps the best by falling score. */
+static void insert_candidate(struct candidate *list, int *n, struct candidate one)
+{
+    if (*n == ISO_RERANK_CANDIDATES && !(list[*n - 1].score < one.score)) {
+        return;
+    }
+    int i = *n < ISO_RERANK_CANDIDATES ? (*n)++ : *n - 1;
+    for (; i > 0 && list[i - 1].score < one.score; i--) {
+        list[i] = list[i - 1];
+    }
+    list[i] = one;
+}
+
+static double look_again(const struct iso_search_entry *entries, const struct candidate *one,
+                         const struct iso_template *probe, const struct iso_metric *metric)
+{
+    enum { TEMPLATES_MAX = 16 };
+    const struct iso_template *person[TEMPLATES_MAX];
+    int n = 0;
+    for (; n < one->n && n < TEMPLATES_MAX; n++) {
+        person[n] = entries[one->first + n].tmpl;
+    }
+    return iso_rerank(metric, probe, person, n, one->score);
+}
+
 int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,
                          const struct iso_template *probe, const struct iso_metric *metric,
                          struct iso_search_hit *hits, int capacity, int *n_hits)
 {
+    struct candidate list[ISO_RERANK_CANDIDATES];
     struct iso_metric_vector seen, person = {.n = 0};
     int error = iso_metric_project(metric, probe, &seen);
-    int n = 0;
+    int n = 0, n_found = 0;
     for (int i = 0, taken = 0; !error && i < n_entries; i += taken) {
         error = gather(&entries[i], n_entries - i, metric, &person, &taken);
         if (!error && person.n > 0) {
-            insert_hit(hits, &n, capacity,
-                       (struct iso_search_hit){.person = entries[i].person,
-                                               .distance_mm = NAN,
-                                               .score = iso_metric_score(metric, &person, &seen)});
+            const double score = iso_metric_score(metric, &person, &seen);
+            insert_candidate(list, &n, (struct candidate){score, i, taken});
         }
+    }
+    for (int i = 0; !error && i < n; i++) {
+        insert_hit(hits, &n_found, capacity,
+                   (struct iso_search_hit){.person = entries[list[i].first].person,
+                                           .distance_mm = NAN,
+                                           .score = look_again(entries, &list[i], probe, metric)});
     }
     explicit_bzero(&seen, sizeof seen);
     explicit_bzero(&person, sizeof person);
     if (!error) {
-        *n_hits = n;
+        *n_hits = n_found;
     }
     return error;
 }

@@ -30,8 +30,9 @@ int iso_search(const struct iso_search_entry *entries, int n_entries,
                int *n_hits) __attribute__((warn_unused_result));
 
 /* The same by the learned metric: a person's score rests on all of that person's templates, which
- * stand side by side in `entries`. -EINVAL if algorithms differ, -ENODATA if the probe has too few
- * points. */
+ * stand side by side in `entries`. The ISO_RERANK_CANDIDATES best are looked at again (rerank.h);
+ * hits are some of them, by their fused scores. -EINVAL if algorithms differ, -ENODATA if the probe
+ * has too few points. */
 int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,
                          const struct iso_template *probe, const struct iso_metric *metric,
                          struct iso_search_hit *hits, int capacity, int *n_hits)

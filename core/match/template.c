@@ -26,10 +26,10 @@ static bool counts_in_range(unsigned n_radii, unsigned n_points, unsigned n_fram
            n_frames <= ISO_TEMPLATE_FRAMES_MAX;
 }
 
-static size_t serialised_size(unsigned n_radii, unsigned n_points)
+/* Up to the length of the upper face. */
+static size_t curves_size(unsigned n_radii, unsigned n_points)
 {
-    return HEADER_BYTES + 4 * n_radii + (size_t)POINT_BYTES * n_radii * ISO_LANDMARKS * n_points +
-           4;
+    return HEADER_BYTES + 4 * n_radii + (size_t)POINT_BYTES * n_radii * ISO_LANDMARKS * n_points;
 }
 
 static bool point_fits(const float point_mm[3], float weight)
@@ -44,7 +44,7 @@ static bool point_fits(const float point_mm[3], float weight)
 static bool template_fits(const struct iso_template *t)
 {
     if (!counts_in_range(t->n_radii, t->n_points, t->n_frames) || !isfinite(t->quality) ||
-        memchr(t->sensor, '\0', sizeof t->sensor) == NULL) {
+        memchr(t->sensor, '\0', sizeof t->sensor) == NULL || !iso_upper_face_fits(&t->upper)) {
         return false;
     }
     for (int r = 0; r < t->n_radii; r++) {
@@ -62,16 +62,8 @@ static bool template_fits(const struct iso_template *t)
     return true;
 }
 
-int iso_template_serialise(const struct iso_template *t, void *bytes, size_t size)
+static uint8_t *put_curves(const struct iso_template *t, uint8_t *p)
 {
-    if (!template_fits(t)) {
-        return -EINVAL;
-    }
-    size_t needed = serialised_size(t->n_radii, t->n_points);
-    if (size < needed) {
-        return -ENOSPC;
-    }
-    uint8_t *p = bytes;
     p = iso_put_bytes(p, magic, sizeof magic);
     p = iso_put_u16(p, ISO_TEMPLATE_VERSION);
     p = iso_put_u16(p, t->n_radii);
@@ -94,8 +86,55 @@ int iso_template_serialise(const struct iso_template *t, void *bytes, size_t siz
             }
         }
     }
+    return p;
+}
+
+int iso_template_serialise(const struct iso_template *t, void *bytes, size_t size)
+{
+    if (!template_fits(t)) {
+        return -EINVAL;
+    }
+    uint8_t upper[ISO_UPPER_BYTES_MAX];
+    const size_t upper_size = iso_upper_face_known(&t->upper) ? iso_upper_face_put(&t->upper, upper)
+                                                              : 0;
+    const size_t needed = curves_size(t->n_radii, t->n_points) + 2 + upper_size + 4;
+    if (size < needed) {
+        explicit_bzero(upper, sizeof upper);
+        return -ENOSPC;
+    }
+    uint8_t *p = put_curves(t, bytes);
+    p = iso_put_u16(p, (uint16_t)upper_size);
+    p = iso_put_bytes(p, upper, upper_size);
     (void)iso_put_u32(p, iso_crc32(0, bytes, needed - 4));
+    explicit_bzero(upper, sizeof upper);
     return (int)needed;
+}
+
+static const uint8_t *get_curves(const uint8_t *p, struct iso_template *t)
+{
+    for (int r = 0; r < t->n_radii; r++, p += 4) {
+        t->radius_mm[r] = iso_get_f32(p);
+    }
+    for (int r = 0; r < t->n_radii; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < t->n_points; i++, p += POINT_BYTES) {
+                for (int k = 0; k < 3; k++) {
+                    int16_t counts = (int16_t)iso_get_u16(p + 2 * k);
+                    t->points_mm[r][l][i][k] = (float)counts / COUNTS_PER_MM;
+                }
+                t->weight[r][l][i] = (float)p[6] / 255.0f;
+            }
+        }
+    }
+    return p;
+}
+
+/* Whether the bytes are as many as they say, and as they were written. */
+static bool bytes_whole(const uint8_t *bytes, size_t size, const struct iso_template *t)
+{
+    const size_t curves = curves_size(t->n_radii, t->n_points);
+    return size >= curves + 2 + 4 && size == curves + 2 + (size_t)iso_get_u16(bytes + curves) + 4 &&
+           iso_get_u32(bytes + size - 4) == iso_crc32(0, bytes, size - 4);
 }
 
 int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
@@ -113,37 +152,23 @@ int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
     t.n_points = iso_get_u16(p + 8);
     t.n_frames = iso_get_u16(p + 10) & ISO_TEMPLATE_FRAMES_MAX;
     t.learned = (iso_get_u16(p + 10) & LEARNED) != 0;
-    if (!counts_in_range(t.n_radii, t.n_points, t.n_frames) ||
-        size != serialised_size(t.n_radii, t.n_points) ||
-        iso_get_u32(p + size - 4) != iso_crc32(0, bytes, size - 4)) {
+    if (!counts_in_range(t.n_radii, t.n_points, t.n_frames) || !bytes_whole(p, size, &t)) {
         return -EBADMSG;
     }
     t.algorithm = iso_get_u32(p + 12);
     memcpy(t.sensor, p + 16, sizeof t.sensor);
     p += 16 + sizeof t.sensor;
     t.quality = iso_get_f32(p);
-    p += 4;
-    for (int r = 0; r < t.n_radii; r++, p += 4) {
-        t.radius_mm[r] = iso_get_f32(p);
-    }
-    for (int r = 0; r < t.n_radii; r++) {
-        for (int l = 0; l < ISO_LANDMARKS; l++) {
-            for (int i = 0; i < t.n_points; i++, p += POINT_BYTES) {
-                for (int k = 0; k < 3; k++) {
-                    int16_t counts = (int16_t)iso_get_u16(p + 2 * k);
-                    t.points_mm[r][l][i][k] = (float)counts / COUNTS_PER_MM;
-                }
-                t.weight[r][l][i] = (float)p[6] / 255.0f;
-            }
-        }
-    }
+    p = get_curves(p + 4, &t);
+    const size_t upper_size = iso_get_u16(p);
+    int error = upper_size > 0 ? iso_upper_face_get(p + 2, upper_size, &t.upper) : 0;
     /* The checksum was right, so the writer wrote nonsense: still not a template. */
-    bool fits = template_fits(&t);
-    if (fits) {
+    error = error || template_fits(&t) ? error : -EBADMSG;
+    if (!error) {
         *out = t;
     }
     iso_template_wipe(&t);
-    return fits ? 0 : -EBADMSG;
+    return error;
 }
 
 void iso_template_wipe(struct iso_template *tmpl)
@@ -192,6 +217,19 @@ static void fusion_finish(const struct fusion *fusion, int n, struct iso_templat
     }
 }
 
+/* What a registration by ISO_ICP_RIGID found. */
+static struct iso_rigid rigid_of(const struct iso_affine *a)
+{
+    struct iso_rigid rigid;
+    for (int row = 0; row < 3; row++) {
+        for (int column = 0; column < 3; column++) {
+            rigid.rotation.m[row][column] = a->m[row][column];
+        }
+    }
+    rigid.translation_mm = iso_vec3(a->m[0][3], a->m[1][3], a->m[2][3]);
+    return rigid;
+}
+
 int iso_template_fuse(const struct iso_template *const *templates, int n, struct iso_template *out)
 {
     enum { FUSED_MAX = 64 };
@@ -202,6 +240,8 @@ int iso_template_fuse(const struct iso_template *const *templates, int n, struct
     struct iso_icp_points first = iso_template_points(templates[0]);
     struct fusion fusion;
     memset(&fusion, 0, sizeof fusion);
+    const struct iso_upper_face *upper[FUSED_MAX];
+    struct iso_rigid first_from_face[FUSED_MAX];
     double quality = 0.0;
     unsigned frames = 0;
     int error = 0;
@@ -217,6 +257,8 @@ int iso_template_fuse(const struct iso_template *const *templates, int n, struct
         }
         if (!error) {
             fusion_add(&fusion, templates[i], &registered.target_from_source);
+            upper[i] = &templates[i]->upper;
+            first_from_face[i] = rigid_of(&registered.target_from_source);
             quality += (double)templates[i]->quality;
             frames += templates[i]->n_frames;
         }
@@ -228,6 +270,7 @@ int iso_template_fuse(const struct iso_template *const *templates, int n, struct
         fused.learned = false;
         fused.quality = (float)(quality / n);
         fusion_finish(&fusion, n, &fused);
+        iso_upper_face_fuse(upper, first_from_face, n, &fused.upper);
         *out = fused;
         iso_template_wipe(&fused);
     }

@@ -1,4 +1,5 @@
-/* The template: the isotherms of one face, in its face frame, and who made them.
+/* The template: the isotherms and the upper face of one person, in the face frame, and who made
+ * them.
  *
  * Fixed size, no pointers: it can be copied, compared and wiped as a whole. Points of weight 0 are
  * missing (open isotherm, or surface that was filled in rather than measured). */
@@ -10,16 +11,18 @@
 #include <stdint.h>
 
 #include "core/landmark/landmark.h"
+#include "core/match/upper_face.h"
 
 enum {
-    ISO_TEMPLATE_VERSION = 1,
+    ISO_TEMPLATE_VERSION = 2,
     ISO_TEMPLATE_RADII_MAX = 4,
     ISO_TEMPLATE_POINTS_MAX = 32,
     ISO_TEMPLATE_SENSOR_MAX = 16,
     ISO_TEMPLATE_FRAMES_MAX = 0x7fff,
     /* Largest serialised template. */
     ISO_TEMPLATE_BYTES_MAX = 64 +
-                             ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS * ISO_TEMPLATE_POINTS_MAX * 7,
+                             ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS * ISO_TEMPLATE_POINTS_MAX * 7 +
+                             ISO_UPPER_BYTES_MAX,
 };
 
 struct iso_template {
@@ -31,17 +34,20 @@ struct iso_template {
     float radius_mm[ISO_TEMPLATE_RADII_MAX];
     float points_mm[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX][3];
     float weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX]; /* 0..1 */
+    struct iso_upper_face upper; /* all zero: none */
 };
 
 /* Serialised, little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16
  * (of which bit 15 says learned), algorithm u32, sensor[16], quality f32, radius f32[n_radii], then
- * per point int16[3] (1/64 mm) and uint8 weight (1/255), at the end a CRC-32 of all before it.
- * Returns the bytes written; -EINVAL for a template out of range (also a point beyond +-511 mm or
- * not finite), -ENOSPC if they do not fit. */
+ * per point int16[3] (1/64 mm) and uint8 weight (1/255), u16 bytes of the upper face (0: none) and
+ * those (upper_face.h), at the end a CRC-32 of all before it. Some 8 KB with 4 x 16 points. Returns
+ * the bytes written; -EINVAL for a template out of range (also a point beyond +-511 mm or not
+ * finite), -ENOSPC if they do not fit. */
 int iso_template_serialise(const struct iso_template *tmpl, void *bytes, size_t size)
     __attribute__((warn_unused_result));
 
-/* -EBADMSG truncated or damaged, -EPROTONOSUPPORT another version. */
+/* -EBADMSG truncated or damaged, -EPROTONOSUPPORT another version. Version 1, which had no upper
+ * face, is one: its templates were of other algorithms, so that nothing here compares with them. */
 int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
     __attribute__((warn_unused_result));
 
@@ -49,7 +55,8 @@ int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
 void iso_template_wipe(struct iso_template *tmpl);
 
 /* One template from several of the same person (1..64, all of one algorithm and shape): each is
- * registered to the first by trimmed ICP, then points are averaged by weight. -EINVAL for
+ * registered to the first by trimmed ICP, then points are averaged by weight, and upper faces
+ * moved along (the first keeps its place). -EINVAL for
  * none or templates that differ in shape or algorithm, -ENODATA if one has too few points in common
  * with the first to be registered. What was learned leaves no trace in it. */
 int iso_template_fuse(const struct iso_template *const *templates, int n, struct iso_template *out)

@@ -40,7 +40,8 @@ struct iso_presentation_cues {
 
 struct iso_presentation_options {
     double sheet_share; /* of the relief on one sheet: no face. 0.83, of faces at most 0.76, of
-                           pictures taken for a face at least 0.89 */
+                           pictures taken for a face at least 0.89; of bent sheets less, the
+                           odder the head that was fitted to them */
     /* iso_presentation_oversize, below and above. 0.18, 0.135: 14 of 1,196 genuine frames of 100
      * people are beyond (1 of 378 real ones); 3 of 600 masks were accepted. At 0.17 and 0.117,
      * where the bounds were before, 16 frames were beyond, and the same masks accepted. */

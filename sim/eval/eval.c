@@ -148,7 +148,8 @@ static int search(struct sim_eval *eval, struct sim_eval_method *m, struct iso_f
 {
     const struct sim_eval_options *o = &eval->options;
     if (!sim_method_pairwise(m->method)) {
-        const struct sim_scoring scoring = {eval->metric, eval->cohort, o->match};
+        const struct sim_scoring scoring = {eval->metric, eval->cohort, o->match,
+                                            m->method == &sim_method_hfpc};
         return out_of_range(sim_match(eval->corpus, eval->acquisition, eval->gallery, &scoring,
                                       o->threads, &m->matches),
                             fault);
@@ -179,8 +180,8 @@ static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct i
     return error ? iso_fault_set(fault, error, "%s", m->fault.text) : 0;
 }
 
-/* The appliance's own method comes last: it alone may call a sample not acquired after all, and the
- * others are to be measured on every sample that was. */
+/* The appliance's own methods come last: they alone may call a sample not acquired after all, and
+ * the others are to be measured on every sample that was. */
 static int compare(struct sim_eval *eval, struct iso_fault *fault)
 {
     int error = sim_gallery_new(eval->corpus, eval->acquisition, eval->options.gallery_limit,

@@ -65,6 +65,57 @@ static int give_up(struct sim_sample *sample, int error)
     return error;
 }
 
+/* The best people by score, best first; returns how many. */
+static int shortlist(const double *score, size_t n_people, size_t best[ISO_RERANK_CANDIDATES])
+{
+    int n = 0;
+    for (size_t p = 0; p < n_people; p++) {
+        if (!(score[p] > -INFINITY) ||
+            (n == ISO_RERANK_CANDIDATES && !(score[best[n - 1]] < score[p]))) {
+            continue;
+        }
+        int i = n < ISO_RERANK_CANDIDATES ? n++ : n - 1;
+        for (; i > 0 && score[best[i - 1]] < score[p]; i--) {
+            best[i] = best[i - 1];
+        }
+        best[i] = p;
+    }
+    return n;
+}
+
+/* The fused score of one person. */
+static double look_again(const struct matching *work, const struct iso_template *probe,
+                         size_t person, double metric_score)
+{
+    enum { TEMPLATES_MAX = 64 };
+    const struct sim_gallery *gallery = work->gallery;
+    const struct iso_template *of_person[TEMPLATES_MAX];
+    int n = 0;
+    for (size_t i = 0; i < gallery->n_templates && n < TEMPLATES_MAX; i++) {
+        if (gallery->person[i] == person) {
+            of_person[n++] = gallery->templates[i];
+        }
+    }
+    return iso_rerank(work->scoring->metric, probe, of_person, n, metric_score);
+}
+
+static void rerank(const struct matching *work, const struct iso_template *probe, double *score)
+{
+    size_t best[ISO_RERANK_CANDIDATES];
+    const int n = shortlist(score, work->gallery->n_people, best);
+    double fused[ISO_RERANK_CANDIDATES], least = INFINITY;
+    for (int i = 0; i < n; i++) {
+        fused[i] = look_again(work, probe, best[i], score[best[i]]);
+        least = fmin(least, fused[i]);
+    }
+    for (size_t p = 0; p < work->gallery->n_people; p++) {
+        score[p] = fmin(score[p], least);
+    }
+    for (int i = 0; i < n; i++) {
+        score[best[i]] = fused[i];
+    }
+}
+
 static int search_by_metric(const struct matching *work, struct sim_sample *sample,
                             double *distance_mm, double *score)
 {
@@ -74,6 +125,9 @@ static int search_by_metric(const struct matching *work, struct sim_sample *samp
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
         score[p] = iso_metric_score(metric, &work->enrolled[p], &probe);
         distance_mm[p] = NAN;
+    }
+    if (!error && work->scoring->rerank) {
+        rerank(work, &sample->tmpl, score);
     }
     return error ? give_up(sample, error) : 0;
 }

@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "core/match/cohort.h"
-#include "core/match/metric.h"
+#include "core/match/rerank.h"
 #include "sim/eval/acquire.h"
 #include "sim/eval/gallery.h"
 
@@ -19,6 +19,8 @@ struct sim_scoring {
     const struct iso_metric *metric; /* NULL: distances */
     const struct iso_cohort *cohort; /* NULL: the score is the negative distance */
     struct iso_match_options match;  /* of distances */
+    bool rerank; /* with a metric: the best are looked at again (core/match/rerank.h). The others
+                    keep the metric's score, but none above the least of those */
 };
 
 /* The results of the searches of all samples that are not in a gallery row. */

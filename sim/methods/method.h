@@ -1,9 +1,10 @@
 /* Methods of face recognition that can be compared in one run: the appliance's own and those that
  * Abdelrahman (2013, figure 6.9) measured it against.
  *
- * A method is a table of functions. All but `hfpc` are pairwise: a face becomes a description, two
- * descriptions have a distance, and the score of a comparison is the negative distance. `hfpc` is
- * what the appliance does, whatever that is at present: its comparisons are those of eval/match.h.
+ * A method is a table of functions. All but `hfpc` and `hfpc-metric` are pairwise: a face becomes a
+ * description, two descriptions have a distance, and the score of a comparison is the negative
+ * distance. `hfpc` is what the appliance does, whatever that is at present: its comparisons are
+ * those of eval/match.h.
  *
  * Descriptions and knowledge are opaque, made on the heap and freed by the method. */
 #ifndef SIM_METHODS_METHOD_H
@@ -34,7 +35,7 @@ struct sim_method {
     int (*train)(const struct sim_training *training, void **knowledge, struct iso_fault *fault);
     void (*forget)(void *knowledge);
 
-    /* REQUIRED but for the appliance's own method, which has neither. May be called by several
+    /* REQUIRED but for the appliance's own methods, which have neither. May be called by several
      * threads at once. The description may refer to the face, which outlives it. -ENODATA for a
      * face that cannot be described, -ENOMEM. */
     int (*describe)(const void *knowledge, const struct sim_scan *face, void **description);
@@ -46,6 +47,7 @@ struct sim_method {
 };
 
 extern const struct sim_method sim_method_hfpc;
+extern const struct sim_method sim_method_hfpc_metric;
 extern const struct sim_method sim_method_hfpc_literal;
 extern const struct sim_method sim_method_hfpc_weighted;
 extern const struct sim_method sim_method_hfpc_weighted_1;
@@ -57,7 +59,7 @@ extern const struct sim_method sim_method_fishersurfaces;
 extern const struct sim_method sim_method_anthroface_10;
 extern const struct sim_method sim_method_anthroface_25;
 
-enum { SIM_METHODS = 11 };
+enum { SIM_METHODS = 12 };
 
 /* All of them, the appliance's own first, with a NULL at the end. */
 extern const struct sim_method *const sim_methods[SIM_METHODS + 1];
@@ -65,7 +67,7 @@ extern const struct sim_method *const sim_methods[SIM_METHODS + 1];
 /* NULL if there is none of that name. */
 const struct sim_method *sim_method_find(const char *name);
 
-/* Whether the method compares descriptions of its own (all but hfpc). */
+/* Whether the method compares descriptions of its own (all but the appliance's own). */
 static inline bool sim_method_pairwise(const struct sim_method *method)
 {
     return method->describe != NULL;

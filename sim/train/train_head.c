@@ -32,7 +32,7 @@ struct training {
 struct sim_train_head_options sim_train_head_options_default(void)
 {
     return (struct sim_train_head_options){
-        .seed = 1, .n_vertices = 1180, .n_identity = 40, .n_expression = 12};
+        .seed = 1, .n_vertices = 1180, .n_identity = 60, .n_expression = 12};
 }
 
 /* `exposure` is that of the fine surface, which the coarse one still is. */

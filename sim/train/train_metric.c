@@ -6,10 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/match/rerank.h"
 #include "sim/eval/capture.h"
+#include "sim/eval/parallel.h"
 #include "sim/train/metric_learn.h"
+#include "sim/train/rerank_learn.h"
 
-enum { HELD_OUT = 5 /* one person in so many calibrates */, REGISTRATIONS = 3 };
+enum {
+    HELD_OUT = 5, /* one person in so many calibrates */
+    REGISTRATIONS = 3,
+    OTHERS_FITTED = 60000, /* comparisons of strangers whose upper faces are fitted, at most */
+};
 
 /* The templates of all corpora, and whose they are. */
 struct training {
@@ -215,89 +222,205 @@ static int learn_axes(const struct training *t, struct iso_metric *metric,
     return error;
 }
 
-/* Scores of the people held out: everybody's first template against the later ones of all. */
-struct held_out {
-    size_t n_mated, n_other;
-    double *mated, *other;
+/* A comparison of two templates of people held out. */
+struct pair {
+    const struct iso_template *enrolled, *probe;
+    double score; /* the metric's */
+    double fit;   /* -ln(rms / 1 mm) of the upper faces' misfit; NaN: not known */
 };
+
+struct pairs {
+    size_t n, capacity;
+    struct pair *list;
+};
+
+/* Comparisons of the people held out: everybody's first template against the later ones of all. */
+struct held_out {
+    struct pairs mated, other;
+};
+
+static void free_held_out(struct held_out *held)
+{
+    free(held->mated.list);
+    free(held->other.list);
+}
+
+static int new_pairs(struct pairs *pairs, size_t capacity)
+{
+    pairs->capacity = capacity;
+    pairs->list = calloc(capacity + 1, sizeof *pairs->list);
+    return pairs->list ? 0 : -ENOMEM;
+}
+
+static void add_pair(struct pairs *pairs, struct pair pair)
+{
+    if (pairs->n < pairs->capacity) {
+        pairs->list[pairs->n++] = pair;
+    }
+}
+
+/* A template of somebody held out, as the metric sees it. */
+struct seen {
+    struct iso_metric_vector vector;
+    const struct iso_template *tmpl;
+    size_t person;
+};
+
+static void compare_seen(const struct iso_metric *metric, const struct seen *seen, size_t n,
+                         struct held_out *out)
+{
+    for (size_t g = 0; g < n; g++) {
+        if (g > 0 && seen[g - 1].person == seen[g].person) {
+            continue; /* not the first of its person */
+        }
+        for (size_t p = 1; p < n; p++) {
+            if (seen[p - 1].person != seen[p].person) {
+                continue; /* the first of its own */
+            }
+            const bool mated = seen[g].person == seen[p].person;
+            add_pair(mated ? &out->mated : &out->other,
+                     (struct pair){
+                         .enrolled = seen[g].tmpl,
+                         .probe = seen[p].tmpl,
+                         .score = iso_metric_score(metric, &seen[g].vector, &seen[p].vector),
+                         .fit = NAN,
+                     });
+        }
+    }
+}
 
 static int compare_held_out(const struct training *t, const struct iso_metric *metric,
                             struct held_out *out)
 {
     size_t n = 0;
-    struct iso_metric_vector *vector = calloc(t->n + 1, sizeof *vector);
-    size_t *person = calloc(t->n + 1, sizeof *person);
-    int error = vector && person ? 0 : -ENOMEM;
-    for (size_t s = 0; !error && s < t->n; s++) {
+    struct seen *seen = calloc(t->n + 1, sizeof *seen);
+    if (!seen) {
+        return -ENOMEM;
+    }
+    for (size_t s = 0; s < t->n; s++) {
         if (t->person[s] % HELD_OUT == 0 &&
-            iso_metric_project(metric, &t->tmpl[s], &vector[n]) == 0) {
-            person[n++] = t->person[s];
+            iso_metric_project(metric, &t->tmpl[s], &seen[n].vector) == 0) {
+            seen[n].tmpl = &t->tmpl[s];
+            seen[n++].person = t->person[s];
         }
     }
-    out->mated = calloc(n + 1, sizeof *out->mated);
-    out->other = calloc(n * (n / 2) + 1, sizeof *out->other);
-    error = out->mated && out->other ? error : -ENOMEM;
-    for (size_t g = 0; !error && g < n; g++) {
-        if (g > 0 && person[g - 1] == person[g]) {
-            continue; /* not the first of its person */
-        }
-        for (size_t p = 1; p < n; p++) {
-            if (person[p - 1] != person[p]) {
-                continue; /* the first of its own */
-            }
-            const double score = iso_metric_score(metric, &vector[g], &vector[p]);
-            if (person[g] == person[p]) {
-                out->mated[out->n_mated++] = score;
-            } else if (out->n_other < n * (n / 2)) {
-                out->other[out->n_other++] = score;
-            }
-        }
+    int error = new_pairs(&out->mated, n);
+    error = error ? error : new_pairs(&out->other, n * (n / 2));
+    if (!error) {
+        compare_seen(metric, seen, n, out);
     }
-    free(vector);
-    free(person);
+    explicit_bzero(seen, (t->n + 1) * sizeof *seen);
+    free(seen);
     return error;
 }
 
-static double share_at_least(const double *score, size_t n, double threshold)
+static int calibrate(struct held_out *held, struct iso_metric *metric)
+{
+    const struct pairs *other = &held->other;
+    double *ratio = calloc(other->n + 1, sizeof *ratio);
+    float gain = 0.0f, bias = 0.0f;
+    int error = ratio ? 0 : -ENOMEM;
+    for (size_t i = 0; !error && i < other->n; i++) {
+        ratio[i] = other->list[i].score;
+    }
+    error = error ? error : sim_metric_calibrate(ratio, other->n, &gain, &bias);
+    free(ratio);
+    if (error) {
+        return error;
+    }
+    metric->gain = gain;
+    metric->bias = bias;
+    struct pairs *const both[] = {&held->mated, &held->other};
+    for (int k = 0; k < 2; k++) {
+        for (size_t i = 0; i < both[k]->n; i++) {
+            both[k]->list[i].score = (double)gain * both[k]->list[i].score + (double)bias;
+        }
+    }
+    return 0;
+}
+
+static int fit_upper_faces(void *context, int worker, size_t number)
+{
+    (void)worker;
+    struct pair *pair = &((struct pair *)context)[number];
+    double rms_mm;
+    if (iso_rerank_misfit(pair->probe, &pair->enrolled, 1, &rms_mm) == 0) {
+        pair->fit = -log(rms_mm);
+    }
+    return 0;
+}
+
+/* Leaves one comparison in so many: a misfit takes a thousand times longer than a score. */
+static void thin(struct pairs *pairs, size_t one_in)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < pairs->n; i += one_in) {
+        pairs->list[n++] = pairs->list[i];
+    }
+    pairs->n = n;
+}
+
+static int learn_rerank(const struct training *t, struct held_out *held, struct iso_metric *metric)
+{
+    struct pairs *other = &held->other;
+    thin(other, other->n / OTHERS_FITTED + 1);
+    int error = sim_parallel(t->options->threads, held->mated.n, fit_upper_faces, held->mated.list);
+    error = error ? error
+                  : sim_parallel(t->options->threads, other->n, fit_upper_faces, other->list);
+    double *score = calloc(other->n + 1, sizeof *score), *fit = calloc(other->n + 1, sizeof *fit);
+    error = score && fit ? error : -ENOMEM;
+    for (size_t i = 0; !error && i < other->n; i++) {
+        score[i] = other->list[i].score;
+        fit[i] = other->list[i].fit;
+    }
+    const struct sim_rerank_pairs strangers = {other->n, score, fit};
+    error = error ? error : sim_rerank_learn(&strangers, &metric->rerank);
+    free(score);
+    free(fit);
+    return error;
+}
+
+/* The share of comparisons that score so high, fused or not. */
+static double share_at_least(const struct pairs *pairs, const struct iso_rerank_weights *weights,
+                             double threshold)
 {
     size_t above = 0;
-    for (size_t i = 0; i < n; i++) {
-        above += score[i] >= threshold;
+    for (size_t i = 0; i < pairs->n; i++) {
+        const struct pair *p = &pairs->list[i];
+        const bool fused = weights && !isnan(p->fit);
+        above += (fused ? iso_rerank_fuse(weights, p->score, exp(-p->fit)) : p->score) >= threshold;
     }
-    return (double)above / fmax((double)n, 1.0);
+    return (double)above / fmax((double)pairs->n, 1.0);
 }
 
-static void describe(const struct held_out *held, const struct iso_metric *metric,
-                     struct sim_train_metric_report *report)
+static void describe(const struct held_out *held, const struct iso_rerank_weights *weights,
+                     struct sim_train_scores *out)
 {
-    report->n_mated = held->n_mated;
-    report->n_others = held->n_other;
-    const double gain = (double)metric->gain, bias = (double)metric->bias;
+    out->n_mated = held->mated.n;
+    out->n_others = held->other.n;
     for (int i = 0; i < 3; i++) {
-        const double raw = (2.0 + i - bias) / gain;
-        report->fmr_at[i] = share_at_least(held->other, held->n_other, raw);
-        report->false_non_match_at[i] = 1.0 - share_at_least(held->mated, held->n_mated, raw);
+        out->fmr_at[i] = share_at_least(&held->other, weights, 2.0 + i);
+        out->false_non_match_at[i] = 1.0 - share_at_least(&held->mated, weights, 2.0 + i);
     }
 }
 
-static int calibrate(const struct training *t, struct iso_metric *metric,
-                     struct sim_train_metric_report *report)
+/* What scores mean: from the people held out. */
+static int learn_scores(const struct training *t, struct iso_metric *metric,
+                        struct sim_train_metric_report *report)
 {
-    struct held_out held = {0};
-    float gain = 0.0f, bias = 0.0f;
+    struct held_out held = {{0}, {0}};
     metric->gain = 1.0f;
     metric->bias = 0.0f;
     int error = compare_held_out(t, metric, &held);
+    error = error ? error : calibrate(&held, metric);
     if (!error) {
-        error = sim_metric_calibrate(held.other, held.n_other, &gain, &bias);
+        describe(&held, NULL, &report->metric);
+        error = learn_rerank(t, &held, metric);
     }
     if (!error) {
-        metric->gain = gain;
-        metric->bias = bias;
-        describe(&held, metric, report);
+        describe(&held, &metric->rerank, &report->fused);
     }
-    free(held.mated);
-    free(held.other);
+    free_held_out(&held);
     return error;
 }
 
@@ -322,7 +445,7 @@ static int learn(struct training *t, const struct iso_metric *shape, struct iso_
     int error = iso_metric_new(shape, &metric);
     error = error ? error : learn_curves(t, metric);
     error = error ? error : learn_axes(t, metric, report);
-    error = error ? error : calibrate(t, metric, report);
+    error = error ? error : learn_scores(t, metric, report);
     if (error) {
         iso_metric_free(metric);
         return iso_fault_set(fault, error, "learning the metric: %s",

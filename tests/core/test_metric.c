@@ -26,6 +26,7 @@ static struct iso_metric *new_metric(void)
         .weight_min = 0.25f,
         .gain = 0.5f,
         .bias = -1.0f,
+        .rerank = {.metric = 0.75f, .upper = 1.5f, .bias = -0.5f},
         .n_origins = 2,
         .origin = {"train-101", "train-102"},
     };
@@ -82,6 +83,8 @@ static void it_survives_its_bytes(void **state)
     assert_int_equal(back->landmarks, 1 << 1 | 1 << 4);
     assert_int_equal(back->n_origins, 2);
     assert_string_equal(back->origin[1], "train-102");
+    assert_true(back->rerank.metric == 0.75f && back->rerank.upper == 1.5f &&
+                back->rerank.bias == -0.5f);
     assert_true(back->gain == 0.5f && back->bias == -1.0f && back->weight_min == 0.25f);
     assert_memory_equal(back->curve_mm, m->curve_mm, (size_t)m->n_values * sizeof(float));
     assert_memory_equal(back->between, m->between, DIMENSIONS * sizeof(float));
@@ -132,6 +135,9 @@ static void what_is_out_of_range_is_not_made_or_written(void **state)
     assert_int_equal(iso_metric_serialise(m, &bytes, &size), -EINVAL);
     m->axis[4] = 0.0f;
     m->between[1] = -1.0f;
+    assert_int_equal(iso_metric_serialise(m, &bytes, &size), -EINVAL);
+    m->between[1] = 1.0f;
+    m->rerank.upper = -0.1f;
     assert_int_equal(iso_metric_serialise(m, &bytes, &size), -EINVAL);
     assert_null(bytes);
     iso_metric_free(m);

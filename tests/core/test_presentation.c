@@ -128,6 +128,11 @@ static void every_cue_has_its_word(void **state)
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_WRONG_SIZE);
     cues.relief.bent.inlier_share = 0.95;
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_BENT);
+    cues.relief.bent.inlier_share = 0.78; /* of an odd head */
+    cues.identity_norm = 1.0;
+    assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_BENT);
+    cues.identity_norm = 0.4;
+    assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_WRONG_SIZE);
     cues.relief.flat.inlier_share = 0.9;
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_FLAT);
     cues = (struct iso_presentation_cues){.has_sheet = true};

@@ -11,6 +11,8 @@
 #include <cmocka.h>
 
 #include "core/match/search.h"
+#include "core/math/bytes.h"
+#include "core/math/crc32.h"
 
 enum { COHORT = 12 };
 
@@ -51,6 +53,8 @@ static void a_template_survives_its_bytes(void **state)
     t.weight[1][4][7] = 0.0f;
     t.n_frames = 5;
     t.learned = true;
+    t.upper.kind[3][7] = ISO_UPPER_MEASURED;
+    t.upper.z_mm[3][7] = -21.5f;
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     int size = iso_template_serialise(&t, bytes, sizeof bytes);
     assert_true(size > 0);
@@ -60,6 +64,13 @@ static void a_template_survives_its_bytes(void **state)
     assert_int_equal(back.n_frames, 5);
     assert_true(back.learned);
     assert_true(back.weight[1][4][7] == 0.0f && back.weight[0][0][0] == 1.0f);
+    assert_memory_equal(&back.upper, &t.upper, sizeof t.upper);
+    /* Without an upper face there are only the two bytes that say so. */
+    memset(&t.upper, 0, sizeof t.upper);
+    const int plain = iso_template_serialise(&t, bytes, sizeof bytes);
+    assert_int_equal(size - plain, ISO_UPPER_KIND_BYTES + 2);
+    assert_int_equal(iso_template_parse(bytes, (size_t)plain, &back), 0);
+    assert_memory_equal(&back.upper, &t.upper, sizeof t.upper);
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         for (int k = 0; k < 3; k++) {
             float d = back.points_mm[1][l][5][k] - t.points_mm[1][l][5][k];
@@ -72,6 +83,8 @@ static void damaged_template_bytes_are_refused(void **state)
 {
     (void)state;
     struct iso_template t = person(3, 0.0f, 0.0f), back;
+    t.upper.kind[3][7] = ISO_UPPER_MEASURED;
+    t.upper.z_mm[3][7] = -21.5f;
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     int size = iso_template_serialise(&t, bytes, sizeof bytes);
     memset(&back, 0x5a, sizeof back);
@@ -87,6 +100,16 @@ static void damaged_template_bytes_are_refused(void **state)
         bytes[at] ^= 0x10;
     }
     assert_memory_equal(&back, &untouched, sizeof back);
+    /* Version 1 had no upper face. */
+    bytes[4] = 1;
+    assert_int_equal(iso_template_parse(bytes, (size_t)size, &back), -EPROTONOSUPPORT);
+    /* A block that says nothing, under a checksum that is right. */
+    bytes[4] = ISO_TEMPLATE_VERSION;
+    const size_t block = (size_t)size - 4 - (ISO_UPPER_KIND_BYTES + 2);
+    bytes[block] = 3; /* no kind of a node */
+    (void)iso_put_u32(bytes + size - 4, iso_crc32(0, bytes, (size_t)size - 4));
+    assert_int_equal(iso_template_parse(bytes, (size_t)size, &back), -EBADMSG);
+    assert_memory_equal(&back, &untouched, sizeof back);
 }
 
 static void a_template_out_of_range_is_not_written(void **state)
@@ -99,6 +122,9 @@ static void a_template_out_of_range_is_not_written(void **state)
     assert_int_equal(iso_template_serialise(&t, bytes, sizeof bytes), -EINVAL);
     t = person(1, 0.0f, 0.0f);
     t.points_mm[1][3][2][1] = 600.0f;
+    assert_int_equal(iso_template_serialise(&t, bytes, sizeof bytes), -EINVAL);
+    t = person(1, 0.0f, 0.0f);
+    t.upper.z_mm[9][9] = 1.0f; /* of no kind */
     assert_int_equal(iso_template_serialise(&t, bytes, sizeof bytes), -EINVAL);
     t = person(1, 0.0f, 0.0f);
     t.n_points = ISO_TEMPLATE_POINTS_MAX + 1;

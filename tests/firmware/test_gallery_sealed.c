@@ -314,7 +314,7 @@ static void make_version_1(const char *directory)
         sqlite3_prepare_v2(db, "INSERT INTO template VALUES (?1, 7, 81, ?2)", -1, &insert, NULL),
         SQLITE_OK);
     for (int i = 0; i < 2; i++) {
-        bytes[4] = i == 0 ? 1 : 9; /* the version of the template */
+        bytes[4] = i == 0 ? ISO_TEMPLATE_VERSION : 9; /* the version of the template */
         assert_int_equal(sqlite3_bind_int(insert, 1, 3 + i), SQLITE_OK);
         assert_int_equal(sqlite3_bind_blob(insert, 2, bytes, size, SQLITE_STATIC), SQLITE_OK);
         assert_int_equal(sqlite3_step(insert), SQLITE_DONE);

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -180,6 +181,97 @@ static void test_cohort_normalises(void **state)
     sim_gallery_free(gallery);
 }
 
+/* A metric that sees two numbers of all the points. */
+static struct iso_metric *new_metric(void)
+{
+    const struct iso_metric shape = {
+        .algorithm = 7,
+        .landmarks = (1U << ISO_LANDMARKS) - 1,
+        .n_radii = 1,
+        .n_points = 8,
+        .n_dimensions = 2,
+        .weight_min = 0.3f,
+        .gain = 1.0f,
+        .rerank = {.metric = 0.5f, .upper = 2.0f, .bias = 0.25f},
+    };
+    struct iso_metric *m = NULL;
+    assert_int_equal(iso_metric_new(&shape, &m), 0);
+    for (int v = 0; v < m->n_values; v++) {
+        m->curve_mm[v] = 20.0f * (float)sin(1.7 * v);
+        m->axis[2 * v] = 0.01f * (float)cos(0.3 * v);
+        m->axis[2 * v + 1] = 0.01f * (float)cos(0.7 * v);
+    }
+    m->between[0] = m->between[1] = 4.0f;
+    return m;
+}
+
+static void add_upper_face(uint64_t person, struct iso_template *tmpl)
+{
+    for (int v = 2; v < ISO_UPPER_ROWS; v++) {
+        for (int u = 2; u < ISO_UPPER_COLUMNS - 2; u++) {
+            tmpl->upper.kind[v][u] = ISO_UPPER_MEASURED;
+            tmpl->upper.z_mm[v][u] = (float)(-0.02 * (u - 24) * (u - 24) +
+                                             3.0 * sin(0.2 * u + 0.5 * (double)person) *
+                                                 cos(0.15 * v * (double)(person % 3 + 1)));
+        }
+    }
+}
+
+/* Thirteen people, and a probe of number 4. */
+static void test_the_best_are_looked_at_again(void **state)
+{
+    (void)state;
+    enum { PEOPLE = 13 };
+    static char names[PEOPLE][4];
+    static struct sim_corpus_row crowd[PEOPLE + 1];
+    static struct sim_sample seen[PEOPLE + 1];
+    const struct sim_corpus many = {PEOPLE + 1, crowd};
+    struct sim_acquisition all = {0, PEOPLE + 1, NULL, seen, {7, "astra"}};
+    for (size_t i = 0; i <= PEOPLE; i++) {
+        const uint64_t person = i < PEOPLE ? i : 4;
+        (void)snprintf(names[person], sizeof names[person], "p%02d", (int)person);
+        crowd[i] = (struct sim_corpus_row){.role = i < PEOPLE ? SIM_ROLE_GALLERY : SIM_ROLE_PROBE};
+        (void)snprintf(crowd[i].subject, sizeof crowd[i].subject, "%s", names[person]);
+        seen[i] = (struct sim_sample){.row = i, .acquired = true, .reason = ISO_CAPTURE_OK};
+        seen[i].tmpl = person_template(person, 1.0, i);
+        add_upper_face(person, &seen[i].tmpl);
+    }
+    struct sim_gallery *gallery = NULL;
+    struct sim_matches *plain = NULL, *fused = NULL;
+    struct iso_metric *metric = new_metric();
+    struct sim_scoring scoring = {.metric = metric, .match = iso_match_options_default()};
+    assert_int_equal(sim_gallery_new(&many, &all, 0, &gallery), 0);
+    assert_int_equal(sim_match(&many, &all, gallery, &scoring, 1, &plain), 0);
+    scoring.rerank = true;
+    assert_int_equal(sim_match(&many, &all, gallery, &scoring, 1, &fused), 0);
+    assert_int_equal(plain->n_probes, 1);
+    double least = INFINITY;
+    int again = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t p = 0; p < PEOPLE; p++) {
+            int better = 0;
+            for (size_t q = 0; q < PEOPLE; q++) {
+                better += plain->score[q] > plain->score[p];
+            }
+            if (better < ISO_RERANK_CANDIDATES && pass == 0) {
+                const struct iso_template *own = &seen[p].tmpl;
+                assert_float_equal(fused->score[p],
+                                   iso_rerank(metric, &seen[PEOPLE].tmpl, &own, 1, plain->score[p]),
+                                   0.0);
+                least = fmin(least, fused->score[p]);
+                again++;
+            } else if (better >= ISO_RERANK_CANDIDATES && pass == 1) {
+                assert_float_equal(fused->score[p], fmin(plain->score[p], least), 0.0);
+            }
+        }
+    }
+    assert_int_equal(again, ISO_RERANK_CANDIDATES);
+    sim_matches_free(plain);
+    sim_matches_free(fused);
+    sim_gallery_free(gallery);
+    iso_metric_free(metric);
+}
+
 static int mark(void *context, int worker, size_t job)
 {
     int *marks = context;
@@ -218,6 +310,7 @@ int main(void)
         cmocka_unit_test_setup(test_threads_do_not_matter, setup),
         cmocka_unit_test_setup(test_missing_points, setup),
         cmocka_unit_test_setup(test_cohort_normalises, setup),
+        cmocka_unit_test(test_the_best_are_looked_at_again),
         cmocka_unit_test(test_parallel),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -212,7 +212,7 @@ static void modes_are_ordered_and_free_of_rigid_motion(void **state)
     struct fixture *f = *state;
     const struct iso_head_model *m = f->shipped;
     size_t stride = 3 * (size_t)m->n_vertices;
-    assert_int_equal(m->n_identity, 40);
+    assert_int_equal(m->n_identity, 60);
     assert_int_equal(m->n_expression, 12);
     double last = INFINITY;
     for (uint32_t k = 0; k < m->n_identity; k++) {

@@ -11,11 +11,13 @@
 #include <cmocka.h>
 
 #include "core/extract.h"
+#include "core/match/rerank.h"
 #include "sim/data_file.h"
 #include "sim/face/person.h"
 #include "sim/random.h"
 #include "sim/recording/corpus.h"
 #include "sim/train/metric_learn.h"
+#include "sim/train/rerank_learn.h"
 
 enum { PEOPLE = 400, EACH = 6, DIMENSIONS = 3 };
 
@@ -131,6 +133,43 @@ static void a_score_says_how_rare_it_is_among_strangers(void **state)
     free(ratio);
 }
 
+/* Scores that fall off by a decade every 1 and fits by a decade every 0.2, independent: the fit
+ * counts five times the score, and the fused score says how rare it is. */
+static void a_fused_score_says_how_rare_it_is_among_strangers(void **state)
+{
+    (void)state;
+    enum { N = 60000 };
+    double *score = calloc(N, sizeof *score), *fit = calloc(N, sizeof *fit);
+    assert_true(score && fit);
+    for (size_t i = 0; i < N; i++) { /* every tenth cannot be registered */
+        score[i] = -log10((double)(7919 * i % N + 1) / N);
+        fit[i] = i % 10 == 0 ? NAN : -1.0 - 0.2 * log10((double)(22123 * i % N + 1) / N);
+    }
+    struct iso_rerank_weights weights = {0};
+    struct sim_rerank_pairs pairs = {5000, score, fit};
+    assert_int_equal(sim_rerank_learn(&pairs, &weights), -ENODATA);
+    assert_true(weights.upper == 0.0f);
+    pairs.n = N;
+    assert_int_equal(sim_rerank_learn(&pairs, &weights), 0);
+    assert_true(fabsf(weights.upper / weights.metric - 5.0f) < 0.3f);
+    int above[2] = {0, 0}, n = 0;
+    for (int i = 0; i < N; i++) {
+        const bool known = !isnan(fit[i]);
+        const double fused = known ? iso_rerank_fuse(&weights, score[i], exp(-fit[i])) : 0.0;
+        n += known;
+        above[0] += fused >= 2.0;
+        above[1] += fused >= 3.0;
+    }
+    assert_true(fabs(log10((double)above[0] / n) + 2.0) < 0.12);
+    assert_true(fabs(log10((double)above[1] / n) + 3.0) < 0.12);
+    for (int i = 0; i < N; i++) {
+        fit[i] = 1.0;
+    }
+    assert_int_equal(sim_rerank_learn(&pairs, &weights), -EDOM);
+    free(score);
+    free(fit);
+}
+
 /* Nobody that the shipped metric was learned from may be in a test: people of the population
  * `train` only, and of none that a committed corpus names. */
 static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
@@ -179,6 +218,7 @@ int main(void)
         cmocka_unit_test(it_finds_what_tells_people_apart),
         cmocka_unit_test(too_few_people_teach_nothing),
         cmocka_unit_test(a_score_says_how_rare_it_is_among_strangers),
+        cmocka_unit_test(a_fused_score_says_how_rare_it_is_among_strangers),
         cmocka_unit_test(the_shipped_metric_knows_nobody_who_is_tested),
         cmocka_unit_test(the_shipped_metric_fits_the_shipped_head_model),
     };

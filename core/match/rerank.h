@@ -1,0 +1,37 @@
+/* A second, slower look at the few candidates that the metric leaves of a gallery: their upper
+ * faces are laid on the probe's, and what is left between the surfaces is weighed with the metric's
+ * score.
+ *
+ * The metric tells people apart by what it has learned of people; surfaces need to have learned
+ * nothing, and err on other faces. A fused score is
+ *
+ *     weight_m * metric's score - weight_u * ln(rms / 1 mm) + bias,
+ *
+ * with the weights and the bias that `isotherm-sim train metric` finds on people held out, such
+ * that among strangers a score of s or more is as rare as 10^-s, like the metric's own. */
+#ifndef ISO_CORE_MATCH_RERANK_H
+#define ISO_CORE_MATCH_RERANK_H
+
+#include "core/match/metric.h"
+
+/* Candidates that are worth a second look: what a search hands on. */
+enum { ISO_RERANK_CANDIDATES = 10 };
+
+/* How well the probe's upper face fits one person's templates: the least rms of them, mm, after
+ * registration (upper_surface.h), at least ISO_RERANK_RMS_MIN_MM. -ENODATA if none can be
+ * registered. */
+#define ISO_RERANK_RMS_MIN_MM 0.05
+int iso_rerank_misfit(const struct iso_template *probe, const struct iso_template *const *person,
+                      int n, double *rms_mm) __attribute__((warn_unused_result));
+
+/* The fused score of a person with n templates whose score by the metric is known; that one itself
+ * if surfaces say nothing (no upper face in a template, too little in common, weights of zero).
+ * Some 0.1 ms a template. */
+double iso_rerank(const struct iso_metric *metric, const struct iso_template *probe,
+                  const struct iso_template *const *person, int n, double metric_score);
+
+/* From the misfit, for those who know it already. */
+double iso_rerank_fuse(const struct iso_rerank_weights *weights, double metric_score,
+                       double rms_mm);
+
+#endif

@@ -1,0 +1,25 @@
+/* The weights of a fused score (core/match/rerank.h). */
+#ifndef SIM_TRAIN_RERANK_LEARN_H
+#define SIM_TRAIN_RERANK_LEARN_H
+
+#include <stddef.h>
+
+#include "core/match/metric.h"
+
+/* Comparisons of strangers: the metric's calibrated score, and -ln(rms / 1 mm) of the upper faces'
+ * misfit (NaN: they could not be registered; not counted). */
+struct sim_rerank_pairs {
+    size_t n;
+    const double *score, *fit;
+};
+
+/* The misfit is calibrated as the metric's score is (sim_metric_calibrate), both are added (the sum
+ * rule: Kittler, Hatef, Duin and Matas 1998), and the sum is calibrated again. So each says how
+ * rare it is among strangers, and mated comparisons have no say. Weights that tell the people held
+ * out apart best (logistic regression) leave next to nothing to surfaces: the metric has learned
+ * from their like, and hardly errs on them. It is on other faces and sensors that surfaces are
+ * needed. Errors of sim_metric_calibrate, -ENOMEM. */
+int sim_rerank_learn(const struct sim_rerank_pairs *strangers, struct iso_rerank_weights *out)
+    __attribute__((warn_unused_result));
+
+#endif
