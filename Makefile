@@ -4,7 +4,7 @@
 #   make check    builds and runs every test
 #   make vm-check runs the tests that need devices of a kernel, in virtual machines
 #   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator
-#   make bench    milliseconds per stage from frame to verdict; heat beside its peers
+#   make bench    milliseconds per stage from frame to verdict; heat, search, registration beside their peers; memory
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
 #   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps

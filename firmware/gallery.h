@@ -1,6 +1,6 @@
 /* The gallery: who is enrolled, with which templates; sealed in an SQLite database. In memory are
  * the people, and what a search looks at: an index of vectors if there is a metric
- * (core/match/index.h, 664 bytes a person), else the templates.
+ * (core/match/index.h, 632 bytes a person), else the templates.
  *
  * Every change is one transaction that is on the disk when the call returns: after a kill at any
  * moment the gallery is what it was before the change or after it. A new database is made beside

@@ -33,7 +33,6 @@ static const char configuration[] = "[sensor]\nretry_ms = 50\nretry_max_ms = 100
                                     "[gallery]\npath = %s/gallery.db\n"
                                     "[log]\npath = %s/audit.log\nsync = no\n"
                                     "[bus]\naddress = %s\n"
-                                    "[process]\nthreads = 2\n"
                                     "[model]\nhead = " DATA "head.model\n"
                                     "metric = " DATA "face.metric\n";
 

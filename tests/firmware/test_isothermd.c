@@ -41,7 +41,8 @@ static const char *write_configuration(const char *directory, const char *bus, c
     (void)snprintf(text, sizeof text,
                    "[sensor]\npath = %s/slot\n"
                    "[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\n[bus]\naddress = %s\n"
-                   "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n%s",
+                   "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n%s\n"
+                   "[process]\nthreads = 2\n",
                    directory, directory, directory, bus, more);
     scratch_write_text(path, text);
     return path;
