@@ -61,9 +61,11 @@ static struct iso_sensor *opened(void)
     return sensor;
 }
 
+/* Patience for a host with other work: vivid then skips pictures of one camera, and pairs are rare.
+ */
 static int next(struct iso_sensor *sensor, const struct iso_frame **frame, struct iso_fault *fault)
 {
-    return iso_sensor_wait(sensor, monotonic_ns(NULL) + 20 * SECOND, frame, fault);
+    return iso_sensor_wait(sensor, monotonic_ns(NULL) + 200 * SECOND, frame, fault);
 }
 
 static void expect_frame(struct iso_sensor *sensor)
