@@ -2,9 +2,9 @@
  *
  * One fork and join a batch: whoever calls works along as worker 0, the others take tasks as long
  * as there are some. A helper that the machine has no time for is not waited for unless it holds a
- * task, so that a crew on a busy machine is one thread that works alone. Who helped looks out for
- * another batch for some 60 us before it sleeps, so that a short batch ahead of a long one wakes
- * the helpers. Their threads block all signals. */
+ * task; one that loses its processor while it does is waited for, some 10 ms on a busy machine. Who
+ * helped looks out for another batch for some 60 us before it sleeps, so that a short batch ahead
+ * of a long one wakes the helpers. Their threads block all signals. */
 #ifndef ISO_FIRMWARE_CREW_H
 #define ISO_FIRMWARE_CREW_H
 

@@ -19,7 +19,7 @@
 #include "tests/bench/machine.h"
 #include "tests/core/reference_heat.h"
 
-enum { SIZES = 5, METHODS_MAX = 8, RADII = 4, REPEATS_MAX = 400, THREADS_MAX = 4 };
+enum { SIZES = 5, METHODS_MAX = 8, RADII = 4, REPEATS_MAX = 400 };
 
 static const double sizes[SIZES] = {2000, 5000, 10000, 20000, 40000};
 static const double radii_mm[RADII] = {10, 18, 30, 40};
@@ -211,38 +211,42 @@ static void print_bound(const struct heat_case *c, int seconds)
     }
 }
 
-/* Wall time of the grid's heat by so many threads: the best and the median of many runs. */
+enum { CREWS = 3 };
+
+/* Wall time of the grid's heat by 1, 2 and 4 threads in turn, so that what else the machine does
+ * meets them alike. */
 static void print_threads(struct heat_case c)
 {
-    static int64_t took_ns[REPEATS_MAX];
-    double best_one = 0.0, median_one = 0.0;
+    static int64_t took_ns[CREWS][REPEATS_MAX];
+    struct iso_crew *crew[CREWS];
+    void *state[CREWS];
+    double best[CREWS], median[CREWS];
     printf("\nThreads, wall time of heat on the grid, r = %g mm (best tells what idle cores do, the"
            " median what this machine was doing)\n",
            c.radius_mm);
-    for (int threads = 1; threads <= THREADS_MAX; threads *= 2) {
-        struct iso_crew *crew = NULL;
-        if (iso_crew_new(threads, &crew)) {
+    for (int k = 0; k < CREWS; k++) {
+        if (iso_crew_new(1 << k, &crew[k])) {
             quit("threads", -ENOMEM);
         }
-        c.tasks = iso_crew_tasks(crew);
-        void *state = heat_methods[HEAT_METHOD_GRID].open(&c);
-        int64_t best_ns = INT64_MAX;
-        for (int i = 0; i < REPEATS_MAX; i++) {
-            int64_t begin_ns = sim_wall_ns(NULL);
-            if (!state || heat_methods[HEAT_METHOD_GRID].heat(state, &c)) {
-                quit("grid", -ENOMEM);
-            }
-            took_ns[i] = sim_wall_ns(NULL) - begin_ns;
-            best_ns = took_ns[i] < best_ns ? took_ns[i] : best_ns;
+        c.tasks = iso_crew_tasks(crew[k]);
+        state[k] = heat_methods[HEAT_METHOD_GRID].open(&c);
+    }
+    for (int i = 0; i < REPEATS_MAX * CREWS; i++) {
+        const int k = i % CREWS;
+        c.tasks = iso_crew_tasks(crew[k]);
+        const int64_t begin_ns = sim_wall_ns(NULL);
+        if (!state[k] || heat_methods[HEAT_METHOD_GRID].heat(state[k], &c)) {
+            quit("grid", -ENOMEM);
         }
-        heat_methods[HEAT_METHOD_GRID].close(state);
-        iso_crew_free(crew);
-        double best = (double)best_ns * 1e-6,
-               median = sim_latency_of(took_ns, REPEATS_MAX).median_ms;
-        best_one = threads == 1 ? best : best_one;
-        median_one = threads == 1 ? median : median_one;
-        printf("  %d: best %.3f ms (x %.2f), median %.3f ms (x %.2f)\n", threads, best,
-               best_one / best, median, median_one / median);
+        took_ns[k][i / CREWS] = sim_wall_ns(NULL) - begin_ns;
+    }
+    for (int k = 0; k < CREWS; k++) {
+        heat_methods[HEAT_METHOD_GRID].close(state[k]);
+        iso_crew_free(crew[k]);
+        median[k] = sim_latency_of(took_ns[k], REPEATS_MAX).median_ms;
+        best[k] = (double)took_ns[k][0] * 1e-6; /* they are sorted now */
+        printf("  %d: best %.3f ms (x %.2f), median %.3f ms (x %.2f)\n", 1 << k, best[k],
+               best[0] / best[k], median[k], median[0] / median[k]);
     }
 }
 
