@@ -68,7 +68,7 @@ void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns)
 static int compare(const struct iso_appliance *appliance, struct iso_decision_frame *out)
 {
     const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
-    const struct iso_gallery *gallery = appliance->parts.gallery;
+    struct iso_gallery *gallery = appliance->parts.gallery;
     const struct iso_candidates among = appliance->mode == ISO_APPLIANCE_VERIFY
                                             ? iso_gallery_only(gallery, appliance->person.id)
                                             : iso_gallery_everybody(gallery);

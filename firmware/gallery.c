@@ -378,24 +378,34 @@ const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, 
     return iso_gallery_memory_find(&gallery->memory, id);
 }
 
-struct iso_candidates iso_gallery_everybody(const struct iso_gallery *gallery)
+static int open_templates(void *keeper, int64_t person, struct iso_template *out, int capacity,
+                          int *n, struct iso_fault *fault)
+{
+    return iso_gallery_templates(keeper, person, out, capacity, n, fault);
+}
+
+struct iso_candidates iso_gallery_everybody(struct iso_gallery *gallery)
 {
     return (struct iso_candidates){
         .entries = gallery->memory.entries,
         .n_entries = (int)gallery->memory.n_entries,
         .index = gallery->memory.index,
+        .templates = open_templates,
+        .keeper = gallery,
+        .version = iso_gallery_version(gallery).changes,
     };
 }
 
-struct iso_candidates iso_gallery_only(const struct iso_gallery *gallery, int64_t person)
+struct iso_candidates iso_gallery_only(struct iso_gallery *gallery, int64_t person)
 {
     const struct iso_gallery_memory *memory = &gallery->memory;
     struct iso_metric_vector vector;
     if (memory->index) {
         const int error = iso_index_find(memory->index, person, &vector);
         sodium_memzero(&vector, sizeof vector);
-        return error ? (struct iso_candidates){0}
-                     : (struct iso_candidates){.index = memory->index, .person = person};
+        struct iso_candidates own = iso_gallery_everybody(gallery);
+        own.person = person;
+        return error ? (struct iso_candidates){0} : own;
     }
     size_t first = 0, end;
     while (first < memory->n_entries && memory->entries[first].person != person) {

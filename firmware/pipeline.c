@@ -7,12 +7,14 @@
 #include <string.h>
 
 #include "firmware/data_file.h"
+#include "firmware/second_look.h"
 
 enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
 
 struct pipeline {
     struct iso_head_model *head;
-    struct iso_metric *metric; /* NULL: by cohort */
+    struct iso_metric *metric;           /* NULL: by cohort */
+    struct iso_second_look *second_look; /* NULL: by cohort */
     struct iso_cohort *cohort;
     struct iso_extractor *extractor;
     struct iso_match_options match;
@@ -72,19 +74,33 @@ static int score_one(const struct pipeline *pipeline, const struct iso_candidate
     return 0;
 }
 
+/* The best by the metric, as many as are worth a second look, and the best of those. */
 static int search_index(const struct pipeline *pipeline, const struct iso_candidates *among,
                         const struct iso_template *tmpl, struct iso_search_hit *hits, int capacity,
                         int *n_hits)
 {
+    enum { SHORTLIST = ISO_RERANK_CANDIDATES };
+    struct iso_search_hit best[SHORTLIST];
     struct iso_metric_vector probe;
+    int n = 0;
     int error = iso_metric_project(pipeline->metric, tmpl, &probe);
     if (error) {
         return error;
     }
-    error = among->person ? score_one(pipeline, among, &probe, hits, capacity, n_hits)
-                          : iso_index_search(among->index, &probe, hits, capacity, n_hits);
+    error = among->person ? score_one(pipeline, among, &probe, best, SHORTLIST, &n)
+                          : iso_index_search(among->index, &probe, best, SHORTLIST, &n);
     explicit_bzero(&probe, sizeof probe);
-    return error;
+    if (!error && among->templates) {
+        error = iso_second_look_take(pipeline->second_look, pipeline->metric, among, tmpl, best, n);
+    }
+    if (error) {
+        return error;
+    }
+    *n_hits = n < capacity ? n : capacity;
+    for (int i = 0; i < *n_hits; i++) {
+        hits[i] = best[i];
+    }
+    return 0;
 }
 
 static int pipeline_search(void *self, const struct iso_candidates *among,
@@ -136,6 +152,7 @@ static void pipeline_close(void *self)
     struct pipeline *pipeline = self;
     iso_face_check_free(pipeline->face_check);
     iso_extractor_free(pipeline->extractor);
+    iso_second_look_free(pipeline->second_look);
     iso_metric_free(pipeline->metric);
     iso_cohort_free(pipeline->cohort);
     iso_head_model_free(pipeline->head);
@@ -198,8 +215,13 @@ static int load_metric(struct pipeline *pipeline, const char *path, struct iso_f
     }
     error = iso_metric_parse(bytes, size, &pipeline->metric, &what);
     free(bytes);
-    return error ? refuse(path, error, what, fault)
-                 : check_algorithm(pipeline, path, pipeline->metric->algorithm, fault);
+    if (error) {
+        return refuse(path, error, what, fault);
+    }
+    error = check_algorithm(pipeline, path, pipeline->metric->algorithm, fault);
+    return error || iso_second_look_new(&pipeline->second_look) == 0
+               ? error
+               : iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
 }
 
 static int load_cohort(struct pipeline *pipeline, const char *path, struct iso_fault *fault)

@@ -20,9 +20,10 @@ struct iso_pipeline_ops {
     int (*extract)(void *self, const struct iso_frame *frame, const char *sensor,
                    struct iso_extraction *out);
 
-    /* The best people among these for a probe, as iso_index_search, iso_search_by_metric or
-     * iso_search (with the pipeline's metric, or cohort and options). -ENODATA: the probe has too
-     * few points to say anything about it. */
+    /* The best people among these for a probe, as iso_search_by_metric or iso_search (with the
+     * pipeline's metric, or cohort and options); of an index: the ISO_RERANK_CANDIDATES best by the
+     * metric are looked at again (second_look.h). -ENODATA: the probe has too few points to say
+     * anything about it; what opening templates says. */
     int (*search)(void *self, const struct iso_candidates *among, const struct iso_template *probe,
                   struct iso_search_hit *hits, int capacity, int *n_hits);
 

@@ -6,15 +6,15 @@
 
 #include "core/match/upper_surface.h"
 
-int iso_rerank_misfit(const struct iso_template *probe, const struct iso_template *const *person,
-                      int n, double *rms_mm)
+int iso_rerank_misfit(const struct iso_upper_face *probe,
+                      const struct iso_upper_face *const *person, int n, double *rms_mm)
 {
     struct iso_upper_surface surface;
     double least_mm = INFINITY;
     for (int i = 0; i < n; i++) {
         struct iso_upper_fit fit;
-        iso_upper_surface_of(&person[i]->upper, &surface);
-        if (iso_upper_fit(&probe->upper, &surface, &fit) == 0) {
+        iso_upper_surface_of(person[i], &surface);
+        if (iso_upper_fit(probe, &surface, &fit) == 0) {
             least_mm = fmin(least_mm, fit.rms_mm);
         }
     }
@@ -32,8 +32,8 @@ double iso_rerank_fuse(const struct iso_rerank_weights *weights, double metric_s
            (double)weights->bias;
 }
 
-double iso_rerank(const struct iso_metric *metric, const struct iso_template *probe,
-                  const struct iso_template *const *person, int n, double metric_score)
+double iso_rerank(const struct iso_metric *metric, const struct iso_upper_face *probe,
+                  const struct iso_upper_face *const *person, int n, double metric_score)
 {
     double rms_mm;
     if (!(metric->rerank.upper > 0.0f) || iso_rerank_misfit(probe, person, n, &rms_mm)) {

@@ -104,12 +104,12 @@ static double look_again(const struct iso_search_entry *entries, const struct ca
                          const struct iso_template *probe, const struct iso_metric *metric)
 {
     enum { TEMPLATES_MAX = 16 };
-    const struct iso_template *person[TEMPLATES_MAX];
+    const struct iso_upper_face *person[TEMPLATES_MAX];
     int n = 0;
     for (; n < one->n && n < TEMPLATES_MAX; n++) {
-        person[n] = entries[one->first + n].tmpl;
+        person[n] = &entries[one->first + n].tmpl->upper;
     }
-    return iso_rerank(metric, probe, person, n, one->score);
+    return iso_rerank(metric, &probe->upper, person, n, one->score);
 }
 
 int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,

@@ -89,14 +89,14 @@ static double look_again(const struct matching *work, const struct iso_template 
 {
     enum { TEMPLATES_MAX = 64 };
     const struct sim_gallery *gallery = work->gallery;
-    const struct iso_template *of_person[TEMPLATES_MAX];
+    const struct iso_upper_face *of_person[TEMPLATES_MAX];
     int n = 0;
     for (size_t i = 0; i < gallery->n_templates && n < TEMPLATES_MAX; i++) {
         if (gallery->person[i] == person) {
-            of_person[n++] = gallery->templates[i];
+            of_person[n++] = &gallery->templates[i]->upper;
         }
     }
-    return iso_rerank(work->scoring->metric, probe, of_person, n, metric_score);
+    return iso_rerank(work->scoring->metric, &probe->upper, of_person, n, metric_score);
 }
 
 static void rerank(const struct matching *work, const struct iso_template *probe, double *score)

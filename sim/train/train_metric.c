@@ -343,8 +343,9 @@ static int fit_upper_faces(void *context, int worker, size_t number)
 {
     (void)worker;
     struct pair *pair = &((struct pair *)context)[number];
+    const struct iso_upper_face *enrolled = &pair->enrolled->upper;
     double rms_mm;
-    if (iso_rerank_misfit(pair->probe, &pair->enrolled, 1, &rms_mm) == 0) {
+    if (iso_rerank_misfit(&pair->probe->upper, &enrolled, 1, &rms_mm) == 0) {
         pair->fit = -log(rms_mm);
     }
     return 0;

@@ -265,11 +265,10 @@ static void a_fused_score_is_the_weighted_sum(void **state)
 {
     (void)state;
     struct iso_metric *m = new_metric();
-    struct iso_template probe = template_of(m, 2, 0.0f), other = template_of(m, 3, 0.1f);
-    struct iso_template own = template_of(m, 2, 0.2f);
     const struct iso_rigid motion = motion_of(0.01, 0.02, 0.0, 1.0, 0.0, 1.0);
-    own.upper = moved_face(2, &motion);
-    const struct iso_template *person[] = {&other, &own};
+    struct iso_upper_face probe = face_of(2);
+    const struct iso_upper_face other = face_of(3), own = moved_face(2, &motion);
+    const struct iso_upper_face *person[] = {&other, &own};
     double other_mm, own_mm, both_mm;
     assert_int_equal(iso_rerank_misfit(&probe, &person[0], 1, &other_mm), 0);
     assert_int_equal(iso_rerank_misfit(&probe, &person[1], 1, &own_mm), 0);
@@ -278,16 +277,16 @@ static void a_fused_score_is_the_weighted_sum(void **state)
     const double score = iso_rerank(m, &probe, person, 2, 3.0);
     assert_true(fabs(score - (0.5 * 3.0 - 2.0 * log(own_mm) + 0.25)) < 1e-9);
     /* The same surface cannot be told from one that is hardly off. */
-    assert_int_equal(iso_rerank_misfit(&probe, (const struct iso_template *[]){&probe}, 1, &own_mm),
-                     0);
+    assert_int_equal(
+        iso_rerank_misfit(&probe, (const struct iso_upper_face *[]){&probe}, 1, &own_mm), 0);
     assert_true(own_mm == ISO_RERANK_RMS_MIN_MM);
     /* Without surfaces, or without weights, it is the metric's. */
     assert_true(iso_rerank(m, &probe, person, 0, 3.0) == 3.0);
-    memset(&probe.upper, 0, sizeof probe.upper);
+    memset(&probe, 0, sizeof probe);
     assert_int_equal(iso_rerank_misfit(&probe, person, 2, &own_mm), -ENODATA);
     assert_true(iso_rerank(m, &probe, person, 2, 3.0) == 3.0);
     m->rerank = (struct iso_rerank_weights){0.0f, 0.0f, 0.0f};
-    probe = template_of(m, 2, 0.0f);
+    probe = face_of(2);
     assert_true(iso_rerank(m, &probe, person, 2, 3.0) == 3.0);
     iso_metric_free(m);
 }

@@ -32,7 +32,7 @@ static int add(struct iso_gallery *gallery, const char *name, int face, struct i
     return iso_gallery_add(gallery, &person, &tmpl, fault);
 }
 
-static void expect_person(const struct iso_gallery *gallery, const char *name, unsigned templates)
+static void expect_person(struct iso_gallery *gallery, const char *name, unsigned templates)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     assert_non_null(person);
@@ -61,7 +61,7 @@ static void begins_empty_and_private(void **state)
 }
 
 /* Everything the same before and after a restart. */
-static void check_three(const struct iso_gallery *gallery)
+static void check_three(struct iso_gallery *gallery)
 {
     size_t n_people = 0;
     const struct iso_person *people = iso_gallery_people(gallery, &n_people);
@@ -233,7 +233,7 @@ static struct iso_metric *new_metric(void)
 }
 
 /* The vector that the index has to have for somebody with templates of these faces. */
-static void expect_vector(const struct iso_gallery *gallery, const struct iso_metric *metric,
+static void expect_vector(struct iso_gallery *gallery, const struct iso_metric *metric,
                           const char *name, const int *faces, int n)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
@@ -251,7 +251,7 @@ static void expect_vector(const struct iso_gallery *gallery, const struct iso_me
     assert_int_equal(person->usable, n);
 }
 
-static void expect_index(const struct iso_gallery *gallery, const struct iso_metric *metric)
+static void expect_index(struct iso_gallery *gallery, const struct iso_metric *metric)
 {
     static const int annas[] = {20, 22}, bobs[] = {60};
     const struct iso_candidates all = iso_gallery_everybody(gallery);

@@ -113,6 +113,18 @@ static void refuses_options_out_of_range(void **state)
     expect_refusal(&wanted, -EINVAL, "extractor: options out of range");
 }
 
+/* One template is all there is to open. */
+static int open_template(void *keeper, int64_t person, struct iso_template *out, int capacity,
+                         int *n, struct iso_fault *fault)
+{
+    (void)fault;
+    assert_int_equal(person, 31);
+    assert_true(capacity >= 1);
+    *out = *(const struct iso_template *)keeper;
+    *n = 1;
+    return 0;
+}
+
 /* Of everybody, of one, and of one who is not in it: the same score as by templates. */
 static void search_an_index(const struct iso_pipeline *pipeline, const struct iso_template *tmpl,
                             double score)
@@ -127,7 +139,11 @@ static void search_an_index(const struct iso_pipeline *pipeline, const struct is
     assert_int_equal(iso_index_reserve(index, 1), 0);
     assert_int_equal(iso_index_put(index, 31, &vector), 0);
     for (int64_t person = 30; person <= 32; person++) {
-        const struct iso_candidates among = {.index = index, .person = person == 30 ? 0 : person};
+        struct iso_template keeper = *tmpl;
+        const struct iso_candidates among = {.index = index,
+                                             .person = person == 30 ? 0 : person,
+                                             .templates = open_template,
+                                             .keeper = &keeper};
         struct iso_search_hit hit;
         int n = 77;
         assert_int_equal(pipeline->ops->search(pipeline->self, &among, tmpl, &hit, 1, &n), 0);

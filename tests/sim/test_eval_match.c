@@ -254,10 +254,10 @@ static void test_the_best_are_looked_at_again(void **state)
                 better += plain->score[q] > plain->score[p];
             }
             if (better < ISO_RERANK_CANDIDATES && pass == 0) {
-                const struct iso_template *own = &seen[p].tmpl;
-                assert_float_equal(fused->score[p],
-                                   iso_rerank(metric, &seen[PEOPLE].tmpl, &own, 1, plain->score[p]),
-                                   0.0);
+                const struct iso_upper_face *own = &seen[p].tmpl.upper;
+                assert_float_equal(
+                    fused->score[p],
+                    iso_rerank(metric, &seen[PEOPLE].tmpl.upper, &own, 1, plain->score[p]), 0.0);
                 least = fmin(least, fused->score[p]);
                 again++;
             } else if (better >= ISO_RERANK_CANDIDATES && pass == 1) {

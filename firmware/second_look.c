@@ -1,0 +1,132 @@
+#include "firmware/second_look.h"
+
+#include <errno.h>
+#include <sodium.h>
+#include <stdlib.h>
+
+enum {
+    TEMPLATES = ISO_INDEX_TEMPLATES_MAX,
+    SLOTS = 2 * ISO_RERANK_CANDIDATES, /* those of this frame, and some of the frames before */
+};
+
+/* A person whose upper faces are here. */
+struct slot {
+    int64_t person; /* 0: nobody */
+    uint64_t used;  /* the look that used it last */
+    int n;
+    struct iso_upper_face upper[TEMPLATES];
+};
+
+struct iso_second_look {
+    const void *keeper; /* of whom the slots are, ... */
+    uint64_t version;   /* ... and when */
+    uint64_t looks;
+    struct slot slots[SLOTS];
+    struct iso_template opened[TEMPLATES];
+};
+
+int iso_second_look_new(struct iso_second_look **out)
+{
+    struct iso_second_look *look = calloc(1, sizeof *look);
+    if (!look) {
+        return -ENOMEM;
+    }
+    *out = look;
+    return 0;
+}
+
+void iso_second_look_free(struct iso_second_look *look)
+{
+    if (look) {
+        sodium_memzero(look, sizeof *look);
+        free(look);
+    }
+}
+
+static void forget(struct slot *slot)
+{
+    sodium_memzero(slot->upper, (size_t)slot->n * sizeof *slot->upper);
+    slot->person = 0;
+    slot->used = 0;
+    slot->n = 0;
+}
+
+static void forget_what_changed(struct iso_second_look *look, const struct iso_candidates *among)
+{
+    if (look->keeper == among->keeper && look->version == among->version) {
+        return;
+    }
+    for (int i = 0; i < SLOTS; i++) {
+        forget(&look->slots[i]);
+    }
+    look->keeper = among->keeper;
+    look->version = among->version;
+}
+
+static int open_person(struct iso_second_look *look, const struct iso_candidates *among,
+                       int64_t person, struct slot *slot)
+{
+    struct iso_fault fault;
+    int n = 0;
+    forget(slot);
+    const int error = among->templates(among->keeper, person, look->opened, TEMPLATES, &n, &fault);
+    if (error) {
+        return error;
+    }
+    for (int i = 0; i < n; i++) {
+        slot->upper[i] = look->opened[i].upper;
+    }
+    sodium_memzero(look->opened, (size_t)n * sizeof *look->opened);
+    slot->person = person;
+    slot->n = n;
+    return 0;
+}
+
+/* The slot of a person; one that was not used for longest gives way. */
+static int find(struct iso_second_look *look, const struct iso_candidates *among, int64_t person,
+                struct slot **out)
+{
+    struct slot *slot = &look->slots[0];
+    for (int i = 0; i < SLOTS && slot->person != person; i++) {
+        struct slot *other = &look->slots[i];
+        slot = other->person == person || other->used < slot->used ? other : slot;
+    }
+    const int error = slot->person == person ? 0 : open_person(look, among, person, slot);
+    if (!error) {
+        slot->used = look->looks;
+        *out = slot;
+    }
+    return error;
+}
+
+static int falling(const void *a, const void *b)
+{
+    const double x = ((const struct iso_search_hit *)a)->score;
+    const double y = ((const struct iso_search_hit *)b)->score;
+    return (x < y) - (x > y);
+}
+
+int iso_second_look_take(struct iso_second_look *look, const struct iso_metric *metric,
+                         const struct iso_candidates *among, const struct iso_template *probe,
+                         struct iso_search_hit *hits, int n)
+{
+    if (n < 0 || n > ISO_RERANK_CANDIDATES) {
+        return -EINVAL;
+    }
+    forget_what_changed(look, among);
+    look->looks++;
+    for (int i = 0; i < n; i++) {
+        const struct iso_upper_face *person[TEMPLATES];
+        struct slot *slot = NULL;
+        const int error = find(look, among, hits[i].person, &slot);
+        if (error) {
+            return error;
+        }
+        for (int k = 0; k < slot->n; k++) {
+            person[k] = &slot->upper[k];
+        }
+        hits[i].score = iso_rerank(metric, &probe->upper, person, slot->n, hits[i].score);
+    }
+    qsort(hits, (size_t)n, sizeof *hits, falling);
+    return 0;
+}

@@ -1,0 +1,157 @@
+/* The second look: its scores are those of core/match/rerank, and the gallery is asked for nobody
+ * whom it was asked for before, unless it has changed. */
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/second_look.h"
+
+enum { PEOPLE = 30 };
+
+/* A slope with a wave that depends on who it is. */
+static struct iso_upper_face face_of(int who)
+{
+    struct iso_upper_face face = {0};
+    for (int v = 0; v < ISO_UPPER_ROWS; v++) {
+        for (int u = 0; u < ISO_UPPER_COLUMNS; u++) {
+            const double x = iso_upper_x_mm(u), y = iso_upper_y_mm(v);
+            face.z_mm[v][u] = (float)(-0.006 * x * x - 0.004 * (y - 30.0) * (y - 30.0) +
+                                      3.0 * sin(0.02 * (who + 2) * x) * cos(0.03 * who * y));
+            face.kind[v][u] = ISO_UPPER_MEASURED;
+        }
+    }
+    return face;
+}
+
+/* Has person p with p % 3 + 1 templates, all alike. */
+struct keeper {
+    int opened, error;
+};
+
+static int open_person(void *context, int64_t person, struct iso_template *out, int capacity,
+                       int *n, struct iso_fault *fault)
+{
+    struct keeper *keeper = context;
+    (void)fault;
+    if (keeper->error) {
+        return keeper->error;
+    }
+    keeper->opened++;
+    *n = (int)(person % 3) + 1;
+    assert_true(*n <= capacity);
+    for (int i = 0; i < *n; i++) {
+        out[i] = (struct iso_template){.upper = face_of((int)person)};
+    }
+    return 0;
+}
+
+static const struct iso_metric metric = {.rerank = {0.5f, 2.0f, 0.25f}};
+
+struct rig {
+    struct keeper keeper;
+    struct iso_candidates among;
+    struct iso_second_look *look;
+    struct iso_template probe; /* person 4 */
+    struct iso_search_hit hits[ISO_RERANK_CANDIDATES + 1];
+};
+
+static int set_up(void **state)
+{
+    static struct rig rig;
+    rig = (struct rig){.probe = {.upper = face_of(4)}};
+    rig.among = (struct iso_candidates){
+        .templates = open_person, .keeper = &rig.keeper, .version = 1};
+    *state = &rig;
+    return iso_second_look_new(&rig.look);
+}
+
+static int tear_down(void **state)
+{
+    iso_second_look_free(((struct rig *)*state)->look);
+    return 0;
+}
+
+/* So many hits from a person on, their scores falling. */
+static int look_at(struct rig *rig, int first, int n)
+{
+    for (int i = 0; i < n; i++) {
+        rig->hits[i] = (struct iso_search_hit){
+            .person = first + i, .distance_mm = NAN, .score = 3.0 - 0.1 * i};
+    }
+    return iso_second_look_take(rig->look, &metric, &rig->among, &rig->probe, rig->hits, n);
+}
+
+static void scores_are_fused_and_fall(void **state)
+{
+    struct rig *rig = *state;
+    assert_int_equal(look_at(rig, 1, ISO_RERANK_CANDIDATES), 0);
+    assert_int_equal(rig->hits[0].person, 4);
+    bool seen[ISO_RERANK_CANDIDATES + 1] = {false};
+    for (int i = 0; i < ISO_RERANK_CANDIDATES; i++) {
+        const int64_t person = rig->hits[i].person;
+        const struct iso_upper_face face = face_of((int)person);
+        const struct iso_upper_face *own = &face;
+        assert_float_equal(
+            rig->hits[i].score,
+            iso_rerank(&metric, &rig->probe.upper, &own, 1, 3.0 - 0.1 * (double)(person - 1)), 0.0);
+        assert_true(i == 0 || rig->hits[i].score <= rig->hits[i - 1].score);
+        assert_false(seen[person]);
+        seen[person] = true;
+    }
+    assert_int_equal(look_at(rig, 1, 0), 0);
+}
+
+static void asks_for_nobody_twice(void **state)
+{
+    struct rig *rig = *state;
+    assert_int_equal(look_at(rig, 1, 10), 0);
+    assert_int_equal(rig->keeper.opened, 10);
+    assert_int_equal(look_at(rig, 1, 10), 0);
+    assert_int_equal(look_at(rig, 6, 10), 0);
+    assert_int_equal(look_at(rig, 1, 10), 0);
+    assert_int_equal(rig->keeper.opened, 15);
+    /* There is room for twenty: those seen longest ago give way, and none of the frame itself. */
+    for (int first = 1; first + 9 <= PEOPLE; first++) {
+        assert_int_equal(look_at(rig, first, 10), 0);
+        assert_int_equal(look_at(rig, first, 10), 0);
+    }
+    assert_int_equal(rig->keeper.opened, PEOPLE);
+}
+
+static void a_gallery_that_changed_is_asked_again(void **state)
+{
+    struct rig *rig = *state;
+    assert_int_equal(look_at(rig, 1, 3), 0);
+    rig->among.version++;
+    assert_int_equal(look_at(rig, 1, 3), 0);
+    assert_int_equal(rig->keeper.opened, 6);
+    struct keeper other = {0};
+    rig->among.keeper = &other;
+    assert_int_equal(look_at(rig, 1, 3), 0);
+    assert_int_equal(other.opened, 3);
+}
+
+static void what_cannot_be_opened_is_an_error(void **state)
+{
+    struct rig *rig = *state;
+    rig->keeper.error = -EBADMSG;
+    assert_int_equal(look_at(rig, 1, 2), -EBADMSG);
+    rig->keeper.error = 0;
+    assert_int_equal(look_at(rig, 1, 2), 0);
+    assert_int_equal(rig->keeper.opened, 2);
+    assert_int_equal(look_at(rig, 1, ISO_RERANK_CANDIDATES + 1), -EINVAL);
+    assert_int_equal(look_at(rig, 1, -1), -EINVAL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(scores_are_fused_and_fall, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(asks_for_nobody_twice, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_gallery_that_changed_is_asked_again, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_cannot_be_opened_is_an_error, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
