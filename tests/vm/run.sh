@@ -89,7 +89,13 @@ run_one() {
     esac
     printf '%-20s %-13s %3d s\n' "$name" "$result" $(($(date +%s) - begin))
     [ "$code" -ne 77 ] || grep '^skipped: ' "$build/vm/$name.log" || true
-    case $code in 0 | 77) ;; *) tail -n 40 "$build/vm/$name.log" ;; esac
+    case $code in
+    0 | 77) ;;
+    *)
+        grep -n '^\[   LINE   \]\|^\[  ERROR   \]\|^\[  FAILED' "$build/vm/$name.log" || true
+        tail -n 40 "$build/vm/$name.log"
+        ;;
+    esac
     echo "$result" >"$build/vm/$name.result"
 }
 
