@@ -36,6 +36,10 @@ static const char configuration[] = "[sensor]\nretry_ms = 50\nretry_max_ms = 100
                                     "[model]\nhead = " DATA "head.model\n"
                                     "metric = " DATA "face.metric\n";
 
+/* The virtual camera begins a recording again when it ends: a machine that takes as long for a
+ * frame as a recording lasts sees the same one every time, and would call it frozen. */
+static const char looping[] = "backend = openni2\n[motion]\nfrozen_frames = 0";
+
 enum { READY_MS = 60 * 1000 };
 
 const char appliance_isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
@@ -49,8 +53,7 @@ static void write_configuration(const struct appliance *appliance)
 
     assert_non_null(file);
     const bool replay = !appliance->bench[0];
-    assert_true(fprintf(file, configuration,
-                        replay ? "backend = replay\npath = " : "backend = openni2",
+    assert_true(fprintf(file, configuration, replay ? "backend = replay\npath = " : looping,
                         replay ? appliance->slot : "", appliance->gap_ms, appliance->directory,
                         appliance->directory, appliance->bus.address) > 0);
     assert_int_equal(fclose(file), 0);

@@ -34,7 +34,8 @@ metric = $story_source/core/data/face.metric
 END
 }
 
-# A frame takes seconds: few of them, and patience. The scores that decide are as they are.
+# A frame takes seconds: few of them, patience, and no suspicion if a camera that plays a recording again and again shows the same one
+# twice. The scores that decide are as they are.
 patience_conf() {
     cat <<END
 [decision]
@@ -42,6 +43,8 @@ agree = 2
 max_frames = 2
 gap_ms = 60000
 refractory_ms = 1000
+[motion]
+frozen_frames = 0
 [enroll]
 stages = 2
 timeout_ms = 600000
