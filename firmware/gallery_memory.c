@@ -90,8 +90,9 @@ static int keep_vector(const struct iso_metric *metric, const struct iso_templat
     return error == -ENODATA ? 0 : error;
 }
 
-int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
-                               struct iso_gallery_kept *out)
+/* A template as it is kept, and room for it. The people stay where they are. */
+static int prepare_template(struct iso_gallery_memory *memory, const void *bytes, size_t size,
+                            struct iso_gallery_kept *out)
 {
     struct iso_template tmpl;
     int error = iso_template_parse(bytes, size, &tmpl);
@@ -106,9 +107,7 @@ int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *by
                                : keep_template(&tmpl, &kept);
     }
     iso_template_wipe(&tmpl);
-    if (!error && (reserve_person(memory) || reserve_template(memory))) {
-        error = -ENOMEM;
-    }
+    error = error ? error : reserve_template(memory);
     if (error) {
         iso_gallery_memory_discard(&kept);
         return error;
@@ -116,6 +115,13 @@ int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *by
     *out = kept; /* NOLINT(clang-analyzer-unix.Malloc): whoever asked has the copy */
     sodium_memzero(&kept, sizeof kept);
     return 0;
+}
+
+int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
+                               struct iso_gallery_kept *out)
+{
+    const int error = reserve_person(memory);
+    return error ? error : prepare_template(memory, bytes, size, out);
 }
 
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept)
@@ -228,7 +234,7 @@ static int load_usable(struct iso_gallery_memory *memory, struct iso_person *per
                        const void *bytes, size_t size)
 {
     struct iso_gallery_kept kept;
-    int error = iso_gallery_memory_prepare(memory, bytes, size, &kept);
+    int error = prepare_template(memory, bytes, size, &kept);
     if (!error) {
         error = insert(memory, person->id, &kept);
     }

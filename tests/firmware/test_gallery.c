@@ -287,6 +287,37 @@ static void with_a_metric_it_keeps_an_index_of_vectors(void **state)
     iso_metric_free(metric);
 }
 
+/* Everybody with their own vector or template, whatever the number of people: arrays grow while
+ * a database is read. */
+static void each_number_of_people_is_read_whole(void **state)
+{
+    enum { PEOPLE = 34 };
+    struct iso_metric *metric = new_metric();
+    struct iso_gallery_options options = stores_gallery(*state);
+    struct iso_gallery *gallery = NULL;
+    char name[PEOPLE][16];
+    options.capacity = PEOPLE;
+    for (int n = 1; n <= PEOPLE; n++) {
+        (void)snprintf(name[n - 1], sizeof name[0], "person %d", n);
+        options.metric = NULL;
+        assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+        for (int i = 0; i < n - 1; i++) {
+            expect_person(gallery, name[i], 1);
+        }
+        assert_int_equal(add(gallery, name[n - 1], n, NULL), 0);
+        iso_gallery_close(gallery);
+
+        options.metric = metric;
+        assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+        assert_int_equal(iso_index_size(iso_gallery_everybody(gallery).index), n);
+        for (int i = 0; i < n; i++) {
+            expect_vector(gallery, metric, name[i], &(int){i + 1}, 1);
+        }
+        iso_gallery_close(gallery);
+    }
+    iso_metric_free(metric);
+}
+
 /* They are enrolled, and nobody is like them. */
 static void a_template_without_points_is_in_no_index(void **state)
 {
@@ -381,6 +412,7 @@ int main(void)
         TEST(refuses_what_makes_no_sense),
         TEST(keeps_templates_of_another_algorithm),
         TEST(with_a_metric_it_keeps_an_index_of_vectors),
+        TEST(each_number_of_people_is_read_whole),
         TEST(a_template_without_points_is_in_no_index),
         TEST(templates_are_opened_one_person_at_a_time),
     };
