@@ -35,11 +35,12 @@ void iso_decision_reset(struct iso_decision *decision)
     forget_face(decision);
 }
 
-/* Whom a frame counts for, or 0. Comparisons with NaN are false, and so count for nobody. */
+/* Whom a frame counts for, or 0. A score that is no number, or an infinite one, counts for nobody:
+ * no comparison of faces says that. */
 static int64_t counted_person(const struct iso_decision_options *options,
                               const struct iso_decision_frame *frame)
 {
-    const bool sure = frame->score >= options->threshold &&
+    const bool sure = isfinite(frame->score) && frame->score >= options->threshold &&
                       frame->score - frame->second_score >= options->margin;
     return sure ? frame->person : 0;
 }
@@ -102,7 +103,7 @@ static void note(struct iso_decision *decision, const struct iso_decision_frame 
     decision->frames[decision->n_frames].person = person;
     decision->frames[decision->n_frames].score = frame->score;
     decision->n_frames++;
-    if (frame->person != 0) {
+    if (frame->person != 0 && isfinite(frame->score)) {
         decision->best_score = fmax(decision->best_score, frame->score); /* of a NaN: the other */
     }
 }

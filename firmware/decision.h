@@ -70,7 +70,7 @@ struct iso_decision_options {
 struct iso_decision_frame {
     int64_t t_ns;        /* of the frame; does not fall */
     int64_t person;      /* the best one, from 1; 0 if the gallery is empty */
-    double score;        /* of that one; ignored without */
+    double score;        /* of that one; ignored without. Not finite: counts for nobody */
     double second_score; /* of the next person; -INFINITY if there is none */
     bool valid;          /* that person may enter now */
     uint64_t track;      /* of the face, from 1 */

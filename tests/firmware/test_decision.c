@@ -130,6 +130,17 @@ static void nothing_counts_that_is_not_a_number(void **state)
     assert_true(isnan(verdict.score));
 }
 
+static void nothing_counts_that_is_infinite(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        assert_false(face(100 + i, ANNA, INFINITY, -INFINITY, true));
+    }
+    assert_true(face(200, ANNA, INFINITY, -INFINITY, true));
+    assert_false(verdict.allow);
+    assert_true(isnan(verdict.score));
+}
+
 static void an_empty_gallery_denies(void **state)
 {
     (void)state;
@@ -371,6 +382,7 @@ int main(void)
         cmocka_unit_test_setup(denies_out_of_time, setup),
         cmocka_unit_test_setup(wants_a_lead_over_the_second, setup),
         cmocka_unit_test_setup(nothing_counts_that_is_not_a_number, setup),
+        cmocka_unit_test_setup(nothing_counts_that_is_infinite, setup),
         cmocka_unit_test_setup(an_empty_gallery_denies, setup),
         cmocka_unit_test_setup(denies_who_leaves, setup),
         cmocka_unit_test_setup(says_nothing_twice, setup),
