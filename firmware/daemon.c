@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +60,7 @@ static void on_message(void *context, int priority, const char *text)
 
 /* ---- set-up ---- */
 
-static int quit_fd = -1; /* for the handler: there is one daemon in a process */
+static atomic_int quit_fd = -1; /* for the handler: there is one daemon in a process */
 
 /* A handler, not a signalfd: that needs the signal blocked in all threads, and the linear algebra
  * library has made some before main() came. */
@@ -84,21 +85,20 @@ static int on_quit(sd_event_source *source, int fd, uint32_t events, void *conte
 static int catch_signals(struct daemon *daemon)
 {
     const struct sigaction quit = {.sa_handler = on_quit_signal, .sa_flags = SA_RESTART};
-    quit_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (quit_fd < 0 || sigaction(SIGTERM, &quit, NULL) || sigaction(SIGINT, &quit, NULL)) {
+    const int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    quit_fd = fd;
+    if (fd < 0 || sigaction(SIGTERM, &quit, NULL) || sigaction(SIGINT, &quit, NULL)) {
         return -errno;
     }
-    return sd_event_add_io(daemon->event, NULL, quit_fd, EPOLLIN, on_quit, daemon);
+    return sd_event_add_io(daemon->event, NULL, fd, EPOLLIN, on_quit, daemon);
 }
 
+/* The descriptor stays open until the process ends: the handler may just be running in one of those
+ * threads, and is not to write where something else has been opened meanwhile. */
 static void release_signals(void)
 {
     (void)signal(SIGTERM, SIG_DFL);
     (void)signal(SIGINT, SIG_DFL);
-    if (quit_fd >= 0) {
-        (void)close(quit_fd);
-        quit_fd = -1;
-    }
 }
 
 static int fail(int error, const char *what, struct iso_fault *fault)
