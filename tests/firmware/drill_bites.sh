@@ -1,0 +1,108 @@
+#!/bin/bash
+# The oracle of the fault plans (test_faults.c) sees what it is there to see: each of these mistakes is built into a copy of the
+# tree, and the drill has to fail on it. Some defences stand behind each other; then the mistake is in both. Takes some minutes.
+# usage: drill_bites.sh BUILD [NAME]      BUILD: of the preset dev; NAME: only mistakes with this in their names
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+build=$(cd "$1" && pwd)
+only=${2:-}
+copy=$(mktemp -d "${TMPDIR:-/var/tmp}/drill-bites.XXXXXX")
+trap 'rm -rf "$copy"' EXIT
+missed=0
+
+tar -C "$root" --exclude=./build --exclude=./out --exclude=./.git -cf - . | tar -C "$copy" -xf -
+cmake -S "$copy" -B "$copy/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+    -DCMAKE_C_COMPILER="$(sed -n 's/^CMAKE_C_COMPILER:[^=]*=//p' "$build/CMakeCache.txt")" >"$copy/log" 2>&1 || {
+    cat "$copy/log" >&2
+    exit 1
+}
+
+drill() {
+    cmake --build "$copy/build" --target test_firmware_faults >"$copy/log" 2>&1 || {
+        tail -n 20 "$copy/log" >&2
+        echo "drill_bites: $1: does not build" >&2
+        exit 1
+    }
+    timeout 300 "$copy/build/tests/firmware/test_firmware_faults" 40 500 >"$copy/drill" 2>&1
+}
+
+# mistake NAME FILE OLD NEW [FILE OLD NEW]...: literal text; OLD has to be there
+mistake() {
+    name=$1
+    files=()
+    shift
+    [[ $name == *"$only"* ]] || return 0
+    while [ $# -gt 0 ]; do
+        files+=("$1")
+        OLD=$2 NEW=$3 perl -0pi -e '$n = s/\Q$ENV{OLD}\E/$ENV{NEW}/; END { exit !$n }' "$copy/$1" || {
+            echo "drill_bites: $name: $1 has no more: $2" >&2
+            exit 1
+        }
+        shift 3
+    done
+    if drill "$name"; then
+        missed=$((missed + 1))
+        printf '%-44s not noticed\n' "$name"
+    else
+        printf '%-44s %s\n' "$name" "$(grep -m 1 -E '\(seed [0-9]+, step' "$copy/drill" || grep -m 1 -F 'ERROR' "$copy/drill" || tail -n 1 "$copy/drill")"
+    fi
+    for file in "${files[@]}"; do
+        cp "$root/$file" "$copy/$file"
+    done
+}
+
+drill 'without a mistake' || {
+    cat "$copy/drill" >&2
+    exit 1
+}
+mistake 'late: a pause of 1.5 s is no silence' tests/firmware/test_faults.c \
+    'config->sensor.silence_ms = 2000;' 'config->sensor.silence_ms = 2000; config->sensor.pause_ms = 1500;'
+mistake 'drop: blind, and the door says nothing' firmware/appliance.c \
+    'iso_door_control_set_fault(&appliance->door, appliance->blind, now_ns);' '(void)now_ns;'
+mistake 'drop: a visit goes on while blind' firmware/appliance.c \
+    '        iso_decision_reset(&appliance->decision);
+        iso_track_reset(&appliance->track);' '' \
+    firmware/decision.c \
+    'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
+    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns'
+mistake 'gone: the sensor is kept' firmware/sensor_keeper.c '    close_sensor(keeper, now_ns);
+    return ISO_SENSOR_GONE;
+}
+
+int64_t' '    return ISO_SENSOR_FLAW;
+}
+
+int64_t'
+mistake 'twice, frozen: a frame agrees with itself' firmware/appliance_frame.c \
+    'appliance->liveness.repeated > 0;' 'appliance->liveness.repeated > 1000;'
+mistake 'corrupt: the last good frame is taken again' firmware/appliance_frame.c \
+    'appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)' \
+    'appliance->mode == ISO_APPLIANCE_CLAIMED || (extract(appliance, frame) && 0)' \
+    firmware/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' ''
+mistake 'corrupt: a score that is no number counts' firmware/decision.c \
+    'isfinite(frame->score) && frame->score >= options->threshold &&' \
+    '!(frame->score < options->threshold) &&' \
+    firmware/decision.c 'frame->score - frame->second_score >= options->margin;' \
+    '!(frame->score - frame->second_score < options->margin);' \
+    firmware/appliance_visit.c 'if (!person) {
+        return false;' 'if (!person) {
+        return true;'
+mistake 'blank: a visit has no end' firmware/decision.c \
+    'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
+    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns'
+mistake 'blank: nobody is whoever was there before' firmware/appliance_frame.c \
+    '    if (extraction->outcome != ISO_CAPTURE_OK) {' \
+    '    if (extraction->outcome != ISO_CAPTURE_OK && extraction->outcome != ISO_CAPTURE_NO_FACE) {' \
+    firmware/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' '' \
+    tests/firmware/puppets.c '*out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};' \
+    'out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);'
+mistake 'clock: whom the calendar shuts out enters' firmware/appliance_frame.c \
+    'face.valid = appliance->mode' 'face.valid = true || appliance->mode'
+mistake 'disk: the door opens without a record' firmware/appliance_visit.c '        verdict->allow = false;
+        verdict->reason = ISO_REASON_UNLOGGED;' ';'
+mistake 'restart: the relay keeps its power' firmware/appliance.c \
+    'iso_door_control_stop(&appliance->door, iso_times_now_ns(&appliance->parts.times));' ''
+[ "$missed" -eq 0 ] || {
+    echo "drill_bites: $missed mistakes were not noticed" >&2
+    exit 1
+}
