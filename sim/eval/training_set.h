@@ -20,8 +20,8 @@ uint32_t sim_training_set_people(const struct sim_training_set *set);
 
 /* Nobody may be learned from and tested with. Rendered corpora say who is in them by the note
  * of a row (sim_corpus_row_is_of): -EINVAL with a fault if two rows are of the same people, or if
- * the two directories are the same. *known says whether both corpora have such notes in every row with a
- * person, so that 0 proves anything. */
+ * the two directories are the same. *known says whether both corpora have such notes in every row
+ * with a person, so that 0 proves anything. */
 int sim_training_set_check(const struct sim_training_set *set, const char *directory,
                            const struct sim_corpus *corpus, bool *known, struct iso_fault *fault)
     __attribute__((warn_unused_result));
