@@ -1,6 +1,7 @@
 #include "core/presentation/presentation.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 
 struct iso_presentation {
@@ -10,9 +11,9 @@ struct iso_presentation {
 };
 
 /* How much of the scale the fit says; the rest is the size's own. */
-static const double fit_weight = 0.6;
+static const double fit_weight = 1.0 / 3.0;
 /* Of the root mean square of 60 coefficients, of which the last say little. */
-static const double people_norm = 0.41, norm_weight = 0.1225;
+static const double people_norm = 0.41;
 /* A head that is fitted to a bent sheet is an odd one: so much less of the sheet has to be there
  * for every unit that its coefficients are beyond people's. (Of 376 real faces none has more than
  * 0.70 of a bent sheet; a rolled photograph that passed at 0.77 has an oddness of 0.57.) */
@@ -24,8 +25,8 @@ struct iso_presentation_options iso_presentation_options_default(void)
 {
     return (struct iso_presentation_options){
         .sheet_share = 0.83,
-        .too_small = 0.18,
-        .too_large = 0.135,
+        .too_small = 0.152,
+        .too_large = 0.128,
         .no_size_cost_mm2 = 7.0,
         .eye_behind_mm = 3.0,
         .eye_hole_share = 0.9,
@@ -38,9 +39,7 @@ struct iso_presentation_options iso_presentation_options_default(void)
 
 double iso_presentation_oversize(const struct iso_presentation_cues *cues)
 {
-    double over = fit_weight * log(cues->fitted_scale) + (1.0 - fit_weight) * log(cues->size.scale);
-    double odd = norm_weight * (cues->identity_norm - people_norm);
-    return over > 0.0 ? fmax(over + odd, 0.0) : fmin(over - odd, 0.0);
+    return fit_weight * log(cues->fitted_scale) + (1.0 - fit_weight) * log(cues->size.scale);
 }
 
 static bool is_bent(const struct iso_presentation_cues *cues,

@@ -10,13 +10,13 @@
 
 enum {
     SIMILARITY = 7,
-    MODES_MAX = 16,
+    MODES_MAX = 20,
     UNKNOWNS_MAX = SIMILARITY + MODES_MAX,
     VERTICES = 200,
     VERTICES_MIN = 60,
     MEASURED_MIN = 30,
     STEPS = 6,
-    STEPS_SHAPED = 4,
+    STEPS_SHAPED = 6,
 };
 
 static const double cutoff_first_mm = 14.0, cutoff_last_mm = 6.0;
@@ -30,7 +30,7 @@ struct iso_sizer {
     int n, n_modes;
     struct iso_vec3 *point_mm; /* [n], face frame */
     struct iso_vec3 *normal;   /* [n] */
-    struct iso_vec3 *mode_mm;  /* [n][n_modes], without what is scale */
+    struct iso_vec3 *mode_mm;  /* [n][n_modes] */
 };
 
 struct state {
@@ -58,25 +58,6 @@ static int choose(const struct iso_head_model *model, uint32_t vertex[VERTICES])
     return n;
 }
 
-/* Takes the part of a mode that is a change of scale about the middle out of it. */
-static void take_out_scale(struct iso_sizer *s, int mode)
-{
-    struct iso_vec3 middle = {0, 0, 0};
-    double size = 0.0, along = 0.0;
-    for (int i = 0; i < s->n; i++) {
-        middle = iso_madd(middle, 1.0 / s->n, s->point_mm[i]);
-    }
-    for (int i = 0; i < s->n; i++) {
-        struct iso_vec3 arm = iso_sub(s->point_mm[i], middle);
-        size += iso_dot(arm, arm);
-        along += iso_dot(arm, s->mode_mm[i * s->n_modes + mode]);
-    }
-    for (int i = 0; i < s->n; i++) {
-        struct iso_vec3 *m = &s->mode_mm[i * s->n_modes + mode];
-        *m = iso_madd(*m, -along / size, iso_sub(s->point_mm[i], middle));
-    }
-}
-
 static void fill(struct iso_sizer *s, const struct iso_head_model *model, const uint32_t *vertex,
                  const struct iso_vec3 *normals)
 {
@@ -87,9 +68,6 @@ static void fill(struct iso_sizer *s, const struct iso_head_model *model, const 
             const float *m = &model->identity_mm[3 * ((size_t)k * model->n_vertices + vertex[i])];
             s->mode_mm[i * s->n_modes + k] = iso_vec3((double)m[0], (double)m[1], (double)m[2]);
         }
-    }
-    for (int k = 0; k < s->n_modes; k++) {
-        take_out_scale(s, k);
     }
 }
 

@@ -3,9 +3,10 @@
  * The fitted head follows a face that is too small or too large as far as its modes go: it hides
  * the size in its identity, up to a point. So the mean face is registered with a free scale, point
  * to plane with projective association as in pose_fit.h, over seven unknowns (rigid motion and the
- * logarithm of the scale). Then the leading modes of identity are let go as well, from each of
- * which the part that is a change of scale was taken: how people differ in shape no longer spreads
- * what is found of their size. */
+ * logarithm of the scale). Then the leading modes of identity are let go as well, by their prior.
+ * They hold what people's sizes are, and which shapes go with them: somebody large has the features
+ * of large people, a large print those of the one it was taken from. What is left to the scale is
+ * what people's shapes do not explain. */
 #ifndef ISO_CORE_PRESENTATION_SIZE_H
 #define ISO_CORE_PRESENTATION_SIZE_H
 
@@ -13,7 +14,7 @@
 #include "core/landmark/head_model.h"
 
 struct iso_size {
-    double scale;    /* of the measured face over the mean face */
+    double scale;    /* of the measured face over that of people of its shape */
     double cost_mm2; /* mean of min(r^2, 36) there, as of iso_pose_fit */
 };
 

@@ -44,13 +44,17 @@ table() {
 }
 
 # What frames that are fused gain: each visit of eight frames is eight samples of one, four of two, ...
+# Enrolled with one frame, whose errors no later frame mends, and with as many as are searched with.
+# The environment may name PRESETS (mild strong hard).
 fused() {
-    for preset in mild strong hard; do
-        render $preset-8 --preset $preset --seed 5 --frames-per-visit 8 --people 60 --probes 180 --strangers 60
-        for frames in 1 2 4 8; do
-            evaluate $preset-fused-$frames --corpus "$scratch/$preset-8" --gallery-frames 1 --fuse $frames
-            echo "$preset, $frames fused:"
-            grep -E '^  (EER|FNMR at FMR|rank 1) ' "$scratch/results/$preset-fused-$frames/report.txt"
+    for preset in ${PRESETS:-mild strong hard}; do
+        render "$preset-8" --preset "$preset" --seed 5 --frames-per-visit 8 --people 60 --probes 180 --strangers 60
+        for enrolled_frames in 1-1 1-2 1-4 1-8 2-2 4-4 8-8; do
+            enrolled=${enrolled_frames%-*} frames=${enrolled_frames#*-}
+            result=$preset-fused-$enrolled_frames
+            evaluate "$result" --corpus "$scratch/$preset-8" --gallery-frames "$enrolled" --fuse "$frames"
+            echo "$preset, $enrolled enrolled, $frames fused:"
+            grep -E '^  (EER|FNMR at FMR|rank 1) ' "$scratch/results/$result/report.txt"
         done
     done
 }

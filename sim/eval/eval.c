@@ -53,7 +53,7 @@ static int check_metric(const struct sim_eval *eval, struct iso_fault *fault)
     /* What was learned must not be tested with those it was learned from. */
     for (size_t row = 0; row < eval->corpus->n_rows; row++) {
         for (int i = 0; i < metric->n_origins; i++) {
-            if (strcmp(eval->corpus->rows[row].note, metric->origin[i]) == 0) {
+            if (sim_corpus_row_is_of(&eval->corpus->rows[row], metric->origin[i])) {
                 return iso_fault_set(fault, -EBADMSG, "%s: was learned from the people of %s (%s)",
                                      eval->options.metric, eval->options.corpus, metric->origin[i]);
             }

@@ -137,9 +137,9 @@ int sim_training_set_check(const struct sim_training_set *set, const char *direc
     }
     for (size_t i = 0; i < corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &corpus->rows[i];
-        for (size_t k = 0; is_somebody(row) && row->note[0] && k < set->corpus->n_rows; k++) {
+        for (size_t k = 0; is_somebody(row) && k < set->corpus->n_rows; k++) {
             const struct sim_corpus_row *learned = &set->corpus->rows[k];
-            if (is_somebody(learned) && strcmp(learned->note, row->note) == 0) {
+            if (is_somebody(learned) && sim_corpus_row_is_of(row, learned->note)) {
                 return iso_fault_set(fault, -EINVAL, "%s: the people of %s (%s) are tested in %s",
                                      set->directory, learned->recording, learned->note, directory);
             }

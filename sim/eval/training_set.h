@@ -19,9 +19,9 @@ size_t sim_training_set_faces(const struct sim_training_set *set);
 uint32_t sim_training_set_people(const struct sim_training_set *set);
 
 /* Nobody may be learned from and tested with. Rendered corpora say who is in them by the note
- * "POPULATION-SEED" of a row: -EINVAL with a fault if two rows have the same, or if the two
- * directories are the same. *known says whether both corpora have such notes in every row with a
- * person, so that 0 proves anything. */
+ * of a row (sim_corpus_row_is_of): -EINVAL with a fault if two rows are of the same people, or if
+ * the two directories are the same. *known says whether both corpora have such notes in every row
+ * with a person, so that 0 proves anything. */
 int sim_training_set_check(const struct sim_training_set *set, const char *directory,
                            const struct sim_corpus *corpus, bool *known, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -1,5 +1,6 @@
 #include "sim/generate/attacks.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -45,6 +46,8 @@ static struct sim_session_plan person_plan(const struct stage *stage, int person
         .sway = 1.0,
     };
     (void)snprintf(session.row.subject, sizeof session.row.subject, "p%04d", person);
+    (void)snprintf(session.row.note, sizeof session.row.note, "%s-%" PRIu64, plan->population,
+                   plan->seed);
     session.random = sim_random_seeded(session.person.key, sim_random_hash(kind), (uint64_t)number);
     return session;
 }
@@ -81,7 +84,8 @@ static int record_bona_fide(const struct stage *stage, int number, bool lasting)
     }
     (void)snprintf(session.row.session, sizeof session.row.session, "%s%d", lasting ? "v" : "g",
                    number / stage->plan->n_people + 1);
-    (void)snprintf(session.row.note, sizeof session.row.note, "bona-fide");
+    const size_t origin = strlen(session.row.note);
+    (void)snprintf(session.row.note + origin, sizeof session.row.note - origin, " bona-fide");
     return record_session(stage, &session);
 }
 

@@ -2,14 +2,15 @@
  *
  * Rows of the manifest:
  *   subject  role      note        frames
- *   pNNNN    gallery               1       the people who are enrolled, one neutral session each
- *   pNNNN    probe     bona-fide   1       the same people, mild (every third one strong), once
- *   pNNNN    probe     bona-fide   F       and for F frames, standing more or less still
+ *   pNNNN    gallery   O           1       the people who are enrolled, one neutral session each
+ *   pNNNN    probe     O bona-fide 1       the same people, mild (every third one strong), once
+ *   pNNNN    probe     O bona-fide F       and for F frames, standing more or less still
  *   none     impostor  photo-flat, photo-bent, screen, mask-small, mask-large, print-eyes-cut   1
  *   none     impostor  mask-still  F       a print of true size on a stand
  *   none     impostor  frozen      F       one frame of an enrolled person, repeated bit by bit
  *
- * with per_kind rows of each, the bona fide ones per_kind of either length. Recordings of
+ * O is the origin of the people, POPULATION-SEED (recording/corpus.h). There are per_kind rows of
+ * each kind, the bona fide ones per_kind of either length. Recordings of
  * instruments are called none-KIND-NNNN; the one with number N impersonates enrolled person N
  * modulo their number. The column `expression` of an instrument is its variant: a4-paper,
  * rolled-r120, s-hollow-r80, creased-25deg, tablet-lost60-behind12, head-x0.613, worn-gap14, empty,

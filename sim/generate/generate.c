@@ -265,7 +265,8 @@ static int record_visits(struct job *job, struct iso_fault *fault)
     return error;
 }
 
-/* A visit of person `index` with another one close behind; what that one is stands in the note. */
+/* A visit of person `index` with another one close behind; what that one is stands in the note,
+ * after the origin. */
 static int record_pair(struct job *job, int index, int session, enum sim_role role, int behind,
                        const char *note, struct iso_fault *fault)
 {
@@ -274,7 +275,8 @@ static int record_pair(struct job *job, int index, int session, enum sim_role ro
     struct sim_session_plan plan = plan_of(job, letter, index, session, role);
     plan.behind = &other;
     plan.behind_min_mm = 200.0;
-    (void)snprintf(plan.row.note, sizeof plan.row.note, "%s", note);
+    const size_t origin = strlen(plan.row.note);
+    (void)snprintf(plan.row.note + origin, sizeof plan.row.note - origin, " %s", note);
     return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
 }
 

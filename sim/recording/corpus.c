@@ -222,6 +222,18 @@ out:
     return error;
 }
 
+size_t sim_corpus_origin_length(const char *note)
+{
+    return strcspn(note, " ");
+}
+
+bool sim_corpus_row_is_of(const struct sim_corpus_row *row, const char *note)
+{
+    const size_t length = sim_corpus_origin_length(note);
+    return length > 0 && length == sim_corpus_origin_length(row->note) &&
+           memcmp(row->note, note, length) == 0;
+}
+
 void sim_corpus_free(struct sim_corpus *corpus)
 {
     if (corpus) {

@@ -9,6 +9,7 @@
 #ifndef SIM_RECORDING_CORPUS_H
 #define SIM_RECORDING_CORPUS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "core/fault.h"
@@ -34,7 +35,7 @@ struct sim_corpus_row {
     enum sim_role role;
     char pose[SIM_CORPUS_NAME_MAX];
     char expression[SIM_CORPUS_NAME_MAX];
-    char note[SIM_CORPUS_NAME_MAX];
+    char note[SIM_CORPUS_NAME_MAX]; /* of people: sim_corpus_row_is_of */
 };
 
 struct sim_corpus {
@@ -58,6 +59,15 @@ int sim_corpus_read(const char *directory, struct sim_corpus **out, struct iso_f
  * back, or the errno of writing. */
 int sim_corpus_write(const char *directory, const struct sim_corpus_row *rows, size_t n_rows,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Rendered corpora say who is in a row by the first word of its note, the origin "POPULATION-SEED";
+ * words that follow it say more of the row ("test-31 enrolled-behind"). The length of that word; 0:
+ * there is none. */
+size_t sim_corpus_origin_length(const char *note);
+
+/* Whether the row's origin is that of another note (or the origin alone); an empty one is no
+ * origin's. */
+bool sim_corpus_row_is_of(const struct sim_corpus_row *row, const char *note);
 
 void sim_corpus_free(struct sim_corpus *corpus);
 

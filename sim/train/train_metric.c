@@ -79,18 +79,19 @@ static int check_origin(const struct sim_corpus *corpus, const char *directory,
 {
     const char *origin = corpus->rows[0].note;
     for (size_t row = 0; row < corpus->n_rows; row++) {
-        if (*origin == '\0' || strcmp(corpus->rows[row].note, origin) != 0) {
+        if (!sim_corpus_row_is_of(&corpus->rows[row], origin)) {
             return iso_fault_set(fault, -EINVAL, "%s: row %zu: no origin, or another, in its note",
                                  directory, row + 1);
         }
     }
     for (int i = 0; i < shape->n_origins; i++) {
-        if (strcmp(shape->origin[i], origin) == 0) {
+        if (sim_corpus_row_is_of(&corpus->rows[0], shape->origin[i])) {
             return iso_fault_set(fault, -EINVAL, "%s: the people of %s are there already",
-                                 directory, origin);
+                                 directory, shape->origin[i]);
         }
     }
-    (void)snprintf(shape->origin[shape->n_origins++], ISO_METRIC_ORIGIN_MAX, "%.63s", origin);
+    (void)snprintf(shape->origin[shape->n_origins++], ISO_METRIC_ORIGIN_MAX, "%.*s",
+                   (int)sim_corpus_origin_length(origin), origin);
     return 0;
 }
 

@@ -37,8 +37,8 @@ struct sim_train_metric_report {
 };
 
 /* The same corpora make the same metric. -EINVAL for options out of range or a row without an
- * origin in its note ("POPULATION-SEED", as `generate` writes); -ENODATA for too few people; errors
- * of sim_corpus_read and sim_capture_all; -ENOMEM; each with a fault. */
+ * origin in its note ("POPULATION-SEED", its first word, as `generate` writes); -ENODATA for too
+ * few people; errors of sim_corpus_read and sim_capture_all; -ENOMEM; each with a fault. */
 int sim_train_metric(const struct sim_train_metric_options *options, struct iso_metric **out,
                      struct sim_train_metric_report *report, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -278,6 +278,62 @@ static void the_size_of_the_mean_face_is_found(void **state)
     iso_presentation_free(NULL);
 }
 
+/* The mean head moved by so many standard deviations of one mode. */
+static void move(const struct iso_head_model *model, uint32_t mode, double by,
+                 struct iso_vec3 *shape)
+{
+    const float *m = &model->identity_mm[3 * (size_t)mode * model->n_vertices];
+    for (size_t i = 0; i < model->n_vertices; i++) {
+        struct iso_vec3 way = iso_vec3((double)m[3 * i], (double)m[3 * i + 1],
+                                       (double)m[3 * i + 2]);
+        shape[i] = iso_madd(model->mean_mm[i], by, way);
+    }
+}
+
+static double scale_found(const struct iso_head_model *model, const struct iso_vec3 *shape,
+                          double size)
+{
+    const struct iso_rigid pose = rendered_head_pose(4.0, -3.0, iso_vec3(10, -10, 560));
+    struct iso_frame *frame = rendered_head_frame();
+    struct iso_sizer *sizer = NULL;
+    struct iso_size found;
+    rendered_head_draw(frame, model, shape, size, &pose);
+    assert_int_equal(iso_sizer_new(model, &sizer), 0);
+    assert_int_equal(iso_size_measure(sizer, frame, &pose, &found), 0);
+    iso_sizer_free(sizer);
+    iso_frame_free(frame);
+    return found.scale;
+}
+
+/* Somebody large in the way people are: the shape says so in part, and less is left to the scale.
+ * The mean face, printed as large, has the features of others. */
+static void a_large_person_is_not_a_large_print(void **state)
+{
+    (void)state;
+    struct iso_head_model *model = rendered_head_model();
+    struct iso_vec3 *shape = calloc(model->n_vertices, sizeof *shape);
+    double by = 0.0, size = 1.0;
+    uint32_t mode = 0;
+    assert_non_null(shape);
+    for (uint32_t k = 0; k < 2 * 10; k++) { /* what makes a head largest */
+        double sigmas = k % 2 ? 3.0 : -3.0;
+        move(model, k / 2, sigmas, shape);
+        if (iso_size_of_fit(model, shape) > size) {
+            size = iso_size_of_fit(model, shape);
+            by = sigmas;
+            mode = k / 2;
+        }
+    }
+    move(model, mode, by, shape);
+    double person = scale_found(model, shape, 1.0), print = scale_found(model, NULL, size);
+    print_message("%.3f of the mean: a person %.3f, a print %.3f\n", size, person, print);
+    assert_true(size > 1.05);
+    assert_true(log(person) < 0.8 * log(size));
+    assert_true(fabs(log(print / size)) < 0.02);
+    free(shape);
+    iso_head_model_free(model);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -285,6 +341,7 @@ int main(void)
         cmocka_unit_test(a_bent_sheet_fits_what_is_bent_once),
         cmocka_unit_test(every_cue_has_its_word),
         cmocka_unit_test(the_size_of_the_mean_face_is_found),
+        cmocka_unit_test(a_large_person_is_not_a_large_print),
         cmocka_unit_test(pictures_and_masks_are_refused_and_people_are_not),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

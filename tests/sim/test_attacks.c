@@ -73,12 +73,12 @@ static void rows_are_as_documented(void **state)
             assert_true((row->expression[0] == '\0') == (strcmp(row->note, "frozen") == 0));
             n[k]++;
         } else if (row->role == SIM_ROLE_GALLERY) {
-            assert_string_equal(row->note, "");
+            assert_string_equal(row->note, "test-1");
             assert_string_equal(row->expression, "neutral");
             gallery++;
         } else {
             assert_int_equal(row->role, SIM_ROLE_PROBE);
-            assert_string_equal(row->note, "bona-fide");
+            assert_string_equal(row->note, "test-1 bona-fide");
             assert_int_equal(strlen(row->pose), strlen("y+00p+00r+00"));
             glances += row->count == 1;
             visits += row->count == FRAMES;
@@ -188,7 +188,7 @@ static void people_sway(void **state)
     const struct sim_corpus *c = corpus(state);
     double least = 1e9, most = 0.0;
     for (size_t i = 0; i < c->n_rows; i++) {
-        if (strcmp(c->rows[i].note, "bona-fide") == 0 && c->rows[i].count == FRAMES) {
+        if (strcmp(c->rows[i].note, "test-1 bona-fide") == 0 && c->rows[i].count == FRAMES) {
             struct iso_recording *recording = NULL;
             struct iso_recording_landmark *rows = NULL;
             size_t n;

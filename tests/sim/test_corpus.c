@@ -43,6 +43,22 @@ static void parses_rows_in_order(void **state)
     sim_corpus_free(NULL);
 }
 
+static void the_first_word_of_a_note_is_the_origin(void **state)
+{
+    (void)state;
+    struct sim_corpus_row row = {.note = "test-7 enrolled-behind"};
+    assert_int_equal(sim_corpus_origin_length(row.note), 6);
+    assert_int_equal(sim_corpus_origin_length(""), 0);
+    assert_true(sim_corpus_row_is_of(&row, "test-7"));
+    assert_true(sim_corpus_row_is_of(&row, "test-7 stranger-behind"));
+    assert_false(sim_corpus_row_is_of(&row, "test-70"));
+    assert_false(sim_corpus_row_is_of(&row, "test-"));
+    assert_false(sim_corpus_row_is_of(&row, ""));
+    row.note[0] = '\0';
+    assert_false(sim_corpus_row_is_of(&row, ""));
+    assert_false(sim_corpus_row_is_of(&row, "test-7"));
+}
+
 static void assert_refused(const char *text, const char *expected)
 {
     struct sim_corpus *corpus = NULL;
@@ -249,6 +265,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parses_rows_in_order),
+        cmocka_unit_test(the_first_word_of_a_note_is_the_origin),
         cmocka_unit_test(refuses_other_tables),
         cmocka_unit_test(refuses_bad_fields),
         cmocka_unit_test(refuses_contradictions),

@@ -284,6 +284,10 @@ static void test_nobody_the_metric_learned_from_is_tested(void **state)
         (void)snprintf(words, sizeof words, "learned from the people of %s (%s)",
                        (const char *)*state, metric->origin[i]);
         expect_refusal(&options, -EBADMSG, words);
+        char pair[96]; /* as of the preset `pairs` */
+        (void)snprintf(pair, sizeof pair, "%s enrolled-behind", metric->origin[i]);
+        write_manifest(*state, pair);
+        expect_refusal(&options, -EBADMSG, words);
     }
     iso_metric_free(metric);
     write_manifest(*state, "test-2");

@@ -42,11 +42,14 @@ static void who_stands_in_front_is_the_visitor(void **state)
     if (sim_rehearse(&options, corpus, pass, NULL, visits, &n, &fault)) {
         fail_msg("%s", fault.text);
     }
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        assert_true(sim_corpus_row_is_of(&corpus->rows[i], "test-1")); /* who they are */
+    }
     assert_int_equal(n, 2);
-    assert_string_equal(visits[0].row->note, "stranger-behind");
+    assert_string_equal(visits[0].row->note, "test-1 stranger-behind");
     assert_true(visits[0].unlocked);
     assert_string_equal(visits[0].verdict.person, "p0000");
-    assert_string_equal(visits[1].row->note, "enrolled-behind");
+    assert_string_equal(visits[1].row->note, "test-1 enrolled-behind");
     assert_false(visits[1].unlocked || visits[1].verdict.allow);
     sim_corpus_free(corpus);
 }
