@@ -21,6 +21,8 @@ enum option_id {
     OPTION_SESSIONS,
     OPTION_PER_KIND,
     OPTION_POSE_LIMIT,
+    OPTION_NEAR,
+    OPTION_FAR,
     OPTION_POPULATION,
     OPTION_SEED,
     OPTION_FRAMES,
@@ -42,6 +44,8 @@ static const struct option options[] = {
     {"sessions", required_argument, NULL, OPTION_SESSIONS},
     {"per-kind", required_argument, NULL, OPTION_PER_KIND},
     {"pose-limit", required_argument, NULL, OPTION_POSE_LIMIT},
+    {"near", required_argument, NULL, OPTION_NEAR},
+    {"far", required_argument, NULL, OPTION_FAR},
     {"population", required_argument, NULL, OPTION_POPULATION},
     {"seed", required_argument, NULL, OPTION_SEED},
     {"frames-per-visit", required_argument, NULL, OPTION_FRAMES},
@@ -82,6 +86,8 @@ static void print_help(void)
          "  --pose-limit DEGREES     landmarks, training: yaw and pitch cover a disc of this "
          "radius,\n"
          "                           flattened to 0.7 in pitch (35)\n"
+         "  --near MM, --far MM      between which all but the gallery stand, nose tip; default:\n"
+         "                           the preset's, which mostly is the sensor's\n"
          "  --per-kind N             attacks, not-faces: rows of every kind (300, 200)\n"
          "  --frames-per-visit F     frames of every session (1); attacks: of what is\n"
          "                           shown for a while (15)\n"
@@ -172,6 +178,10 @@ static bool take_option(enum option_id option, const char *value, struct sim_gen
         return parse_count(value, &to->n_per_kind);
     case OPTION_POSE_LIMIT:
         return sim_option_degrees(value, &to->pose_limit_rad) == 0;
+    case OPTION_NEAR:
+        return parse_factor(value, &to->near_mm);
+    case OPTION_FAR:
+        return parse_factor(value, &to->far_mm);
     case OPTION_VARIANCE:
         return parse_factor(value, &to->identity_variance);
     case OPTION_SEED:

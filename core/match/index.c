@@ -12,18 +12,18 @@ enum { STRIDE_MAX = (ISO_METRIC_DIMENSIONS_MAX + ISO_LANES - 1) / ISO_LANES * IS
 
 struct row {
     int64_t person;
-    double constant; /* of the score: what does not depend on the probe */
-    float scale;     /* of the vector */
-    int32_t n;       /* templates */
+    float scale, worth; /* of the vector */
+    int32_t n;          /* templates */
+    int32_t step;
 };
 
 struct iso_index {
     const struct iso_metric *metric;
     size_t stride; /* floats of a vector: the dimensions, and zeros to a multiple of ISO_LANES */
     size_t n, capacity;
-    struct row *row;                            /* by rising person */
-    float *mean;                                /* [capacity][stride] */
-    size_t people[ISO_INDEX_TEMPLATES_MAX + 1]; /* how many people have so many templates */
+    struct row *row;                 /* by rising person */
+    float *mean;                     /* [capacity][stride] */
+    size_t people[ISO_METRIC_STEPS]; /* how many people have vectors of that variance */
 };
 
 /* ---- memory ---- */
@@ -92,65 +92,47 @@ size_t iso_index_size(const struct iso_index *index)
 
 /* ---- the closed form ---- */
 
-struct terms {
-    double shrink, same, any;
-};
-
-/* Of a person with n templates and a probe with one, in a dimension of that variance. */
-static struct terms terms_of(double between, int n)
-{
-    return (struct terms){
-        .shrink = n * between / (1.0 + n * between),
-        .same = 1.0 + between / (1.0 + n * between),
-        .any = 1.0 + between,
-    };
-}
-
-static double constant_of(const struct iso_metric *metric, const struct iso_metric_vector *vector)
-{
-    double sum = 0.0;
-    for (int d = 0; d < metric->n_dimensions; d++) {
-        const struct terms t = terms_of((double)metric->between[d], vector->n);
-        const double known = t.shrink * (double)(vector->scale * vector->mean[d]);
-        sum += log(t.any / t.same) - known * known / t.same;
-    }
-    return 0.5 * (double)metric->gain * sum + (double)metric->bias;
-}
-
-/* A probe as people with so many templates see it. */
+/* A probe as people of a step see it: the score of one whose unscaled numbers are y is
+ * constant + scale * sum weight y + scale^2 * sum square y^2. */
 struct view {
     double constant;
-    float weight[STRIDE_MAX]; /* of a person's unscaled numbers */
+    float weight[STRIDE_MAX], square[STRIDE_MAX];
 };
 
-static void make_view(const struct iso_metric *metric, const struct iso_metric_vector *probe, int n,
-                      struct view *view)
+static void make_view(const struct iso_metric *metric, const struct iso_metric_vector *probe,
+                      int step, struct view *view)
 {
+    const double v = iso_metric_variance(probe->step), w = iso_metric_variance(step);
+    const double half = 0.5 * (double)metric->gain;
     double sum = 0.0;
     memset(view->weight, 0, sizeof view->weight);
+    memset(view->square, 0, sizeof view->square);
     for (int d = 0; d < metric->n_dimensions; d++) {
-        const struct terms t = terms_of((double)metric->between[d], n);
-        const double x = (double)(probe->scale * probe->mean[d]);
-        sum += x * x * (1.0 / t.any - 1.0 / t.same);
-        view->weight[d] = (float)((double)metric->gain * x * t.shrink / t.same);
+        const double b = (double)metric->between[d], x = (double)(probe->scale * probe->mean[d]);
+        const double shrink = b / (b + w), same = v + b * w / (b + w), any = v + b;
+        sum += x * x * (1.0 / any - 1.0 / same) + log(any / same);
+        view->weight[d] = (float)(half * x * 2.0 * shrink / same);
+        view->square[d] = (float)(-half * shrink * shrink / same);
     }
-    view->constant = 0.5 * (double)metric->gain * sum;
+    view->constant = half * sum + (double)metric->bias;
 }
 
-static float dot(const float *a, const float *b, size_t stride)
+static float sum_of(iso_lanes a)
 {
-    iso_lanes even = {0}, odd = {0};
-    size_t i = 0;
-    for (; i + 2 * ISO_LANES <= stride; i += 2 * ISO_LANES) {
-        even += ISO_LANES_LOAD(&a[i]) * ISO_LANES_LOAD(&b[i]);
-        odd += ISO_LANES_LOAD(&a[i + ISO_LANES]) * ISO_LANES_LOAD(&b[i + ISO_LANES]);
+    return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
+}
+
+/* What the view makes of a person's numbers. */
+static double score_of(const struct view *view, const float *mean, float scale, size_t stride)
+{
+    iso_lanes linear = {0}, square = {0};
+    for (size_t i = 0; i < stride; i += ISO_LANES) {
+        const iso_lanes y = ISO_LANES_LOAD(&mean[i]);
+        linear += ISO_LANES_LOAD(&view->weight[i]) * y;
+        square += ISO_LANES_LOAD(&view->square[i]) * y * y;
     }
-    if (i < stride) {
-        even += ISO_LANES_LOAD(&a[i]) * ISO_LANES_LOAD(&b[i]);
-    }
-    even += odd;
-    return ((even[0] + even[4]) + (even[2] + even[6])) +
-           ((even[1] + even[5]) + (even[3] + even[7]));
+    return view->constant +
+           (double)scale * ((double)sum_of(linear) + (double)scale * (double)sum_of(square));
 }
 
 /* ---- rows ---- */
@@ -183,6 +165,11 @@ static float *mean_at(const struct iso_index *index, size_t at)
     return &index->mean[at * index->stride];
 }
 
+static size_t *people_at(struct iso_index *index, int step)
+{
+    return &index->people[step - ISO_METRIC_STEP_MIN];
+}
+
 /* Moves the rows from `from` on to `to`. */
 static void move_rows(struct iso_index *index, size_t from, size_t to)
 {
@@ -194,11 +181,12 @@ static void move_rows(struct iso_index *index, size_t from, size_t to)
 int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metric_vector *vector)
 {
     const size_t at = lower_bound(index, person);
-    if (vector->n < 1 || vector->n > ISO_INDEX_TEMPLATES_MAX) {
+    if (vector->n < 1 || vector->n > ISO_INDEX_TEMPLATES_MAX ||
+        vector->step < ISO_METRIC_STEP_MIN || vector->step > ISO_METRIC_STEP_MAX) {
         return -EINVAL;
     }
     if (is_at(index, person, at)) {
-        index->people[index->row[at].n]--;
+        (*people_at(index, index->row[at].step))--;
     } else if (index->n == index->capacity) {
         return -ENOSPC;
     } else {
@@ -207,20 +195,23 @@ int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metr
     }
     index->row[at] = (struct row){
         .person = person,
-        .constant = constant_of(index->metric, vector),
         .scale = vector->scale,
+        .worth = vector->worth,
         .n = vector->n,
+        .step = vector->step,
     };
     float *mean = mean_at(index, at);
     memset(mean, 0, index->stride * sizeof *mean);
     memcpy(mean, vector->mean, (size_t)index->metric->n_dimensions * sizeof *mean);
-    index->people[vector->n]++;
+    (*people_at(index, vector->step))++;
     return 0;
 }
 
 static void vector_at(const struct iso_index *index, size_t at, struct iso_metric_vector *out)
 {
     out->n = index->row[at].n;
+    out->worth = index->row[at].worth;
+    out->step = index->row[at].step;
     out->scale = index->row[at].scale;
     memset(out->mean, 0, sizeof out->mean);
     memcpy(out->mean, mean_at(index, at), (size_t)index->metric->n_dimensions * sizeof *out->mean);
@@ -255,7 +246,7 @@ int iso_index_remove(struct iso_index *index, int64_t person)
     if (!is_at(index, person, at)) {
         return -ENOENT;
     }
-    index->people[index->row[at].n]--;
+    (*people_at(index, index->row[at].step))--;
     move_rows(index, at + 1, at);
     index->n--;
     explicit_bzero(&index->row[index->n], sizeof *index->row);
@@ -289,9 +280,8 @@ static int scan(const struct iso_index *index, const struct view *views, struct 
     int n = 0;
     for (size_t i = 0; i < index->n; i++) {
         const struct row *row = &index->row[i];
-        const struct view *view = &views[row->n - 1];
-        const float product = dot(view->weight, mean_at(index, i), index->stride);
-        const double score = view->constant + row->constant + (double)row->scale * (double)product;
+        const struct view *view = &views[row->step - ISO_METRIC_STEP_MIN];
+        const double score = score_of(view, mean_at(index, i), row->scale, index->stride);
         if (n < capacity || score > worst) {
             n = keep(best, n, capacity, (struct candidate){i, score});
             worst = best[n - 1].score;
@@ -308,15 +298,15 @@ static bool comes_before(const struct iso_search_hit *a, const struct iso_search
 int iso_index_search(const struct iso_index *index, const struct iso_metric_vector *probe,
                      struct iso_search_hit *hits, int capacity, int *n_hits)
 {
-    struct view views[ISO_INDEX_TEMPLATES_MAX];
+    struct view views[ISO_METRIC_STEPS];
     struct candidate best[ISO_INDEX_HITS_MAX];
     struct iso_metric_vector person;
     if (probe->n != 1 || capacity < 0 || capacity > ISO_INDEX_HITS_MAX) {
         return -EINVAL;
     }
-    for (int n = 1; n <= ISO_INDEX_TEMPLATES_MAX; n++) {
-        if (index->people[n] > 0) {
-            make_view(index->metric, probe, n, &views[n - 1]);
+    for (int k = 0; k < ISO_METRIC_STEPS; k++) {
+        if (index->people[k] > 0) {
+            make_view(index->metric, probe, k + ISO_METRIC_STEP_MIN, &views[k]);
         }
     }
     const int n = capacity > 0 ? scan(index, views, best, capacity) : 0;

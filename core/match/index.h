@@ -1,24 +1,25 @@
 /* The gallery as a 1:N search by the learned metric sees it: one row of numbers a person.
  *
- * With x the probe's vector and y the person's (n templates), b the variance between people, and
- * for each dimension
+ * With x the probe's vector and y the person's, v and w their variances within a person, b the
+ * variance between people, and for each dimension
  *
- *   shrink = n b / (1 + n b),  same = 1 + b / (1 + n b),  any = 1 + b
+ *   shrink = b / (b + w),  same = v + b w / (b + w),  any = v + b
  *
  * the score (iso_metric_score) multiplies out to
  *
  *   gain / 2 * (  sum x (2 shrink / same) y           a dot product of two vectors
- *               - sum shrink^2 y^2 / same             of the person alone
- *               + sum x^2 (1 / any - 1 / same)        of the probe and n alone
- *               + sum log(any / same)  ) + bias       of n alone
+ *               - sum (shrink^2 / same) y^2           and one of squares
+ *               + sum x^2 (1 / any - 1 / same)        of the probe and w alone
+ *               + sum log(any / same)  ) + bias       of v and w alone,
  *
- * since the registration of a template needs no partner: it is to the mean curves. So a scan that
- * looks at every person is exact, and there is nothing that a shortlist could lose but what
- * rounding does; principal components with an expansion of the best pose, as unlearned templates
- * need, would only approximate it. The scan works in single precision: for the 150 numbers and the
- * scores of the shipped metric it is off by less than 1e-4, the width of a line of which 1 is a
- * tenfold false match rate. The people that it finds are then scored anew by iso_metric_score, so
- * that scores are the same to the bit as by any other way.
+ * and w takes few values: it is a step of iso_metric_variance. A scan that looks at every person is
+ * exact, since the registration of a template needs no partner: it is to the mean curves. There is
+ * nothing that a shortlist could lose but what rounding does; principal components with an
+ * expansion of the best pose, as unlearned templates need, would only approximate it. The scan
+ * works in single precision: for the 150 numbers and the scores of the shipped metric it is off by
+ * less than 1e-4, the width of a line of which 1 is a tenfold false match rate. The people that it
+ * finds are then scored anew by iso_metric_score, so that scores are the same to the bit as by any
+ * other way.
  *
  * Used by one thread; searches of several are fine as long as nothing changes. All biometric:
  * wiped when it is moved, removed or freed. */
@@ -49,8 +50,8 @@ int iso_index_reserve(struct iso_index *index, size_t n_people) __attribute__((w
 size_t iso_index_size(const struct iso_index *index);
 
 /* Makes this the person's vector, that of 1..ISO_INDEX_TEMPLATES_MAX templates; a new person comes
- * in. Quickest in the order of rising numbers. -EINVAL for another number of templates, -ENOSPC if
- * there is no room for a new person. */
+ * in. Quickest in the order of rising numbers. -EINVAL for another number of templates or a step
+ * that there is not, -ENOSPC if there is no room for a new person. */
 int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metric_vector *vector)
     __attribute__((warn_unused_result));
 

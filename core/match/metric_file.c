@@ -9,9 +9,9 @@
 #include "core/math/bytes.h"
 #include "core/math/crc32.h"
 
-static const char magic[8] = {'I', 'S', 'O', 'M', 'E', 'T', 'R', '2'};
+static const char magic[8] = {'I', 'S', 'O', 'M', 'E', 'T', 'R', '3'};
 
-enum { HEADER_BYTES = 8 + 4 + 4, SHAPE_BYTES = 2 * 4 + 4 * 2 + 6 * 4, STEPS = 32767 };
+enum { HEADER_BYTES = 8 + 4 + 4, SHAPE_BYTES = 2 * 4 + 5 * 2 + 6 * 4, STEPS = 32767 };
 
 static int count_bits(uint32_t bits)
 {
@@ -28,24 +28,39 @@ static bool shape_sane(const struct iso_metric *m)
            m->n_radii <= ISO_TEMPLATE_RADII_MAX && m->n_points >= 4 &&
            m->n_points <= ISO_TEMPLATE_POINTS_MAX && m->n_dimensions >= 1 &&
            m->n_dimensions <= ISO_METRIC_DIMENSIONS_MAX && m->n_origins >= 0 &&
-           m->n_origins <= ISO_METRIC_ORIGINS_MAX;
+           m->n_origins <= ISO_METRIC_ORIGINS_MAX && m->n_nodes >= 0 &&
+           m->n_nodes <= ISO_UPPER_NODES;
+}
+
+static bool nodes_sane(const struct iso_metric *m)
+{
+    bool sane = true;
+    for (int i = 0; i < m->n_nodes; i++) {
+        sane = sane && m->node[i] < ISO_UPPER_NODES && (i == 0 || m->node[i] > m->node[i - 1]);
+    }
+    return sane;
+}
+
+static int curve_values_of(const struct iso_metric *shape)
+{
+    return 3 * shape->n_radii * count_bits(shape->landmarks) * shape->n_points;
 }
 
 static int values_of(const struct iso_metric *shape)
 {
-    return 3 * shape->n_radii * count_bits(shape->landmarks) * shape->n_points;
+    return curve_values_of(shape) + shape->n_nodes;
 }
 
 static size_t file_size(const struct iso_metric *m)
 {
     const size_t values = (size_t)values_of(m), dimensions = (size_t)m->n_dimensions;
     return HEADER_BYTES + SHAPE_BYTES + (size_t)m->n_origins * ISO_METRIC_ORIGIN_MAX +
-           4 * (values + 2 * dimensions) + dimensions * (4 + 2 * values);
+           2 * (size_t)m->n_nodes + 4 * (values + 2 * dimensions) + dimensions * (4 + 2 * values);
 }
 
 int iso_metric_new(const struct iso_metric *shape, struct iso_metric **out)
 {
-    if (!shape_sane(shape)) {
+    if (!shape_sane(shape) || !nodes_sane(shape)) {
         return -EINVAL;
     }
     const size_t values = (size_t)values_of(shape), dimensions = (size_t)shape->n_dimensions;
@@ -58,8 +73,10 @@ int iso_metric_new(const struct iso_metric *shape, struct iso_metric **out)
         return -ENOMEM;
     }
     *m = *shape;
+    m->n_curve_values = curve_values_of(shape);
     m->n_values = (int)values;
     m->curve_mm = data;
+    m->upper_mm = m->curve_mm + m->n_curve_values;
     m->between = m->curve_mm + values;
     m->centre = m->between + dimensions;
     m->axis = m->centre + dimensions;
@@ -91,12 +108,13 @@ static const uint8_t *get_shape(const uint8_t *p, struct iso_metric *m)
     m->n_points = iso_get_u16(p + 10);
     m->n_dimensions = iso_get_u16(p + 12);
     m->n_origins = iso_get_u16(p + 14);
-    m->weight_min = iso_get_f32(p + 16);
-    m->gain = iso_get_f32(p + 20);
-    m->bias = iso_get_f32(p + 24);
-    m->rerank.metric = iso_get_f32(p + 28);
-    m->rerank.upper = iso_get_f32(p + 32);
-    m->rerank.bias = iso_get_f32(p + 36);
+    m->n_nodes = iso_get_u16(p + 16);
+    m->weight_min = iso_get_f32(p + 18);
+    m->gain = iso_get_f32(p + 22);
+    m->bias = iso_get_f32(p + 26);
+    m->rerank.metric = iso_get_f32(p + 30);
+    m->rerank.upper = iso_get_f32(p + 34);
+    m->rerank.bias = iso_get_f32(p + 38);
     return p + SHAPE_BYTES;
 }
 
@@ -155,7 +173,7 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
 {
     const uint8_t *p = bytes;
     if (size < HEADER_BYTES + SHAPE_BYTES || memcmp(p, magic, sizeof magic) != 0) {
-        return refuse(fault, "not a metric file of version 2");
+        return refuse(fault, "not a metric file of version 3");
     }
     if (iso_get_u32(p + 8) != size) {
         return refuse(fault, "metric file: truncated or too long");
@@ -168,13 +186,20 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
     if (!shape_sane(&shape) || file_size(&shape) != size) {
         return refuse(fault, "metric file: sizes out of range");
     }
+    memcpy(shape.origin, p, (size_t)shape.n_origins * ISO_METRIC_ORIGIN_MAX);
+    p += (size_t)shape.n_origins * ISO_METRIC_ORIGIN_MAX;
+    for (int i = 0; i < shape.n_nodes; i++, p += 2) {
+        shape.node[i] = iso_get_u16(p);
+    }
+    if (!nodes_sane(&shape)) {
+        return refuse(fault, "metric file: nodes out of range");
+    }
     struct iso_metric *m = NULL;
     int error = iso_metric_new(&shape, &m);
     if (error) {
         return error;
     }
-    memcpy(m->origin, p, (size_t)m->n_origins * ISO_METRIC_ORIGIN_MAX);
-    p = get_floats(p + (size_t)m->n_origins * ISO_METRIC_ORIGIN_MAX, m->n_values, m->curve_mm);
+    p = get_floats(p, m->n_values, m->curve_mm);
     p = get_floats(p, m->n_dimensions, m->between);
     get_axes(get_floats(p, m->n_dimensions, m->centre), m);
     if (!numbers_sane(m)) {
@@ -213,7 +238,7 @@ static uint8_t *put_axes(uint8_t *p, const struct iso_metric *m)
 
 int iso_metric_serialise(const struct iso_metric *m, void **bytes, size_t *size)
 {
-    const size_t total = shape_sane(m) ? file_size(m) : 0;
+    const size_t total = shape_sane(m) && nodes_sane(m) ? file_size(m) : 0;
     if (total == 0 || total > ISO_METRIC_BYTES_MAX || !numbers_sane(m)) {
         return -EINVAL;
     }
@@ -227,6 +252,7 @@ int iso_metric_serialise(const struct iso_metric *m, void **bytes, size_t *size)
     p = iso_put_u16(p, (uint16_t)m->n_points);
     p = iso_put_u16(p, (uint16_t)m->n_dimensions);
     p = iso_put_u16(p, (uint16_t)m->n_origins);
+    p = iso_put_u16(p, (uint16_t)m->n_nodes);
     p = iso_put_f32(p, m->weight_min);
     p = iso_put_f32(p, m->gain);
     p = iso_put_f32(p, m->bias);
@@ -234,6 +260,9 @@ int iso_metric_serialise(const struct iso_metric *m, void **bytes, size_t *size)
     p = iso_put_f32(p, m->rerank.upper);
     p = iso_put_f32(p, m->rerank.bias);
     p = iso_put_bytes(p, m->origin, (size_t)m->n_origins * ISO_METRIC_ORIGIN_MAX);
+    for (int i = 0; i < m->n_nodes; i++) {
+        p = iso_put_u16(p, m->node[i]);
+    }
     p = put_floats(p, m->curve_mm, m->n_values);
     p = put_floats(p, m->between, m->n_dimensions);
     (void)put_axes(put_floats(p, m->centre, m->n_dimensions), m);

@@ -214,14 +214,19 @@ static struct sim_session_plan plan_of(const struct job *job, char letter, int i
                                        enum sim_role role)
 {
     const struct preset *preset = job->preset;
-    bool gallery = role == SIM_ROLE_GALLERY;
+    const struct sim_generate_options *o = job->options;
+    bool gallery = role == SIM_ROLE_GALLERY, placed = o->far_mm > 0.0;
     struct sim_session_plan plan = {
         .row = {.role = role, .count = (size_t)frames_of(job)},
         .person = person_of(job, index),
         .expression = expression_of(preset, role, session),
         .pose = gallery ? preset->gallery_pose : preset->probe_pose,
-        .near_mm = gallery ? 0.0 : preset->near_mm,
-        .far_mm = gallery ? 0.0 : preset->far_mm,
+        .near_mm = gallery  ? 0.0
+                   : placed ? o->near_mm
+                            : preset->near_mm,
+        .far_mm = gallery  ? 0.0
+                  : placed ? o->far_mm
+                           : preset->far_mm,
         .sway = 1.0,
         .bystander = !gallery && preset->bystander,
         .open_hall = !gallery && preset->bystander, /* a wall might stand before the bystander */
@@ -379,6 +384,10 @@ static int check(const struct sim_generate_options *o, struct iso_fault *fault)
     if (isnan(o->noise_scale) || o->noise_scale > 100.0 || isnan(o->identity_variance) ||
         o->identity_variance > 100.0) {
         return iso_fault_set(fault, -EINVAL, "noise scale or identity variance outside 0..100");
+    }
+    if ((o->near_mm != 0.0 || o->far_mm != 0.0) &&
+        !(o->near_mm >= 100.0 && o->far_mm >= o->near_mm && o->far_mm <= 10000.0)) {
+        return iso_fault_set(fault, -EINVAL, "near and far: both, within 100..10000 mm, rising");
     }
     if (!(o->pose_limit_rad > 0.0 && o->pose_limit_rad <= DEGREES(90))) {
         return iso_fault_set(fault, -EINVAL, "pose limit outside 0..90 degrees");

@@ -12,14 +12,17 @@ export OPENBLAS_NUM_THREADS=1
 "$sim" train cohort --ict "$ict" --seed 1 --model "$data/head.model" \
     --sensor astra,d435,kinect2,truedepth --people 64 --out "$data/cohort.templates"
 
-# render SENSOR SEED
+# render NAME SENSOR SEED OPTION...
 render() {
-    [ -e "$scratch/$1/manifest.csv" ] || "$sim" generate --ict "$ict" --preset training --population train \
-        --seed "$2" --sensor "$1" --people 630 --sessions 5 --pose-limit 25 --out "$scratch/$1"
+    name=$1 sensor=$2 seed=$3
+    shift 3
+    [ -e "$scratch/$name/manifest.csv" ] || "$sim" generate --ict "$ict" --preset training --population train \
+        --seed "$seed" --sensor "$sensor" --people 630 --sessions 5 --pose-limit 25 "$@" --out "$scratch/$name"
 }
 mkdir -p "$scratch"
-render truedepth 101 &
-render d435 102
+render truedepth truedepth 101 &
+render d435 d435 102
 wait $!
-"$sim" train metric --corpora "$scratch/truedepth,$scratch/d435" --model "$data/head.model" \
+render truedepth-far truedepth 103 --near 700 --far 1200
+"$sim" train metric --corpora "$scratch/truedepth,$scratch/d435,$scratch/truedepth-far" --model "$data/head.model" \
     --out "$data/face.metric"

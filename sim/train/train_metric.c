@@ -145,7 +145,7 @@ static void compact(struct training *t)
 static void add_curves(const struct iso_metric *metric, const struct iso_template *tmpl,
                        const float *residual_mm, double *sum)
 {
-    const size_t width = (size_t)metric->n_values;
+    const size_t width = (size_t)metric->n_curve_values;
     size_t v = 0;
     for (int r = 0; r < metric->n_radii; r++) {
         for (int l = 0; l < ISO_LANDMARKS; l++) {
@@ -168,8 +168,8 @@ static void add_curves(const struct iso_metric *metric, const struct iso_templat
 /* The mean curves: those of the face frame first, then of what is registered to them. */
 static int learn_curves(const struct training *t, struct iso_metric *metric)
 {
-    const size_t width = (size_t)metric->n_values;
-    float *residual_mm = calloc(width, sizeof *residual_mm);
+    const size_t width = (size_t)metric->n_curve_values;
+    float *residual_mm = calloc((size_t)metric->n_values, sizeof *residual_mm);
     double *sum = calloc(2 * width, sizeof *sum);
     int error = residual_mm && sum ? 0 : -ENOMEM;
     for (int pass = 0; pass <= REGISTRATIONS && !error; pass++) {
@@ -187,6 +187,39 @@ static int learn_curves(const struct training *t, struct iso_metric *metric)
     free(residual_mm);
     free(sum);
     return error;
+}
+
+/* Every second node of the upper face, as the fields of a chessboard (between them the smoothed
+ * surface has little to add), that nearly all templates have. */
+static void choose_nodes(const struct training *t, struct iso_metric *shape)
+{
+    enum { MISSING_PERMILLE = 5 };
+    for (int i = 0; i < ISO_UPPER_NODES; i++) {
+        const int row = i / ISO_UPPER_COLUMNS, column = i % ISO_UPPER_COLUMNS;
+        size_t missing = 0;
+        for (size_t s = 0; s < t->n; s++) {
+            missing += t->tmpl[s].upper.kind[row][column] == ISO_UPPER_NONE;
+        }
+        if ((row + column) % 2 == 0 && 1000 * missing <= MISSING_PERMILLE * t->n) {
+            shape->node[shape->n_nodes++] = (uint16_t)i;
+        }
+    }
+}
+
+/* The mean heights of the upper face, of those who have them. */
+static void learn_heights(const struct training *t, struct iso_metric *metric)
+{
+    for (int i = 0; i < metric->n_nodes; i++) {
+        const int row = metric->node[i] / ISO_UPPER_COLUMNS;
+        const int column = metric->node[i] % ISO_UPPER_COLUMNS;
+        double sum_mm = 0.0;
+        size_t n = 0;
+        for (size_t s = 0; s < t->n; s++) {
+            sum_mm += (double)t->tmpl[s].upper.z_mm[row][column]; /* 0 where there is none */
+            n += t->tmpl[s].upper.kind[row][column] != ISO_UPPER_NONE;
+        }
+        metric->upper_mm[i] = (float)(sum_mm / fmax((double)n, 1.0));
+    }
 }
 
 /* Residuals of the people that are learned from, renumbered without those held out. */
@@ -438,14 +471,18 @@ struct sim_train_metric_options sim_train_metric_options_default(void)
     };
 }
 
-static int learn(struct training *t, const struct iso_metric *shape, struct iso_metric **out,
+static int learn(struct training *t, struct iso_metric *shape, struct iso_metric **out,
                  struct sim_train_metric_report *report, struct iso_fault *fault)
 {
     struct iso_metric *metric = NULL;
     report->n_frames = t->n;
     compact(t);
+    choose_nodes(t, shape);
     int error = iso_metric_new(shape, &metric);
     error = error ? error : learn_curves(t, metric);
+    if (!error) {
+        learn_heights(t, metric);
+    }
     error = error ? error : learn_axes(t, metric, report);
     error = error ? error : learn_scores(t, metric, report);
     if (error) {

@@ -12,9 +12,10 @@
 
 #include "core/match/search.h"
 
-enum { RADII = 2, POINTS = 5, DIMENSIONS = 3 };
+enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
 
-/* Mean curves that lie in no plane, of landmarks 1 and 4; axes of which each looks at one value. */
+/* Mean curves that lie in no plane, of landmarks 1 and 4; heights at three
+ * nodes of the upper face; axes that look at all of it. */
 static struct iso_metric *new_metric(void)
 {
     const struct iso_metric shape = {
@@ -23,6 +24,8 @@ static struct iso_metric *new_metric(void)
         .n_radii = RADII,
         .n_points = POINTS,
         .n_dimensions = DIMENSIONS,
+        .n_nodes = NODES,
+        .node = {3, 2 * ISO_UPPER_COLUMNS + 1, ISO_UPPER_NODES - 1},
         .weight_min = 0.25f,
         .gain = 0.5f,
         .bias = -1.0f,
@@ -32,7 +35,8 @@ static struct iso_metric *new_metric(void)
     };
     struct iso_metric *m = NULL;
     assert_int_equal(iso_metric_new(&shape, &m), 0);
-    assert_int_equal(m->n_values, 3 * RADII * 2 * POINTS);
+    assert_int_equal(m->n_curve_values, 3 * RADII * 2 * POINTS);
+    assert_int_equal(m->n_values, 3 * RADII * 2 * POINTS + NODES);
     for (int v = 0; v < m->n_values; v++) {
         m->curve_mm[v] = 20.0f * (float)sin(1.7 * v) + (float)(v % 7);
         for (int d = 0; d < DIMENSIONS; d++) {
@@ -46,7 +50,8 @@ static struct iso_metric *new_metric(void)
     return m;
 }
 
-/* The mean curves turned and shifted, and curves of other landmarks that do not matter. */
+/* The mean curves turned and shifted, curves of other landmarks that do not matter, and the mean
+ * heights. */
 static struct iso_template mean_template(const struct iso_metric *m, double turn_rad)
 {
     struct iso_template t = {.algorithm = 77, .n_radii = RADII, .n_points = POINTS, .n_frames = 1};
@@ -68,6 +73,11 @@ static struct iso_template mean_template(const struct iso_metric *m, double turn
             }
         }
     }
+    for (int i = 0; i < NODES; i++) {
+        const int row = m->node[i] / ISO_UPPER_COLUMNS, column = m->node[i] % ISO_UPPER_COLUMNS;
+        t.upper.kind[row][column] = i == 0 ? ISO_UPPER_FILLED : ISO_UPPER_MEASURED;
+        t.upper.z_mm[row][column] = m->upper_mm[i];
+    }
     return t;
 }
 
@@ -87,6 +97,9 @@ static void it_survives_its_bytes(void **state)
                 back->rerank.bias == -0.5f);
     assert_true(back->gain == 0.5f && back->bias == -1.0f && back->weight_min == 0.25f);
     assert_memory_equal(back->curve_mm, m->curve_mm, (size_t)m->n_values * sizeof(float));
+    assert_int_equal(back->n_nodes, NODES);
+    assert_memory_equal(back->node, m->node, sizeof m->node);
+    assert_memory_equal(back->upper_mm, m->upper_mm, NODES * sizeof(float));
     assert_memory_equal(back->between, m->between, DIMENSIONS * sizeof(float));
     assert_memory_equal(back->centre, m->centre, DIMENSIONS * sizeof(float));
     for (int i = 0; i < m->n_values * DIMENSIONS; i++) {
@@ -131,6 +144,12 @@ static void what_is_out_of_range_is_not_made_or_written(void **state)
     shape = *m;
     shape.landmarks = 0;
     assert_int_equal(iso_metric_new(&shape, &none), -EINVAL);
+    shape = *m;
+    shape.node[1] = shape.node[2]; /* nodes rise */
+    assert_int_equal(iso_metric_new(&shape, &none), -EINVAL);
+    shape = *m;
+    shape.node[2] = ISO_UPPER_NODES;
+    assert_int_equal(iso_metric_new(&shape, &none), -EINVAL);
     m->axis[4] = NAN;
     assert_int_equal(iso_metric_serialise(m, &bytes, &size), -EINVAL);
     m->axis[4] = 0.0f;
@@ -166,6 +185,23 @@ static void residuals_do_not_see_how_a_face_is_placed(void **state)
     iso_metric_free(m);
 }
 
+static void heights_count_where_there_are_any(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric();
+    struct iso_template t = mean_template(m, 0.0);
+    float residual_mm[ISO_METRIC_VALUES_MAX];
+    t.upper.z_mm[0][3] += 2.0f; /* filled in */
+    t.upper.z_mm[2][1] -= 3.0f;
+    t.upper.z_mm[ISO_UPPER_ROWS - 1][ISO_UPPER_COLUMNS - 1] = 0.0f;
+    t.upper.kind[ISO_UPPER_ROWS - 1][ISO_UPPER_COLUMNS - 1] = ISO_UPPER_NONE;
+    assert_int_equal(iso_metric_residuals(m, &t, residual_mm), 0);
+    const float *height_mm = &residual_mm[m->n_curve_values];
+    assert_true(fabsf(height_mm[0] - 2.0f) < 1e-5f && fabsf(height_mm[1] + 3.0f) < 1e-5f);
+    assert_true(fabsf(height_mm[2]) < 1e-9f);
+    iso_metric_free(m);
+}
+
 static void it_refuses_what_it_cannot_compare(void **state)
 {
     (void)state;
@@ -191,7 +227,7 @@ static double length_of(const struct iso_metric *m, const struct iso_metric_vect
     double length = 0.0;
     for (int d = 0; d < DIMENSIONS; d++) {
         const double x = (double)(v->scale * v->mean[d]);
-        length += x * x / (1.0 / v->n + (double)m->between[d]);
+        length += x * x / (iso_metric_variance(v->step) + (double)m->between[d]);
     }
     return length;
 }
@@ -209,43 +245,108 @@ static void a_vector_has_the_length_that_is_expected(void **state)
     twice.mean[1] += 1.0f;
     iso_metric_vector_add(m, &once, &twice);
     assert_int_equal(twice.n, 2);
+    assert_int_equal(twice.step, once.step + 2);
     assert_true(fabs(length_of(m, &twice) - DIMENSIONS) < 1e-4);
     assert_true(fabsf(twice.mean[1] - once.mean[1] - 0.5f) < 1e-5f);
     assert_true(fabsf(twice.mean[2] - once.mean[2]) < 1e-5f);
     iso_metric_free(m);
 }
 
-/* log density of n numbers that vary by 1 about a mean which they share, whose variance is b:
- * covariance I + b 11', determinant 1 + n b, inverse I - b / (1 + n b) 11'. */
-static double log_density(const double *x, int n, double b)
+/* What is likeliest to have made the numbers, by trying every step. */
+static void a_vector_says_how_noisy_it_is(void **state)
 {
-    double sum = 0.0, square = 0.0;
-    for (int i = 0; i < n; i++) {
-        sum += x[i];
-        square += x[i] * x[i];
+    (void)state;
+    enum { MANY = 150 };
+    const struct iso_metric shape = {.algorithm = 77,
+                                     .landmarks = 1,
+                                     .n_radii = 1,
+                                     .n_points = 4,
+                                     .n_dimensions = MANY,
+                                     .weight_min = 0.25f,
+                                     .gain = 1.0f};
+    struct iso_metric *m = NULL;
+    assert_int_equal(iso_metric_new(&shape, &m), 0);
+    struct iso_template t = {.algorithm = 77, .n_radii = 1, .n_points = 4, .n_frames = 1};
+    for (int i = 0; i < 4; i++) { /* where the mean curve is: nothing is left of it */
+        t.weight[0][0][i] = 1.0f;
+        for (int k = 0; k < 3; k++) {
+            m->curve_mm[3 * i + k] = t.points_mm[0][0][i][k] = (float)((i * i + k * 3 * i) % 7);
+        }
     }
-    return -0.5 * (n * log(2.0 * M_PI) + log(1.0 + n * b) + square - b / (1.0 + n * b) * sum * sum);
+    for (int step = -6; step <= 6; step += 3) {
+        for (int d = 0; d < MANY; d++) {
+            /* Normal quantiles, in an order that has nothing to do with the variances. */
+            const double u = (d * 67 % MANY + 0.5) / MANY, q = log(u / (1.0 - u)) / 1.702;
+            m->between[d] = 50.0f * expf(-0.1f * (float)d);
+            m->centre[d] = -(float)(q * sqrt(iso_metric_variance(step) + (double)m->between[d]));
+        }
+        struct iso_metric_vector v;
+        assert_int_equal(iso_metric_project(m, &t, &v), 0);
+        assert_true(abs(v.step - step) <= 1);
+        assert_true(fabs((double)v.worth * iso_metric_variance(v.step) - 1.0) < 1e-6);
+    }
+    iso_metric_free(m);
+}
+
+static void a_noisy_vector_counts_for_less(void **state)
+{
+    (void)state;
+    struct iso_metric *m = new_metric();
+    const struct iso_metric_vector good = {1, 3.0f, 3, 1.0f, {1.0f, 2.0f, 3.0f}},
+                                   poor = {2, 1.0f, 0, 1.0f, {5.0f, 2.0f, -1.0f}}, none = {.n = 0};
+    struct iso_metric_vector all = none;
+    iso_metric_vector_add(m, &none, &all);
+    assert_int_equal(all.n, 0);
+    iso_metric_vector_add(m, &good, &all);
+    iso_metric_vector_add(m, &none, &all);
+    assert_int_equal(all.n, 1);
+    iso_metric_vector_add(m, &poor, &all);
+    assert_int_equal(all.n, 3);
+    assert_int_equal(all.step, 4); /* worth 4 */
+    assert_true(fabsf(all.mean[0] - 2.0f) < 1e-6f && fabsf(all.mean[1] - 2.0f) < 1e-6f &&
+                fabsf(all.mean[2] - 2.0f) < 1e-6f);
+    iso_metric_free(m);
+}
+
+/* log density of n numbers that vary by v about a mean which they share, whose variance is b:
+ * covariance diag(v) + b 11'; with V = 1 / sum 1 / v and m the mean weighted by 1 / v, of which
+ * the rest of the numbers is independent, determinant prod v (1 + b / V). */
+static double log_density(const double *x, const double *v, int n, double b)
+{
+    double weight = 0.0, sum = 0.0, square = 0.0, log_det = 0.0;
+    for (int i = 0; i < n; i++) {
+        weight += 1.0 / v[i];
+        sum += x[i] / v[i];
+        square += x[i] * x[i] / v[i];
+        log_det += log(v[i]);
+    }
+    return -0.5 * (n * log(2.0 * M_PI) + log_det + log(1.0 + weight * b) + square -
+                   b / (1.0 + weight * b) * sum * sum);
 }
 
 static void a_score_is_the_likelihood_ratio_of_one_person_and_two(void **state)
 {
     (void)state;
     struct iso_metric *m = new_metric();
-    const struct iso_metric_vector a = {1, 1.0f, {2.0f, -1.0f, 0.5f}},
-                                   b = {1, 1.0f, {3.0f, 0.0f, -0.5f}};
-    const struct iso_metric_vector probe = {1, 1.0f, {2.2f, 1.0f, 0.7f}};
-    struct iso_metric_vector both = a;
-    iso_metric_vector_add(m, &b, &both);
-    both.scale = 1.0f; /* the model itself */
+    /* Worth 1, 1 and 2: together 4. */
+    const struct iso_metric_vector a = {1, 1.0f, 0, 1.0f, {2.0f, -1.0f, 0.5f}},
+                                   b = {1, 1.0f, 0, 1.0f, {3.0f, 0.0f, -0.5f}},
+                                   c = {1, 2.0f, 2, 1.0f, {2.5f, -0.7f, 0.1f}};
+    const struct iso_metric_vector probe = {1, 0.5f, -2, 1.0f, {2.2f, 1.0f, 0.7f}};
+    struct iso_metric_vector all = a;
+    iso_metric_vector_add(m, &b, &all);
+    iso_metric_vector_add(m, &c, &all);
+    all.scale = 1.0f; /* the model itself */
     double ratio = 0.0;
     for (int d = 0; d < DIMENSIONS; d++) {
-        const double x[3] = {(double)a.mean[d], (double)b.mean[d], (double)probe.mean[d]};
-        const double variance = (double)m->between[d];
-        ratio += log_density(x, 3, variance) - log_density(x, 2, variance) -
-                 log_density(&x[2], 1, variance);
+        const double x[4] = {(double)a.mean[d], (double)b.mean[d], (double)c.mean[d],
+                             (double)probe.mean[d]};
+        const double v[4] = {1.0, 1.0, 0.5, 2.0}, between = (double)m->between[d];
+        ratio += log_density(x, v, 4, between) - log_density(x, v, 3, between) -
+                 log_density(&x[3], &v[3], 1, between);
     }
-    assert_true(fabs(iso_metric_score(m, &both, &probe) - (0.5 * ratio - 1.0)) < 1e-5);
-    assert_true(fabs(iso_metric_score(m, &a, &b) - iso_metric_score(m, &b, &a)) < 1e-6);
+    assert_true(fabs(iso_metric_score(m, &all, &probe) - (0.5 * ratio - 1.0)) < 1e-5);
+    assert_true(fabs(iso_metric_score(m, &a, &c) - iso_metric_score(m, &c, &a)) < 1e-6);
     const struct iso_metric_vector nobody = {.n = 0};
     assert_true(iso_metric_score(m, &nobody, &probe) == -INFINITY);
     iso_metric_free(m);
@@ -300,6 +401,9 @@ int main(void)
         cmocka_unit_test(residuals_do_not_see_how_a_face_is_placed),
         cmocka_unit_test(it_refuses_what_it_cannot_compare),
         cmocka_unit_test(a_vector_has_the_length_that_is_expected),
+        cmocka_unit_test(heights_count_where_there_are_any),
+        cmocka_unit_test(a_vector_says_how_noisy_it_is),
+        cmocka_unit_test(a_noisy_vector_counts_for_less),
         cmocka_unit_test(a_score_is_the_likelihood_ratio_of_one_person_and_two),
         cmocka_unit_test(a_search_takes_all_templates_of_a_person_together),
     };

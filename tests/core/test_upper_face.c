@@ -246,6 +246,8 @@ static struct iso_metric *new_metric(void)
     }
     m->between[0] = 4.0f;
     m->between[1] = 2.0f;
+    m->centre[0] = 2.0f; /* all are about as far from the average, in one direction */
+    m->centre[1] = -1.0f;
     return m;
 }
 
@@ -301,7 +303,7 @@ static void a_search_looks_again_at_the_best(void **state)
     struct iso_search_entry entries[PEOPLE];
     const struct iso_template probe = template_of(m, 4, 0.0f);
     for (int i = 0; i < PEOPLE; i++) {
-        enrolled[i] = template_of(m, i, 0.3f * (float)i);
+        enrolled[i] = template_of(m, i, 0.02f * (float)i);
         entries[i] = (struct iso_search_entry){100 + i, &enrolled[i]};
     }
     struct iso_search_hit hits[PEOPLE];

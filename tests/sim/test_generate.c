@@ -245,6 +245,14 @@ static void bad_options_are_refused(void **state)
     bad = options;
     bad.pose_limit_rad = 0.0;
     assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    static const double ranges[][2] = {
+        {700.0, 0.0}, {0.0, 700.0}, {700.0, 600.0}, {700.0, NAN}, {700.0, 1e5}};
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
+        bad = options;
+        bad.near_mm = ranges[i][0];
+        bad.far_mm = ranges[i][1];
+        assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
+    }
     bad = options;
     bad.n_sessions = 0;
     assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
@@ -351,6 +359,21 @@ static void far_visits_are_far(void **state)
     }
 }
 
+/* Whatever the preset has. */
+static void visits_stand_where_they_are_told_to(void **state)
+{
+    struct sim_generate_options options = one_frame("mild", scratch_path(*state, "placed"));
+    options.near_mm = 1500.0;
+    options.far_mm = 1600.0;
+    generate(&options);
+    struct iso_recording_landmark *rows = marks_of(options.directory, "p0001-s0", ISO_LANDMARKS);
+    assert_true(rows[ISO_LM_NOSE_TIP].point_mm.z < 880.0); /* enrolment */
+    free(rows);
+    rows = marks_of(options.directory, "p0001-s1", ISO_LANDMARKS);
+    assert_in_range((int)rows[ISO_LM_NOSE_TIP].point_mm.z, 1480, 1620);
+    free(rows);
+}
+
 /* How far the corners of the eyes are from each other. */
 static double eye_distance(const char *directory, const char *name)
 {
@@ -410,6 +433,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(far_visits_are_far),
+        cmocka_unit_test(visits_stand_where_they_are_told_to),
         cmocka_unit_test(hard_people_look_alike),
         cmocka_unit_test(turned_visits_stay_on_the_disc),
         cmocka_unit_test(the_manifest_says_who_is_where),
