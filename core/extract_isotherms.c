@@ -65,6 +65,11 @@ static int make_mesh_with_sources(struct iso_extractor *x)
 int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out)
 {
     x->on_grid = x->options.heat == ISO_HEAT_GRID;
+    if (x->on_grid) {
+        iso_tasks_expect(x->options.tasks); /* heat comes next: who helps gets up meanwhile */
+    }
+    memset(&out->tmpl, 0, sizeof out->tmpl);
+    iso__extract_upper_face(x->patch, &out->tmpl.upper);
     int error = x->on_grid ? make_grid(x) : make_mesh_with_sources(x);
     for (int l = 0; l < ISO_LANDMARKS && !error; l++) {
         out->source_mm[l] = iso_rigid_apply(&out->camera_from_face, x->source_mm[l]);
@@ -153,7 +158,6 @@ static void trace_on_grid(struct iso_extractor *x, struct iso_template *tmpl)
 
 int iso__extract_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
 {
-    memset(tmpl, 0, sizeof *tmpl);
     tmpl->algorithm = x->algorithm;
     memcpy(tmpl->sensor, x->options.sensor, sizeof tmpl->sensor);
     tmpl->n_radii = (uint16_t)x->options.n_radii;
@@ -162,7 +166,6 @@ int iso__extract_isotherms(struct iso_extractor *x, struct iso_template *tmpl)
     for (int r = 0; r < x->options.n_radii; r++) {
         tmpl->radius_mm[r] = (float)x->options.radius_mm[r];
     }
-    iso__extract_upper_face(x->patch, &tmpl->upper);
     if (x->on_grid) {
         trace_on_grid(x, tmpl);
         return 0;

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -9,10 +10,12 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* How long a thread looks again and again before it sleeps: to be woken takes some 50 us, and so
- * long a batch follows another or somebody finishes a task. On a machine that is busy it is what
- * may be lost. */
-static const int64_t patience_ns = 60000;
+/* How long a helper looks out for a batch before it sleeps: to be woken takes some 50 us. After a
+ * batch another may follow at once; one that is expected comes when the caller has done what is
+ * before it. */
+static const int64_t patience_after_ns = 60000, patience_expecting_ns = 500000;
+
+enum { NOWHERE = -1 };
 
 struct helper {
     struct iso_crew *crew;
@@ -25,16 +28,20 @@ struct iso_crew {
     int n_started; /* helpers */
     struct helper helper[ISO_CREW_MAX - 1];
 
-    pthread_mutex_t lock; /* to change what follows, but for next */
+    pthread_mutex_t lock; /* to change what follows, but for the last group */
     pthread_cond_t begun, done;
-    bool open;          /* there is a batch to join */
-    bool ending;        /* of the crew */
-    atomic_uint number; /* of the batch */
-    atomic_int working; /* helpers at it */
+    bool open;   /* there is a batch to join */
+    bool ending; /* of the crew */
     iso_task *task;
     void *batch;
     int n_tasks;
-    atomic_int next; /* task that nobody has taken */
+    atomic_uint number;    /* of the batch */
+    atomic_bool expecting; /* a batch is about to come */
+    atomic_int working;    /* helpers at it */
+
+    atomic_int processor; /* of the caller */
+    atomic_int next;      /* task that nobody has taken */
+    atomic_bool ended[ISO_TASKS_RACE_MAX];
 };
 
 static int64_t now_ns(void)
@@ -54,32 +61,40 @@ static void relax(void)
 #endif
 }
 
-/* Until there is another batch, or patience is over. */
+/* A helper on the caller's own processor keeps it from its work. */
+static bool is_in_the_way(struct iso_crew *crew)
+{
+    return sched_getcpu() == atomic_load(&crew->processor);
+}
+
+/* Until there is a batch that the helper has not joined, or patience is over. */
 static void look_for_a_batch(struct iso_crew *crew, unsigned joined)
 {
-    const int64_t until_ns = now_ns() + patience_ns;
-    while (crew->number == joined && now_ns() < until_ns) {
+    const int64_t begin_ns = now_ns();
+    int64_t ns = 0;
+    while (crew->number == joined && !is_in_the_way(crew) &&
+           ns < (crew->expecting ? patience_expecting_ns : patience_after_ns)) {
         relax();
+        ns = now_ns() - begin_ns;
     }
 }
 
-/* Until no helper is at work, or patience is over. */
-static void look_for_the_end(struct iso_crew *crew)
+/* Takes what nobody has taken. Returns the longest time that one took. */
+static int64_t take_tasks(struct iso_crew *crew, int worker)
 {
-    const int64_t until_ns = now_ns() + patience_ns;
-    while (crew->working > 0 && now_ns() < until_ns) {
-        relax();
-    }
-}
-
-static void take_tasks(struct iso_crew *crew, int worker)
-{
+    int64_t longest_ns = 0, begin_ns = now_ns();
     for (;;) {
         int i = atomic_fetch_add(&crew->next, 1);
         if (i >= crew->n_tasks) {
-            return;
+            return longest_ns;
         }
         crew->task(crew->batch, i, worker);
+        if (i < ISO_TASKS_RACE_MAX) {
+            atomic_store(&crew->ended[i], true);
+        }
+        const int64_t end_ns = now_ns();
+        longest_ns = end_ns - begin_ns > longest_ns ? end_ns - begin_ns : longest_ns;
+        begin_ns = end_ns;
     }
 }
 
@@ -89,21 +104,20 @@ static void *help(void *context)
     struct iso_crew *crew = helper->crew;
     unsigned joined = 0; /* batches so far */
     (void)pthread_mutex_lock(&crew->lock);
-    for (;;) {
-        while (!crew->ending && !(crew->open && crew->number != joined)) {
+    while (!crew->ending) {
+        if (crew->open && crew->number != joined && !is_in_the_way(crew)) {
+            joined = crew->number;
+            crew->working++;
+            (void)pthread_mutex_unlock(&crew->lock);
+            (void)take_tasks(crew, helper->worker);
+            (void)pthread_mutex_lock(&crew->lock);
+            crew->working--;
+            if (crew->working == 0) {
+                (void)pthread_cond_signal(&crew->done);
+            }
+        } else {
             (void)pthread_cond_wait(&crew->begun, &crew->lock);
-        }
-        if (crew->ending) {
-            break;
-        }
-        joined = crew->number;
-        crew->working++;
-        (void)pthread_mutex_unlock(&crew->lock);
-        take_tasks(crew, helper->worker);
-        (void)pthread_mutex_lock(&crew->lock);
-        crew->working--;
-        if (crew->working == 0) {
-            (void)pthread_cond_signal(&crew->done);
+            joined = crew->open ? joined : crew->number;
         }
         (void)pthread_mutex_unlock(&crew->lock);
         look_for_a_batch(crew, joined);
@@ -113,10 +127,37 @@ static void *help(void *context)
     return NULL;
 }
 
-static void run(void *context, iso_task *task, void *batch, int n_tasks)
+static void expect(void *context)
 {
     struct iso_crew *crew = context;
     (void)pthread_mutex_lock(&crew->lock);
+    crew->processor = sched_getcpu();
+    crew->expecting = true;
+    (void)pthread_cond_broadcast(&crew->begun);
+    (void)pthread_mutex_unlock(&crew->lock);
+}
+
+static void settle(void *context)
+{
+    struct iso_crew *crew = context;
+    const int64_t until_ns = now_ns() + patience_after_ns;
+    while (crew->working > 0 && now_ns() < until_ns) {
+        relax();
+    }
+    if (crew->working > 0) {
+        (void)pthread_mutex_lock(&crew->lock);
+        while (crew->working > 0) {
+            (void)pthread_cond_wait(&crew->done, &crew->lock);
+        }
+        (void)pthread_mutex_unlock(&crew->lock);
+    }
+}
+
+/* Helpers may join from now on. */
+static void open_batch(struct iso_crew *crew, iso_task *task, void *batch, int n_tasks)
+{
+    (void)pthread_mutex_lock(&crew->lock);
+    crew->processor = sched_getcpu();
     crew->task = task;
     crew->batch = batch;
     crew->n_tasks = n_tasks;
@@ -125,16 +166,47 @@ static void run(void *context, iso_task *task, void *batch, int n_tasks)
     crew->open = true;
     (void)pthread_cond_broadcast(&crew->begun);
     (void)pthread_mutex_unlock(&crew->lock);
-    take_tasks(crew, 0);
+}
+
+/* Who has not come by now need not. */
+static void close_batch(struct iso_crew *crew)
+{
     (void)pthread_mutex_lock(&crew->lock);
-    crew->open = false; /* who has not come by now need not */
+    crew->open = false;
     (void)pthread_mutex_unlock(&crew->lock);
-    look_for_the_end(crew);
-    (void)pthread_mutex_lock(&crew->lock);
-    while (crew->working > 0) {
-        (void)pthread_cond_wait(&crew->done, &crew->lock);
+}
+
+static void run(void *context, iso_task *task, void *batch, int n_tasks)
+{
+    struct iso_crew *crew = context;
+    settle(crew);
+    open_batch(crew, task, batch, n_tasks);
+    (void)take_tasks(crew, 0);
+    close_batch(crew);
+    settle(crew);
+}
+
+/* Whoever needs longer for a task than the caller needed for its longest has lost its processor. */
+static void race(void *context, iso_task *task, void *batch, int n_tasks)
+{
+    struct iso_crew *crew = context;
+    settle(crew);
+    for (int i = 0; i < n_tasks; i++) {
+        atomic_store(&crew->ended[i], false);
     }
-    (void)pthread_mutex_unlock(&crew->lock);
+    open_batch(crew, task, batch, n_tasks);
+    const int64_t longest_ns = take_tasks(crew, 0);
+    crew->expecting = false;
+    close_batch(crew);
+    const int64_t until_ns = now_ns() + longest_ns;
+    for (int i = 0; i < n_tasks; i++) {
+        while (!crew->ended[i] && now_ns() < until_ns) {
+            relax();
+        }
+        if (!crew->ended[i]) {
+            task(batch, i, 0);
+        }
+    }
 }
 
 /* Signals are for who started the crew. */
@@ -157,7 +229,8 @@ int iso_crew_new(int n_workers, struct iso_crew **out)
     if (!crew) {
         return -ENOMEM;
     }
-    crew->tasks = (struct iso_tasks){n_workers, run, crew};
+    crew->tasks = (struct iso_tasks){n_workers, crew, run, race, settle, expect};
+    atomic_init(&crew->processor, NOWHERE);
     (void)pthread_mutex_init(&crew->lock, NULL);
     (void)pthread_cond_init(&crew->begun, NULL);
     (void)pthread_cond_init(&crew->done, NULL);

@@ -1,10 +1,11 @@
 /* Threads that stand by to share a batch of tasks (core/tasks.h) with the thread that has it.
  *
- * One fork and join a batch: whoever calls works along as worker 0, the others take tasks as long
- * as there are some. A helper that the machine has no time for is not waited for unless it holds a
- * task; one that loses its processor while it does is waited for, some 10 ms on a busy machine. Who
- * helped looks out for another batch for some 60 us before it sleeps, so that a short batch ahead
- * of a long one wakes the helpers. Their threads block all signals. */
+ * Whoever calls works along as worker 0, the others take tasks as long as there are some. A helper
+ * that the machine has no time for is not waited for unless it holds a task that is run; if that is
+ * raced for and takes longer than the caller needed for its longest, the caller does it once more.
+ * So on a busy machine two threads are no slower than one. To be woken takes some 50 us: helpers
+ * get up when a batch is expected, and who helped looks out for the next for some 60 us before it
+ * sleeps; on the caller's own processor none does either. Their threads block all signals. */
 #ifndef ISO_FIRMWARE_CREW_H
 #define ISO_FIRMWARE_CREW_H
 

@@ -225,14 +225,29 @@ void iso_grid_stencil_build(struct iso_grid_stencil *s, const struct iso_grid *g
     }
 }
 
+/* The larger of each; none is negative, and then floats are in the order of their bits. */
+#define LARGER(most, bound)                                                                \
+    do {                                                                                   \
+        const iso_lane_bits now = (iso_lane_bits)ISO_LANES_LOAD(bound), is = now > (most); \
+        (most) = (now & is) | ((most) & ~is);                                              \
+    } while (0)
+
 double iso_grid_stencil_bound(const struct iso_grid_stencil *s, struct iso_grid_window window)
 {
-    float most = 0.0f;
+    union {
+        iso_lane_bits bits;
+        float value[ISO_LANES];
+    } most = {.bits = {0}};
     for (int row = window.row - 1; row < window.row + window.height; row++) {
-        const float *bound = &s->bound[row * s->stride];
-        for (int column = window.column - 1; column < window.column + window.width; column++) {
-            most = bound[column] > most ? bound[column] : most;
+        const float *bound = &s->bound[row * s->stride + window.column];
+        for (int i = 0; i < window.width; i += ISO_LANES) {
+            LARGER(most.bits, &bound[i - 1]);
         }
+        LARGER(most.bits, &bound[window.width - ISO_LANES]);
     }
-    return (double)most;
+    float all = 0.0f;
+    for (int k = 0; k < ISO_LANES; k++) {
+        all = most.value[k] > all ? most.value[k] : all;
+    }
+    return (double)all;
 }

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,7 @@
 enum { SOURCES_MAX = 64, WORKERS_MAX = 64 };
 
 _Static_assert((int)ISO_HEAT_GRID_TIMES_MAX == (int)ISO_GRID_SUMS_MAX, "a sum for each time");
+_Static_assert((int)SOURCES_MAX <= (int)ISO_TASKS_RACE_MAX, "sources are raced for");
 
 /* How far an isotherm may move because the window ends, and because the expansion does: estimates
  * that count the worst of everything. Measured, it is a tenth of that (test_heat_grid_accuracy),
@@ -25,17 +27,26 @@ static const double tolerance_min = 1e-9;
 /* Of t lambda: below, the coefficients' recurrence would overflow. */
 static const double argument_min = 0.02;
 
-/* Where a source's heat goes, and what it took. */
-struct flow {
-    struct iso_grid_window window;
-    struct iso_grid_window dirty; /* that of the call before */
-    double lambda;                /* bound of the window's spectrum, 1/mm^2 */
+/* A plane for each time, where a source's heat goes, and what it took. */
+struct columns {
+    struct iso_grid_window window; /* outside, they are 0 */
     struct iso_heat_grid_effort effort;
 };
 
-/* What a worker needs: the recurrence's last two vectors. Zero outside a running task. */
+/* A source. Two workers may release its heat at the same time, each into columns of its own:
+ * whoever is ready first leaves them here and takes those that were here for the next. */
+struct flow {
+    struct iso_grid_point source;
+    struct iso_grid_window window;
+    double lambda;      /* bound of the window's spectrum, 1/mm^2 */
+    int before;         /* the columns of the call before */
+    atomic_int columns; /* `before` until it is done */
+};
+
+/* What a worker needs: the recurrence's last two vectors, zero outside a running task. */
 struct worker {
     float *vector[2];
+    int columns;
     double c[ISO_HEAT_GRID_TIMES_MAX][ISO_CHEBYSHEV_TERMS_MAX];
 };
 
@@ -44,10 +55,15 @@ struct iso_heat_grid {
     struct iso_grid_stencil *stencil;
     iso_grid_step *step;
     size_t plane_size, plane_origin;
-    float *planes; /* [n_sources][n_times] columns, then two for each worker */
+    float *planes; /* those of the columns, then two for each worker */
+    int n_columns; /* [n_sources + n_workers], as many to spare as there are workers */
+    struct columns *columns;
     struct worker *workers;
-    struct flow *flows;     /* [n_sources] */
-    int n_sources, n_times; /* of the last request */
+    struct flow *flows; /* [n_sources] */
+    /* The last request, for whoever is still at it. */
+    const struct iso_tasks *tasks;
+    int n_sources, n_times;
+    double pitch_mm, radius_mm, t_max_mm2, t_mm2[ISO_HEAT_GRID_TIMES_MAX];
 };
 
 static float *plane(const struct iso_heat_grid *h, int index)
@@ -55,9 +71,9 @@ static float *plane(const struct iso_heat_grid *h, int index)
     return h->planes + (size_t)index * h->plane_size + h->plane_origin;
 }
 
-static float *column_plane(const struct iso_heat_grid *h, int source, int time)
+static float *column_plane(const struct iso_heat_grid *h, int columns, int time)
 {
-    return plane(h, source * h->options.n_times + time);
+    return plane(h, columns * h->options.n_times + time);
 }
 
 int iso_heat_grid_new(const struct iso_grid *grid, const struct iso_heat_grid_options *options,
@@ -77,19 +93,25 @@ int iso_heat_grid_new(const struct iso_grid *grid, const struct iso_heat_grid_op
     h->step = iso_grid_stepper().step;
     h->plane_size = iso_grid_plane_size(grid);
     h->plane_origin = iso_grid_plane_origin(grid);
-    int columns = o.n_sources * o.n_times;
-    h->planes = iso_grid_planes_new(grid, columns + 2 * o.n_workers);
+    h->n_columns = o.n_sources + o.n_workers;
+    const int vectors = h->n_columns * o.n_times;
+    h->planes = iso_grid_planes_new(grid, vectors + 2 * o.n_workers);
+    h->columns = calloc((size_t)h->n_columns, sizeof *h->columns);
     h->workers = calloc((size_t)o.n_workers, sizeof *h->workers);
     h->flows = calloc((size_t)o.n_sources, sizeof *h->flows);
-    int error = h->planes && h->workers && h->flows ? 0 : -ENOMEM;
+    int error = h->planes && h->columns && h->workers && h->flows ? 0 : -ENOMEM;
     error = error ? error : iso_grid_stencil_new(grid, &h->stencil);
     if (error) {
         iso_heat_grid_free(h);
         return error;
     }
     for (int w = 0; w < o.n_workers; w++) {
-        h->workers[w].vector[0] = plane(h, columns + 2 * w);
-        h->workers[w].vector[1] = plane(h, columns + 2 * w + 1);
+        h->workers[w].vector[0] = plane(h, vectors + 2 * w);
+        h->workers[w].vector[1] = plane(h, vectors + 2 * w + 1);
+        h->workers[w].columns = o.n_sources + w;
+    }
+    for (int s = 0; s < o.n_sources; s++) {
+        atomic_init(&h->flows[s].columns, s);
     }
     *out = h;
     return 0;
@@ -99,9 +121,11 @@ void iso_heat_grid_free(struct iso_heat_grid *solver)
 {
     if (solver) {
         struct iso_heat_grid *h = solver;
-        int planes = h->options.n_sources * h->options.n_times + 2 * h->options.n_workers;
+        iso_tasks_settle(h->tasks);
+        const int planes = h->n_columns * h->options.n_times + 2 * h->options.n_workers;
         iso_grid_planes_free(h->planes, h->plane_size, planes);
         iso_grid_stencil_free(h->stencil);
+        free(h->columns);
         free(h->workers);
         free(h->flows);
         free(h);
@@ -184,11 +208,10 @@ static void clear(float *plane, ptrdiff_t stride, struct iso_grid_window window)
     }
 }
 
-/* A batch: what its tasks share. */
-struct batch {
+/* What the tasks share that prepare a release. */
+struct preparation {
     struct iso_heat_grid *h;
     const struct iso_grid *grid;
-    const struct iso_heat_grid_request *request;
     struct iso_grid_window all; /* holds the sources' windows */
     int step;                   /* of the operator */
 };
@@ -203,31 +226,32 @@ static void load(const struct iso_heat_grid *h, const struct iso_grid_point *sou
     }
 }
 
-static void take_step(struct iso_heat_grid *h, struct flow *flow, struct iso_grid_window box,
-                      double half, const float *y, float *io, const struct iso_grid_sums *sums)
+static void take_step(const struct iso_heat_grid *h, const struct flow *flow,
+                      struct iso_grid_window box, double half, const float *y, float *io,
+                      const struct iso_grid_sums *sums, struct iso_heat_grid_effort *effort)
 {
     /* x = 2 A / lambda - 1 maps the spectrum to -1..1; a whole step is 2 x y - io, half a one
      * x y - io. */
     h->step(h->stencil, box, (float)(half * 4.0 / flow->lambda), (float)(half * -2.0), y, io, sums);
-    flow->effort.steps++;
-    flow->effort.pixels += (double)box.width * (double)box.height;
+    effort->steps++;
+    effort->pixels += (double)box.width * (double)box.height;
 }
 
 /* One time: Clenshaw's recurrence (1955) from the last term down, b_k = c_k v + 2 x b_{k+1} -
  * b_{k+2} and the sum c_0 v + x b_1 - b_2. Needs no sum on the way, and starts where the
  * coefficients are small, which keeps rounding small. Returns the vector that holds the sum. */
-static float *expand_one(struct iso_heat_grid *h, struct worker *worker, struct flow *flow,
-                         const struct iso_grid_point *source, int terms)
+static float *expand_one(const struct iso_heat_grid *h, const struct worker *worker,
+                         const struct flow *flow, int terms, struct iso_heat_grid_effort *effort)
 {
     static const struct iso_grid_sums none;
     float *next = worker->vector[0], *now = worker->vector[1];
     for (int k = terms - 1; k >= 0; k--) {
-        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, source,
+        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, &flow->source,
                                              terms - 1 - k);
         if (k < terms - 1) {
-            take_step(h, flow, box, k == 0 ? 0.5 : 1.0, now, next, &none);
+            take_step(h, flow, box, k == 0 ? 0.5 : 1.0, now, next, &none, effort);
         }
-        load(h, source, worker->c[0][k], next);
+        load(h, &flow->source, worker->c[0][k], next);
         float *spare = now;
         now = next;
         next = spare;
@@ -237,14 +261,15 @@ static float *expand_one(struct iso_heat_grid *h, struct worker *worker, struct 
 
 /* Several times: the polynomials themselves, T_{k+1} = 2 x T_k - T_{k-1}, summed for each time in
  * its own plane. */
-static void expand_several(struct iso_heat_grid *h, struct worker *worker, struct flow *flow,
-                           const struct iso_grid_point *source, const int *terms, float **sum)
+static void expand_several(const struct iso_heat_grid *h, const struct worker *worker,
+                           const struct flow *flow, const int *terms, float **sum,
+                           struct iso_heat_grid_effort *effort)
 {
     int n_times = h->n_times, most = 0;
     float *before = worker->vector[0], *now = worker->vector[1];
-    load(h, source, 1.0, now);
+    load(h, &flow->source, 1.0, now);
     for (int j = 0; j < n_times; j++) {
-        load(h, source, worker->c[j][0], sum[j]);
+        load(h, &flow->source, worker->c[j][0], sum[j]);
         most = terms[j] > most ? terms[j] : most;
     }
     for (int k = 1; k < most; k++) {
@@ -255,8 +280,9 @@ static void expand_several(struct iso_heat_grid *h, struct worker *worker, struc
                 sums.sum[sums.n++] = sum[j];
             }
         }
-        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, source, k);
-        take_step(h, flow, box, k == 1 ? 0.5 : 1.0, now, before, &sums);
+        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, &flow->source,
+                                             k);
+        take_step(h, flow, box, k == 1 ? 0.5 : 1.0, now, before, &sums, effort);
         float *spare = before;
         before = now;
         now = spare;
@@ -277,56 +303,48 @@ static void finish(const struct iso_heat_grid *h, struct iso_grid_window window,
 
 static void release_one(void *shared, int source, int worker_number)
 {
-    const struct batch *batch = shared;
-    struct iso_heat_grid *h = batch->h;
-    const struct iso_heat_grid_request *request = batch->request;
-    const struct iso_grid_point *at = &request->sources[source];
+    struct iso_heat_grid *h = shared;
     struct worker *worker = &h->workers[worker_number];
     struct flow *flow = &h->flows[source];
+    int before = flow->before;
+    if (atomic_load(&flow->columns) != before) {
+        return; /* another was faster */
+    }
+    struct columns *own = &h->columns[worker->columns];
     int terms[ISO_HEAT_GRID_TIMES_MAX];
     float *columns[ISO_HEAT_GRID_TIMES_MAX];
+    own->effort = (struct iso_heat_grid_effort){.stiffness_max = h->t_max_mm2 * flow->lambda};
+    for (int j = 0; j < h->options.n_times; j++) {
+        columns[j] = column_plane(h, worker->columns, j);
+        clear(columns[j], h->stencil->stride, own->window);
+    }
+    own->window = flow->window;
     for (int j = 0; j < h->n_times; j++) {
-        double t = request->t_mm2[j];
-        double tolerance = tolerance_of(batch->grid->pitch_mm, request->radius_mm, t);
+        const double t = h->t_mm2[j], tolerance = tolerance_of(h->pitch_mm, h->radius_mm, t);
         terms[j] = iso_chebyshev_exp(0.5 * t * flow->lambda, tolerance, worker->c[j]);
-        columns[j] = column_plane(h, source, j);
     }
     if (h->n_times == 1) {
-        finish(h, flow->window, expand_one(h, worker, flow, at, terms[0]), columns[0]);
+        const float *sum = expand_one(h, worker, flow, terms[0], &own->effort);
+        finish(h, flow->window, sum, columns[0]);
     } else {
-        expand_several(h, worker, flow, at, terms, columns);
+        expand_several(h, worker, flow, terms, columns, &own->effort);
         for (int j = 0; j < h->n_times; j++) {
             finish(h, flow->window, columns[j], columns[j]);
         }
     }
-    flow->dirty = flow->window;
     clear(worker->vector[0], h->stencil->stride, flow->window);
     clear(worker->vector[1], h->stencil->stride, flow->window);
+    if (atomic_compare_exchange_strong(&flow->columns, &before, worker->columns)) {
+        worker->columns = before;
+    }
 }
 
-/* A band of a step of the operator; with the first step, zeros for the columns. */
-static void prepare_one(void *shared, int task, int worker_number)
+/* A band of a step of the operator. */
+static void prepare_band(void *shared, int band, int worker_number)
 {
-    const struct batch *batch = shared;
-    struct iso_heat_grid *h = batch->h;
-    const int source = task - ISO_GRID_STENCIL_BANDS;
+    const struct preparation *p = shared;
     (void)worker_number;
-    if (source < 0) {
-        iso_grid_stencil_build_band(h->stencil, batch->grid, batch->all, batch->step, task);
-        return;
-    }
-    for (int j = 0; j < h->options.n_times; j++) {
-        clear(column_plane(h, source, j), h->stencil->stride, h->flows[source].dirty);
-    }
-}
-
-/* What has to be there before heat is released. The first batch also wakes whoever is to help. */
-static void prepare(struct batch *batch, const struct iso_tasks *tasks)
-{
-    for (batch->step = 0; batch->step < ISO_GRID_STENCIL_STEPS; batch->step++) {
-        const int n_columns = batch->step == 0 ? batch->request->n_sources : 0;
-        iso_tasks_run(tasks, prepare_one, batch, ISO_GRID_STENCIL_BANDS + n_columns);
-    }
+    iso_grid_stencil_build_band(p->h->stencil, p->grid, p->all, p->step, band);
 }
 
 static bool on_surface(const struct iso_grid *grid, const struct iso_grid_point *source)
@@ -370,42 +388,54 @@ int iso_heat_grid(struct iso_heat_grid *h, const struct iso_grid *grid,
     if (!request_sane(h, grid, request) || (tasks && tasks->n_workers > h->options.n_workers)) {
         return -EINVAL;
     }
-    double t_min = INFINITY, t_max = 0.0, reach = 0.0;
-    for (int j = 0; j < request->n_times; j++) {
-        t_min = fmin(t_min, request->t_mm2[j]);
-        t_max = fmax(t_max, request->t_mm2[j]);
-        reach = fmax(reach, reach_mm(request->radius_mm, request->t_mm2[j]));
-    }
+    iso_tasks_settle(h->tasks);
+    h->tasks = tasks;
+    h->pitch_mm = grid->pitch_mm;
+    h->radius_mm = request->radius_mm;
     h->n_sources = request->n_sources;
     h->n_times = request->n_times;
-    struct batch batch = {h, grid, request, window_of(grid, &request->sources[0], reach), 0};
-    for (int s = 0; s < request->n_sources; s++) {
-        h->flows[s].window = window_of(grid, &request->sources[s], reach);
-        batch.all = join(batch.all, h->flows[s].window);
+    h->t_max_mm2 = 0.0;
+    double t_min = INFINITY, reach = 0.0;
+    for (int j = 0; j < request->n_times; j++) {
+        const double t = request->t_mm2[j];
+        h->t_mm2[j] = t;
+        t_min = fmin(t_min, t);
+        h->t_max_mm2 = fmax(h->t_max_mm2, t);
+        reach = fmax(reach, reach_mm(request->radius_mm, t));
     }
-    prepare(&batch, tasks);
+    struct preparation p = {h, grid, window_of(grid, &request->sources[0], reach), 0};
+    for (int s = 0; s < request->n_sources; s++) {
+        struct flow *flow = &h->flows[s];
+        flow->source = request->sources[s];
+        flow->window = window_of(grid, &request->sources[s], reach);
+        flow->before = flow->columns;
+        p.all = join(p.all, flow->window);
+    }
+    for (; p.step < ISO_GRID_STENCIL_STEPS; p.step++) {
+        iso_tasks_run(tasks, prepare_band, &p, ISO_GRID_STENCIL_BANDS);
+    }
     for (int s = 0; s < request->n_sources; s++) {
         struct flow *flow = &h->flows[s];
         flow->lambda = fmax(iso_grid_stencil_bound(h->stencil, flow->window), argument_min / t_min);
-        flow->effort = (struct iso_heat_grid_effort){.stiffness_max = t_max * flow->lambda};
-        if (!(flow->effort.stiffness_max <= ISO_HEAT_GRID_STIFFNESS_MAX)) {
+        if (!(h->t_max_mm2 * flow->lambda <= ISO_HEAT_GRID_STIFFNESS_MAX)) {
             return -ERANGE;
         }
     }
-    iso_tasks_run(tasks, release_one, &batch, request->n_sources);
+    iso_tasks_race(tasks, release_one, h, request->n_sources);
     return 0;
 }
 
 struct iso_grid_field iso_heat_grid_column(const struct iso_heat_grid *h, int source, int time)
 {
-    return (struct iso_grid_field){h->flows[source].window, column_plane(h, source, time)};
+    const int columns = h->flows[source].columns;
+    return (struct iso_grid_field){h->columns[columns].window, column_plane(h, columns, time)};
 }
 
 struct iso_heat_grid_effort iso_heat_grid_effort(const struct iso_heat_grid *h)
 {
     struct iso_heat_grid_effort all = {0};
     for (int s = 0; s < h->n_sources; s++) {
-        const struct iso_heat_grid_effort *one = &h->flows[s].effort;
+        const struct iso_heat_grid_effort *one = &h->columns[h->flows[s].columns].effort;
         all.steps += one->steps;
         all.pixels += one->pixels;
         all.stiffness_max = fmax(all.stiffness_max, one->stiffness_max);

@@ -54,7 +54,8 @@ int iso_heat_grid_new(const struct iso_grid *grid, const struct iso_heat_grid_op
                       struct iso_heat_grid **out) __attribute__((warn_unused_result));
 void iso_heat_grid_free(struct iso_heat_grid *solver);
 
-/* Releases heat on the grid's surface, each source a task of its own (`tasks` may be NULL). -EINVAL
+/* Releases heat on the grid's surface; the sources are raced for, by `tasks` (may be NULL, else
+ * outlives the solver), and who comes too late works on the solver alone, not on the grid. -EINVAL
  * for a request beyond the options, a time or radius <= 0, a source with a corner that is no vertex
  * or a grid of another size; -ERANGE if the surface is too stiff for the longest time. */
 int iso_heat_grid(struct iso_heat_grid *solver, const struct iso_grid *grid,

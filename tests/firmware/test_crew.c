@@ -1,5 +1,6 @@
 /* A crew runs every task of a batch once, no worker number twice at a time, batch after batch. */
 #include <errno.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -66,6 +67,100 @@ static void every_task_runs_once(void **state)
     }
 }
 
+enum { RACERS = 4, RACES = 300 };
+
+/* The results of a race: each is made known once. */
+struct race {
+    const struct count *alone;
+    atomic_int won[TASKS_MAX]; /* 1 + the worker who was first */
+    uint64_t own[RACERS][TASKS_MAX];
+    atomic_int hold; /* > 0: a helper does not finish until it is let go */
+    atomic_bool held, let_go;
+};
+
+static void race_for(void *batch, int task, int worker)
+{
+    struct race *race = batch;
+    uint64_t value = (uint64_t)task + 1;
+    for (int i = 0; i < 2000; i++) {
+        value = value * UINT64_C(6364136223846793005) + 1442695040888963407u;
+    }
+    race->own[worker][task] = value;
+    if (worker > 0 && race->hold > 0) {
+        race->held = true;
+        while (!race->let_go) {
+            (void)sched_yield();
+        }
+    }
+    int nobody = 0;
+    (void)atomic_compare_exchange_strong(&race->won[task], &nobody, worker + 1);
+}
+
+static void check_race(struct race *race, int n_tasks)
+{
+    for (int i = 0; i < TASKS_MAX; i++) {
+        const int worker = race->won[i] - 1;
+        assert_int_equal(worker >= 0, i < n_tasks);
+        assert_true(worker < 0 || race->own[worker][i] == race->alone->result[i]);
+    }
+}
+
+static void a_race_has_every_result(void **state)
+{
+    (void)state;
+    static struct count alone;
+    static struct race race;
+    alone.n_workers = 1;
+    for (int i = 0; i < TASKS_MAX; i++) {
+        work(&alone, i, 0);
+    }
+    for (int n_workers = 1; n_workers <= RACERS; n_workers++) {
+        struct iso_crew *crew = NULL;
+        assert_int_equal(iso_crew_new(n_workers, &crew), 0);
+        const struct iso_tasks *tasks = iso_crew_tasks(crew);
+        for (int b = 0; b < RACES; b++) {
+            const int n_tasks = b % (TASKS_MAX + 1);
+            iso_tasks_settle(tasks);
+            race = (struct race){.alone = &alone};
+            if (b % 3 == 0) {
+                iso_tasks_expect(tasks);
+            }
+            iso_tasks_race(tasks, race_for, &race, n_tasks);
+            check_race(&race, n_tasks);
+        }
+        iso_tasks_settle(tasks);
+        iso_crew_free(crew);
+    }
+}
+
+/* Races until a helper takes part; whatever it took is done without it. */
+static void who_stands_still_in_a_race_is_not_waited_for(void **state)
+{
+    (void)state;
+    static struct count alone;
+    static struct race race;
+    struct iso_crew *crew = NULL;
+    alone.n_workers = 1;
+    for (int i = 0; i < TASKS_MAX; i++) {
+        work(&alone, i, 0);
+    }
+    assert_int_equal(iso_crew_new(2, &crew), 0);
+    const struct iso_tasks *tasks = iso_crew_tasks(crew);
+    do {
+        iso_tasks_settle(tasks);
+        race = (struct race){.alone = &alone, .hold = 1};
+        iso_tasks_expect(tasks);
+        iso_tasks_race(tasks, race_for, &race, TASKS_MAX);
+        check_race(&race, TASKS_MAX); /* although the helper is still at it */
+        for (int i = 0; race.held && i < TASKS_MAX; i++) {
+            assert_int_equal(race.won[i], 1);
+        }
+        race.let_go = true;
+    } while (!race.held);
+    iso_tasks_settle(tasks);
+    iso_crew_free(crew);
+}
+
 static void without_a_crew_the_caller_does_it(void **state)
 {
     (void)state;
@@ -94,6 +189,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_task_runs_once),
+        cmocka_unit_test(a_race_has_every_result),
+        cmocka_unit_test(who_stands_still_in_a_race_is_not_waited_for),
         cmocka_unit_test(without_a_crew_the_caller_does_it),
         cmocka_unit_test(sizes_out_of_range_are_refused),
     };

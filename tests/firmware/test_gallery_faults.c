@@ -373,11 +373,109 @@ static void survives_kills(void **state)
     }
 }
 
+/* ---- a record that changes while the gallery is open ---- */
+
+/* More than what SQLite keeps of the file in memory, so that the first record is read once
+ * more. */
+enum { MORE_THAN_KEPT = 900, PART = 64 };
+
+static void add_whole_faces(const char *directory)
+{
+    enum { BATCH = 100 };
+    static struct iso_gallery_item items[BATCH];
+    static uint8_t bytes[BATCH][ISO_TEMPLATE_BYTES_MAX];
+    struct iso_gallery *gallery = open_gallery(directory);
+    for (int i = 0; i < MORE_THAN_KEPT; i++) {
+        struct iso_gallery_item *item = &items[i % BATCH];
+        struct iso_template tmpl = puppet_template(i, PUPPET_ALGORITHM);
+        size_t added = 0;
+        for (int k = 0; k < ISO_UPPER_ROWS * ISO_UPPER_COLUMNS; k++) {
+            const int row = k / ISO_UPPER_COLUMNS, column = k % ISO_UPPER_COLUMNS;
+            tmpl.upper.z_mm[row][column] = (float)(k % 50 - i % 7);
+            tmpl.upper.kind[row][column] = ISO_UPPER_MEASURED;
+        }
+        const int size = iso_template_serialise(&tmpl, bytes[i % BATCH], sizeof *bytes);
+        assert_true(size > 0);
+        *item = (struct iso_gallery_item){.person = {.enrolled_s = 1}, .n = 1};
+        (void)snprintf(item->person.name, sizeof item->person.name, "person %d", i);
+        item->templates[0].algorithm = PUPPET_ALGORITHM;
+        item->templates[0].bytes = bytes[i % BATCH];
+        item->templates[0].size = (size_t)size;
+        if (i % BATCH == BATCH - 1) {
+            assert_int_equal(iso_gallery_import(gallery, items, BATCH, false, &added, NULL), 0);
+            assert_int_equal(added, BATCH);
+        }
+    }
+    iso_gallery_close(gallery);
+}
+
+/* Part of the first person's record, and where it stands in the file. */
+static size_t find_record(const char *directory, uint8_t part[PART])
+{
+    sqlite3 *db = NULL;
+    sqlite3_stmt *row = NULL;
+    size_t size = 0;
+    assert_int_equal(sqlite3_open(scratch_path(directory, "g.db"), &db), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_prepare_v2(db, "SELECT record FROM template ORDER BY id LIMIT 1", -1, &row, NULL),
+        SQLITE_OK);
+    assert_int_equal(sqlite3_step(row), SQLITE_ROW);
+    const int length = sqlite3_column_bytes(row, 0);
+    const uint8_t *record = sqlite3_column_blob(row, 0);
+    assert_true(length > 2 * PART);
+    memcpy(part, &record[length - 2 * PART], PART);
+    assert_int_equal(sqlite3_finalize(row), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    uint8_t *file = scratch_read(scratch_path(directory, "g.db"), &size);
+    const uint8_t *at = memmem(file, size, part, PART);
+    assert_non_null(at);
+    const size_t offset = (size_t)(at - file);
+    free(file);
+    return offset;
+}
+
+static void write_at(const char *directory, size_t offset, const void *bytes, size_t size)
+{
+    const int file = open(scratch_path(directory, "g.db"), O_WRONLY | O_CLOEXEC);
+    assert_true(file >= 0);
+    assert_int_equal(pwrite(file, bytes, size, (off_t)offset), size);
+    assert_int_equal(close(file), 0);
+}
+
+static void what_changed_behind_it_is_not_handed_out(void **state)
+{
+    static struct iso_template found[2], untouched[2];
+    struct iso_fault fault = {""};
+    uint8_t part[PART], flipped;
+    int n = 77;
+    add_whole_faces(*state);
+    const size_t offset = find_record(*state, part);
+    struct iso_gallery *gallery = open_gallery(*state);
+    const int64_t first = iso_gallery_find(gallery, "person 0")->id;
+    const int64_t last = iso_gallery_find(gallery, "person 899")->id;
+    flipped = part[0] ^ 0x10;
+    write_at(*state, offset, &flipped, 1);
+    assert_int_equal(iso_gallery_templates(gallery, first, found, 2, &n, &fault), -EBADMSG);
+    assert_non_null(strstr(fault.text, "damaged"));
+    assert_int_equal(n, 77);
+    assert_memory_equal(found, untouched, sizeof found);
+    assert_int_equal(iso_gallery_templates(gallery, last, found, 2, &n, NULL), 0); /* others are */
+    assert_int_equal(n, 1);
+    iso_gallery_close(gallery);
+    expect_refusal(*state, -EBADMSG, "damaged");
+    write_at(*state, offset, part, 1);
+    gallery = open_gallery(*state);
+    assert_int_equal(iso_gallery_templates(gallery, first, found, 2, &n, NULL), 0);
+    assert_int_equal(n, 1);
+    iso_gallery_close(gallery);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
         TEST(an_empty_file_is_a_lost_gallery),
+        TEST(what_changed_behind_it_is_not_handed_out),
         TEST(text_is_no_gallery),
         TEST(a_directory_is_no_gallery),
         TEST(a_database_of_others_is_no_gallery),
