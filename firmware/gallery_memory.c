@@ -120,8 +120,12 @@ static int prepare_template(struct iso_gallery_memory *memory, const void *bytes
 int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
                                struct iso_gallery_kept *out)
 {
-    const int error = reserve_person(memory);
-    return error ? error : prepare_template(memory, bytes, size, out);
+    int error = prepare_template(memory, bytes, size, out);
+    if (!error && reserve_person(memory)) {
+        iso_gallery_memory_discard(out);
+        error = -ENOMEM;
+    }
+    return error;
 }
 
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept)
