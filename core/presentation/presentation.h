@@ -15,7 +15,7 @@
  * (95 %: below 2.4 and 3.6 %); of 1000 frames of living people none was refused (below 0.4 %), nor
  * of 600 of strong expressions (seed 4); of 378 real ones none is called an attack. Of 300
  * print-eyes-cut 29 were taken (most with the wearer 9 to 16 mm behind, which the sensor's windows
- * level out), with the head model of 40 modes that was before. About 0.9 ms a face, 0.8 ms a scene
+ * level out), with the head model of 40 modes that was before. About 1 ms a face, 0.8 ms a scene
  * without one, on one x86 core. */
 #ifndef ISO_CORE_PRESENTATION_PRESENTATION_H
 #define ISO_CORE_PRESENTATION_PRESENTATION_H
