@@ -176,7 +176,7 @@ extern const struct iso_config_key iso_config_keys[];
 extern const size_t iso_config_n_keys;
 
 /* The score from which on a face is taken for a person's: the threshold if one is set, else the
- * level's. By metric, a score of s is as rare among strangers as 10^-s (core/match/metric.h). */
+ * level's. By metric, a score of s is as rare as 10^-s among strangers who are alike (metric.h). */
 double iso_config_threshold(const struct iso_config *config);
 
 /* What holds without a file. */

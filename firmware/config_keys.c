@@ -134,7 +134,8 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"decision", "level", ISO_CONFIG_CHOICE, false, AT(decision, level), 0, 0,
      "convenient|balanced|strict", "balanced",
-     "how rarely a stranger may pass for somebody, in one comparison: 1e-2, 1e-3, 1e-4"},
+     "how rarely a stranger who looks alike may pass for somebody, in one comparison: 1e-2, 1e-3, "
+     "1e-4"},
     {"decision", "threshold", ISO_CONFIG_NUMBER, false, AT(decision, threshold), -100, 100, NULL,
      "0", "score from which on a face is taken for a person's; 0: the level's"},
     {"decision", "margin", ISO_CONFIG_NUMBER, false, AT(decision, margin), 0, 100, NULL, "0",

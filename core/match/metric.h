@@ -17,10 +17,11 @@
  * a person is weighed. Vectors are what a search compares; templates are what is kept, so that a
  * better metric needs no new enrolment.
  *
- * A score is the log likelihood ratio, scaled so that among strangers a score of s or more is as
- * rare as 10^-s: calibrated on people that the projection was not learned from, before several
- * sensors (what it comes to on others: README.md, Accuracy). One threshold is then one false match
- * rate. The few candidates that a search leaves are looked at again: rerank.h. */
+ * A score is the log likelihood ratio, scaled so that a score of s or more is as rare as 10^-s
+ * among the tenth of all strangers who are most alike, and ten times rarer among all: calibrated on
+ * people that the projection was not learned from, before several sensors (what it comes to on
+ * others: README.md, Accuracy). One threshold is then one false match rate. The few candidates that
+ * a search leaves are looked at again: rerank.h. */
 #ifndef ISO_CORE_MATCH_METRIC_H
 #define ISO_CORE_MATCH_METRIC_H
 

@@ -8,7 +8,7 @@
  *     weight_m * metric's score - weight_u * ln(rms / 1 mm) + bias,
  *
  * with the weights and the bias that `isotherm-sim train metric` finds on people held out, such
- * that among strangers a score of s or more is as rare as 10^-s, like the metric's own. */
+ * that a score of s or more is as rare among strangers as by the metric alone. */
 #ifndef ISO_CORE_MATCH_RERANK_H
 #define ISO_CORE_MATCH_RERANK_H
 
