@@ -1,8 +1,8 @@
 #!/bin/sh
 # Makes the data files that ship with the product, as they are committed: head.model, face.metric
 # and cohort.templates. The last two have to be made again whenever the extractor or the head model
-# changes. The metric learns from people, seeds and sensors that no test uses: 1,260 people before
-# two sensors, five frames each; one in five calibrates the scores. SCRATCH keeps the rendered corpora
+# changes. The metric learns from people, seeds and sensors that no test uses: 1,890 people before
+# two sensors, one of them near and far, five frames each; one in five calibrates the scores. SCRATCH keeps the rendered corpora
 # (1 GB); they are rendered only if they are not there, since the extractor does not change them.
 # usage: train.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
