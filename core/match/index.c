@@ -117,8 +117,12 @@ static void make_view(const struct iso_metric *metric, const struct iso_metric_v
     view->constant = half * sum + (double)metric->bias;
 }
 
-static float sum_of(iso_lanes a)
+/* By address: how a vector is passed by value depends on what the compiler may use of the
+ * processor. */
+static float sum_of(const iso_lanes *lanes)
 {
+    float a[ISO_LANES];
+    memcpy(a, lanes, sizeof a);
     return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }
 
@@ -132,7 +136,7 @@ static double score_of(const struct view *view, const float *mean, float scale, 
         square += ISO_LANES_LOAD(&view->square[i]) * y * y;
     }
     return view->constant +
-           (double)scale * ((double)sum_of(linear) + (double)scale * (double)sum_of(square));
+           (double)scale * ((double)sum_of(&linear) + (double)scale * (double)sum_of(&square));
 }
 
 /* ---- rows ---- */
