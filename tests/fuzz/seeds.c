@@ -8,6 +8,7 @@
 
 #include "core/landmark/head_model.h"
 #include "core/match/cohort.h"
+#include "core/match/metric.h"
 #include "drivers/image/png.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -108,6 +109,35 @@ static void write_head_model(const char *directory)
     iso_head_model_free(model);
 }
 
+static void write_metric(const char *directory)
+{
+    const struct iso_metric shape = {
+        .algorithm = 81,
+        .landmarks = 1,
+        .n_radii = 1,
+        .n_points = 4,
+        .n_dimensions = 2,
+        .weight_min = 0.25f,
+        .gain = 1.0f,
+        .n_origins = 1,
+        .origin = {"train-1"},
+        .n_nodes = 2,
+        .node = {3, 8},
+    };
+    struct iso_metric *metric = NULL;
+    void *file = NULL;
+    size_t size = 0;
+    fuzz_check(iso_metric_new(&shape, &metric) == 0, "room for a metric");
+    for (int d = 0; d < metric->n_dimensions; d++) {
+        metric->between[d] = 2.0f;
+        metric->axis[d] = 0.5f;
+    }
+    fuzz_check(iso_metric_serialise(metric, &file, &size) == 0, "a metric");
+    write_file(place(directory, "metric", "two_dimensions"), file, size);
+    free(file);
+    iso_metric_free(metric);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -117,5 +147,6 @@ int main(int argc, char **argv)
     write_pictures(argv[1]);
     write_templates(argv[1]);
     write_head_model(argv[1]);
+    write_metric(argv[1]);
     return 0;
 }

@@ -1,0 +1,32 @@
+/* The metric's file. Its length and checksum are put right. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/match/metric.h"
+#include "core/math/bytes.h"
+#include "core/math/crc32.h"
+#include "tests/fuzz/fuzz.h"
+
+enum { CHECKED_FROM = 16 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    uint8_t *bytes = fuzz_copy(data, size);
+    struct iso_metric *metric = NULL;
+    const char *fault = NULL;
+    if (size >= CHECKED_FROM) {
+        (void)iso_put_u32(bytes + 8, (uint32_t)size);
+        (void)iso_put_u32(bytes + 12, iso_crc32(0, bytes + CHECKED_FROM, size - CHECKED_FROM));
+    }
+    if (iso_metric_parse(bytes, size, &metric, &fault) == 0) {
+        void *again = NULL;
+        size_t n = 0;
+        fuzz_check(iso_metric_serialise(metric, &again, &n) == 0 && n == size, "a file as long");
+        free(again);
+    } else {
+        fuzz_check(metric == NULL && fault != NULL, "a fault and no metric");
+    }
+    iso_metric_free(metric);
+    free(bytes);
+    return 0;
+}
