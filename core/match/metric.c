@@ -50,8 +50,8 @@ static void heights_less_mean(const struct iso_metric *metric, const struct iso_
                               float *residual_mm)
 {
     for (int i = 0; i < metric->n_nodes; i++) {
-        const int row = metric->node[i] / ISO_UPPER_COLUMNS;
-        const int column = metric->node[i] % ISO_UPPER_COLUMNS;
+        const int row = iso_upper_row(metric->node[i]);
+        const int column = iso_upper_column(metric->node[i]);
         const bool there = face->kind[row][column] != ISO_UPPER_NONE;
         residual_mm[i] = there ? face->z_mm[row][column] - metric->upper_mm[i] : 0.0f;
     }

@@ -49,6 +49,16 @@ static inline double iso_upper_y_mm(int row)
     return ISO_UPPER_TOP_MM - row * ISO_UPPER_SPACING_MM;
 }
 
+/* Where a node lies of those counted row by row. */
+static inline int iso_upper_row(int node)
+{
+    return node / ISO_UPPER_COLUMNS;
+}
+static inline int iso_upper_column(int node)
+{
+    return node % ISO_UPPER_COLUMNS;
+}
+
 /* Whether a face has any measured node. */
 bool iso_upper_face_known(const struct iso_upper_face *face);
 

@@ -195,7 +195,7 @@ static void choose_nodes(const struct training *t, struct iso_metric *shape)
 {
     enum { MISSING_PERMILLE = 5 };
     for (int i = 0; i < ISO_UPPER_NODES; i++) {
-        const int row = i / ISO_UPPER_COLUMNS, column = i % ISO_UPPER_COLUMNS;
+        const int row = iso_upper_row(i), column = iso_upper_column(i);
         size_t missing = 0;
         for (size_t s = 0; s < t->n; s++) {
             missing += t->tmpl[s].upper.kind[row][column] == ISO_UPPER_NONE;
@@ -210,8 +210,8 @@ static void choose_nodes(const struct training *t, struct iso_metric *shape)
 static void learn_heights(const struct training *t, struct iso_metric *metric)
 {
     for (int i = 0; i < metric->n_nodes; i++) {
-        const int row = metric->node[i] / ISO_UPPER_COLUMNS;
-        const int column = metric->node[i] % ISO_UPPER_COLUMNS;
+        const int row = iso_upper_row(metric->node[i]);
+        const int column = iso_upper_column(metric->node[i]);
         double sum_mm = 0.0;
         size_t n = 0;
         for (size_t s = 0; s < t->n; s++) {

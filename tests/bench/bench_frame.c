@@ -16,7 +16,6 @@
 
 #include "core/extract.h"
 #include "core/match/index.h"
-#include "drivers/recording/recording.h"
 #include "firmware/decision.h"
 #include "firmware/gallery.h"
 #include "firmware/second_look.h"
@@ -26,9 +25,10 @@
 #include "sim/eval/latency.h"
 #include "sim/recording/corpus.h"
 #include "tests/bench/crowd.h"
+#include "tests/bench/frames.h"
 #include "tests/bench/machine.h"
 
-enum { ENROLLED = 1000, FACES_MAX = 512, BATCH = 1000 };
+enum { ENROLLED = 1000, FACES_MAX = 512, BATCH = 1000, PLACE_MAX = 4096 };
 
 /* What is timed: the extractor's stages; the best by the index; the second look, of people opened
  * from the file, or kept; the decision with it; and all of it but what is kept. */
@@ -48,7 +48,7 @@ struct bench {
     struct sim_corpus *corpus;
     struct iso_extractor *extractor;
     clock_function *clock; /* in use */
-    char path[64];         /* of the gallery, in a directory of its own */
+    char path[PLACE_MAX];  /* of the gallery, in a directory of its own */
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
     struct iso_second_look *second_look;
@@ -69,40 +69,14 @@ static int64_t bench_now_ns(void *context)
 }
 
 /* Does something with each frame of the rows of a kind: gallery, or not. */
-typedef int frame_function(struct bench *bench, const struct iso_frame *frame,
-                           struct iso_fault *fault);
-
-static int read_row(struct bench *bench, const struct sim_corpus_row *row, frame_function *each,
-                    struct iso_fault *fault)
-{
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s/%s", bench->directory, row->recording);
-    struct iso_recording *recording = NULL;
-    struct iso_frame *frame = NULL;
-    int error = iso_recording_open(path, &recording, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_recording_frame_new(recording, &frame);
-    for (size_t i = 0; !error && i < row->count; i++) {
-        error = iso_recording_read(recording, row->first + i, frame, fault);
-        if (!error) {
-            error = each(bench, frame, fault);
-        }
-    }
-    iso_frame_free(frame);
-    iso_recording_close(recording);
-    return error;
-}
-
-static int read_rows(struct bench *bench, bool gallery, frame_function *each,
+static int read_rows(struct bench *bench, bool gallery, bench_frame_function *each,
                      struct iso_fault *fault)
 {
     int error = 0;
     for (size_t i = 0; !error && i < bench->corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &bench->corpus->rows[i];
         if ((row->role == SIM_ROLE_GALLERY) == gallery) {
-            error = read_row(bench, row, each, fault);
+            error = bench_frames_of_row(bench->directory, row, each, bench, fault);
         }
     }
     return error;
@@ -115,8 +89,9 @@ static int extract(struct bench *bench, const struct iso_frame *frame,
     return error ? iso_fault_set(fault, error, "extractor: %s", strerror(-error)) : 0;
 }
 
-static int keep_face(struct bench *bench, const struct iso_frame *frame, struct iso_fault *fault)
+static int keep_face(void *context, const struct iso_frame *frame, struct iso_fault *fault)
 {
+    struct bench *bench = context;
     struct iso_extraction extraction;
     if (bench->n_faces == FACES_MAX || bench->n_faces == bench->people) {
         return 0;
@@ -216,8 +191,9 @@ static int recognise(struct bench *bench, const struct iso_extraction *extractio
     return error;
 }
 
-static int time_frame(struct bench *bench, const struct iso_frame *frame, struct iso_fault *fault)
+static int time_frame(void *context, const struct iso_frame *frame, struct iso_fault *fault)
 {
+    struct bench *bench = context;
     bench->n_frames++;
     bench->t_ns += 33 * ISO_NS_PER_MS;
     for (int c = 0; c < CLOCKS; c++) {
@@ -255,7 +231,13 @@ static int time_frame(struct bench *bench, const struct iso_frame *frame, struct
 /* A directory and keys for the gallery. */
 static int open_ring(struct bench *bench, struct iso_fault *fault)
 {
-    char directory[] = "/tmp/bench_frame-XXXXXX", ring[80], key[80];
+    const char *temporary = getenv("TMPDIR");
+    char directory[PLACE_MAX - 16], ring[PLACE_MAX + 8], key[PLACE_MAX + 8];
+    const int length = snprintf(directory, sizeof directory, "%s/bench_frame-XXXXXX",
+                                temporary ? temporary : "/tmp");
+    if ((size_t)length >= sizeof directory) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "TMPDIR: the name is too long");
+    }
     if (!mkdtemp(directory)) {
         return iso_fault_set(fault, -errno, "%s: %s", directory, strerror(errno));
     }
@@ -270,7 +252,7 @@ static int open_ring(struct bench *bench, struct iso_fault *fault)
 static void remove_gallery(const struct bench *bench)
 {
     static const char *const ends[] = {"", ".anchor", ".keys", ".key"};
-    char path[80];
+    char path[PLACE_MAX + 8];
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
         (void)snprintf(path, sizeof path, "%s%s", bench->path, ends[i]);
         (void)unlink(path);
@@ -292,10 +274,7 @@ static int prepare(struct bench *bench, struct iso_fault *fault)
     if (error) {
         return error;
     }
-    size_t n_frames = 0;
-    for (size_t i = 0; i < bench->corpus->n_rows; i++) {
-        n_frames += bench->corpus->rows[i].count;
-    }
+    const size_t n_frames = bench_frames_in(bench->corpus);
     error = open_ring(bench, fault);
     if (error) {
         return error;

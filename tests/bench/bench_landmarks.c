@@ -10,10 +10,11 @@
 
 #include "core/extract.h"
 #include "core/frame/shrink.h"
-#include "drivers/recording/recording.h"
 #include "sim/data_file.h"
 #include "sim/eval/latency.h"
-#include "sim/recording/corpus.h"
+#include "tests/bench/frames.h"
+
+enum { HALF_MAX = 1920 * 1200 }; /* pixels */
 
 enum way { LOOKED_FOR, HALF_SIZE, FOLLOWED, WAYS };
 
@@ -53,33 +54,18 @@ static int time_frame(struct bench *b, enum way way, const struct iso_frame *fra
     return 0;
 }
 
-static int time_row(struct bench *b, const char *directory, const struct sim_corpus_row *row,
-                    struct iso_fault *fault)
+/* The three ways, on one frame. */
+static int time_ways(void *context, const struct iso_frame *frame, struct iso_fault *fault)
 {
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s/%s", directory, row->recording);
-    struct iso_recording *recording = NULL;
-    struct iso_frame *frame = NULL;
-    int error = iso_recording_open(path, &recording, fault);
-    error = error ? error : iso_recording_frame_new(recording, &frame);
-    iso_extractor_forget(b->extractor[FOLLOWED]);
-    for (size_t i = row->first; !error && i < row->first + row->count; i++) {
-        error = iso_recording_read(recording, i, frame, fault);
-        if (error) {
-            break;
-        }
-        struct iso_window all = {0, 0, frame->width_px, frame->height_px};
-        error = iso_frame_shrink(frame, all, 2, (size_t)frame->width_px * (size_t)frame->height_px,
-                                 &b->half);
-        error = error ? error : time_frame(b, LOOKED_FOR, frame);
-        error = error ? error : time_frame(b, HALF_SIZE, &b->half);
-        error = error ? error : time_frame(b, FOLLOWED, frame);
-        b->width_px = frame->width_px;
-        b->height_px = frame->height_px;
-    }
-    iso_frame_free(frame);
-    iso_recording_close(recording);
-    return error;
+    struct bench *b = context;
+    const struct iso_window all = {0, 0, frame->width_px, frame->height_px};
+    int error = iso_frame_shrink(frame, all, 2, HALF_MAX, &b->half);
+    error = error ? error : time_frame(b, LOOKED_FOR, frame);
+    error = error ? error : time_frame(b, HALF_SIZE, &b->half);
+    error = error ? error : time_frame(b, FOLLOWED, frame);
+    b->width_px = frame->width_px;
+    b->height_px = frame->height_px;
+    return error ? iso_fault_set(fault, error, "extractor: %s", strerror(-error)) : 0;
 }
 
 static int prepare(struct bench *b, const struct iso_head_model *model, size_t n_frames)
@@ -93,7 +79,7 @@ static int prepare(struct bench *b, const struct iso_head_model *model, size_t n
         b->ms[way] = calloc(n_frames, sizeof *b->ms[way]);
         error = b->ms[way] ? error : -ENOMEM;
     }
-    b->half.depth_mm = calloc((size_t)1920 * 1200, sizeof *b->half.depth_mm);
+    b->half.depth_mm = calloc(HALF_MAX, sizeof *b->half.depth_mm);
     return b->half.depth_mm ? error : -ENOMEM;
 }
 
@@ -127,13 +113,10 @@ int main(int argc, char **argv)
     struct sim_corpus *corpus = NULL;
     int error = sim_head_model_load(argv[2], &model, &fault);
     error = error ? error : sim_corpus_read(argv[1], &corpus, &fault);
-    size_t n_frames = 0;
+    error = error ? error : prepare(&bench, model, bench_frames_in(corpus));
     for (size_t r = 0; !error && r < corpus->n_rows; r++) {
-        n_frames += corpus->rows[r].count;
-    }
-    error = error ? error : prepare(&bench, model, n_frames);
-    for (size_t r = 0; !error && r < corpus->n_rows; r++) {
-        error = time_row(&bench, argv[1], &corpus->rows[r], &fault);
+        iso_extractor_forget(bench.extractor[FOLLOWED]);
+        error = bench_frames_of_row(argv[1], &corpus->rows[r], time_ways, &bench, &fault);
     }
     if (error) {
         fprintf(stderr, "bench_landmarks: %s\n", fault.text[0] ? fault.text : strerror(-error));

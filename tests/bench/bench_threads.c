@@ -14,13 +14,13 @@
 #include <unistd.h>
 
 #include "core/extract.h"
-#include "drivers/recording/recording.h"
 #include "firmware/crew.h"
 #include "firmware/times.h"
 #include "sim/data_file.h"
 #include "sim/eval/latency.h"
 #include "sim/options.h"
 #include "sim/recording/corpus.h"
+#include "tests/bench/frames.h"
 #include "tests/bench/machine.h"
 
 enum { SIDES = 2, LOAD_MAX = 64 };
@@ -49,8 +49,9 @@ static void wait_for_frame(struct bench *bench)
     bench->next_ns = next_ns > now_ns ? next_ns : now_ns;
 }
 
-static int time_frame(struct bench *bench, const struct iso_frame *frame, struct iso_fault *fault)
+static int time_frame(void *context, const struct iso_frame *frame, struct iso_fault *fault)
 {
+    struct bench *bench = context;
     int64_t heat_ns[SIDES] = {0};
     if (bench->n_timed == bench->pairs) {
         return 0;
@@ -74,26 +75,6 @@ static int time_frame(struct bench *bench, const struct iso_frame *frame, struct
         bench->ratio_ppm[bench->n_timed++] = heat_ns[0] * 1000000 / heat_ns[1];
     }
     return 0;
-}
-
-static int time_row(struct bench *bench, const struct sim_corpus_row *row, struct iso_fault *fault)
-{
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s/%s", bench->directory, row->recording);
-    struct iso_recording *recording = NULL;
-    struct iso_frame *frame = NULL;
-    int error = iso_recording_open(path, &recording, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_recording_frame_new(recording, &frame);
-    for (size_t i = 0; !error && i < row->count; i++) {
-        error = iso_recording_read(recording, row->first + i, frame, fault);
-        error = error ? error : time_frame(bench, frame, fault);
-    }
-    iso_frame_free(frame);
-    iso_recording_close(recording);
-    return error;
 }
 
 static double mean_ms(const int64_t *times_ns, size_t n)
@@ -139,7 +120,8 @@ static int time_corpus(struct bench *bench, const char *what, struct iso_fault *
     bench->n_timed = 0;
     bench->next_ns = sim_wall_ns(NULL);
     for (size_t i = 0; !error && i < bench->corpus->n_rows; i++) {
-        error = time_row(bench, &bench->corpus->rows[i], fault);
+        error = bench_frames_of_row(bench->directory, &bench->corpus->rows[i], time_frame, bench,
+                                    fault);
     }
     if (error) {
         return error;
@@ -197,10 +179,7 @@ static int prepare(struct bench *bench, struct iso_fault *fault)
     if (error) {
         return error;
     }
-    size_t n_frames = 0;
-    for (size_t i = 0; i < bench->corpus->n_rows; i++) {
-        n_frames += bench->corpus->rows[i].count;
-    }
+    const size_t n_frames = bench_frames_in(bench->corpus);
     error = iso_crew_new(SIDES, &bench->crew);
     for (int side = 0; !error && side < SIDES; side++) {
         options.tasks = side == 0 ? NULL : iso_crew_tasks(bench->crew);
