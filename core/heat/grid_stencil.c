@@ -8,7 +8,8 @@
 
 #include "core/math/lanes.h"
 
-enum { PLANES = 7 };
+/* Rows that share one row of the plane `bound`: a band has all of them. */
+enum { PLANES = 7, BLOCK = 8 };
 
 int iso_grid_stencil_new(const struct iso_grid *grid, struct iso_grid_stencil **out)
 {
@@ -76,15 +77,16 @@ static inline void add_triangles(struct cells *c, const iso_lanes z[4], int k,
 
 /* The edges of L from the triangles: part of a row of cells, in whole groups of lanes. What belongs
  * to pixels of the row itself, of the row below, or both. */
-static inline void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
-                           ptrdiff_t to, bool own, bool below)
+static inline void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, int row,
+                           ptrdiff_t left, ptrdiff_t end, bool own, bool below)
 {
-    const ptrdiff_t w = s->stride;
+    const ptrdiff_t w = s->stride, from = row * w + left, to = row * w + end;
+    float *bound = s->bound - row % BLOCK * w;
     for (ptrdiff_t i = from; i < to; i += ISO_LANES) {
         const iso_lanes z[4] = {ISO_LANES_LOAD(&grid->z_mm[i]), ISO_LANES_LOAD(&grid->z_mm[i + 1]),
                                 ISO_LANES_LOAD(&grid->z_mm[i + w]),
                                 ISO_LANES_LOAD(&grid->z_mm[i + w + 1])};
-        struct cells c = {.bound = {0}};
+        struct cells c = {.bound = ISO_LANES_LOAD(&bound[i])};
         add_triangles(&c, z, 0, &grid->cell_mm2[0][i], (float)grid->pitch_mm);
         add_triangles(&c, z, 1, &grid->cell_mm2[1][i], (float)grid->pitch_mm);
         add_triangles(&c, z, 2, &grid->cell_mm2[2][i], (float)grid->pitch_mm);
@@ -94,8 +96,8 @@ static inline void add_row(struct iso_grid_stencil *s, const struct iso_grid *gr
             ADD(&s->south[i], c.left);
             ADD(&s->south[i + 1], c.right);
             ISO_LANES_STORE(&s->south_east[i], c.falling);
-            ISO_LANES_STORE(&s->south_west[i + 1], c.rising);
-            ISO_LANES_STORE(&s->bound[i], c.bound);
+            ISO_LANES_STORE(&s->south_west[i], c.rising);
+            ISO_LANES_STORE(&bound[i], c.bound);
         }
         if (below) {
             ADD(&s->east[i + w], c.bottom);
@@ -111,7 +113,7 @@ static void sum_row(struct iso_grid_stencil *s, ptrdiff_t from, ptrdiff_t to)
         iso_lanes sum = ISO_LANES_LOAD(&s->east[i]) + ISO_LANES_LOAD(&s->east[i - 1]);
         sum += ISO_LANES_LOAD(&s->south[i]) + ISO_LANES_LOAD(&s->south[i - w]);
         sum += ISO_LANES_LOAD(&s->south_east[i]) + ISO_LANES_LOAD(&s->south_east[i - w - 1]);
-        sum += ISO_LANES_LOAD(&s->south_west[i]) + ISO_LANES_LOAD(&s->south_west[i - w + 1]);
+        sum += ISO_LANES_LOAD(&s->south_west[i - 1]) + ISO_LANES_LOAD(&s->south_west[i - w]);
         ISO_LANES_STORE(&s->centre[i], -sum);
     }
 }
@@ -132,15 +134,14 @@ static void scale_row(struct iso_grid_stencil *s, ptrdiff_t from, ptrdiff_t to)
     const ptrdiff_t w = s->stride;
     for (ptrdiff_t i = from; i < to; i += ISO_LANES) {
         const float *root = &s->root[i];
-        const iso_lanes own = ISO_LANES_LOAD(root);
-#define SCALE(plane, offset)      \
-    ISO_LANES_STORE(&s->plane[i], \
-                    ISO_LANES_LOAD(&s->plane[i]) * own * ISO_LANES_LOAD(&root[offset]))
-        SCALE(centre, 0);
-        SCALE(east, 1);
-        SCALE(south, w);
-        SCALE(south_east, w + 1);
-        SCALE(south_west, w - 1);
+#define SCALE(plane, one, other)                                                              \
+    ISO_LANES_STORE(&s->plane[i], ISO_LANES_LOAD(&s->plane[i]) * ISO_LANES_LOAD(&root[one]) * \
+                                      ISO_LANES_LOAD(&root[other]))
+        SCALE(centre, 0, 0);
+        SCALE(east, 0, 1);
+        SCALE(south, 0, w);
+        SCALE(south_east, 0, w + 1);
+        SCALE(south_west, 1, w);
 #undef SCALE
     }
 }
@@ -153,14 +154,22 @@ struct band {
     int bottom;     /* end of all */
 };
 
+/* Where a band begins: on a whole block, but for the first. */
+static int border(int first, int bottom, int band)
+{
+    const int row = first + (bottom - first) * band / ISO_GRID_STENCIL_BANDS;
+    const int block = row / BLOCK * BLOCK;
+    return band == ISO_GRID_STENCIL_BANDS ? bottom : block > first ? block : first;
+}
+
 static struct band band_of(struct iso_grid_window window, int band)
 {
     const int first = window.row > 0 ? window.row - 1 : 0;
-    const int bottom = window.row + window.height, n = bottom - first;
+    const int bottom = window.row + window.height;
     return (struct band){
         .first = first,
-        .begin = first + n * band / ISO_GRID_STENCIL_BANDS,
-        .end = first + n * (band + 1) / ISO_GRID_STENCIL_BANDS,
+        .begin = border(first, bottom, band),
+        .end = border(first, bottom, band + 1),
         .bottom = bottom,
     };
 }
@@ -188,7 +197,7 @@ static void add_band(struct iso_grid_stencil *s, const struct iso_grid *grid,
     for (int row = rows.begin > rows.first ? rows.begin - 1 : rows.first; row < rows.end; row++) {
         const bool own = row >= rows.begin, below = row + 1 < rows.end;
         if (row + 1 < grid->height && (own || below)) {
-            add_row(s, grid, row * w + left, row * w + end, own, below);
+            add_row(s, grid, row, left, end, own, below);
         }
         if (own && row >= window.row) {
             root_row(s, grid, row * w + window.column, row * w + end);
@@ -238,7 +247,8 @@ double iso_grid_stencil_bound(const struct iso_grid_stencil *s, struct iso_grid_
         iso_lane_bits bits;
         float value[ISO_LANES];
     } most = {.bits = {0}};
-    for (int row = window.row - 1; row < window.row + window.height; row++) {
+    const int first = window.row > 0 ? window.row - 1 : 0; /* its cells reach into the window */
+    for (int row = first / BLOCK * BLOCK; row < window.row + window.height; row += BLOCK) {
         const float *bound = &s->bound[row * s->stride + window.column];
         for (int i = 0; i < window.width; i += ISO_LANES) {
             LARGER(most.bits, &bound[i - 1]);

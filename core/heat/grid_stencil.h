@@ -12,17 +12,19 @@
 
 #include "core/surface/grid.h"
 
-/* Planes in the grid's layout; entry (i, j) of A stands at the pixel that comes first, row by row.
- * Where there is no vertex, everything is 0. */
+/* Planes in the grid's layout; entry (i, j) of A stands at the pixel that comes first, row by row,
+ * that of a rising diagonal at the cell's top left. Where there is no vertex, everything is 0. */
 struct iso_grid_stencil {
     ptrdiff_t stride;
-    float *centre;                  /* a pixel with itself */
-    float *east, *south;            /* with the pixels to the right and below, */
-    float *south_east, *south_west; /* and those right and left of the one below */
-    float *root;                    /* D^-1/2 of the pixel, 1/mm; 0: no vertex */
-    float *bound;                   /* no triangle of the cell has a larger eigenvalue */
-    float *memory;                  /* of all planes */
-    size_t plane_size;              /* floats */
+    float *centre;       /* a pixel with itself */
+    float *east, *south; /* with the pixels to the right and below, */
+    float *south_east;   /* and the one right of that; */
+    float *south_west;   /* the pixel to the right with the one below */
+    float *root;         /* D^-1/2 of the pixel, 1/mm; 0: no vertex */
+    float *bound;        /* no triangle of the cells in this row and the next seven has a larger
+                            eigenvalue; in rows 0, 8, 16 ... */
+    float *memory;       /* of all planes */
+    size_t plane_size;   /* floats */
 };
 
 /* Planes for grids of that size. -ENOMEM. */
@@ -42,8 +44,9 @@ void iso_grid_stencil_build_band(struct iso_grid_stencil *stencil, const struct 
                                  struct iso_grid_window window, int step, int band);
 
 /* No eigenvalue of A restricted to a window exceeds this, 1/mm^2: the largest over single triangles
- * (Fried 1972). That of a triangle with cotangents of sum s and the mass A / 3 at each corner is
- * 3 / A times (s + sqrt(s^2 - 3)) / 2, which is taken 2 % too large. */
+ * (Fried 1972) of the window and of the few rows that share its blocks of eight. That of a triangle
+ * with cotangents of sum s and the mass A / 3 at each corner is 3 / A times (s + sqrt(s^2 - 3)) /
+ * 2, which is taken 2 % too large. */
 double iso_grid_stencil_bound(const struct iso_grid_stencil *stencil,
                               struct iso_grid_window window);
 

@@ -1,15 +1,20 @@
-/* One step of a three-term recurrence with the 9-point stencil: the inner loop of the grid heat
+/* Steps of a three-term recurrence with the 9-point stencil: the inner loop of the grid heat
  * solver. Internal to core/heat.
+ *
+ * A sweep takes several steps in one pass over the rows, each two rows behind the one before it:
+ * what a step wrote and what it read of A is still in the first-level cache when the next one wants
+ * it. Every pixel sees the same operations as if one step were taken after the other, so that
+ * results are the same to the bit.
  *
  * The same source is compiled for the least processor of the architecture and, on x86-64, for AVX2;
  * iso_grid_stepper chooses by what the machine has. Both do the same operations in the same order
- * (AVX2 without FMA), so that results are the same to the bit. */
+ * (AVX2 without FMA), so that here, too, results are the same to the bit. */
 #ifndef ISO_CORE_HEAT_GRID_STEP_H
 #define ISO_CORE_HEAT_GRID_STEP_H
 
 #include "core/heat/grid_stencil.h"
 
-enum { ISO_GRID_SUMS_MAX = 8 };
+enum { ISO_GRID_SUMS_MAX = 8, ISO_GRID_STEPS_MAX = 4 };
 
 /* Sums that are gathered along the way: sum[j] += weight[j] * the new values. */
 struct iso_grid_sums {
@@ -18,17 +23,35 @@ struct iso_grid_sums {
     float *sum[ISO_GRID_SUMS_MAX]; /* planes */
 };
 
-/* io = forth * A y + back * y - io in a window whose width is a multiple of ISO_LANES. */
-typedef void iso_grid_step(const struct iso_grid_stencil *a, struct iso_grid_window window,
-                           float forth, float back, const float *y, float *io,
-                           const struct iso_grid_sums *sums);
+/* What a step adds at single pixels of its window. */
+struct iso_grid_load {
+    int n; /* 0..3 */
+    ptrdiff_t at[3];
+    float value[3];
+};
 
-iso_grid_step iso__grid_step_baseline;
-iso_grid_step iso__grid_step_avx2; /* x86-64 only */
+/* io = forth * A y + back * y - io + load in a window whose column and width are multiples of
+ * ISO_LANES; in the column before it y is 0. */
+struct iso_grid_step {
+    struct iso_grid_window window;
+    float forth, back;
+    const float *y;
+    float *io;
+    struct iso_grid_load load;
+    struct iso_grid_sums sums; /* of io, once it has its load */
+};
+
+/* One step after the other, 1..ISO_GRID_STEPS_MAX of them: the y of each is the io of the one
+ * before it and its io the y of that. Sums are planes of their own. */
+typedef void iso_grid_sweep(const struct iso_grid_stencil *a, const struct iso_grid_step *steps,
+                            int n_steps);
+
+iso_grid_sweep iso__grid_sweep_baseline;
+iso_grid_sweep iso__grid_sweep_avx2; /* x86-64 only */
 
 /* The fastest that this machine can run, and its name. */
 struct iso_grid_stepper {
-    iso_grid_step *step;
+    iso_grid_sweep *sweep;
     const char *name;
 };
 struct iso_grid_stepper iso_grid_stepper(void);

@@ -8,7 +8,7 @@
 #else
 #pragma GCC target("avx2")
 #endif
-#define STEP iso__grid_step_avx2
+#define SWEEP iso__grid_sweep_avx2
 #include "core/heat/grid_step.inc"
 #if defined __clang__
 #pragma clang attribute pop

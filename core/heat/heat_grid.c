@@ -53,7 +53,7 @@ struct worker {
 struct iso_heat_grid {
     struct iso_heat_grid_options options;
     struct iso_grid_stencil *stencil;
-    iso_grid_step *step;
+    iso_grid_sweep *sweep;
     size_t plane_size, plane_origin;
     float *planes; /* those of the columns, then two for each worker */
     int n_columns; /* [n_sources + n_workers], as many to spare as there are workers */
@@ -90,7 +90,7 @@ int iso_heat_grid_new(const struct iso_grid *grid, const struct iso_heat_grid_op
         return -ENOMEM;
     }
     h->options = o;
-    h->step = iso_grid_stepper().step;
+    h->sweep = iso_grid_stepper().sweep;
     h->plane_size = iso_grid_plane_size(grid);
     h->plane_origin = iso_grid_plane_origin(grid);
     h->n_columns = o.n_sources + o.n_workers;
@@ -216,25 +216,79 @@ struct preparation {
     int step;                   /* of the operator */
 };
 
-/* y += weight D^-1/2 b: the unit load of the source. */
-static void load(const struct iso_heat_grid *h, const struct iso_grid_point *source, double weight,
-                 float *y)
+/* weight D^-1/2 b: the unit load of the source. */
+static struct iso_grid_load load_of(const struct iso_heat_grid *h,
+                                    const struct iso_grid_point *source, double weight)
 {
-    for (int k = 0; k < 3; k++) {
-        int32_t at = source->corner[k];
-        y[at] += (float)(weight * source->weight[k] * (double)h->stencil->root[at]);
+    struct iso_grid_load load = {.n = 3};
+    for (int k = 0; k < load.n; k++) {
+        load.at[k] = source->corner[k];
+        load.value[k] = (float)(weight * source->weight[k] * (double)h->stencil->root[load.at[k]]);
+    }
+    return load;
+}
+
+static void add(const struct iso_grid_load *load, float *y)
+{
+    for (int k = 0; k < load->n; k++) {
+        y[load->at[k]] += load->value[k];
     }
 }
 
-static void take_step(const struct iso_heat_grid *h, const struct flow *flow,
-                      struct iso_grid_window box, double half, const float *y, float *io,
-                      const struct iso_grid_sums *sums, struct iso_heat_grid_effort *effort)
+/* A recurrence under way: steps are put off until a sweep is full of them. */
+struct recurrence {
+    const struct iso_heat_grid *h;
+    const struct flow *flow;
+    struct iso_heat_grid_effort *effort;
+    float *now, *before; /* its last two vectors */
+    int n_steps;
+    struct iso_grid_step step[ISO_GRID_STEPS_MAX];
+};
+
+static struct recurrence begin_recurrence(const struct iso_heat_grid *h,
+                                          const struct worker *worker, const struct flow *flow,
+                                          double weight, struct iso_heat_grid_effort *effort)
 {
-    /* x = 2 A / lambda - 1 maps the spectrum to -1..1; a whole step is 2 x y - io, half a one
-     * x y - io. */
-    h->step(h->stencil, box, (float)(half * 4.0 / flow->lambda), (float)(half * -2.0), y, io, sums);
-    effort->steps++;
-    effort->pixels += (double)box.width * (double)box.height;
+    struct recurrence r = {
+        .h = h,
+        .flow = flow,
+        .effort = effort,
+        .now = worker->vector[0],
+        .before = worker->vector[1],
+    };
+    const struct iso_grid_load load = load_of(h, &flow->source, weight);
+    add(&load, r.now);
+    return r;
+}
+
+static void sweep(struct recurrence *r)
+{
+    if (r->n_steps > 0) {
+        r->h->sweep(r->h->stencil, r->step, r->n_steps);
+        r->n_steps = 0;
+    }
+}
+
+/* The next vector, 2 x now - before, or half of the first term: x = 2 A / lambda - 1 maps the
+ * spectrum to -1..1. `steps` many are taken with it. */
+static struct iso_grid_step *take_step(struct recurrence *r, int steps, double half)
+{
+    if (r->n_steps == ISO_GRID_STEPS_MAX) {
+        sweep(r);
+    }
+    struct iso_grid_step *step = &r->step[r->n_steps++];
+    *step = (struct iso_grid_step){
+        .window = reached(r->flow->window, (int)r->h->stencil->stride, &r->flow->source, steps),
+        .forth = (float)(half * 4.0 / r->flow->lambda),
+        .back = (float)(half * -2.0),
+        .y = r->now,
+        .io = r->before,
+    };
+    r->before = r->now;
+    r->now = step->io;
+    r->effort->steps++;
+    r->effort->pixels += (double)step->window.width * (double)step->window.height;
+    return step;
 }
 
 /* One time: Clenshaw's recurrence (1955) from the last term down, b_k = c_k v + 2 x b_{k+1} -
@@ -243,20 +297,14 @@ static void take_step(const struct iso_heat_grid *h, const struct flow *flow,
 static float *expand_one(const struct iso_heat_grid *h, const struct worker *worker,
                          const struct flow *flow, int terms, struct iso_heat_grid_effort *effort)
 {
-    static const struct iso_grid_sums none;
-    float *next = worker->vector[0], *now = worker->vector[1];
-    for (int k = terms - 1; k >= 0; k--) {
-        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, &flow->source,
-                                             terms - 1 - k);
-        if (k < terms - 1) {
-            take_step(h, flow, box, k == 0 ? 0.5 : 1.0, now, next, &none, effort);
-        }
-        load(h, &flow->source, worker->c[0][k], next);
-        float *spare = now;
-        now = next;
-        next = spare;
+    const double *c = worker->c[0];
+    struct recurrence r = begin_recurrence(h, worker, flow, c[terms - 1], effort);
+    for (int k = terms - 2; k >= 0; k--) {
+        struct iso_grid_step *step = take_step(&r, terms - 1 - k, k == 0 ? 0.5 : 1.0);
+        step->load = load_of(h, &flow->source, c[k]);
     }
-    return now;
+    sweep(&r);
+    return r.now;
 }
 
 /* Several times: the polynomials themselves, T_{k+1} = 2 x T_k - T_{k-1}, summed for each time in
@@ -265,28 +313,23 @@ static void expand_several(const struct iso_heat_grid *h, const struct worker *w
                            const struct flow *flow, const int *terms, float **sum,
                            struct iso_heat_grid_effort *effort)
 {
-    int n_times = h->n_times, most = 0;
-    float *before = worker->vector[0], *now = worker->vector[1];
-    load(h, &flow->source, 1.0, now);
-    for (int j = 0; j < n_times; j++) {
-        load(h, &flow->source, worker->c[j][0], sum[j]);
+    int most = 0;
+    struct recurrence r = begin_recurrence(h, worker, flow, 1.0, effort);
+    for (int j = 0; j < h->n_times; j++) {
+        const struct iso_grid_load load = load_of(h, &flow->source, worker->c[j][0]);
+        add(&load, sum[j]);
         most = terms[j] > most ? terms[j] : most;
     }
     for (int k = 1; k < most; k++) {
-        struct iso_grid_sums sums = {0};
-        for (int j = 0; j < n_times; j++) {
+        struct iso_grid_sums *sums = &take_step(&r, k, k == 1 ? 0.5 : 1.0)->sums;
+        for (int j = 0; j < h->n_times; j++) {
             if (k < terms[j]) {
-                sums.weight[sums.n] = (float)worker->c[j][k];
-                sums.sum[sums.n++] = sum[j];
+                sums->weight[sums->n] = (float)worker->c[j][k];
+                sums->sum[sums->n++] = sum[j];
             }
         }
-        struct iso_grid_window box = reached(flow->window, (int)h->stencil->stride, &flow->source,
-                                             k);
-        take_step(h, flow, box, k == 1 ? 0.5 : 1.0, now, before, &sums, effort);
-        float *spare = before;
-        before = now;
-        now = spare;
     }
+    sweep(&r);
 }
 
 /* column = D^-1/2 y in the window; y and column may be the same. */

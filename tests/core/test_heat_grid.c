@@ -47,8 +47,6 @@ static struct iso_grid_window everything(const struct iso_grid *grid)
                                     grid->height};
 }
 
-static const struct iso_grid_sums no_sums;
-
 /* Any values at the vertices. */
 static float *any_values(const struct grid_surface *s)
 {
@@ -77,7 +75,9 @@ static void the_operator_is_that_of_the_mesh(void **state)
         x[i] = (double)y[s.plane_index[i]] / sqrt(mass);
     }
     iso_symmetric_multiply(m.stiffness, x, expected);
-    iso_grid_stepper().step(stencil, everything(s.grid), 1.0f, 0.0f, y, image, &no_sums);
+    const struct iso_grid_step once = {
+        .window = everything(s.grid), .forth = 1.0f, .y = y, .io = image};
+    iso_grid_stepper().sweep(stencil, &once, 1);
     for (size_t i = 0; i < n; i++) {
         double mass = m.mass->value[m.mass->column_start[i]];
         double off = (double)image[s.plane_index[i]] - expected[i] / sqrt(mass);
@@ -115,8 +115,9 @@ static void the_bound_holds_and_is_close(void **state)
         for (int i = 0; i < 300; i++) { /* power iteration */
             memset(next - iso_grid_plane_origin(s.grid), 0,
                    iso_grid_plane_size(s.grid) * sizeof *next);
-            iso_grid_stepper().step(stencil, all, (float)(1.0 / norm(s.grid, now)), 0.0f, now, next,
-                                    &no_sums);
+            const struct iso_grid_step once = {
+                .window = all, .forth = (float)(1.0 / norm(s.grid, now)), .y = now, .io = next};
+            iso_grid_stepper().sweep(stencil, &once, 1);
             largest = norm(s.grid, next);
             float *spare = now;
             now = next;
@@ -132,37 +133,93 @@ static void the_bound_holds_and_is_close(void **state)
     }
 }
 
-#if defined __x86_64__
-static void processors_agree_to_the_bit(void **state)
+/* Vectors of a recurrence and two sums: four planes. */
+struct vectors {
+    float *plane[4];
+};
+
+static struct vectors any_vectors(const struct grid_surface *s)
+{
+    return (struct vectors){
+        {any_values(s), new_plane(s->grid), new_plane(s->grid), new_plane(s->grid)}};
+}
+
+/* Steps whose windows grow, of odd and even heights, with loads and sums. */
+static void describe_steps(const struct iso_grid *grid, const struct vectors *v,
+                           struct iso_grid_step step[ISO_GRID_STEPS_MAX])
+{
+    const struct iso_grid_window all = everything(grid);
+    for (int s = 0; s < ISO_GRID_STEPS_MAX; s++) {
+        const bool last = s + 1 == ISO_GRID_STEPS_MAX;
+        const int rest = last ? 0 : 9 - 2 * s - s % 2;
+        const ptrdiff_t at = (all.height / 2 + s) * grid->stride + all.width / 2;
+        step[s] = (struct iso_grid_step){
+            .window = last ? all
+                           : (struct iso_grid_window){0, rest, ISO_LANES * (2 + s),
+                                                      all.height - 2 * rest},
+            .forth = 0.7f,
+            .back = -2.0f,
+            .y = v->plane[s % 2],
+            .io = v->plane[1 - s % 2],
+            .load = {2, {at, at + grid->stride + 1}, {3.0f, -1.5f}},
+            .sums = {2, {0.3f, 0.2f}, {v->plane[2], v->plane[3]}},
+        };
+    }
+}
+
+static void assert_same_vectors(const struct iso_grid *grid, const struct vectors *a,
+                                const struct vectors *b)
+{
+    for (int k = 0; k < 4; k++) {
+        assert_true(norm(grid, a->plane[k]) > 1.0);
+        assert_memory_equal(a->plane[k], b->plane[k],
+                            (size_t)(grid->height * grid->stride) * sizeof(float));
+    }
+}
+
+static void free_vectors(const struct iso_grid *grid, const struct vectors *v)
+{
+    for (int k = 0; k < 4; k++) {
+        free_plane(grid, v->plane[k]);
+    }
+}
+
+/* In one pass or in four, by any processor. */
+static void a_sweep_is_its_steps_to_the_bit(void **state)
 {
     (void)state;
-    if (!__builtin_cpu_supports("avx2")) {
-        skip();
-    }
+    iso_grid_sweep *sweeps[] = {
+        iso__grid_sweep_baseline,
+#if defined __x86_64__
+        __builtin_cpu_supports("avx2") ? iso__grid_sweep_avx2 : iso__grid_sweep_baseline,
+#endif
+    };
     struct grid_surface s = grid_surface_hills(2.0, 1.0);
     struct iso_grid_stencil *stencil = NULL;
     assert_int_equal(iso_grid_stencil_new(s.grid, &stencil), 0);
     iso_grid_stencil_build(stencil, s.grid, everything(s.grid));
-    const struct iso_grid_window all = everything(s.grid);
-    float *y = any_values(&s), *a = new_plane(s.grid), *b = new_plane(s.grid);
-    float *sum_a = new_plane(s.grid), *sum_b = new_plane(s.grid);
-    const struct iso_grid_sums into_a = {1, {0.3f}, {sum_a}}, into_b = {1, {0.3f}, {sum_b}};
-    for (int i = 0; i < 3; i++) {
-        iso__grid_step_baseline(stencil, all, 0.7f, -2.0f, y, a, &into_a);
-        iso__grid_step_avx2(stencil, all, 0.7f, -2.0f, y, b, &into_b);
+    struct iso_grid_step step[ISO_GRID_STEPS_MAX];
+    const struct vectors one_by_one = any_vectors(&s);
+    describe_steps(s.grid, &one_by_one, step);
+    for (int k = 0; k < ISO_GRID_STEPS_MAX; k++) {
+        iso__grid_sweep_baseline(stencil, &step[k], 1);
     }
-    size_t bytes = (size_t)(s.grid->height * s.grid->stride) * sizeof *a;
-    assert_true(norm(s.grid, a) > 1.0 && norm(s.grid, sum_a) > 1.0);
-    assert_memory_equal(a, b, bytes);
-    assert_memory_equal(sum_a, sum_b, bytes);
-    float *const planes[] = {y, a, b, sum_a, sum_b};
-    for (size_t i = 0; i < sizeof planes / sizeof planes[0]; i++) {
-        free_plane(s.grid, planes[i]);
+    for (size_t i = 0; i < sizeof sweeps / sizeof *sweeps; i++) {
+        for (int n = 1; n <= ISO_GRID_STEPS_MAX; n++) {
+            const struct vectors v = any_vectors(&s);
+            describe_steps(s.grid, &v, step);
+            for (int k = 0; k < ISO_GRID_STEPS_MAX; k += n) {
+                const int left = ISO_GRID_STEPS_MAX - k;
+                sweeps[i](stencil, &step[k], left < n ? left : n);
+            }
+            assert_same_vectors(s.grid, &one_by_one, &v);
+            free_vectors(s.grid, &v);
+        }
     }
+    free_vectors(s.grid, &one_by_one);
     iso_grid_stencil_free(stencil);
     grid_surface_done(&s);
 }
-#endif
 
 static void the_expansion_is_the_exponential(void **state)
 {
@@ -386,9 +443,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_operator_is_that_of_the_mesh),
         cmocka_unit_test(the_bound_holds_and_is_close),
-#if defined __x86_64__
-        cmocka_unit_test(processors_agree_to_the_bit),
-#endif
+        cmocka_unit_test(a_sweep_is_its_steps_to_the_bit),
         cmocka_unit_test(the_expansion_is_the_exponential),
         cmocka_unit_test(on_a_plane_heat_is_gaussian),
         cmocka_unit_test(several_times_in_one_pass_are_the_times_one_by_one),
