@@ -59,7 +59,8 @@ struct iso_heat_grid {
     int n_columns; /* [n_sources + n_workers], as many to spare as there are workers */
     struct columns *columns;
     struct worker *workers;
-    struct flow *flows; /* [n_sources] */
+    struct flow *flows;     /* [n_sources] */
+    int order[SOURCES_MAX]; /* of the tasks: the longest first, so that workers end together */
     /* The last request, for whoever is still at it. */
     const struct iso_tasks *tasks;
     int n_sources, n_times;
@@ -344,11 +345,11 @@ static void finish(const struct iso_heat_grid *h, struct iso_grid_window window,
     }
 }
 
-static void release_one(void *shared, int source, int worker_number)
+static void release_one(void *shared, int task, int worker_number)
 {
     struct iso_heat_grid *h = shared;
     struct worker *worker = &h->workers[worker_number];
-    struct flow *flow = &h->flows[source];
+    struct flow *flow = &h->flows[h->order[task]];
     int before = flow->before;
     if (atomic_load(&flow->columns) != before) {
         return; /* another was faster */
@@ -356,7 +357,8 @@ static void release_one(void *shared, int source, int worker_number)
     struct columns *own = &h->columns[worker->columns];
     int terms[ISO_HEAT_GRID_TIMES_MAX];
     float *columns[ISO_HEAT_GRID_TIMES_MAX];
-    own->effort = (struct iso_heat_grid_effort){.stiffness_max = h->t_max_mm2 * flow->lambda};
+    /* Here until it is done: another worker writes beside `own`. */
+    struct iso_heat_grid_effort effort = {.stiffness_max = h->t_max_mm2 * flow->lambda};
     for (int j = 0; j < h->options.n_times; j++) {
         columns[j] = column_plane(h, worker->columns, j);
         clear(columns[j], h->stencil->stride, own->window);
@@ -367,14 +369,15 @@ static void release_one(void *shared, int source, int worker_number)
         terms[j] = iso_chebyshev_exp(0.5 * t * flow->lambda, tolerance, worker->c[j]);
     }
     if (h->n_times == 1) {
-        const float *sum = expand_one(h, worker, flow, terms[0], &own->effort);
+        const float *sum = expand_one(h, worker, flow, terms[0], &effort);
         finish(h, flow->window, sum, columns[0]);
     } else {
-        expand_several(h, worker, flow, terms, columns, &own->effort);
+        expand_several(h, worker, flow, terms, columns, &effort);
         for (int j = 0; j < h->n_times; j++) {
             finish(h, flow->window, columns[j], columns[j]);
         }
     }
+    own->effort = effort;
     clear(worker->vector[0], h->stencil->stride, flow->window);
     clear(worker->vector[1], h->stencil->stride, flow->window);
     if (atomic_compare_exchange_strong(&flow->columns, &before, worker->columns)) {
@@ -408,6 +411,23 @@ static struct iso_grid_window join(struct iso_grid_window a, struct iso_grid_win
     int a_bottom = a.row + a.height, b_bottom = b.row + b.height;
     return (struct iso_grid_window){column, row, (a_end > b_end ? a_end : b_end) - column,
                                     (a_bottom > b_bottom ? a_bottom : b_bottom) - row};
+}
+
+/* What a source will take, in no unit: pixels, and the terms of the expansion. */
+static double work_of(const struct flow *flow)
+{
+    return (double)flow->window.width * flow->window.height * sqrt(flow->lambda);
+}
+
+static void put_in_order(struct iso_heat_grid *h)
+{
+    for (int s = 0; s < h->n_sources; s++) {
+        int at = s;
+        for (; at > 0 && work_of(&h->flows[h->order[at - 1]]) < work_of(&h->flows[s]); at--) {
+            h->order[at] = h->order[at - 1];
+        }
+        h->order[at] = s;
+    }
 }
 
 static bool request_sane(const struct iso_heat_grid *h, const struct iso_grid *grid,
@@ -464,6 +484,7 @@ int iso_heat_grid(struct iso_heat_grid *h, const struct iso_grid *grid,
             return -ERANGE;
         }
     }
+    put_in_order(h);
     iso_tasks_race(tasks, release_one, h, request->n_sources);
     return 0;
 }
