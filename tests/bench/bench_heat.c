@@ -189,11 +189,12 @@ static void print_bound(const struct heat_case *c, int seconds)
 {
     struct heat_case at = *c;
     double gb_s = bench_l2_gb_s();
-    printf(
-        "\nBound by data: a step reads five planes of A, the vector and the one before, and writes"
-        " one:\n32 bytes a pixel. The second-level cache of this core moves %.1f GB/s; steps by"
-        " %s.\n",
-        gb_s, iso_grid_stepper().name);
+    printf("\nBound by data: a step by itself reads five planes of A, the vector and the one "
+           "before, and"
+           " writes\none: 32 bytes a pixel. The second-level cache of this core moves %.1f GB/s; "
+           "steps by"
+           " %s, %d at once.\n",
+           gb_s, iso_grid_stepper().name, ISO_GRID_STEPS_MAX);
     for (int r = RADIUS_OF_PRODUCT; r <= RADIUS_MOST; r += RADIUS_MOST - RADIUS_OF_PRODUCT) {
         at.radius_mm = radii_mm[r];
         void *state = heat_methods[HEAT_METHOD_GRID].open(&at);
