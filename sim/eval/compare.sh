@@ -45,11 +45,11 @@ table() {
 
 # What frames that are fused gain: each visit of eight frames is eight samples of one, four of two, ...
 # Enrolled with one frame, whose errors no later frame mends, and with as many as are searched with.
-# The environment may name PRESETS (mild strong hard).
+# The environment may name PRESETS (mild strong hard) and FUSED, how many are enrolled and searched with.
 fused() {
     for preset in ${PRESETS:-mild strong hard}; do
         render "$preset-8" --preset "$preset" --seed 5 --frames-per-visit 8 --people 60 --probes 180 --strangers 60
-        for enrolled_frames in 1-1 1-2 1-4 1-8 2-2 4-4 8-8; do
+        for enrolled_frames in ${FUSED:-1-1 1-2 1-4 1-8 2-2 4-4 8-8}; do
             enrolled=${enrolled_frames%-*} frames=${enrolled_frames#*-}
             result=$preset-fused-$enrolled_frames
             evaluate "$result" --corpus "$scratch/$preset-8" --gallery-frames "$enrolled" --fuse "$frames"
@@ -65,8 +65,9 @@ thousand() {
     sed -n '/^Identification/,/^By condition/p' "$scratch/results/thousand/report.txt"
 }
 
+# The environment may name SENSORS.
 sensors() {
-    for sensor in astra kinect2 d435 truedepth stereo; do
+    for sensor in ${SENSORS:-astra kinect2 d435 truedepth stereo}; do
         render sensor-$sensor --preset strong --seed 7 --sensor $sensor --people 100 --probes 200 --strangers 100
         evaluate sensor-$sensor --corpus "$scratch/sensor-$sensor"
         echo "$sensor:"
