@@ -1,4 +1,5 @@
 #include "tests/core/grid_surface.h"
+#include "tests/core/shipped_model.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -83,26 +84,9 @@ struct grid_surface grid_surface_hills(double pitch_mm, double steepness)
     return surface_of(frame);
 }
 
-static struct iso_head_model *shipped_model(void)
-{
-    FILE *stream = fopen(ISOTHERM_SOURCE_DIR "/core/data/head.model", "rb");
-    if (!stream) {
-        return NULL;
-    }
-    static uint8_t bytes[ISO_HEAD_BYTES_MAX + 1];
-    size_t size = fread(bytes, 1, sizeof bytes, stream);
-    assert_int_equal(fclose(stream), 0);
-    struct iso_head_model *model = NULL;
-    assert_int_equal(iso_head_model_parse(bytes, size, &model, NULL), 0);
-    return model;
-}
-
 struct grid_surface grid_surface_mean_face(double pitch_mm)
 {
-    struct iso_head_model *model = shipped_model();
-    if (!model) {
-        return (struct grid_surface){0};
-    }
+    struct iso_head_model *model = shipped_head_model();
     int side = 2 * (int)ceil(100.0 / pitch_mm) + 1;
     struct iso_frame *frame = new_frame(side, side, pitch_mm);
     const struct iso_raster raster = {

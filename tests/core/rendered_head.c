@@ -12,20 +12,6 @@
 
 #include "core/surface/raster.h"
 
-struct iso_head_model *rendered_head_model(void)
-{
-    FILE *stream = fopen(ISOTHERM_SOURCE_DIR "/core/data/head.model", "rb");
-    uint8_t *bytes = malloc(ISO_HEAD_BYTES_MAX + 1);
-    assert_non_null(stream);
-    assert_non_null(bytes);
-    size_t size = fread(bytes, 1, ISO_HEAD_BYTES_MAX + 1, stream);
-    assert_int_equal(fclose(stream), 0);
-    struct iso_head_model *model = NULL;
-    assert_int_equal(iso_head_model_parse(bytes, size, &model, NULL), 0);
-    free(bytes);
-    return model;
-}
-
 struct iso_camera rendered_head_camera(void)
 {
     return (struct iso_camera){.projection = ISO_PINHOLE,

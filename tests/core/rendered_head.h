@@ -1,14 +1,11 @@
-/* Heads of the committed model, rendered into depth frames: where they are and how they are shaped
- * is known exactly. Failures fail the running cmocka test. */
+/* Heads of a model (shipped_model.h), rendered into depth frames: where they are and how they are
+ * shaped is known exactly. Failures fail the running cmocka test. */
 #ifndef TESTS_CORE_RENDERED_HEAD_H
 #define TESTS_CORE_RENDERED_HEAD_H
 
 #include "core/frame/frame.h"
 #include "core/landmark/head_model.h"
 #include "core/surface/mesh.h"
-
-/* core/data/head.model. */
-struct iso_head_model *rendered_head_model(void);
 
 /* 640 x 480, its principal point off the middle, focal lengths that differ a little. */
 struct iso_camera rendered_head_camera(void);

@@ -17,6 +17,7 @@
 #include "core/match/distance.h"
 #include "drivers/recording/recording.h"
 #include "tests/core/rendered_head.h"
+#include "tests/core/shipped_model.h"
 
 struct fixture {
     struct iso_head_model *model;
@@ -30,7 +31,7 @@ static int set_up(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
-    f->model = rendered_head_model();
+    f->model = shipped_head_model();
     f->options = iso_extract_options_default();
     f->frame = rendered_head_frame();
     assert_int_equal(iso_extractor_new(f->model, &f->options, &f->extractor), 0);

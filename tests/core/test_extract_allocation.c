@@ -12,6 +12,7 @@
 
 #include "core/extract.h"
 #include "tests/core/rendered_head.h"
+#include "tests/core/shipped_model.h"
 
 enum { NEVER = -1, ALLOCATIONS_MAX = 200 };
 
@@ -42,7 +43,7 @@ void *__wrap_calloc(size_t n, size_t size)
 static void frames_are_run_without_allocating(void **state)
 {
     (void)state;
-    struct iso_head_model *model = rendered_head_model();
+    struct iso_head_model *model = shipped_head_model();
     struct iso_frame *frame = rendered_head_frame();
     struct iso_extract_options options = iso_extract_options_default();
     struct iso_extractor *extractor = NULL;
@@ -70,7 +71,7 @@ static void frames_are_run_without_allocating(void **state)
 static void a_new_extractor_survives_any_failed_allocation(void **state)
 {
     (void)state;
-    struct iso_head_model *model = rendered_head_model();
+    struct iso_head_model *model = shipped_head_model();
     struct iso_extract_options options = iso_extract_options_default();
     int n = 0;
     for (int error = -ENOMEM; error; n++) {

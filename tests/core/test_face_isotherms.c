@@ -17,6 +17,7 @@
 #include "tests/core/matrices.h"
 #include "tests/core/rendered_head.h"
 #include "tests/core/shapes.h"
+#include "tests/core/shipped_model.h"
 
 enum { COLUMNS = 91, ROWS = 81, POINTS = 24 };
 
@@ -100,7 +101,7 @@ static int set_up_plane(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
-    f->model = rendered_head_model();
+    f->model = shipped_head_model();
     make_patch(f, 10.0);
     f->mesh = shape_sheet(COLUMNS, ROWS, pitch_mm);
     make_rest(f);
@@ -116,7 +117,7 @@ static int set_up_face(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
-    f->model = rendered_head_model();
+    f->model = shipped_head_model();
     make_patch(f, INFINITY);
     const struct iso_frame *grid = iso_face_patch_frame(f->patch);
     const int n_px = grid->width_px * grid->height_px;

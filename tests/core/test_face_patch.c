@@ -13,6 +13,7 @@
 #include "core/surface/face_patch.h"
 #include "core/surface/raster.h"
 #include "tests/core/rendered_head.h"
+#include "tests/core/shipped_model.h"
 
 static const struct iso_face_patch_options usual = {
     .radius_mm = 100.0, .spacing_mm = 2.0, .smoothing_mm = 3.0, .outlier_mm = 20.0};
@@ -33,7 +34,7 @@ static int set_up(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
-    f->model = rendered_head_model();
+    f->model = shipped_head_model();
     f->pose = rendered_head_pose(-17.0, 9.0, iso_vec3(40, -25, 610));
     f->shape = calloc(f->model->n_vertices, sizeof *f->shape);
     assert_non_null(f->shape);

@@ -12,6 +12,7 @@
 #include "core/find/pose_search.h"
 #include "core/frame/shrink.h"
 #include "tests/core/rendered_head.h"
+#include "tests/core/shipped_model.h"
 
 enum { COARSE_PX_MAX = 640 * 480, SHRINK = 3 };
 
@@ -43,7 +44,7 @@ static int set_up(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
-    f->model = rendered_head_model();
+    f->model = shipped_head_model();
     f->frame = rendered_head_frame();
     f->coarse.depth_mm = calloc(COARSE_PX_MAX, sizeof *f->coarse.depth_mm);
     assert_non_null(f->coarse.depth_mm);

@@ -19,6 +19,7 @@
 #include "tests/core/matrices.h"
 #include "tests/core/reference_heat.h"
 #include "tests/core/shapes.h"
+#include "tests/core/shipped_model.h"
 
 enum { SOURCES = 3, TIMES = 5, RADII = 3, POINTS = 64, EIGENPAIRS = 100 };
 
@@ -178,20 +179,6 @@ static void on_a_relief(void **state)
     compare_both_methods(shape_relief(2.0));
 }
 
-static struct iso_head_model *shipped_model(void)
-{
-    FILE *stream = fopen(ISOTHERM_SOURCE_DIR "/core/data/head.model", "rb");
-    if (!stream) {
-        return NULL;
-    }
-    static uint8_t bytes[ISO_HEAD_BYTES_MAX + 1];
-    size_t size = fread(bytes, 1, sizeof bytes, stream);
-    assert_int_equal(fclose(stream), 0);
-    struct iso_head_model *model = NULL;
-    assert_int_equal(iso_head_model_parse(bytes, size, &model, NULL), 0);
-    return model;
-}
-
 /* The mean face within 100 mm of the nose tip as a depth grid of 2 mm, as a mesh in the face frame.
  */
 static struct iso_mesh *mean_face(const struct iso_head_model *model)
@@ -242,10 +229,7 @@ static struct iso_mesh *mean_face(const struct iso_head_model *model)
 static void on_the_mean_face(void **state)
 {
     (void)state;
-    struct iso_head_model *model = shipped_model();
-    if (!model) {
-        skip();
-    }
+    struct iso_head_model *model = shipped_head_model();
     struct iso_mesh *mesh = mean_face(model);
     iso_head_model_free(model);
     compare_both_methods(mesh);

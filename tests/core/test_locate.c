@@ -12,6 +12,7 @@
 
 #include "core/extract.h"
 #include "tests/core/rendered_head.h"
+#include "tests/core/shipped_model.h"
 
 static const struct iso_vec3 middle = {0, 0, 600};
 enum { FRAME_NS = 33333333 };
@@ -36,7 +37,7 @@ static int set_up(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
-    f->model = rendered_head_model();
+    f->model = shipped_head_model();
     f->frame = rendered_head_frame();
     remake(f, false);
     *state = f;

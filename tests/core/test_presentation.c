@@ -13,6 +13,7 @@
 #include "core/presentation/presentation.h"
 #include "tests/core/presented.h"
 #include "tests/core/rendered_head.h"
+#include "tests/core/shipped_model.h"
 
 enum { SIDE = 20, GRID = SIDE * SIDE };
 
@@ -196,7 +197,7 @@ static void pictures_and_masks_are_refused_and_people_are_not(void **state)
     enum { EACH = 8 };
     static const char *const names[KINDS] = {"person",  "flat",  "rolled", "wavy",    "creased",
                                              "display", "small", "large",  "eyes-cut"};
-    struct iso_head_model *model = rendered_head_model();
+    struct iso_head_model *model = shipped_head_model();
     const struct iso_extract_options options = iso_extract_options_default();
     const struct sim_sensor *const sensors[] = {&sim_sensor_astra, &sim_sensor_kinect2};
     for (int s = 0; s < 2; s++) {
@@ -232,7 +233,7 @@ static void pictures_and_masks_are_refused_and_people_are_not(void **state)
 static void the_size_of_the_mean_face_is_found(void **state)
 {
     (void)state;
-    struct iso_head_model *model = rendered_head_model();
+    struct iso_head_model *model = shipped_head_model();
     struct iso_frame *frame = rendered_head_frame();
     struct iso_sizer *sizer = NULL;
     assert_int_equal(iso_sizer_new(model, &sizer), 0);
@@ -310,7 +311,7 @@ static double scale_found(const struct iso_head_model *model, const struct iso_v
 static void a_large_person_is_not_a_large_print(void **state)
 {
     (void)state;
-    struct iso_head_model *model = rendered_head_model();
+    struct iso_head_model *model = shipped_head_model();
     struct iso_vec3 *shape = calloc(model->n_vertices, sizeof *shape);
     double by = 0.0, size = 1.0;
     uint32_t mode = 0;

@@ -12,6 +12,7 @@
 
 #include "core/landmark/shape_fit.h"
 #include "tests/core/rendered_head.h"
+#include "tests/core/shipped_model.h"
 
 static const struct iso_shape_fit_options usual = {
     .rigid_iterations = 4,
@@ -50,7 +51,7 @@ static int set_up(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
-    f->model = rendered_head_model();
+    f->model = shipped_head_model();
     f->frame = rendered_head_frame();
     f->shape = calloc(f->model->n_vertices, sizeof *f->shape);
     f->neutral = calloc(f->model->n_vertices, sizeof *f->neutral);

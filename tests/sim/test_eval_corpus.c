@@ -16,39 +16,28 @@
 #include "sim/data_file.h"
 #include "sim/eval/report.h"
 #include "tests/support/scratch.h"
+#include "tests/support/stored_corpus.h"
 
 #define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
 #define MODEL  ISOTHERM_SOURCE_DIR "/core/data/head.model"
 #define METRIC ISOTHERM_SOURCE_DIR "/core/data/face.metric"
 #define COHORT ISOTHERM_SOURCE_DIR "/core/data/cohort.templates"
 
-static const char *const recordings[] = {"p01-enrol", "p02-enrol", "p01-v1",
-                                         "p02-v1",    "x01-v1",    "none-nobody1"};
-
-static const char manifest[] = "recording,first,count,subject,session,role,pose,expression,note\n"
-                               "p01-enrol,0,2,p01,e,gallery,,,\n"
-                               "p02-enrol,1,2,p02,e,gallery,,,\n"
-                               "p01-v1,0,2,p01,v1,probe,,mild,\n"
-                               "p02-v1,1,1,p02,v1,probe,,mild,\n"
-                               "x01-v1,0,1,x01,v1,impostor,,,\n"
-                               "none-nobody1,0,1,none,n,impostor,,,nobody\n";
+static const char manifest[] = STORED_CORPUS_HEADER "p01-enrol,0,2,p01,e,gallery,,,\n"
+                                                    "p02-enrol,1,2,p02,e,gallery,,,\n"
+                                                    "p01-v1,0,2,p01,v1,probe,,mild,\n"
+                                                    "p02-v1,1,1,p02,v1,probe,,mild,\n"
+                                                    "x01-v1,0,1,x01,v1,impostor,,,\n"
+                                                    "none-nobody1,0,1,none,n,impostor,,,nobody\n";
 
 /* A corpus of links to stored recordings. */
 static int setup(void **state)
 {
     int error = scratch_setup(state);
-    if (error) {
-        return error;
+    if (!error) {
+        stored_corpus_make(*state, manifest);
     }
-    for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
-        char stored[4096];
-        (void)snprintf(stored, sizeof stored, "%s/%s", STORED, recordings[i]);
-        if (symlink(stored, scratch_path(*state, recordings[i])) != 0) {
-            return -errno;
-        }
-    }
-    scratch_write_text(scratch_path(*state, "manifest.csv"), manifest);
-    return 0;
+    return error;
 }
 
 static struct sim_eval_options options_for(const char *directory)
@@ -260,10 +249,9 @@ static void write_manifest(const char *directory, const char *origin)
 {
     char text[1024];
     (void)snprintf(text, sizeof text,
-                   "recording,first,count,subject,session,role,pose,expression,note\n"
-                   "p01-enrol,0,1,p01,e,gallery,,,test-2\n"
-                   "p01-v1,0,1,p01,v1,probe,,,test-2\n"
-                   "x01-v1,0,1,x01,v1,impostor,,,%s\n",
+                   STORED_CORPUS_HEADER "p01-enrol,0,1,p01,e,gallery,,,test-2\n"
+                                        "p01-v1,0,1,p01,v1,probe,,,test-2\n"
+                                        "x01-v1,0,1,x01,v1,impostor,,,%s\n",
                    origin);
     scratch_write_text(scratch_path(directory, "manifest.csv"), text);
 }

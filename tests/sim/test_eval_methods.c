@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -16,37 +15,28 @@
 #include "sim/eval/report.h"
 #include "sim/eval/report_methods.h"
 #include "tests/support/scratch.h"
+#include "tests/support/stored_corpus.h"
 
-#define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
-#define MODEL  ISOTHERM_SOURCE_DIR "/core/data/head.model"
-#define HEADER "recording,first,count,subject,session,role,pose,expression,note\n"
+#define MODEL ISOTHERM_SOURCE_DIR "/core/data/head.model"
 
-static const char *const recordings[] = {"p01-enrol", "p02-enrol", "p01-v1",    "p02-v1", "x01-v1",
-                                         "p03-enrol", "p03-v1",    "p04-enrol", "p04-v1"};
+static const char tested[] = STORED_CORPUS_HEADER "p01-enrol,0,1,p01,s0,gallery,,,test-2\n"
+                                                  "p02-enrol,1,1,p02,s0,gallery,,,test-2\n"
+                                                  "p01-v1,0,1,p01,s3,probe,,mild,test-2\n"
+                                                  "p02-v1,1,1,p02,s5,probe,,mild,test-2\n"
+                                                  "x01-v1,0,1,x01,s1,impostor,,,test-2\n";
 
-static const char tested[] = HEADER "p01-enrol,0,1,p01,s0,gallery,,,test-2\n"
-                                    "p02-enrol,1,1,p02,s0,gallery,,,test-2\n"
-                                    "p01-v1,0,1,p01,s3,probe,,mild,test-2\n"
-                                    "p02-v1,1,1,p02,s5,probe,,mild,test-2\n"
-                                    "x01-v1,0,1,x01,s1,impostor,,,test-2\n";
+static const char learned[] = STORED_CORPUS_HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
+                                                   "p03-v1,0,1,p03,s1,probe,,,train-7\n"
+                                                   "p04-enrol,0,1,p04,s0,probe,,,train-7\n"
+                                                   "p04-v1,0,1,p04,s1,probe,,,train-7\n";
 
-static const char learned[] = HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
-                                     "p03-v1,0,1,p03,s1,probe,,,train-7\n"
-                                     "p04-enrol,0,1,p04,s0,probe,,,train-7\n"
-                                     "p04-v1,0,1,p04,s1,probe,,,train-7\n";
-
-/* Two corpora of links to stored recordings. */
 static void make_corpus(const char *directory, const char *manifest)
 {
     scratch_mkdir(directory);
-    for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
-        char stored[4096];
-        (void)snprintf(stored, sizeof stored, "%s/%s", STORED, recordings[i]);
-        assert_int_equal(symlink(stored, scratch_path(directory, recordings[i])), 0);
-    }
-    scratch_write_text(scratch_path(directory, "manifest.csv"), manifest);
+    stored_corpus_make(directory, manifest);
 }
 
+/* Two corpora of stored recordings. */
 static int setup(void **state)
 {
     int error = scratch_setup(state);
@@ -191,14 +181,16 @@ static void test_nobody_is_learned_from_and_tested(void **state)
     expect_refusal(&options, "learned from and tested with");
     sim_training_set_free(training);
     /* Another directory, the same people by their note. */
-    make_corpus(scratch_path(*state, "mixed"), HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
-                                                      "p04-enrol,0,1,p04,s0,probe,,,test-2\n");
+    make_corpus(scratch_path(*state, "mixed"),
+                STORED_CORPUS_HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
+                                     "p04-enrol,0,1,p04,s0,probe,,,test-2\n");
     training = choose("eigensurfaces", scratch_path(*state, "mixed"), &options);
     expect_refusal(&options, "p04-enrol (test-2)");
     sim_training_set_free(training);
     /* Nothing is said of who they are: not refused, and not vouched for. */
-    make_corpus(scratch_path(*state, "silent"), HEADER "p03-enrol,0,1,p03,s0,probe,,,\n"
-                                                       "p03-v1,0,1,p03,s1,probe,,,train-7\n");
+    make_corpus(scratch_path(*state, "silent"),
+                STORED_CORPUS_HEADER "p03-enrol,0,1,p03,s0,probe,,,\n"
+                                     "p03-v1,0,1,p03,s1,probe,,,train-7\n");
     training = choose("eigensurfaces", scratch_path(*state, "silent"), &options);
     struct sim_eval *eval = evaluate(&options);
     assert_false(eval->trained_apart);

@@ -16,36 +16,24 @@
 #include "sim/landmarks/study.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
+#include "tests/support/stored_corpus.h"
 
-#define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
-#define MODEL  ISOTHERM_SOURCE_DIR "/core/data/head.model"
+#define MODEL ISOTHERM_SOURCE_DIR "/core/data/head.model"
 
-static const char *const recordings[] = {"p01-enrol", "p01-v1",       "x06-v2",
-                                         "none-cut4", "none-nobody1", "none-photo3"};
-
-static const char manifest[] = "recording,first,count,subject,session,role,pose,expression,note\n"
-                               "p01-enrol,0,2,p01,e,gallery,,neutral,\n"
-                               "p01-v1,1,2,p01,v1,probe,,mild,\n"
-                               "x06-v2,0,1,x06,v2,impostor,,mild,\n"
-                               "none-cut4,0,1,none,c,impostor,,,cut\n"
-                               "none-nobody1,0,2,none,n,impostor,,,nobody\n"
-                               "none-photo3,0,2,none,p,impostor,,,photo\n";
+static const char manifest[] = STORED_CORPUS_HEADER "p01-enrol,0,2,p01,e,gallery,,neutral,\n"
+                                                    "p01-v1,1,2,p01,v1,probe,,mild,\n"
+                                                    "x06-v2,0,1,x06,v2,impostor,,mild,\n"
+                                                    "none-cut4,0,1,none,c,impostor,,,cut\n"
+                                                    "none-nobody1,0,2,none,n,impostor,,,nobody\n"
+                                                    "none-photo3,0,2,none,p,impostor,,,photo\n";
 
 static int setup(void **state)
 {
     int error = scratch_setup(state);
-    if (error) {
-        return error;
+    if (!error) {
+        stored_corpus_make(*state, manifest);
     }
-    for (size_t i = 0; i < sizeof recordings / sizeof *recordings; i++) {
-        char stored[4096];
-        (void)snprintf(stored, sizeof stored, "%s/%s", STORED, recordings[i]);
-        if (symlink(stored, scratch_path(*state, recordings[i])) != 0) {
-            return -errno;
-        }
-    }
-    scratch_write_text(scratch_path(*state, "manifest.csv"), manifest);
-    return 0;
+    return error;
 }
 
 static struct sim_study *study_of(const char *directory)
@@ -201,9 +189,8 @@ static void test_real_faces(void **state)
     (void)snprintf(link, sizeof link, "%s", scratch_path(*state, "k02"));
     assert_int_equal(symlink(real, link), 0);
     scratch_write_text(scratch_path(*state, "manifest.csv"),
-                       "recording,first,count,subject,session,role,pose,expression,note\n"
-                       "k02,8,2,k02,0,gallery,frontal,neutral,\n"
-                       "k02,26,2,k02,1,probe,frontal,neutral,\n");
+                       STORED_CORPUS_HEADER "k02,8,2,k02,0,gallery,frontal,neutral,\n"
+                                            "k02,26,2,k02,1,probe,frontal,neutral,\n");
     struct sim_study *study = study_of(*state);
     const struct sim_landmark_analysis *a = study->analysis;
     assert_int_equal(a->n_true, 4);

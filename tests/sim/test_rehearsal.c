@@ -16,37 +16,26 @@
 #include "sim/virtual_clock.h"
 #include "sim/visit/rehearsal.h"
 #include "tests/support/scratch.h"
+#include "tests/support/stored_corpus.h"
 
 #define STORED ISOTHERM_SOURCE_DIR "/sim/stored"
 
 enum { ROWS = 6, VISITS = 4 };
 
-static const char *const recordings[ROWS] = {"p01-enrol", "p02-enrol", "p01-v1",
-                                             "p02-v1",    "x01-v1",    "none-photo1"};
-
-static const char manifest[] = "recording,first,count,subject,session,role,pose,expression,note\n"
-                               "p01-enrol,0,5,p01,e,gallery,,,\n"
-                               "p02-enrol,0,5,p02,e,gallery,,,\n"
-                               "p01-v1,0,3,p01,v1,probe,,mild,\n"
-                               "p02-v1,0,3,p02,v1,probe,,mild,\n"
-                               "x01-v1,0,3,x01,v1,impostor,,,\n"
-                               "none-photo1,0,3,none,n,impostor,,,photo\n";
+static const char manifest[] = STORED_CORPUS_HEADER "p01-enrol,0,5,p01,e,gallery,,,\n"
+                                                    "p02-enrol,0,5,p02,e,gallery,,,\n"
+                                                    "p01-v1,0,3,p01,v1,probe,,mild,\n"
+                                                    "p02-v1,0,3,p02,v1,probe,,mild,\n"
+                                                    "x01-v1,0,3,x01,v1,impostor,,,\n"
+                                                    "none-photo1,0,3,none,n,impostor,,,photo\n";
 
 static int setup(void **state)
 {
     int error = scratch_setup(state);
-    if (error) {
-        return error;
+    if (!error) {
+        stored_corpus_make(*state, manifest);
     }
-    for (size_t i = 0; i < ROWS; i++) {
-        char stored[4096];
-        (void)snprintf(stored, sizeof stored, "%s/%s", STORED, recordings[i]);
-        if (symlink(stored, scratch_path(*state, recordings[i])) != 0) {
-            return -errno;
-        }
-    }
-    scratch_write_text(scratch_path(*state, "manifest.csv"), manifest);
-    return 0;
+    return error;
 }
 
 static void count_visit(const struct sim_visit *visit, void *context)
@@ -160,10 +149,9 @@ static void who_cannot_be_enrolled_is_a_fault(void **state)
 {
     /* The same face under two names. */
     scratch_write_text(scratch_path(*state, "manifest.csv"),
-                       "recording,first,count,subject,session,role,pose,expression,note\n"
-                       "p01-enrol,0,5,ada,e,gallery,,,\n"
-                       "p01-v1,0,3,ada,v1,probe,,mild,\n"
-                       "p02-enrol,0,5,bob,e,gallery,,,\n");
+                       STORED_CORPUS_HEADER "p01-enrol,0,5,ada,e,gallery,,,\n"
+                                            "p01-v1,0,3,ada,v1,probe,,mild,\n"
+                                            "p02-enrol,0,5,bob,e,gallery,,,\n");
     assert_int_equal(unlink(scratch_path(*state, "p02-enrol")), 0);
     assert_int_equal(symlink(STORED "/p01-enrol", scratch_path(*state, "p02-enrol")), 0);
     struct sim_corpus *corpus = NULL;

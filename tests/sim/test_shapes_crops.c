@@ -7,7 +7,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -15,27 +14,19 @@
 #include "sim/shapes/crops.h"
 #include "sim/shapes/manifest.h"
 #include "tests/support/scratch.h"
+#include "tests/support/stored_corpus.h"
 
-#define HEADER "recording,first,count,subject,session,role,pose,expression,note\n"
-
-static const char rows[] = HEADER "p01-v1,1,1,p01,s3,probe,,,\n"
-                                  "x01-v1,0,1,none,s1,impostor,,,wall\n"
-                                  "p02-v1,0,2,p02,s5,probe,,,\n";
+static const char rows[] = STORED_CORPUS_HEADER "p01-v1,1,1,p01,s3,probe,,,\n"
+                                                "x01-v1,0,1,none,s1,impostor,,,wall\n"
+                                                "p02-v1,0,2,p02,s5,probe,,,\n";
 
 static int setup(void **state)
 {
     int error = scratch_setup(state);
     if (!error) {
-        static const char *const names[] = {"p01-v1", "x01-v1", "p02-v1"};
         const char *directory = scratch_path(*state, "corpus");
         scratch_mkdir(directory);
-        for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-            char stored[4096];
-            (void)snprintf(stored, sizeof stored, "%s/sim/stored/%s", ISOTHERM_SOURCE_DIR,
-                           names[i]);
-            assert_int_equal(symlink(stored, scratch_path(directory, names[i])), 0);
-        }
-        scratch_write_text(scratch_path(directory, "manifest.csv"), rows);
+        stored_corpus_make(directory, rows);
     }
     return error;
 }

@@ -1,0 +1,10 @@
+/* The head model that ships with the product. */
+#ifndef TESTS_CORE_SHIPPED_MODEL_H
+#define TESTS_CORE_SHIPPED_MODEL_H
+
+#include "core/landmark/head_model.h"
+
+/* Free with iso_head_model_free. Failures fail the running cmocka test. */
+struct iso_head_model *shipped_head_model(void);
+
+#endif
