@@ -8,7 +8,7 @@ install(TARGETS isotherm-core LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY core DESTINATION ${headers} FILES_MATCHING PATTERN "*.h"
   REGEX "/core/isotherm[.]h$" EXCLUDE
   PATTERN "extract_workspace.h" EXCLUDE
-  REGEX "/(lanes|chebyshev|grid_stencil|grid_step|grid_band|level_search|tracer_store)[.]h$" EXCLUDE
+  REGEX "/(lanes|block|permuted|chebyshev|grid_stencil|grid_step|grid_band|level_search|tracer_store)[.]h$" EXCLUDE
   PATTERN "template_points.h" EXCLUDE
   PATTERN "lanczos.h" EXCLUDE
   REGEX "/shape/(collaborative|describe|gallery|principal|vocabulary)[.]h$" EXCLUDE

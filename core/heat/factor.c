@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/heat/block.h"
+
 struct iso_factor {
     cholmod_common common;
     cholmod_factor *l;         /* NULL until the first analysis */
@@ -162,9 +164,14 @@ int iso_factor_count_below(struct iso_factor *f, const struct iso_symmetric *sti
     return 0;
 }
 
+static bool computed(const struct iso_factor *f)
+{
+    return f->l && f->l->xtype == CHOLMOD_REAL;
+}
+
 int iso_factor_solve(struct iso_factor *f, const double *right, int n_right, double *solution)
 {
-    if (!f->l || f->l->xtype != CHOLMOD_REAL) {
+    if (!computed(f)) {
         return -EDOM;
     }
     size_t n = f->l->n, columns = (size_t)n_right;
@@ -181,5 +188,15 @@ int iso_factor_solve(struct iso_factor *f, const double *right, int n_right, dou
         return error_of(f);
     }
     memcpy(solution, f->x->x, n * columns * sizeof *solution);
+    return 0;
+}
+
+int iso_factor_ldl(const struct iso_factor *f, struct iso_ldl *ldl, const int32_t **order)
+{
+    if (!computed(f) || f->l->is_super || f->l->is_ll) {
+        return -EDOM;
+    }
+    *ldl = (struct iso_ldl){(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x};
+    *order = f->l->Perm;
     return 0;
 }

@@ -2,13 +2,17 @@
  *
  * Simplicial LDL' with AMD ordering only: CHOLMOD's supernodal module is GPL and never called. The
  * symbolic analysis is kept while the pattern stays the same (compared, since a pattern that
- * changed behind CHOLMOD's back gives silently wrong results). One factor belongs to one thread. */
+ * changed behind CHOLMOD's back gives silently wrong results). One factor belongs to one thread.
+ *
+ * Few columns are solved for by CHOLMOD; many at once, as all sources of a heat column, by block.h
+ * with the factor as it is. */
 #ifndef ISO_CORE_HEAT_FACTOR_H
 #define ISO_CORE_HEAT_FACTOR_H
 
 #include "core/heat/stiffness_mass.h"
 
 struct iso_factor;
+struct iso_ldl; /* block.h, internal to core/heat */
 
 /* For matrices up to the given size. -EINVAL, -ENOMEM. */
 int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
@@ -33,6 +37,11 @@ int iso_factor_count_below(struct iso_factor *factor, const struct iso_symmetric
 /* Solves for n_right columns at once: right and solution are [n_right][n], and may be the same.
  * -EDOM, -ENOMEM. */
 int iso_factor_solve(struct iso_factor *factor, const double *right, int n_right, double *solution)
+    __attribute__((warn_unused_result));
+
+/* The factor itself, for what works in its own order (block.h): row k of L is row (*order)[k] of
+ * the matrix. Borrowed until the next call that computes. -EDOM if there is none. */
+int iso_factor_ldl(const struct iso_factor *factor, struct iso_ldl *ldl, const int32_t **order)
     __attribute__((warn_unused_result));
 
 #endif

@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/heat/block.h"
 #include "core/heat/factor.h"
+#include "core/heat/permuted.h"
 
 /* With A = B^-1 L and S = (I + gamma A)^-1 = (B + gamma L)^-1 B, self-adjoint in <u, v> = u' B v:
  *
@@ -18,22 +20,45 @@
  * Starting from v rather than from B^-1 b (b a point load, which no mesh resolves) costs one solve
  * and is what lets a space of dimension 9 do.
  *
+ * The three terms of the recurrence are all there is: that vectors lose their orthogonality as
+ * Ritz values converge delays g(T) e1 but does not spoil it (Druskin, Greenbaum and Knizhnerman,
+ * Using nonorthogonal Lanczos vectors in the computation of matrix functions, 1998).
+ *
  * The constant function, along which heat is conserved, lies in that space only nearly. So the
- * coefficients c are given the least change that makes the total heat 1' B V c exactly 1. */
+ * coefficients c are given the least change that makes the total heat 1' B V c exactly 1.
+ *
+ * All sources of a block take each step together (block.h), in the factor's order of the vertices.
+ * What is kept of Lanczos vector v is u with v = scale u, so that no pass only divides by a norm;
+ * and the diagonal of T, v' B S v, is the energy that the solver has at hand. */
 
-/* Sources that are worked on together: CHOLMOD solves for four columns in one pass. */
-enum { BLOCK = 4, KRYLOV_DEFAULT = 9 };
+enum { KRYLOV_DEFAULT = 9 };
 
 static const double gamma_over_t_default = 0.15;
 
+/* The Krylov spaces of a block of sources. */
+struct spaces {
+    double alpha[ISO_HEAT_KRYLOV_MAX][ISO_BLOCK_MAX]; /* diagonal of T */
+    double beta[ISO_HEAT_KRYLOV_MAX][ISO_BLOCK_MAX];  /* [0] is |v|, then below the diagonal */
+    double scale[ISO_HEAT_KRYLOV_MAX][ISO_BLOCK_MAX]; /* v = scale u; 0 for an exhausted space */
+    double total[ISO_HEAT_KRYLOV_MAX][ISO_BLOCK_MAX]; /* 1' B v, the heat in each Lanczos vector */
+};
+
 struct iso_heat_direct {
     struct iso_heat_direct_options options;
+    const struct iso_block_ops *ops;
     struct iso_factor *factor;
-    double *v;     /* [krylov + 1][BLOCK][n]: Lanczos vectors */
-    double *bv;    /* the same times B */
-    double *alpha; /* [BLOCK][krylov]: diagonal of T */
-    double *beta;  /* [BLOCK][krylov + 1]: beta[0] = |v|, then below the diagonal */
-    double *total; /* [BLOCK][krylov]: 1' B v, the heat in each Lanczos vector */
+    struct iso_permuted *mass; /* in the factor's order */
+    double *u;                 /* [krylov + 1] blocks: the Lanczos vectors, then what comes next */
+    struct spaces spaces;
+};
+
+/* What a call works on. */
+struct work {
+    struct iso_ldl ldl;
+    struct iso_rows mass;
+    const int32_t *order; /* of the vertices */
+    int width;            /* of the block */
+    double gamma;
 };
 
 int iso_heat_direct_new(const struct iso_heat_direct_options *options, struct iso_heat_direct **out)
@@ -50,14 +75,11 @@ int iso_heat_direct_new(const struct iso_heat_direct_options *options, struct is
         return -ENOMEM;
     }
     h->options = o;
-    size_t vectors = (size_t)(o.krylov + 1) * BLOCK * (size_t)o.n_capacity;
-    h->v = calloc(vectors, sizeof *h->v);
-    h->bv = calloc(vectors, sizeof *h->bv);
-    h->alpha = calloc((size_t)o.krylov * BLOCK, sizeof *h->alpha);
-    h->beta = calloc((size_t)(o.krylov + 1) * BLOCK, sizeof *h->beta);
-    h->total = calloc((size_t)o.krylov * BLOCK, sizeof *h->total);
-    int error = h->v && h->bv && h->alpha && h->beta && h->total ? 0 : -ENOMEM;
+    h->ops = iso_block_ops();
+    h->u = calloc((size_t)(o.krylov + 1) * ISO_BLOCK_MAX * (size_t)o.n_capacity, sizeof *h->u);
+    int error = h->u ? 0 : -ENOMEM;
     error = error ? error : iso_factor_new(o.n_capacity, o.nnz_capacity, &h->factor);
+    error = error ? error : iso_permuted_new(o.n_capacity, o.nnz_capacity, &h->mass);
     if (error) {
         iso_heat_direct_free(h);
         return error;
@@ -70,139 +92,144 @@ void iso_heat_direct_free(struct iso_heat_direct *solver)
 {
     if (solver) {
         iso_factor_free(solver->factor);
-        free(solver->v);
-        free(solver->bv);
-        free(solver->alpha);
-        free(solver->beta);
-        free(solver->total);
+        iso_permuted_free(solver->mass);
+        free(solver->u);
         free(solver);
     }
 }
 
-/* Four sums side by side, since one alone waits for each addition in turn. */
-static double dot(const double *a, const double *b, int32_t n)
+/* Vectors in a block, those without a source included. */
+static int lanes_of(const struct work *w)
 {
-    double sum[4] = {0};
-    int32_t i = 0;
-    for (; i + 4 <= n; i += 4) {
-        for (int k = 0; k < 4; k++) {
-            sum[k] += a[i + k] * b[i + k];
-        }
-    }
-    for (; i < n; i++) {
-        sum[0] += a[i] * b[i];
-    }
-    return sum[0] + sum[1] + sum[2] + sum[3];
+    return w->width * ISO_DOUBLES;
 }
 
-static void add_scaled(double *y, double s, const double *x, int32_t n)
+/* Block j of the Lanczos vectors. */
+static double *block(const struct iso_heat_direct *h, const struct work *w, int j)
 {
-    for (int32_t i = 0; i < n; i++) {
-        y[i] += s * x[i];
-    }
+    return &h->u[(size_t)j * (size_t)w->mass.n * (size_t)lanes_of(w)];
 }
 
-/* Lanczos vector j of source s in the block, in one of the two stores. */
-static double *vector(double *store, int j, int s, int32_t n)
+/* Unit loads at the sources, one in each vector of a block; none in vectors without a source. */
+static void put_loads(const struct iso_mesh *mesh, const struct iso_surface_point *sources,
+                      int n_sources, const int32_t *place, const struct work *w, double *load)
 {
-    return &store[((size_t)j * BLOCK + (size_t)s) * (size_t)n];
-}
-
-/* Divides vector j by its norm, which goes to beta, and keeps its product with B. A norm of nothing
- * means that the space is exhausted: the vector becomes 0 and so does all that follows. */
-static void normalise(struct iso_heat_direct *h, const struct iso_symmetric *mass, int j, int s)
-{
-    int m = h->options.krylov;
-    double *v = vector(h->v, j, s, mass->n), *bv = vector(h->bv, j, s, mass->n), total = 0.0;
-    iso_symmetric_multiply(mass, v, bv);
-    double norm = sqrt(fmax(dot(v, bv, mass->n), 0.0));
-    double scale = norm > 1e-150 ? 1.0 / norm : 0.0;
-    for (int32_t i = 0; i < mass->n; i++) {
-        v[i] *= scale;
-        bv[i] *= scale;
-        total += bv[i];
-    }
-    h->beta[s * (m + 1) + j] = scale > 0.0 ? norm : 0.0;
-    h->total[s * m + j] = total;
-}
-
-/* Makes of S v_j, which vector j + 1 holds, the next Lanczos vector, with full orthogonalisation.
- */
-static void advance(struct iso_heat_direct *h, const struct iso_symmetric *mass, int j, int s)
-{
-    int m = h->options.krylov;
-    int32_t n = mass->n;
-    double *w = vector(h->v, j + 1, s, n);
-    h->alpha[s * m + j] = dot(w, vector(h->bv, j, s, n), n);
-    if (j + 1 == m) {
-        return;
-    }
-    add_scaled(w, -h->alpha[s * m + j], vector(h->v, j, s, n), n);
-    for (int i = j - 1; i >= 0; i--) {
-        add_scaled(w, -dot(w, vector(h->bv, i, s, n), n), vector(h->v, i, s, n), n);
-    }
-    normalise(h, mass, j + 1, s);
-}
-
-/* Builds the Krylov spaces of a block of sources. */
-static int build_krylov(struct iso_heat_direct *h, const struct iso_mesh *mesh,
-                        const struct iso_symmetric *mass, const struct iso_surface_point *sources,
-                        int n_sources)
-{
-    int32_t n = mass->n;
-    double *load = vector(h->bv, 0, 0, n);
-    memset(load, 0, (size_t)n_sources * (size_t)n * sizeof *load);
+    const size_t lanes = (size_t)lanes_of(w);
+    memset(load, 0, (size_t)w->mass.n * lanes * sizeof *load);
     for (int s = 0; s < n_sources; s++) {
         for (int k = 0; k < 3; k++) {
-            vector(h->bv, 0, s, n)[mesh->triangles[sources[s].triangle][k]] += sources[s].weight[k];
+            const int32_t vertex = mesh->triangles[sources[s].triangle][k];
+            load[(size_t)place[vertex] * lanes + (size_t)s] += sources[s].weight[k];
         }
     }
-    int error = iso_factor_solve(h->factor, load, n_sources, vector(h->v, 0, 0, n));
-    for (int s = 0; s < n_sources && !error; s++) {
-        normalise(h, mass, 0, s);
+}
+
+/* What |u|, from its square, makes of the next vector: a norm of nothing means that the space is
+ * exhausted, and everything that follows becomes 0. */
+static void measure(struct spaces *k, int j, const struct work *w, const double *square,
+                    const double *total)
+{
+    for (int s = 0; s < lanes_of(w); s++) {
+        const double norm = sqrt(fmax(square[s], 0.0));
+        k->scale[j][s] = norm > 1e-150 ? 1.0 / norm : 0.0;
+        k->beta[j][s] = k->scale[j][s] > 0.0 ? norm : 0.0;
+        k->total[j][s] = k->scale[j][s] * total[s];
     }
-    for (int j = 0; j < h->options.krylov && !error; j++) {
-        error = iso_factor_solve(h->factor, vector(h->bv, j, 0, n), n_sources,
-                                 vector(h->v, j + 1, 0, n));
-        for (int s = 0; s < n_sources && !error; s++) {
-            advance(h, mass, j, s);
+}
+
+/* Builds the Krylov spaces of the loads that block 0 holds. */
+static void build_krylov(struct iso_heat_direct *h, const struct work *w)
+{
+    struct spaces *k = &h->spaces;
+    double energy[ISO_BLOCK_MAX], square[ISO_BLOCK_MAX], total[ISO_BLOCK_MAX];
+    h->ops->solve(&w->ldl, w->width, block(h, w, 0), energy);
+    for (int j = 0;; j++) {
+        double *u = block(h, w, j), *next = block(h, w, j + 1);
+        h->ops->multiply(&w->mass, w->width, u, next, square, total);
+        measure(k, j, w, square, total);
+        h->ops->solve(&w->ldl, w->width, next, energy);
+        double weight[3][ISO_BLOCK_MAX]; /* of S u, u and the vector before u */
+        for (int s = 0; s < lanes_of(w); s++) {
+            const double scale = k->scale[j][s];
+            k->alpha[j][s] = scale * scale * energy[s];
+            weight[0][s] = scale;
+            weight[1][s] = -k->alpha[j][s] * scale;
+            weight[2][s] = j > 0 ? -k->beta[j][s] * k->scale[j - 1][s] : 0.0;
         }
+        if (j + 1 == h->options.krylov) {
+            return;
+        }
+        h->ops->mix(w->mass.n, w->width, weight, u, block(h, w, j > 0 ? j - 1 : 0), next);
     }
-    return error;
 }
 
 /* The least change of the coefficients that makes the total heat 1. */
 static void conserve(const double *total, int m, double *c)
 {
-    double heat = dot(total, c, m), square = dot(total, total, m);
-    add_scaled(c, square > 0.0 ? (1.0 - heat) / square : 0.0, total, m);
+    double heat = 0.0, square = 0.0;
+    for (int i = 0; i < m; i++) {
+        heat += total[i] * c[i];
+        square += total[i] * total[i];
+    }
+    for (int i = 0; i < m && square > 0.0; i++) {
+        c[i] += (1.0 - heat) / square * total[i];
+    }
 }
 
-/* Coefficients of the heat column in the Lanczos vectors: c = |v| g(T) e1, conserving heat. */
+/* Coefficients of the heat column of source s in the Lanczos vectors, c = |v| g(T) e1, conserving
+ * heat; weight is what they are of what is kept of those. */
 static int coefficients(const struct iso_heat_direct *h, int s, double t_mm2, double gamma,
-                        double c[ISO_HEAT_KRYLOV_MAX])
+                        double (*weight)[ISO_BLOCK_MAX])
 {
-    int m = h->options.krylov;
-    const double *beta = &h->beta[s * (m + 1)];
-    double d[ISO_HEAT_KRYLOV_MAX], e[ISO_HEAT_KRYLOV_MAX];
+    const int m = h->options.krylov;
+    const struct spaces *k = &h->spaces;
+    double d[ISO_HEAT_KRYLOV_MAX], e[ISO_HEAT_KRYLOV_MAX], total[ISO_HEAT_KRYLOV_MAX];
     double z[ISO_HEAT_KRYLOV_MAX * ISO_HEAT_KRYLOV_MAX], work[2 * ISO_HEAT_KRYLOV_MAX];
-    memcpy(d, &h->alpha[s * m], (size_t)m * sizeof *d);
-    memcpy(e, &beta[1], (size_t)(m - 1) * sizeof *e);
+    double c[ISO_HEAT_KRYLOV_MAX] = {0};
+    for (int i = 0; i < m; i++) {
+        d[i] = k->alpha[i][s];
+        e[i] = i + 1 < m ? k->beta[i + 1][s] : 0.0;
+        total[i] = k->total[i][s];
+    }
     if (LAPACKE_dstev_work(LAPACK_COL_MAJOR, 'V', m, d, e, z, m, work) != 0) {
         return -EDOM;
-    }
-    for (int i = 0; i < m; i++) {
-        c[i] = 0.0;
     }
     for (int j = 0; j < m; j++) {
         /* The spectrum of S lies in (0, 1]; g vanishes as s goes to 0. */
         double theta = fmin(d[j], 1.0);
         double g = theta > 1e-8 ? exp(-(t_mm2 / gamma) * (1.0 / theta - 1.0)) / theta : 0.0;
         for (int i = 0; i < m; i++) {
-            c[i] += beta[0] * g * z[j * m] * z[j * m + i];
+            c[i] += k->beta[0][s] * g * z[j * m] * z[j * m + i];
         }
     }
-    conserve(&h->total[s * m], m, c);
+    conserve(total, m, c);
+    for (int i = 0; i < m; i++) {
+        weight[i][s] = c[i] * k->scale[i][s];
+    }
+    return 0;
+}
+
+/* Heat columns of a block at one time, out[s * stride] for its source s. */
+static int put_columns(struct iso_heat_direct *h, const struct work *w, int n_sources, double t_mm2,
+                       double *out, size_t stride)
+{
+    const int m = h->options.krylov, lanes = lanes_of(w);
+    double weight[ISO_HEAT_KRYLOV_MAX][ISO_BLOCK_MAX] = {{0}};
+    int error = 0;
+    for (int s = 0; s < n_sources && !error; s++) {
+        error = coefficients(h, s, t_mm2, w->gamma, weight);
+    }
+    if (error) {
+        return error;
+    }
+    double *sum = block(h, w, m);
+    h->ops->combine(w->mass.n, w->width, h->u, m, (const double(*)[ISO_BLOCK_MAX])weight, sum);
+    for (int32_t i = 0; i < w->mass.n; i++) {
+        double *to = &out[w->order[i]];
+        for (int s = 0; s < n_sources; s++) {
+            to[(size_t)s * stride] = sum[(size_t)i * (size_t)lanes + (size_t)s];
+        }
+    }
     return 0;
 }
 
@@ -232,22 +259,19 @@ int iso_heat_direct(struct iso_heat_direct *h, const struct iso_mesh *mesh,
     for (int j = 0; j < n_times; j++) {
         t_max = fmax(t_max, t_mm2[j]);
     }
-    double gamma = h->options.gamma_over_t * t_max;
-    int error = iso_factor_compute(h->factor, gamma, stiffness, 1.0, mass);
-    size_t n = (size_t)mass->n;
-    for (int first = 0; first < n_sources && !error; first += BLOCK) {
-        int block = n_sources - first < BLOCK ? n_sources - first : BLOCK;
-        error = build_krylov(h, mesh, mass, &sources[first], block);
-        for (int s = 0; s < block && !error; s++) {
-            for (int j = 0; j < n_times && !error; j++) {
-                double c[ISO_HEAT_KRYLOV_MAX];
-                error = coefficients(h, s, t_mm2[j], gamma, c);
-                double *column = &out[((size_t)(first + s) * (size_t)n_times + (size_t)j) * n];
-                memset(column, 0, n * sizeof *column);
-                for (int i = 0; i < h->options.krylov && !error; i++) {
-                    add_scaled(column, c[i], vector(h->v, i, s, mass->n), mass->n);
-                }
-            }
+    struct work w = {.gamma = h->options.gamma_over_t * t_max};
+    int error = iso_factor_compute(h->factor, w.gamma, stiffness, 1.0, mass);
+    error = error ? error : iso_factor_ldl(h->factor, &w.ldl, &w.order);
+    error = error ? error : iso_permuted_fill(h->mass, mass, w.order, &w.mass);
+    const size_t stride = (size_t)n_times * (size_t)mass->n;
+    for (int first = 0; first < n_sources && !error; first += ISO_BLOCK_MAX) {
+        const int left = n_sources - first, n_block = left < ISO_BLOCK_MAX ? left : ISO_BLOCK_MAX;
+        w.width = (n_block + ISO_DOUBLES - 1) / ISO_DOUBLES;
+        put_loads(mesh, &sources[first], n_block, h->mass->place, &w, h->u);
+        build_krylov(h, &w);
+        for (int j = 0; j < n_times && !error; j++) {
+            double *column = &out[(size_t)first * stride + (size_t)j * (size_t)mass->n];
+            error = put_columns(h, &w, n_block, t_mm2[j], column, stride);
         }
     }
     return error;

@@ -63,7 +63,7 @@ int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double r
         low = heat[i] < low ? heat[i] : low;
         high = heat[i] > high ? heat[i] : high;
     }
-    if (!(low < high) || iso_isotherm_area_above(mesh, heat, low) < wanted) {
+    if (!(low < high)) {
         return -ERANGE;
     }
     double x_low = log(fmax(low, high * 1e-12)), x_high = log(high);

@@ -1,6 +1,7 @@
-/* Eight floats at once, by the vector types of gcc and clang: what the compiler makes of them
- * depends on the processor that the file is compiled for (two SSE or NEON registers, or one AVX
- * register); the results do not. Loops that are left to the compiler stay scalar too often. */
+/* Eight floats or four doubles at once, by the vector types of gcc and clang: what the compiler
+ * makes of them depends on the processor that the file is compiled for (two SSE or NEON registers,
+ * or one AVX register); the results do not. Loops that are left to the compiler stay scalar too
+ * often. */
 #ifndef ISO_CORE_MATH_LANES_H
 #define ISO_CORE_MATH_LANES_H
 
@@ -18,5 +19,14 @@ typedef float iso_lanes_in_memory
 
 #define ISO_LANES_LOAD(p)         (*(const iso_lanes_in_memory *)(p))
 #define ISO_LANES_STORE(p, value) (*(iso_lanes_in_memory *)(p) = (value))
+
+enum { ISO_DOUBLES = 4 };
+
+typedef double iso_doubles __attribute__((vector_size(ISO_DOUBLES * sizeof(double))));
+typedef double iso_doubles_in_memory
+    __attribute__((vector_size(ISO_DOUBLES * sizeof(double)), aligned(8), may_alias));
+
+#define ISO_DOUBLES_LOAD(p)         (*(const iso_doubles_in_memory *)(p))
+#define ISO_DOUBLES_STORE(p, value) (*(iso_doubles_in_memory *)(p) = (value))
 
 #endif

@@ -1,0 +1,59 @@
+/* Vectors side by side: what the direct heat solver does to all sources at once. Internal to
+ * core/heat.
+ *
+ * A block is [n][width * ISO_DOUBLES]: value i of every vector, then value i + 1 of every vector.
+ * An entry of a matrix is then read once for all of them and meets whole registers, which is where
+ * the time of one vector after another goes. No vector sees another: each has the same operations
+ * in the same order at every width.
+ *
+ * The same source is compiled for the least processor of the architecture and, on x86-64, for AVX2
+ * (without FMA), as the grid's step is: the same results to the bit. */
+#ifndef ISO_CORE_HEAT_BLOCK_H
+#define ISO_CORE_HEAT_BLOCK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/math/lanes.h"
+
+enum { ISO_BLOCK_WIDTH_MAX = 3, ISO_BLOCK_MAX = ISO_BLOCK_WIDTH_MAX * ISO_DOUBLES };
+
+/* L and D of an LDL' by columns: in column j D(j, j) at start[j], then the count[j] - 1 entries of
+ * L below the diagonal, rows ascending. The rows of a column are, without the first of them, among
+ * those of the column of that number (as in the factor of any symmetric matrix). */
+struct iso_ldl {
+    int32_t n;
+    const int32_t *start, *count, *row;
+    const double *value;
+};
+
+/* A sparse matrix by rows: row i from start[i] to start[i + 1]. */
+struct iso_rows {
+    int32_t n;
+    const int32_t *start, *column;
+    const double *value;
+};
+
+struct iso_block_ops {
+    /* x = (L D L')^-1 b in the place of b; energy = b' x of each vector. */
+    void (*solve)(const struct iso_ldl *l, int width, double *x, double *energy);
+    /* y = A x; form = x' y and total = 1' y of each vector. */
+    void (*multiply)(const struct iso_rows *a, int width, const double *x, double *y, double *form,
+                     double *total);
+    /* io = weight[0] io + weight[1] u + weight[2] v, with weights of each vector. */
+    void (*mix)(int32_t n, int width, const double weight[3][ISO_BLOCK_MAX], const double *u,
+                const double *v, double *io);
+    /* sum = sum over j of weight[j] block[j], of n_blocks one behind the other; n of each vector.
+     */
+    void (*combine)(int32_t n, int width, const double *block, int n_blocks,
+                    const double (*weight)[ISO_BLOCK_MAX], double *sum);
+    const char *name;
+};
+
+extern const struct iso_block_ops iso__block_ops_baseline;
+extern const struct iso_block_ops iso__block_ops_avx2; /* x86-64 only */
+
+/* The fastest that this machine can run. */
+const struct iso_block_ops *iso_block_ops(void);
+
+#endif

@@ -1,0 +1,30 @@
+/* A symmetric matrix by rows, both triangles, in another order of its rows and columns: as the
+ * blocks of vectors want it that a factor works on in an order of its own. Internal to core/heat.
+ */
+#ifndef ISO_CORE_HEAT_PERMUTED_H
+#define ISO_CORE_HEAT_PERMUTED_H
+
+#include "core/heat/block.h"
+#include "core/heat/stiffness_mass.h"
+
+/* Created once and refilled. */
+struct iso_permuted {
+    int32_t n_capacity, nnz_capacity; /* of the symmetric matrix */
+    int32_t *start;                   /* [n + 1] */
+    int32_t *column;                  /* [2 nnz - n] */
+    double *value;                    /* the same */
+    int32_t *place;                   /* [n], the inverse of the order */
+};
+
+/* -EINVAL, -ENOMEM. */
+int iso_permuted_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_permuted **out)
+    __attribute__((warn_unused_result));
+void iso_permuted_free(struct iso_permuted *matrix);
+
+/* Row and column k become row and column order[k] of `a` (a permutation of 0..n - 1, which is not
+ * looked after). Borrowed until the next call. -ENOSPC over a capacity. */
+int iso_permuted_fill(struct iso_permuted *matrix, const struct iso_symmetric *a,
+                      const int32_t *order, struct iso_rows *out)
+    __attribute__((warn_unused_result));
+
+#endif
