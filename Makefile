@@ -3,7 +3,7 @@
 #   make demo     an enrolled face opens the door: builds, then plays stored frames to a running daemon
 #   make check    builds and runs every test
 #   make vm-check runs the tests that need devices of a kernel, in virtual machines
-#   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator
+#   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator; counts instructions
 #   make bench    milliseconds per stage from frame to verdict; heat, search, registration beside their peers; memory
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments

@@ -18,6 +18,7 @@
 #include "drivers/recording/recording.h"
 #include "tests/core/rendered_head.h"
 #include "tests/core/shipped_model.h"
+#include "tests/core/tasks_backwards.h"
 
 struct fixture {
     struct iso_head_model *model;
@@ -242,36 +243,13 @@ static void heat_too_stiff_for_the_grid_is_released_on_the_mesh(void **state)
     assert_true(distance_of_method(f, ISO_HEAT_DIRECT) < 0.2);
 }
 
-/* Runs a batch from its end, as three workers in turn. */
-static void run_backwards(void *context, iso_task *task, void *batch, int n_tasks)
-{
-    for (int i = n_tasks - 1; i >= 0; i--) {
-        task(batch, i, i % 3);
-        ++*(int *)context;
-    }
-}
-
-/* A race in which everybody comes through, the second in vain. */
-static void race_backwards(void *context, iso_task *task, void *batch, int n_tasks)
-{
-    run_backwards(context, task, batch, n_tasks);
-    for (int i = 0; i < n_tasks; i++) {
-        task(batch, i, (i + 1) % 3);
-    }
-}
-
-static void settle_nobody(void *context)
-{
-    (void)context;
-}
-
 static void who_works_on_the_heat_does_not_matter(void **state)
 {
     struct fixture *f = *state;
     assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 0, 600)), ISO_CAPTURE_OK);
     struct iso_template alone = f->out.tmpl;
     int n_run = 0;
-    const struct iso_tasks tasks = {3, &n_run, run_backwards, race_backwards, settle_nobody, NULL};
+    const struct iso_tasks tasks = tasks_backwards(&n_run);
     struct iso_extractor *shared = NULL;
     f->options.tasks = &tasks;
     assert_int_equal(iso_extractor_new(f->model, &f->options, &shared), 0);

@@ -18,6 +18,7 @@
 #include "core/math/lanes.h"
 #include "tests/core/grid_surface.h"
 #include "tests/core/matrices.h"
+#include "tests/core/tasks_backwards.h"
 
 static float *new_plane(const struct iso_grid *grid)
 {
@@ -322,29 +323,6 @@ static void several_times_in_one_pass_are_the_times_one_by_one(void **state)
 
 enum { OPERATOR_TASKS = ISO_GRID_STENCIL_STEPS * ISO_GRID_STENCIL_BANDS };
 
-/* Runs a batch from its end, as three workers in turn. */
-static void run_backwards(void *context, iso_task *task, void *batch, int n_tasks)
-{
-    for (int i = n_tasks - 1; i >= 0; i--) {
-        task(batch, i, i % 3);
-        ++*(int *)context;
-    }
-}
-
-/* A race in which everybody comes through, the second in vain. */
-static void race_backwards(void *context, iso_task *task, void *batch, int n_tasks)
-{
-    run_backwards(context, task, batch, n_tasks);
-    for (int i = 0; i < n_tasks; i++) {
-        task(batch, i, (i + 1) % 3);
-    }
-}
-
-static void settle_nobody(void *context)
-{
-    (void)context;
-}
-
 static void neither_history_nor_workers_change_a_column(void **state)
 {
     (void)state;
@@ -355,7 +333,7 @@ static void neither_history_nor_workers_change_a_column(void **state)
     struct iso_heat_grid *fresh = new_solver(&s, SOURCES, 2, 1);
     struct iso_heat_grid *used = new_solver(&s, SOURCES, 2, 3);
     int n_run = 0;
-    const struct iso_tasks tasks = {3, &n_run, run_backwards, race_backwards, settle_nobody, NULL};
+    const struct iso_tasks tasks = tasks_backwards(&n_run);
     for (int n_times = 1; n_times <= 2; n_times++) {
         const struct iso_heat_grid_request request = {source, SOURCES, t_mm2, n_times, 18.0};
         const struct iso_heat_grid_request before = {&source[n_times], 2, &t_mm2[1], 1, 50.0};
@@ -417,7 +395,7 @@ static void bad_requests_are_refused(void **state)
         assert_int_equal(iso_heat_grid(solver, s.grid, &bad[i], NULL), -EINVAL);
     }
     int n_run = 0;
-    const struct iso_tasks crowd = {3, &n_run, run_backwards, race_backwards, settle_nobody, NULL};
+    const struct iso_tasks crowd = tasks_backwards(&n_run);
     const struct iso_heat_grid_request good = {&source, 1, t, 1, 18.0};
     assert_int_equal(iso_heat_grid(solver, s.grid, &good, &crowd), -EINVAL);
     struct iso_grid *other = NULL;

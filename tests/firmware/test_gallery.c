@@ -369,6 +369,10 @@ static void templates_are_opened_one_person_at_a_time(void **state)
     assert_int_equal(iso_gallery_templates(gallery, 99, found, 3, &n, &fault), -ENOENT);
     assert_string_equal(fault.text, "nobody has the number 99");
     assert_int_equal(n, 77);
+    /* Gone since somebody searched: nobody, not a person without templates. */
+    assert_int_equal(iso_gallery_remove(gallery, "bob", NULL), 0);
+    assert_int_equal(iso_gallery_templates(gallery, bob, found, 3, &n, &fault), -ENOENT);
+    assert_int_equal(n, 77);
     iso_gallery_close(gallery);
 
     struct iso_gallery_options options = stores_gallery(*state);

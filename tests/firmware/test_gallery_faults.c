@@ -470,12 +470,49 @@ static void what_changed_behind_it_is_not_handed_out(void **state)
     iso_gallery_close(gallery);
 }
 
+/* Takes the records of a person out of the file, locked as it is. */
+static void take_out(const char *directory, int64_t person)
+{
+    static const int flags = SQLITE_OPEN_READWRITE;
+    sqlite3 *db = NULL;
+    char sql[80];
+    assert_int_equal(sqlite3_open_v2(scratch_path(directory, "g.db"), &db, flags, "unix-none"),
+                     SQLITE_OK);
+    (void)snprintf(sql, sizeof sql, "DELETE FROM template WHERE person_id = %lld",
+                   (long long)person);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_changes(db), 1);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+static void what_is_missing_behind_it_is_noticed(void **state)
+{
+    static struct iso_template found[2], untouched[2];
+    struct iso_fault fault = {""};
+    int n = 77;
+    add_whole_faces(*state);
+    struct iso_gallery *gallery = open_gallery(*state);
+    const int64_t first = iso_gallery_find(gallery, "person 0")->id;
+    const int64_t last = iso_gallery_find(gallery, "person 899")->id;
+    take_out(*state, first);
+    /* Not somebody without templates: then a search would go on as if there were nothing wrong. */
+    assert_int_equal(iso_gallery_templates(gallery, first, found, 2, &n, &fault), -EBADMSG);
+    assert_non_null(strstr(fault.text, "records are missing"));
+    assert_int_equal(n, 77);
+    assert_memory_equal(found, untouched, sizeof found);
+    assert_int_equal(iso_gallery_templates(gallery, last, found, 2, &n, NULL), 0); /* others are */
+    assert_int_equal(n, 1);
+    iso_gallery_close(gallery);
+    expect_refusal(*state, -EBADMSG, "missing");
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
         TEST(an_empty_file_is_a_lost_gallery),
         TEST(what_changed_behind_it_is_not_handed_out),
+        TEST(what_is_missing_behind_it_is_noticed),
         TEST(text_is_no_gallery),
         TEST(a_directory_is_no_gallery),
         TEST(a_database_of_others_is_no_gallery),

@@ -1,0 +1,40 @@
+#!/bin/bash
+# Instructions of one frame by stage: arm64 beside x86-64 without and with AVX2, all counted alike, by the emulator's log of
+# what it runs. One face that is looked for everywhere (none was there before), to the ten best of 1,000 people by the
+# metric. Measures, never passes or fails; some minutes.
+#
+#   instructions.sh ARM64_BUILD X86_BUILD       with one_frame in tests/bench, optimised alike
+set -euo pipefail
+source_dir=$(cd "$(dirname "$0")/../.." && pwd)
+arm64=$(cd "$1" && pwd)/tests/bench/one_frame
+x86=$(cd "$2" && pwd)/tests/bench/one_frame
+recording=p01-v1
+run=$(mktemp -d)
+trap 'rm -rf "$run"' EXIT
+
+# One thread, and names bound before the first stage.
+export OPENBLAS_NUM_THREADS=1 LD_BIND_NOW=1
+
+# count NAME PROGRAM EMULATOR...: what the stages are called to NAME.stages, their instructions to NAME.counts
+count() {
+    local name=$1 program=$2
+    shift 2
+    "$@" -d in_asm,exec,nochain "$program" "$source_dir/sim/stored" "$source_dir/core/data/head.model" \
+        "$source_dir/core/data/face.metric" $recording 2>&1 >"$run/$name.stages" |
+        awk -v mark=one_frame_mark -f "$source_dir/tests/aarch64/instructions.awk" >"$run/$name.counts"
+}
+
+# Of all processors that the emulator knows: a Raspberry Pi 4's, the first of x86-64, and one with AVX2.
+count neon "$arm64" env QEMU_LD_PREFIX="$source_dir/build/aarch64-root" qemu-aarch64-static -cpu cortex-a72
+count sse2 "$x86" qemu-x86_64-static -cpu qemu64
+count avx2 "$x86" qemu-x86_64-static -cpu max
+
+echo "instructions of a frame, millions ($recording, one thread)"
+paste -d ' ' "$run/neon.stages" "$run/neon.counts" "$run/sse2.counts" "$run/avx2.counts" | awk '
+    function row(name, arm64, sse2, avx2) {
+        printf "%-10s %12.3f %12.3f %12.3f %12.2f\n", name, arm64 / 1e6, sse2 / 1e6, avx2 / 1e6, arm64 / sse2
+    }
+    BEGIN { printf "%-10s %12s %12s %12s %12s\n", "stage", "arm64 NEON", "x86-64 SSE2", "x86-64 AVX2", "arm64 / SSE2" }
+    NF != 4 { exit failed = 1 }
+    { row($1, $2, $3, $4); arm64 += $2; sse2 += $3; avx2 += $4 }
+    END { if (failed) exit 1; row("all", arm64, sse2, avx2) }'
