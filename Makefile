@@ -3,7 +3,8 @@
 #   make demo     an enrolled face opens the door: builds, then plays stored frames to a running daemon
 #   make check    builds and runs every test
 #   make vm-check runs the tests that need devices of a kernel, in virtual machines
-#   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator; counts instructions
+#   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator
+#   make arm64-bench  instructions of a frame, stage by stage, on arm64 and on x86-64, counted by the emulator: some minutes
 #   make bench    milliseconds per stage from frame to verdict; heat, search, registration beside their peers; memory
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
@@ -17,7 +18,7 @@ FUZZ_SEED ?= 1
 KILLS ?= 1000
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check arm64-check bench fuzz kills drill install clean
+.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills drill install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -42,6 +43,10 @@ vm-check:
 arm64-check:
 	cmake/install_packages.sh build test arm64
 	tests/aarch64/run.sh build/aarch64
+
+arm64-bench:
+	cmake/install_packages.sh build test arm64
+	tests/aarch64/instructions.sh
 
 bench:
 	cmake/install_packages.sh build test bench

@@ -3,14 +3,28 @@
 # what it runs. One face that is looked for everywhere (none was there before), to the ten best of 1,000 people by the
 # metric. Measures, never passes or fails; some minutes.
 #
-#   instructions.sh ARM64_BUILD X86_BUILD       with one_frame in tests/bench, optimised alike
+#   instructions.sh             builds one_frame in build/aarch64 and build/dev, which are optimised alike
 set -euo pipefail
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
-arm64=$(cd "$1" && pwd)/tests/bench/one_frame
-x86=$(cd "$2" && pwd)/tests/bench/one_frame
+arm64=$source_dir/build/aarch64/tests/bench/one_frame
+x86=$source_dir/build/dev/tests/bench/one_frame
 recording=p01-v1
 run=$(mktemp -d)
 trap 'rm -rf "$run"' EXIT
+
+[ "$(uname -m)" = x86_64 ] || {
+    echo 'instructions.sh: the other side of the comparison has to be x86-64' >&2
+    exit 1
+}
+cd "$source_dir"
+cmake/aarch64_root.sh build/aarch64-root
+for preset in aarch64 dev; do
+    cmake --preset $preset
+    cmake --build --preset $preset --target one_frame
+done >"$run/build.log" || {
+    tail -n 20 "$run/build.log" >&2
+    exit 1
+}
 
 # One thread, and names bound before the first stage.
 export OPENBLAS_NUM_THREADS=1 LD_BIND_NOW=1

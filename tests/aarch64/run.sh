@@ -1,7 +1,6 @@
 #!/bin/bash
 # Cross-builds everything for arm64 (preset aarch64) and runs it under qemu-aarch64-static: the units of core, drivers and
-# firmware, the appliance on stored frames, and the daemon with its client and visitors; then prints how many instructions a
-# frame takes there and on x86-64.
+# firmware, the appliance on stored frames, and the daemon with its client and visitors.
 #
 #   run.sh BUILD [TESTS]     TESTS: names of ctest, instead of the usual ones
 #
@@ -47,16 +46,6 @@ if "$source_dir/tests/aarch64/daemon.sh" "$build"; then
     passed=$((passed + 1))
 else
     failed=$((failed + 1))
-fi
-
-# ---- instructions: a figure, nothing that could fail ----
-if [ "$(uname -m)" = x86_64 ]; then
-    {
-        cmake --build --preset aarch64 --target one_frame
-        cmake --preset dev
-        cmake --build --preset dev --target one_frame
-    } >/dev/null
-    "$source_dir/tests/aarch64/instructions.sh" "$build" build/dev || echo 'arm64: instructions were not counted'
 fi
 
 echo "arm64: $passed passed, $failed failed, $skipped skipped"
