@@ -13,9 +13,16 @@ const struct sim_method sim_method_hfpc_metric = {
     .source = "the same by the learned metric alone",
 };
 
+const struct sim_method sim_method_hfpc_upper = {
+    .name = "hfpc-upper",
+    .source = "the same by distance, whether there is a metric or not, of the landmarks that a "
+              "mouth does not move",
+};
+
 const struct sim_method *const sim_methods[SIM_METHODS + 1] = {
     &sim_method_hfpc,
     &sim_method_hfpc_metric,
+    &sim_method_hfpc_upper,
     &sim_method_hfpc_literal,
     &sim_method_icp,
     &sim_method_icp_upper,

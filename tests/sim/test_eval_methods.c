@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "sim/eval/landmark_choice.h"
 #include "sim/eval/method_options.h"
 #include "sim/eval/report.h"
 #include "sim/eval/report_methods.h"
@@ -118,6 +119,13 @@ static void test_all_methods(void **state)
     assert_int_equal(eval->n_methods, SIM_METHODS);
     assert_ptr_equal(eval->matches, eval->methods[0].matches);
     assert_memory_equal(alone->matches->score, eval->matches->score, 3 * 2 * sizeof(double));
+    options.n_methods = 0;
+    memcpy(options.match.left_out, sim_landmarks_below, sizeof sim_landmarks_below);
+    struct sim_eval *upper = evaluate(&options);
+    const struct sim_matches *of_upper = matches_of(eval, &sim_method_hfpc_upper);
+    assert_memory_equal(upper->matches->score, of_upper->score, 3 * 2 * sizeof(double));
+    assert_true(of_upper->score[0] != eval->matches->score[0]);
+    sim_eval_free(upper);
     assert_int_equal(sim_contest_of(eval, &contest), 0);
     assert_string_equal(contest.corpus, "tested");
     assert_int_equal(contest.n_verdicts, SIM_METHODS - 1);
