@@ -46,8 +46,9 @@ static void make_pairs(const struct iso_icp_points *source, const struct iso_icp
 {
     pairs->n = 0;
     for (int i = 0; i < source->n_groups * source->n_per_group; i++) {
-        const double group_weight =
-            options->group_weight ? (double)options->group_weight[i / source->n_per_group] : 1.0;
+        const double group_weight = options->group_weight
+                                        ? (double)options->group_weight[i / source->n_per_group]
+                                        : 1.0;
         if (!(source->weight[i] > 0.0f) || !(group_weight > 0.0)) {
             continue;
         }

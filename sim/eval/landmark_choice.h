@@ -11,8 +11,8 @@
  * corners of the eyes. */
 extern const bool sim_landmarks_below[ISO_LANDMARKS];
 
-/* bool[ISO_LANDMARKS], true for those left out: "all" (none is), "upper", or the names of those that
- * are not, each once. */
+/* bool[ISO_LANDMARKS], true for those left out: "all" (none is), "upper", or the names of those
+ * that are not, each once. */
 sim_option_parser sim_option_landmarks;
 
 #endif
