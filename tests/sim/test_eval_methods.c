@@ -104,6 +104,15 @@ static const struct sim_matches *matches_of(const struct sim_eval *eval,
     return NULL;
 }
 
+static size_t count_fields(const char *line)
+{
+    size_t n = 1;
+    for (const char *c = line; *c; c++) {
+        n += *c == ',';
+    }
+    return n;
+}
+
 /* Every method but the one that needs infrared, which the stored corpus has none of, and their own
  * results: what hfpc makes of it is the same as alone. */
 static void test_all_methods(void **state)
@@ -144,6 +153,12 @@ static void test_all_methods(void **state)
     size_t size;
     char *csv = scratch_read(scratch_path(*state, "methods.csv"), &size);
     assert_non_null(memmem(csv, size, "tested,icp-upper,2,1,4,2,2,1.000000", 35));
+    char *rows = strchr(csv, '\n') + 1;
+    assert_non_null(strstr(rows, "\ntested,hfpc-upper,"));
+    *strchr(rows, '\n') = '\0';
+    rows[-1] = '\0';
+    assert_int_equal(count_fields(rows), count_fields(csv));
+    assert_non_null(strstr(csv, ",seconds,fnmr_1e-2,"));
     free(csv);
     struct iso_fault fault = {""};
     assert_int_equal(sim_report_plots(eval, *state, &fault), 0);
