@@ -30,20 +30,21 @@ evaluate() {
     fi
 }
 
-# row METHOD TEXT: the figures of a method in the present result, behind a text
+# row METHOD TEXT: the figures of a method in the present result, behind a text; p is of the paired test over people of FNMR at 1e-3,
+# against the line before
 row() {
     awk -F, -v method="$1" -v first="$2" '
         function percent(value, low, high) { return sprintf("%5.1f [%4.1f, %5.1f]", 100 * value, 100 * low, 100 * high) }
         $2 == method {
-            printf "%-28s  %s  %s  %s  %s\n", first, percent($8, $9, $10), percent($16, $17, $18), percent($27, $28, $29),
-                percent($21, $22, $23)
+            printf "%-28s  %s  %s  %s  %s  %s\n", first, percent($8, $9, $10), percent($16, $17, $18), percent($27, $28, $29),
+                percent($21, $22, $23), (NR > 2 ? sprintf("%.4f", $25) : "")
         }' "$result/methods.csv"
 }
 
 for sensor in ${SENSORS:-truedepth astra kinect2}; do
     render "$sensor"
     echo "$sensor, $(($(wc -l <"$corpus/manifest.csv") - 1)) frames:"
-    printf '%-28s  %-20s  %-20s  %-20s  %s\n' 'radii smoothing landmarks' 'rank 1 %' 'EER %' 'FNMR at FMR 1e-2 %' 'at 1e-3 %'
+    printf '%-28s  %-20s  %-20s  %-20s  %-20s  %s\n' 'radii smoothing landmarks' 'rank 1 %' 'EER %' 'FNMR at FMR 1e-2 %' 'at 1e-3 %' p
     for radii in ${RADII:-10 18 12,20,28,36 20,28,36 28,36,44}; do
         for smoothing in ${SMOOTHINGS:-1.5 3 4.5}; do
             evaluate "$sensor-$radii-$smoothing" --method hfpc,hfpc-upper --radii "$radii" --smoothing "$smoothing"
