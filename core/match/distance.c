@@ -31,8 +31,14 @@ int iso_match_distance(const struct iso_template *probe, const struct iso_templa
     struct iso_icp_options icp = iso_template_icp_options(options->trim, options->icp_iterations);
     icp.transform = options->transform;
     float group_weight[ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS];
+    int groups = 0;
     for (int g = 0; g < source.n_groups; g++) {
-        group_weight[g] = landmark_weight[g % ISO_LANDMARKS];
+        const int landmark = g % ISO_LANDMARKS;
+        group_weight[g] = options->left_out[landmark] ? 0.0f : landmark_weight[landmark];
+        groups += !options->left_out[landmark];
+    }
+    if (groups == 0) {
+        return -EINVAL;
     }
     icp.group_weight = group_weight;
     struct iso_icp_result result;
@@ -40,7 +46,7 @@ int iso_match_distance(const struct iso_template *probe, const struct iso_templa
     if (error) {
         return error;
     }
-    if (10 * result.pairs < 3 * probe->n_radii * ISO_LANDMARKS * probe->n_points) {
+    if (10 * result.pairs < 3 * groups * probe->n_points) {
         return -ENODATA;
     }
     *distance_mm = result.distance_mm;

@@ -9,14 +9,16 @@ struct iso_match_options {
     double trim;                      /* share of the points that count, 0.5..1; default 0.8 */
     int icp_iterations;               /* default 10 */
     enum iso_icp_transform transform; /* default rigid */
+    bool left_out[ISO_LANDMARKS];     /* isotherms that neither register nor count; default none */
 };
 
 struct iso_match_options iso_match_options_default(void);
 
 /* Trimmed distance, mm: the probe's points are registered to the gallery's (each isotherm to the
  * same isotherm) by trimmed ICP, then the weighted mean distance of the closest `trim` share of
- * points. -EINVAL if algorithm or shape differ or options are out of range, -ENODATA if fewer than
- * 30 % of the points are present in both, -EDOM if an affine system is singular. */
+ * points. -EINVAL if algorithm or shape differ or options are out of range (every
+ * landmark left out is, too), -ENODATA if fewer than 30 % of the points that are not left out are
+ * present in both, -EDOM if an affine system is singular. */
 int iso_match_distance(const struct iso_template *probe, const struct iso_template *gallery,
                        const struct iso_match_options *options, double *distance_mm)
     __attribute__((warn_unused_result));

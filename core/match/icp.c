@@ -46,7 +46,10 @@ static void make_pairs(const struct iso_icp_points *source, const struct iso_icp
 {
     pairs->n = 0;
     for (int i = 0; i < source->n_groups * source->n_per_group; i++) {
-        if (!(source->weight[i] > 0.0f)) {
+        const double group_weight = options->group_weight
+                                        ? (double)options->group_weight[i / source->n_per_group]
+                                        : 1.0;
+        if (!(source->weight[i] > 0.0f) || !(group_weight > 0.0)) {
             continue;
         }
         struct iso_vec3 moved = iso_affine_apply(target_from_source, point_of(source, i));
@@ -58,10 +61,7 @@ static void make_pairs(const struct iso_icp_points *source, const struct iso_icp
         int k = pairs->n++;
         pairs->source[k] = point_of(source, i);
         pairs->target[k] = point_of(target, j);
-        pairs->weight[k] = (double)source->weight[i] * (double)target->weight[j];
-        if (options->group_weight) {
-            pairs->weight[k] *= (double)options->group_weight[i / source->n_per_group];
-        }
+        pairs->weight[k] = (double)source->weight[i] * (double)target->weight[j] * group_weight;
         pairs->distance[k] = iso_norm(iso_sub(moved, pairs->target[k]));
     }
 }

@@ -32,7 +32,8 @@ struct iso_icp_options {
     double trim;               /* share of the pairs that count, the closest ones, in (0, 1] */
     int iterations_max;        /* >= 1 */
     double tolerance_mm;       /* stop when the trimmed distance falls by less than this */
-    const float *group_weight; /* [n_groups] factor on the weights of a group; NULL: 1 */
+    const float *group_weight; /* [n_groups] factor on the weights of a group; NULL: 1; 0: as if the
+                                * group's points were missing */
 };
 
 struct iso_icp_result {

@@ -7,6 +7,7 @@
 
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
+#include "sim/eval/landmark_choice.h"
 #include "sim/eval/method_match.h"
 #include "sim/face/person.h"
 
@@ -148,8 +149,12 @@ static int search(struct sim_eval *eval, struct sim_eval_method *m, struct iso_f
 {
     const struct sim_eval_options *o = &eval->options;
     if (!sim_method_pairwise(m->method)) {
-        const struct sim_scoring scoring = {eval->metric, eval->cohort, o->match,
-                                            m->method == &sim_method_hfpc};
+        struct sim_scoring scoring = {eval->metric, eval->cohort, o->match,
+                                      m->method == &sim_method_hfpc};
+        if (m->method == &sim_method_hfpc_upper) {
+            scoring.metric = NULL;
+            memcpy(scoring.match.left_out, sim_landmarks_below, sizeof sim_landmarks_below);
+        }
         return out_of_range(sim_match(eval->corpus, eval->acquisition, eval->gallery, &scoring,
                                       o->threads, &m->matches),
                             fault);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "drivers/text.h"
+#include "sim/eval/landmark_choice.h"
 
 /* The field is the whole of the options. */
 static int parse_radii(const char *text, void *field)
@@ -90,6 +91,8 @@ static const struct sim_option match_options[] = {
      offsetof(struct iso_match_options, icp_iterations)},
     {"transform", "rigid|affine", "that registers two templates", parse_transform,
      offsetof(struct iso_match_options, transform)},
+    {"landmarks", "NAME,...|all|upper", "that count in a distance", sim_option_landmarks,
+     offsetof(struct iso_match_options, left_out)},
 };
 
 struct sim_option_set sim_extract_option_set(struct iso_extract_options *options)

@@ -170,7 +170,8 @@ static void write_contests(const void *context, FILE *out)
     const struct contests *all = context;
     fputs("corpus,method,people,strangers,non_mated,rank_1_events,searches,rank_1,rank_1_low,"
           "rank_1_high,rank_4_events,searches,rank_4,rank_4_low,rank_4_high,eer,eer_low,eer_high,"
-          "fmr,supported,fnmr,fnmr_low,fnmr_high,p_rank_1,p_fnmr,seconds\n",
+          "fmr,supported,fnmr,fnmr_low,fnmr_high,p_rank_1,p_fnmr,seconds,"
+          "fnmr_1e-2,fnmr_1e-2_low,fnmr_1e-2_high\n",
           out);
     for (size_t i = 0; i < all->n; i++) {
         const struct sim_contest *c = &all->contests[i];
@@ -180,10 +181,12 @@ static void write_contests(const void *context, FILE *out)
                     c->n_strangers, c->n_non_mated);
             write_rate(out, v->rank_1);
             write_rate(out, v->rank_4);
-            fprintf(out, ",%.6f,%.6f,%.6f,%g,%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", v->eer,
+            fprintf(out, ",%.6f,%.6f,%.6f,%g,%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.3f", v->eer,
                     v->eer_interval.low, v->eer_interval.high, v->fmr, v->at.supported,
                     v->at.at.fnmr, v->at.fnmr.low, v->at.fnmr.high, v->at_rank_1.p, v->at_fmr.p,
                     (double)v->wall_ns * 1e-9);
+            fprintf(out, ",%.6f,%.6f,%.6f\n", v->at_coarse.at.fnmr, v->at_coarse.fnmr.low,
+                    v->at_coarse.fnmr.high);
         }
     }
 }

@@ -75,6 +75,7 @@ int sim_verdict_of(const struct sim_eval *eval, size_t index, struct sim_verdict
         .eer_interval = v->eer_interval,
         .fmr = sim_fmr_targets[fmr],
         .at = v->at_fmr[fmr],
+        .at_coarse = v->at_fmr[SIM_VERDICT_COARSE_FMR],
     };
     int error = compare(eval, a, fmr, &verdict);
     if (!error) {

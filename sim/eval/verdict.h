@@ -5,7 +5,10 @@
 #include "sim/eval/eval.h"
 #include "sim/eval/paired.h"
 
-enum { SIM_VERDICT_FMR = 2 }; /* index of the FMR of the table: 1e-3 */
+enum {
+    SIM_VERDICT_FMR = 2,        /* index of the FMR of the table: 1e-3 */
+    SIM_VERDICT_COARSE_FMR = 1, /* 1e-2: few searches tell more there */
+};
 
 struct sim_verdict {
     const struct sim_method *method;
@@ -15,7 +18,7 @@ struct sim_verdict {
     struct sim_interval eer_interval;
     /* At an FMR of 1e-3, or the lowest of the targets that the comparisons support. */
     double fmr;
-    struct sim_operating_point at;
+    struct sim_operating_point at, at_coarse;
     /* Against the first method: errors at rank 1, and non-matches at that FMR. */
     struct sim_paired at_rank_1, at_fmr;
 };

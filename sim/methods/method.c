@@ -13,20 +13,20 @@ const struct sim_method sim_method_hfpc_metric = {
     .source = "the same by the learned metric alone",
 };
 
+const struct sim_method sim_method_hfpc_upper = {
+    .name = "hfpc-upper",
+    .source = "the same by distance, whether there is a metric or not, of the landmarks that a "
+              "mouth does not move",
+};
+
 const struct sim_method *const sim_methods[SIM_METHODS + 1] = {
-    &sim_method_hfpc,
-    &sim_method_hfpc_metric,
-    &sim_method_hfpc_literal,
-    &sim_method_icp,
-    &sim_method_icp_upper,
-    &sim_method_eigensurfaces,
-    &sim_method_fishersurfaces,
-    &sim_method_anthroface_10,
-    &sim_method_anthroface_25,
-    &sim_method_hfpc_weighted,
-    &sim_method_hfpc_weighted_1,
-    &sim_method_cp_hk,
-    NULL,
+    &sim_method_hfpc,          &sim_method_hfpc_metric,
+    &sim_method_hfpc_upper,    &sim_method_hfpc_literal,
+    &sim_method_icp,           &sim_method_icp_upper,
+    &sim_method_eigensurfaces, &sim_method_fishersurfaces,
+    &sim_method_anthroface_10, &sim_method_anthroface_25,
+    &sim_method_hfpc_weighted, &sim_method_hfpc_weighted_1,
+    &sim_method_cp_hk,         NULL,
 };
 
 const struct sim_method *sim_method_find(const char *name)

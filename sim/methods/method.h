@@ -1,10 +1,10 @@
 /* Methods of face recognition that can be compared in one run: the appliance's own and those that
  * Abdelrahman (2013, figure 6.9) measured it against.
  *
- * A method is a table of functions. All but `hfpc` and `hfpc-metric` are pairwise: a face becomes a
+ * A method is a table of functions. All but the appliance's own are pairwise: a face becomes a
  * description, two descriptions have a distance, and the score of a comparison is the negative
- * distance. `hfpc` is what the appliance does, whatever that is at present: its comparisons are
- * those of eval/match.h.
+ * distance. Its own are `hfpc`, what it does, whatever that is at present, `hfpc-metric` and
+ * `hfpc-upper`, parts of that: their comparisons are those of eval/match.h.
  *
  * Descriptions and knowledge are opaque, made on the heap and freed by the method. */
 #ifndef SIM_METHODS_METHOD_H
@@ -48,6 +48,7 @@ struct sim_method {
 
 extern const struct sim_method sim_method_hfpc;
 extern const struct sim_method sim_method_hfpc_metric;
+extern const struct sim_method sim_method_hfpc_upper;
 extern const struct sim_method sim_method_hfpc_literal;
 extern const struct sim_method sim_method_hfpc_weighted;
 extern const struct sim_method sim_method_hfpc_weighted_1;
@@ -59,7 +60,7 @@ extern const struct sim_method sim_method_fishersurfaces;
 extern const struct sim_method sim_method_anthroface_10;
 extern const struct sim_method sim_method_anthroface_25;
 
-enum { SIM_METHODS = 12 };
+enum { SIM_METHODS = 13 };
 
 /* All of them, the appliance's own first, with a NULL at the end. */
 extern const struct sim_method *const sim_methods[SIM_METHODS + 1];

@@ -167,6 +167,36 @@ static void distance_refuses_what_cannot_be_compared(void **state)
     assert_int_equal(iso_match_distance(&a, &a, &options, &distance), -EINVAL);
 }
 
+/* What is left out neither registers nor counts nor is missed. */
+static void distance_leaves_landmarks_out(void **state)
+{
+    (void)state;
+    struct iso_match_options options = iso_match_options_default();
+    struct iso_template a = person(1, 0.0f, 0.0f), b = a;
+    double distance = -1.0;
+    for (int r = 0; r < b.n_radii; r++) {
+        for (int i = 0; i < b.n_points; i++) {
+            for (int l = ISO_LM_SUBNASALE; l < ISO_LANDMARKS; l++) { /* ten of twelve */
+                b.weight[r][l][i] = 0.0f;
+            }
+            b.points_mm[r][ISO_LM_NASION][i][2] += 5.0f;
+        }
+    }
+    for (int l = ISO_LM_SUBNASALE; l < ISO_LANDMARKS; l++) {
+        options.left_out[l] = true;
+    }
+    options.trim = 1.0;
+    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), 0);
+    assert_true(distance > 0.1);
+    options.left_out[ISO_LM_NASION] = true;
+    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), 0);
+    assert_true(distance < 1e-3);
+    options.left_out[ISO_LM_NOSE_TIP] = true;
+    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), -EINVAL);
+    options = iso_match_options_default();
+    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), -ENODATA);
+}
+
 static void fusing_averages_noise_away(void **state)
 {
     (void)state;
@@ -250,6 +280,7 @@ int main(void)
         cmocka_unit_test(a_template_out_of_range_is_not_written),
         cmocka_unit_test(distance_does_not_see_how_a_face_is_placed),
         cmocka_unit_test(distance_refuses_what_cannot_be_compared),
+        cmocka_unit_test(distance_leaves_landmarks_out),
         cmocka_unit_test(fusing_averages_noise_away),
         cmocka_unit_test(search_finds_the_person_and_only_the_person),
     };

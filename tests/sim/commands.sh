@@ -32,6 +32,7 @@ expect 0 '' eval --help
 expect 0 '' show --help
 expect 2 '--corpus and --out are needed' eval
 expect 2 "--method: 'eigenfaces' is no NAME,...|all" eval --corpus x --out "$work/out" --method eigenfaces
+expect 2 "--landmarks: 'chin' is no NAME,...|all|upper" eval --landmarks chin
 expect 2 "--threads: '0' is no N" eval --threads 0
 expect 3 'nowhere' eval --corpus "$work/nowhere" --model "$model" --out "$work/out"
 expect 3 'nowhere/head.model' eval --corpus "$work" --model "$work/nowhere/head.model" --out "$work/out"

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "sim/eval/landmark_choice.h"
 #include "sim/eval/method_options.h"
 #include "sim/eval/report.h"
 #include "sim/eval/report_methods.h"
@@ -103,6 +104,15 @@ static const struct sim_matches *matches_of(const struct sim_eval *eval,
     return NULL;
 }
 
+static size_t count_fields(const char *line)
+{
+    size_t n = 1;
+    for (const char *c = line; *c; c++) {
+        n += *c == ',';
+    }
+    return n;
+}
+
 /* Every method but the one that needs infrared, which the stored corpus has none of, and their own
  * results: what hfpc makes of it is the same as alone. */
 static void test_all_methods(void **state)
@@ -118,6 +128,13 @@ static void test_all_methods(void **state)
     assert_int_equal(eval->n_methods, SIM_METHODS);
     assert_ptr_equal(eval->matches, eval->methods[0].matches);
     assert_memory_equal(alone->matches->score, eval->matches->score, 3 * 2 * sizeof(double));
+    options.n_methods = 0;
+    memcpy(options.match.left_out, sim_landmarks_below, sizeof sim_landmarks_below);
+    struct sim_eval *upper = evaluate(&options);
+    const struct sim_matches *of_upper = matches_of(eval, &sim_method_hfpc_upper);
+    assert_memory_equal(upper->matches->score, of_upper->score, 3 * 2 * sizeof(double));
+    assert_true(of_upper->score[0] != eval->matches->score[0]);
+    sim_eval_free(upper);
     assert_int_equal(sim_contest_of(eval, &contest), 0);
     assert_string_equal(contest.corpus, "tested");
     assert_int_equal(contest.n_verdicts, SIM_METHODS - 1);
@@ -136,6 +153,13 @@ static void test_all_methods(void **state)
     size_t size;
     char *csv = scratch_read(scratch_path(*state, "methods.csv"), &size);
     assert_non_null(memmem(csv, size, "tested,icp-upper,2,1,4,2,2,1.000000", 35));
+    csv[size - 1] = '\0'; /* the last line's end */
+    char *rows = strchr(csv, '\n') + 1;
+    assert_non_null(strstr(rows, "\ntested,hfpc-upper,"));
+    *strchr(rows, '\n') = '\0';
+    rows[-1] = '\0';
+    assert_int_equal(count_fields(rows), count_fields(csv));
+    assert_non_null(strstr(csv, ",seconds,fnmr_1e-2,"));
     free(csv);
     struct iso_fault fault = {""};
     assert_int_equal(sim_report_plots(eval, *state, &fault), 0);

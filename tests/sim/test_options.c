@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -70,6 +71,26 @@ static void test_extract_and_match_options(void **state)
     assert_int_equal(target.match.transform, ISO_ICP_AFFINE);
 }
 
+static void expect_counting(const char *value, const char *counting)
+{
+    char option[] = "--landmarks", words[128];
+    (void)snprintf(words, sizeof words, "%s", value);
+    char *argv[] = {"eval", option, words};
+    memset(target.match.left_out, 0x01, sizeof target.match.left_out);
+    assert_int_equal(parse(3, argv), SIM_OPTIONS_READ);
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        assert_int_equal(target.match.left_out[l], counting[l] == '-');
+    }
+}
+
+static void test_landmarks(void **state)
+{
+    (void)state;
+    expect_counting("all", "nnnnnnnnnnnn");
+    expect_counting("upper", "nn-nnnnnn---");
+    expect_counting("mouth_l,nasion", "n----------n");
+}
+
 static void test_help_wins(void **state)
 {
     (void)state;
@@ -94,6 +115,14 @@ static void test_refusals_name_the_option(void **state)
         {{"--radii", "1,2,3,4,5"}, 2, "--radii: '1,2,3,4,5' is no MM,MM,..."},
         {{"--radii", "18,"}, 2, "--radii: '18,' is no MM,MM,..."},
         {{"--heat", "warm"}, 2, "--heat: 'warm' is no grid|direct|spectral"},
+        {{"--landmarks", "chin"}, 2, "--landmarks: 'chin' is no NAME,...|all|upper"},
+        {{"--landmarks", "nasion,"}, 2, "--landmarks: 'nasion,' is no NAME,...|all|upper"},
+        {{"--landmarks", "nasion,nasion"},
+         2,
+         "--landmarks: 'nasion,nasion' is no NAME,...|all|upper"},
+        {{"--landmarks", "upper,nasion"},
+         2,
+         "--landmarks: 'upper,nasion' is no NAME,...|all|upper"},
         {{"--transform", ""}, 2, "--transform: '' is no rigid|affine"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -102,6 +131,7 @@ static void test_refusals_name_the_option(void **state)
         assert_string_equal(fault.text, bad[i].fault);
     }
     assert_int_equal(target.count, 5);
+    assert_false(target.match.left_out[ISO_LM_MOUTH_R]);
     assert_int_equal(target.extract.n_radii, iso_extract_options_default().n_radii);
 }
 
@@ -110,6 +140,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_both_forms, setup),
         cmocka_unit_test_setup(test_extract_and_match_options, setup),
+        cmocka_unit_test_setup(test_landmarks, setup),
         cmocka_unit_test_setup(test_help_wins, setup),
         cmocka_unit_test_setup(test_refusals_name_the_option, setup),
     };
