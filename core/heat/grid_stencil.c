@@ -174,12 +174,14 @@ static struct band band_of(struct iso_grid_window window, int band)
     };
 }
 
-/* Zeroes the band's rows in all planes; the first and the last band what lies above and below. */
+/* Zeroes the band's rows in all planes; who has the first row, and the last band, also what lies
+ * above and below. (A low window leaves the first bands without a row.) */
 static void clear_band(struct iso_grid_stencil *s, const struct iso_grid *grid, struct band rows,
                        int band)
 {
+    const bool first = rows.begin == rows.first && rows.end > rows.begin;
     const size_t origin = iso_grid_plane_origin(grid), stride = (size_t)s->stride;
-    const size_t begin = band == 0 ? 0 : origin + (size_t)rows.begin * stride;
+    const size_t begin = first ? 0 : origin + (size_t)rows.begin * stride;
     const size_t end = band == ISO_GRID_STENCIL_BANDS - 1 ? s->plane_size
                                                           : origin + (size_t)rows.end * stride;
     for (size_t plane = 0; plane < PLANES; plane++) {

@@ -46,7 +46,8 @@ void iso_grid_stencil_build_band(struct iso_grid_stencil *stencil, const struct 
 /* No eigenvalue of A restricted to a window exceeds this, 1/mm^2: the largest over single triangles
  * (Fried 1972) of the window and of the few rows that share its blocks of eight. That of a triangle
  * with cotangents of sum s and the mass A / 3 at each corner is 3 / A times (s + sqrt(s^2 - 3)) /
- * 2, which is taken 2 % too large. */
+ * 2, which is taken too large: by 2 % where the surface lies flat in the grid, s = 2, and by no
+ * more than a third, for an equilateral triangle. */
 double iso_grid_stencil_bound(const struct iso_grid_stencil *stencil,
                               struct iso_grid_window window);
 

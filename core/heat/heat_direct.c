@@ -239,7 +239,9 @@ static bool request_sane(const struct iso_mesh *mesh, const struct iso_symmetric
 {
     bool sane = n_sources >= 1 && n_times >= 1 && mesh->n_vertices == mass->n;
     for (int s = 0; sane && s < n_sources; s++) {
-        sane = sources[s].triangle >= 0 && sources[s].triangle < mesh->n_triangles;
+        const double *weight = sources[s].weight;
+        sane = sources[s].triangle >= 0 && sources[s].triangle < mesh->n_triangles &&
+               isfinite(weight[0] + weight[1] + weight[2]);
     }
     for (int j = 0; sane && j < n_times; j++) {
         sane = t_mm2[j] > 0.0 && isfinite(t_mm2[j]);

@@ -47,8 +47,8 @@ int iso_heat_direct_new(const struct iso_heat_direct_options *options, struct is
 void iso_heat_direct_free(struct iso_heat_direct *solver);
 
 /* Heat columns as for iso_heat_spectral. The symbolic analysis is kept from call to call while the
- * pattern stays the same. -EINVAL (sizes, t <= 0, a source in no triangle), -ENOSPC over a
- * capacity, -EDOM if B + gamma L cannot be factorised, -ENOMEM. */
+ * pattern stays the same. -EINVAL (sizes, t <= 0, a source in no triangle or nowhere in it),
+ * -ENOSPC over a capacity, -EDOM if B + gamma L cannot be factorised, -ENOMEM. */
 int iso_heat_direct(struct iso_heat_direct *solver, const struct iso_mesh *mesh,
                     const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
                     const struct iso_surface_point *sources, int n_sources, const double *t_mm2,

@@ -134,6 +134,34 @@ static void the_bound_holds_and_is_close(void **state)
     }
 }
 
+/* In whatever order its bands are built, for windows so low that some bands have no row. */
+static void bands_make_the_same_operator_in_any_order(void **state)
+{
+    (void)state;
+    enum { PLANES = 7 };
+    struct grid_surface s = grid_surface_hills(2.0, 1.0);
+    struct iso_grid_stencil *forth = NULL, *back = NULL;
+    assert_int_equal(iso_grid_stencil_new(s.grid, &forth), 0);
+    assert_int_equal(iso_grid_stencil_new(s.grid, &back), 0);
+    for (int row = 0; row < 10; row++) {
+        for (int height = 1; row + height <= s.grid->height && height < 60; height++) {
+            const struct iso_grid_window window = {ISO_LANES, row, 2 * ISO_LANES, height};
+            iso_grid_stencil_build(forth, s.grid, window);
+            for (int step = 0; step < ISO_GRID_STENCIL_STEPS; step++) {
+                for (int band = ISO_GRID_STENCIL_BANDS - 1; band >= 0; band--) {
+                    iso_grid_stencil_build_band(back, s.grid, window, step, band);
+                }
+            }
+            assert_true(iso_grid_stencil_bound(forth, window) > 0.0);
+            assert_memory_equal(forth->memory, back->memory,
+                                PLANES * forth->plane_size * sizeof(float));
+        }
+    }
+    iso_grid_stencil_free(forth);
+    iso_grid_stencil_free(back);
+    grid_surface_done(&s);
+}
+
 /* Vectors of a recurrence and two sums: four planes. */
 struct vectors {
     float *plane[4];
@@ -421,6 +449,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_operator_is_that_of_the_mesh),
         cmocka_unit_test(the_bound_holds_and_is_close),
+        cmocka_unit_test(bands_make_the_same_operator_in_any_order),
         cmocka_unit_test(a_sweep_is_its_steps_to_the_bit),
         cmocka_unit_test(the_expansion_is_the_exponential),
         cmocka_unit_test(on_a_plane_heat_is_gaussian),

@@ -346,6 +346,9 @@ static void impossible_requests_are_refused(void **state)
     assert_int_equal(HEAT(mesh, m, &nowhere, 1, &t, 1), -EINVAL);
     nowhere.triangle = -1;
     assert_int_equal(HEAT(mesh, m, &nowhere, 1, &t, 1), -EINVAL);
+    struct iso_surface_point unknown = source;
+    unknown.weight[1] = NAN;
+    assert_int_equal(HEAT(mesh, m, &unknown, 1, &t, 1), -EINVAL);
     assert_int_equal(HEAT(larger, m2, &source, 1, &t, 1), -ENOSPC);
     double kept = m.stiffness->value[3];
     m.stiffness->value[3] = NAN;
