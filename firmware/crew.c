@@ -28,6 +28,9 @@ struct iso_crew {
     int n_started; /* helpers */
     struct helper helper[ISO_CREW_MAX - 1];
 
+    cpu_set_t processors; /* that the crew may use; none: it is not known */
+    int kept_off;         /* of these, the one that the helpers were told to leave to the caller */
+
     pthread_mutex_t lock; /* to change what follows, but for the last group */
     pthread_cond_t begun, done;
     bool open;   /* there is a batch to join */
@@ -127,11 +130,29 @@ static void *help(void *context)
     return NULL;
 }
 
+/* Leaves the caller its processor. The kernel often wakes a helper on the one where it slept, which
+ * may be where the caller is by now, though another is idle. Where that may not be said to the
+ * kernel, helpers see themselves that they are in the way, and sleep on. */
+static void keep_off(struct iso_crew *crew, int processor)
+{
+    cpu_set_t others = crew->processors;
+    if (processor == crew->kept_off || processor < 0 || processor >= CPU_SETSIZE) {
+        return;
+    }
+    CPU_CLR((size_t)processor, &others);
+    for (int i = 0; i < crew->n_started && CPU_COUNT(&others) > 0; i++) {
+        (void)pthread_setaffinity_np(crew->helper[i].thread, sizeof others, &others);
+    }
+    crew->kept_off = processor;
+}
+
 static void expect(void *context)
 {
     struct iso_crew *crew = context;
+    const int processor = sched_getcpu();
+    keep_off(crew, processor);
     (void)pthread_mutex_lock(&crew->lock);
-    crew->processor = sched_getcpu();
+    crew->processor = processor;
     crew->expecting = true;
     (void)pthread_cond_broadcast(&crew->begun);
     (void)pthread_mutex_unlock(&crew->lock);
@@ -231,6 +252,10 @@ int iso_crew_new(int n_workers, struct iso_crew **out)
     }
     crew->tasks = (struct iso_tasks){n_workers, crew, run, race, settle, expect};
     atomic_init(&crew->processor, NOWHERE);
+    crew->kept_off = NOWHERE;
+    if (sched_getaffinity(0, sizeof crew->processors, &crew->processors) != 0) {
+        CPU_ZERO(&crew->processors);
+    }
     (void)pthread_mutex_init(&crew->lock, NULL);
     (void)pthread_cond_init(&crew->begun, NULL);
     (void)pthread_cond_init(&crew->done, NULL);

@@ -5,7 +5,9 @@
  * raced for and takes longer than the caller needed for its longest, the caller does it once more.
  * So on a busy machine two threads are no slower than one. To be woken takes some 50 us: helpers
  * get up when a batch is expected, and who helped looks out for the next for some 60 us before it
- * sleeps; on the caller's own processor none does either. Their threads block all signals. */
+ * sleeps. The processor of who expects a batch is its own: helpers are sent to the others, and
+ * where the kernel may not be told so, one that finds itself there sleeps on. Their threads block
+ * all signals. */
 #ifndef ISO_FIRMWARE_CREW_H
 #define ISO_FIRMWARE_CREW_H
 

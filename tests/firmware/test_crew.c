@@ -161,6 +161,54 @@ static void who_stands_still_in_a_race_is_not_waited_for(void **state)
     iso_crew_free(crew);
 }
 
+/* Where the caller is, and what helpers say of where they may be. */
+struct places {
+    int caller;
+    atomic_int seen, shared;
+};
+
+static void look_around(void *batch, int task, int worker)
+{
+    struct places *places = batch;
+    cpu_set_t mine;
+    (void)task;
+    if (worker > 0 && sched_getaffinity(0, sizeof mine, &mine) == 0) {
+        atomic_fetch_add(&places->seen, 1);
+        atomic_fetch_add(&places->shared, CPU_ISSET((size_t)places->caller, &mine) != 0);
+    }
+    for (volatile int i = 0; i < 20000; i++) { /* so long that others have time to come */
+    }
+}
+
+static void who_expects_a_batch_has_its_processor_alone(void **state)
+{
+    (void)state;
+    cpu_set_t all, one;
+    if (sched_getaffinity(0, sizeof all, &all) != 0 || CPU_COUNT(&all) < 2) {
+        skip();
+    }
+    struct iso_crew *crew = NULL;
+    assert_int_equal(iso_crew_new(3, &crew), 0);
+    for (int processor = 0, n = 0; processor < CPU_SETSIZE && n < 2; processor++) {
+        if (!CPU_ISSET((size_t)processor, &all)) {
+            continue;
+        }
+        struct places places = {.caller = processor};
+        n++;
+        CPU_ZERO(&one);
+        CPU_SET((size_t)processor, &one);
+        assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+        for (int i = 0; i < 10000 && places.seen == 0; i++) {
+            iso_tasks_expect(iso_crew_tasks(crew));
+            iso_tasks_run(iso_crew_tasks(crew), look_around, &places, 6);
+        }
+        assert_true(places.seen > 0);
+        assert_int_equal(places.shared, 0);
+    }
+    assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
+    iso_crew_free(crew);
+}
+
 static void without_a_crew_the_caller_does_it(void **state)
 {
     (void)state;
@@ -191,6 +239,7 @@ int main(void)
         cmocka_unit_test(every_task_runs_once),
         cmocka_unit_test(a_race_has_every_result),
         cmocka_unit_test(who_stands_still_in_a_race_is_not_waited_for),
+        cmocka_unit_test(who_expects_a_batch_has_its_processor_alone),
         cmocka_unit_test(without_a_crew_the_caller_does_it),
         cmocka_unit_test(sizes_out_of_range_are_refused),
     };
