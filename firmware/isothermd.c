@@ -128,7 +128,7 @@ static int run(const struct arguments *arguments)
 static void say_version(void)
 {
     const char *engine = iso_face_detector_engine();
-    printf("isothermd " ISOTHERM_VERSION "\nimage check: %s\n", *engine ? engine : "not built in");
+    printf("isothermd " ISOTHERM_VERSION "\nimage check: %s\n", *engine ? engine : "not installed");
 }
 
 int main(int argc, char **argv)
