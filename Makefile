@@ -9,6 +9,9 @@
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
 #   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps
+#   make packages makes the Debian packages in build/packages and checks them
+#   make packages-arm64  cross-builds those of arm64 in build/packages-arm64
+#   make install-check  installs the packages, and what `make install` installs, in a Debian of its own: needs root
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make clean    removes what the others made
 
@@ -18,7 +21,7 @@ FUZZ_SEED ?= 1
 KILLS ?= 1000
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills drill install clean
+.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills drill packages packages-arm64 install-check install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -69,6 +72,21 @@ drill:
 	cmake/install_packages.sh build test
 	cmake --preset dev
 	cmake --build --preset dev --target drill
+
+packages:
+	cmake/install_packages.sh build package
+	cmake/debian_packages.sh build/packages
+	lintian --fail-on error,warning --allow-root build/packages/*.changes
+
+packages-arm64: packages
+	cmake/install_packages.sh install
+	cmake/debian_packages_arm64.sh build/packages build/packages-arm64
+
+install-check: packages
+	cmake/install_packages.sh install
+	cmake --preset release
+	cmake --build --preset release
+	tests/install/run.sh build/packages build/release build/install
 
 install:
 	cmake/install_packages.sh build

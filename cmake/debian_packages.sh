@@ -1,0 +1,34 @@
+#!/bin/sh
+# Builds the Debian packages of this machine's architecture, and the source package beside them, from board/debian laid beside a copy
+# of the tree. What is not committed is packaged, too.
+#
+#   debian_packages.sh OUT        OUT is emptied; then it has *.dsc, *.deb, *.changes and the log of the build
+#
+# Needs the tags `build` and `package` of packages.txt.
+set -eu
+source_dir=$(cd "$(dirname "$0")/.." && pwd)
+version=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Version)
+upstream=${version%-*}
+project=$(sed -n 's/^project(isotherm VERSION \([0-9.]*\) .*/\1/p' "$source_dir/CMakeLists.txt")
+[ "$upstream" = "$project" ] || {
+    echo "board/debian/changelog has version $upstream, CMakeLists.txt $project" >&2
+    exit 1
+}
+
+rm -rf "$1"
+mkdir -p "$1"
+out=$(cd "$1" && pwd)
+tree=$out/isotherm-$upstream
+mkdir "$tree"
+(cd "$source_dir" && git ls-files -z | tar -c --null -T - -f -) | tar -x -C "$tree"
+tar -c --sort=name --owner=0 --group=0 --mtime="@$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)" \
+    -C "$out" "isotherm-$upstream" | gzip -n >"$out/isotherm_$upstream.orig.tar.gz"
+cp -r "$source_dir/board/debian" "$tree/debian"
+
+(cd "$tree" && dpkg-buildpackage -us -uc) >"$out/build.log" 2>&1 || {
+    tail -n 40 "$out/build.log" >&2
+    echo "debian_packages.sh: the build failed; whole log: $out/build.log" >&2
+    exit 1
+}
+rm -rf "$tree"
+(cd "$out" && ls -- *.deb)

@@ -1,0 +1,215 @@
+#!/bin/sh
+# An appliance that is installed from the packages, or by `make install`, in a Debian of its own that systemd boots: it starts, enrols,
+# lets in and refuses, keeps what it has over restart, reboot and upgrade, is confined, and goes without a trace.
+#
+#   first_start.sh packages DIR TAR      DIR: the packages of `make packages`
+#   first_start.sh tree BUILD TAR        BUILD: a configured and built tree whose prefix is /usr/local
+#
+# TAR is what root.sh makes. Needs root. Ends with 0 if everything held.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+source_dir=$(cd "$here/../.." && pwd)
+way=$1
+from=$(cd "$2" && pwd)
+tar=$3
+story_scratch=$(mktemp -d)
+install='apt-get install -q -y --no-install-recommends'
+installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb'
+. "$here/container.sh"
+. "$here/story.sh"
+
+say() {
+    printf '%5d s  %s\n' $(($(date +%s) - began)) "$1"
+}
+
+die() {
+    echo "FAILED: $1" >&2
+    [ -z "$container_nspawn" ] || {
+        inside systemctl --no-pager --full status isothermd || true
+        inside journalctl --no-pager --unit isothermd | tail -n 20 || true
+    } >&2
+    exit 1
+}
+
+finish() {
+    status=$?
+    trap - EXIT
+    container_remove
+    rm -rf "$story_scratch"
+    exit $status
+}
+trap finish EXIT
+trap 'exit 130' INT TERM
+began=$(date +%s)
+
+# apt WHAT COMMAND...: COMMAND, whose output is shown only if it fails
+apt() {
+    apt_what=$1
+    shift
+    "$@" >"$story_scratch/apt" 2>&1 || {
+        tail -n 20 "$story_scratch/apt" >&2
+        die "$apt_what"
+    }
+}
+
+# ---- installing ----
+
+packages() {
+    for package in "$@"; do
+        ls "$from/${package}"_*_"$(dpkg --print-architecture)".deb "$from/${package}"_*_all.deb 2>/dev/null | head -n 1
+    done
+}
+
+# The packages and what they depend on, as apt would install them from a repository.
+install_packages() {
+    mkdir "$container_root/srv/packages"
+    # shellcheck disable=SC2046
+    cp $(packages isotherm isotherm-data libisotherm0 isotherm-sim isotherm-board-pc-usb) "$container_root/srv/packages"
+    in_root apt-get update -qq
+    in_root dpkg-query -W -f '${Package}\n' | sort >"$story_scratch/before"
+    apt 'installing isotherm' in_root sh -c "$install"' /srv/packages/isotherm_*.deb /srv/packages/isotherm-data_*.deb /srv/packages/libisotherm0_*.deb'
+    in_root dpkg-query -W -f '${Package}\n' | sort >"$story_scratch/after"
+    new=$(comm -13 "$story_scratch/before" "$story_scratch/after")
+    heavy=$(echo "$new" | grep -E '^lib(llvm|icu|gl|egl|gbm|z3|opencv|camera)|mesa' || true)
+    # shellcheck disable=SC2086
+    say "isotherm is installed: $(echo "$new" | wc -l) packages, $(in_root dpkg-query -W -f '${Installed-Size}\n' $new | awk '{ s += $1 } END { printf "%.0f", s / 1024 }') MiB"
+    [ -z "$heavy" ] || die "isotherm alone pulls in $(echo "$heavy" | tr '\n' ' ')"
+    apt 'installing isotherm-board-pc-usb' in_root sh -c "$install"' /srv/packages/isotherm-board-pc-usb_*.deb'
+}
+
+# What the packages depend on, and the files of `make install` in their folder for packagers.
+install_tree() {
+    libraries=$(find "$from" -maxdepth 3 -type f -perm /111 \( -name isothermd -o -name isotherm -o -name 'isotherm-*.so' -o -name 'libisotherm.so.*' \) -exec objdump -p {} + |
+        awk '$1 == "NEEDED" { print $2 }' | sort -u | grep -v '^libisotherm' | while read -r library; do
+        path=$(ldconfig -p | awk -v name="$library" '$1 == name { print $NF; exit }')
+        dpkg -S "$(readlink -f "$path")" 2>/dev/null || dpkg -S "$path"
+    done | cut -d : -f 1 | sort -u)
+    in_root apt-get update -qq
+    # shellcheck disable=SC2086
+    apt 'installing libraries' in_root apt-get install -q -y --no-install-recommends $libraries
+    make -s -C "$source_dir" install DESTDIR="$container_root" >"$story_scratch/make" 2>&1 || {
+        tail -n 20 "$story_scratch/make"
+        die 'make install'
+    }
+    cp "$source_dir/cmake/after_install.sh" "$container_root/srv"
+    say 'make install, with its default prefix'
+}
+
+configure() {
+    mkdir -p "$container_root/etc/isotherm"
+    cat >"$container_root/etc/isotherm/isotherm.conf" <<END
+[sensor]
+backend = replay
+path = /srv/slot
+[door]
+backend = null
+unlock_ms = 500
+[decision]
+gap_ms = 500
+[lockout]
+failures = 2
+first_ms = 600000
+END
+    cp -r "$source_dir/sim/stored" "$container_root/srv/stored"
+    cp "$intrude" "$container_root/srv/intrude"
+}
+
+# ---- the story ----
+
+everything_works() {
+    others_are_refused
+    p01_is_enrolled
+    p01_is_let_in
+    a_stranger_is_refused
+    p01_is_let_in
+    exposure 1.3
+    calls_are_filtered
+    leave_open
+    files_are_restricted
+}
+
+state_is_lasting() {
+    nobody_is_there
+    until is_locked_out; do
+        a_stranger_is_refused
+    done
+    remember_state
+    inside systemctl restart isothermd
+    wait_for 10 'the unit does not come back' unit_is active
+    state_is_kept 'a restart'
+    journal_tells 'nobody is let in for' 'as before the restart' 'Started isothermd'
+    container_halt
+    container_boot
+    active_within 5
+    state_is_kept 'a reboot'
+}
+
+upgrade_keeps() {
+    mkdir "$container_root/srv/newer"
+    for file in "$container_root"/srv/packages/*.deb; do
+        "$here/repack.sh" "$file" +upgrade "$container_root/srv/newer"
+    done
+    before=$(daemon_pid)
+    apt 'the upgrade' inside sh -c "$install"' /srv/newer/isotherm_*.deb /srv/newer/isotherm-data_*.deb /srv/newer/libisotherm0_*.deb \
+        /srv/newer/isotherm-board-pc-usb_*.deb'
+    wait_for 10 'the unit does not come back' unit_is active
+    [ "$(daemon_pid)" != "$before" ] || die 'the upgrade does not restart the daemon'
+    state_is_kept 'an upgrade'
+}
+
+state_files() {
+    inside ls -A /var/lib/isotherm
+}
+
+# Nobody can be asked here: purging keeps what cannot be restored.
+removal_keeps_people() {
+    state_files >"$story_scratch/state"
+    # shellcheck disable=SC2086
+    apt 'the removal' inside apt-get remove -q -y $installed_packages
+    [ -z "$(inside find /proc -maxdepth 2 -name exe -lname '*/isothermd*' 2>/dev/null)" ] || die 'the daemon outlives the removal of its package'
+    apt 'the purge' inside apt-get purge -q -y isotherm
+    state_files | cmp -s - "$story_scratch/state" || die 'purging removes people without a question'
+    say 'removing and purging keep the people where nobody can be asked'
+}
+
+purge_leaves_nothing() {
+    apt 'the second installation' inside sh -c "$install"' /srv/newer/*.deb'
+    echo 'isotherm isotherm/remove-people boolean true' | inside debconf-set-selections
+    # shellcheck disable=SC2086
+    apt 'the purge' inside apt-get purge -q -y $installed_packages
+    left=$(inside find / -xdev -path /srv -prune -o -path /proc -prune -o -path /sys -prune -o -path /var/lib/apt -prune -o \
+        \( -iname '*isotherm*' -o -name 'org.isotherm*' \) -print)
+    # The drop-in is this test's.
+    left=$(echo "$left" | grep -v '^/etc/systemd/system/isothermd.service.d' || true)
+    [ -z "$left" ] || die "purging leaves $(echo "$left" | tr '\n' ' ')"
+    say 'purging, with the consent to remove the people, leaves nothing'
+}
+
+intrude=$story_scratch/intrude
+gcc -D_GNU_SOURCE -O1 -o "$intrude" "$here/intrude.c"
+container_unpack "$tar"
+case $way in
+packages) install_packages ;;
+tree) install_tree ;;
+esac
+configure
+container_boot
+if [ "$way" = tree ]; then
+    inside sh /srv/after_install.sh
+    inside systemctl --quiet enable --now isothermd || die 'the unit does not start'
+fi
+active_within 5
+add_users
+everything_works
+state_is_lasting
+if [ "$way" = packages ]; then
+    upgrade_keeps
+fi
+isotherm lockout clear >/dev/null
+p01_is_let_in
+if [ "$way" = packages ]; then
+    removal_keeps_people
+    purge_leaves_nothing
+fi
+container_halt
+say 'installed, it opens the door'

@@ -1,0 +1,94 @@
+#!/bin/sh
+# Tests what a person installs, each in a Debian 12 of its own:
+#
+#   packages     installed from the packages and booted by systemd: tests/install/first_start.sh
+#   tree         the same from `make install` with its default prefix
+#   piuparts     the packages are installed, upgraded from a version before, removed and purged, and leave nothing
+#   autopkgtest  the demo, with the installed programs
+#
+#   run.sh PACKAGES BUILD CACHE [TEST...]     PACKAGES: what debian_packages.sh made; BUILD: the preset `release`, built
+#
+# Needs root, the tag `install` of cmake/packages.txt and Debian's archive. Logs are in CACHE. Ends with "N passed, N failed, N skipped";
+# non-zero if one failed.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+[ $# -ge 3 ] || {
+    echo "usage: $0 PACKAGES BUILD CACHE [TEST...]" >&2
+    exit 2
+}
+packages=$(cd "$1" && pwd)
+build=$(cd "$2" && pwd)
+mkdir -p "$3"
+cache=$(cd "$3" && pwd)
+shift 3
+tests=${*:-packages tree piuparts autopkgtest}
+architecture=$(dpkg --print-architecture)
+base=$cache/base.tar
+"$here/root.sh" "$base"
+
+first_start() {
+    "$here/first_start.sh" "$1" "$2" "$base"
+}
+
+# The packages before are the present ones under a lower version, since none has been published yet.
+check_piuparts() {
+    scratch=$(mktemp -d)
+    mkdir "$scratch/before"
+    for name in isotherm isotherm-data libisotherm0; do
+        "$here/repack.sh" "$(ls "$packages/${name}"_*_"$architecture".deb "$packages/${name}"_*_all.deb 2>/dev/null | head -n 1)" '~before' \
+            "$scratch/before"
+    done
+    (cd "$scratch/before" && dpkg-scanpackages . >Packages 2>/dev/null)
+    gzip -1 -c "$base" >"$scratch/base.tar.gz"
+    code=0
+    # The pipe's exit code is that of sed: what piuparts says decides.
+    piuparts -b "$scratch/base.tar.gz" --no-eatmydata --bindmount="$scratch/before" --distribution bookworm \
+        --mirror 'http://deb.debian.org/debian main' --extra-repo="deb [trusted=yes] file://$scratch/before ./" \
+        "$packages"/isotherm_*_"$architecture".deb "$packages"/isotherm-data_*_all.deb "$packages"/libisotherm0_*_"$architecture".deb |
+        sed -n 's/^[0-9ms.]* \(INFO: PASS\|ERROR\|FAIL\)/\1/p' >"$scratch/result" || code=$?
+    cat "$scratch/result"
+    grep -q 'PASS: All tests' "$scratch/result" || code=1
+    rm -rf "$scratch"
+    return $code
+}
+
+check_autopkgtest() {
+    scratch=$(mktemp -d /var/tmp/isotherm-autopkgtest.XXXXXX)
+    mkdir "$scratch/root"
+    tar -x -C "$scratch/root" -f "$base"
+    cp /etc/resolv.conf "$scratch/root/etc/resolv.conf"
+    code=0
+    autopkgtest --quiet --setup-commands='apt-get update' --output-dir="$scratch/out" "$packages"/isotherm_*_"$architecture".changes -- chroot "$scratch/root" || code=$?
+    tail -n 3 "$scratch/out/demo-stdout" || true
+    rm -rf --one-file-system "$scratch"
+    return $code
+}
+
+run_one() {
+    case $1 in
+    packages) first_start packages "$packages" ;;
+    tree) first_start tree "$build" ;;
+    piuparts) check_piuparts ;;
+    autopkgtest) check_autopkgtest ;;
+    *)
+        echo "$0: there is no test '$1'" >&2
+        return 2
+        ;;
+    esac
+}
+
+passed=0 failed=0
+for test in $tests; do
+    printf '== %s\n' "$test"
+    began=$(date +%s)
+    # A subshell of its own: what fails in it ends it.
+    if (set -e; run_one "$test") >"$cache/$test.log" 2>&1; then
+        passed=$((passed + 1)) result=passed
+    else
+        failed=$((failed + 1)) result=FAILED
+    fi
+    tail -n 30 "$cache/$test.log"
+    printf '%-12s %s after %d s\n' "$test" "$result" $(($(date +%s) - began))
+done
+echo "$passed passed, $failed failed, 0 skipped"
+[ "$failed" -eq 0 ]

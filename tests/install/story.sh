@@ -1,0 +1,189 @@
+# What is shown of an appliance that is installed, in a booted container or machine: `. tests/install/story.sh`, after functions `inside`
+# and `inside_as` (tests/install/container.sh) and `say`, `die`, `wait_for`. The stored recordings are in /srv/stored, the program
+# `intrude` in /srv. Plain sh. The user ada is in the group isotherm, eve in none of the groups.
+
+isotherm() {
+    inside_as ada isotherm "$@"
+}
+
+unit_is() {
+    [ "$(inside systemctl is-active isothermd)" = "$1" ]
+}
+
+daemon_pid() {
+    inside systemctl show --property MainPID --value isothermd
+}
+
+log_records() {
+    isotherm log --count 100000 --json
+}
+
+# count_logged PERSON VERDICT: how many visits ended so; "" is somebody unknown.
+count_logged() {
+    log_records | tr -d ' \n' | { grep -o "\"person\":\"$1\",\"verdict\":\"$2\"" || true; } | wc -l
+}
+
+has_denied_more_than() {
+    [ "$(log_records | tr -d ' \n' | { grep -o '"verdict":"deny"' || true; } | wc -l)" -gt "$1" ]
+}
+
+count_denied() {
+    log_records | tr -d ' \n' | { grep -o '"verdict":"deny"' || true; } | wc -l
+}
+
+has_let_in_more_than() {
+    [ "$(count_logged p01 allow)" -gt "$1" ]
+}
+
+# ---- who stands before the camera ----
+
+somebody_comes() {
+    inside ln -s "/srv/stored/$1" /srv/slot.next
+    inside mv -T /srv/slot.next /srv/slot
+}
+
+nobody_is_there() {
+    inside rm -f /srv/slot
+    sleep 1
+}
+
+# ---- what is shown ----
+
+add_users() {
+    inside useradd --create-home --groups isotherm ada
+    inside useradd --create-home eve
+}
+
+others_are_refused() {
+    if inside_as eve isotherm status >/dev/null 2>&1; then
+        die 'an account outside the groups may ask for the state'
+    fi
+    inside_as eve isotherm status 2>&1 | grep -q 'not permitted' || die 'the refusal does not say that it is not permitted'
+    say 'an account outside the groups is refused'
+}
+
+p01_is_enrolled() {
+    nobody_is_there
+    isotherm enroll p01 --timeout 60 >"$story_scratch/enroll" 2>&1 &
+    story_enroll=$!
+    wait_for 10 'the enrolment does not begin' grep -q . "$story_scratch/enroll"
+    somebody_comes p01-enrol
+    wait $story_enroll || die "p01 is not enrolled: $(cat "$story_scratch/enroll")"
+    nobody_is_there
+    isotherm list | grep -q '^p01 ' || die 'p01 is not in the list'
+    say 'ada, who is in the group isotherm, has enrolled p01'
+}
+
+p01_is_let_in() {
+    story_allowed=$(count_logged p01 allow)
+    somebody_comes p01-v1
+    wait_for 20 'p01 is not let in' has_let_in_more_than "$story_allowed"
+    nobody_is_there
+    say 'p01 is let in'
+}
+
+a_stranger_is_refused() {
+    story_allowed=$(log_records | grep -c '"allow"' || true) story_denied=$(count_denied)
+    somebody_comes x01-v1
+    wait_for 20 'no verdict about a stranger' has_denied_more_than "$story_denied"
+    nobody_is_there
+    [ "$(log_records | grep -c '"allow"' || true)" = "$story_allowed" ] || die 'a stranger is let in'
+    say 'a stranger is refused'
+}
+
+is_locked_out() {
+    [ "$(isotherm status --json | sed -n 's/.*"lockout-ms": *\([0-9]*\).*/\1/p')" -gt 0 ]
+}
+
+# What has to be the same after a restart: the people, the records up to now, the lock-out.
+remember_state() {
+    isotherm list >"$story_scratch/people"
+    isotherm log --count 100000 >"$story_scratch/log"
+}
+
+# state_is_kept WHAT
+state_is_kept() {
+    isotherm list | cmp -s - "$story_scratch/people" || die "$1: other people"
+    isotherm log --count 100000 >"$story_scratch/log.now"
+    sed "$(wc -l <"$story_scratch/log")q" "$story_scratch/log.now" | cmp -s - "$story_scratch/log" || die "$1: other records"
+    isotherm log verify >/dev/null || die "$1: the log is not sound"
+    is_locked_out || die "$1: the lock-out is forgotten"
+    say "$1 keeps people, log and lock-out"
+}
+
+journal_tells() {
+    inside journalctl --no-pager --unit isothermd >"$story_scratch/journal"
+    for story_word in "$@"; do
+        grep -q -- "$story_word" "$story_scratch/journal" || {
+            cat "$story_scratch/journal"
+            die "the journal does not tell: $story_word"
+        }
+    done
+    say 'the journal tells what happened'
+}
+
+# ---- confinement ----
+
+# attempt WHAT...: how a system call ends that somebody has the daemon make who has taken it over
+attempt() {
+    inside /srv/intrude "$(daemon_pid)" "$@"
+}
+
+# ends WORD WHAT...: dies unless the attempt ends so
+ends() {
+    story_expected=$1
+    shift
+    story_end=$(attempt "$@")
+    [ "$story_end" = "$story_expected" ] || die "'$*' by the daemon ends with '$story_end', not $story_expected"
+}
+
+calls_are_filtered() {
+    inside grep -q '^Seccomp:.*2$' "/proc/$(daemon_pid)/status" || die 'no filter of system calls is in force'
+    ends done create /var/lib/isotherm/probe # what it may
+    inside rm /var/lib/isotherm/probe
+    ends EPERM internet
+    story_pid=$(daemon_pid)
+    ends killed execute /bin/true
+    wait_for 10 'the unit does not come back' unit_is active
+    [ "$(daemon_pid)" != "$story_pid" ] || die 'the daemon that executes a program lives on'
+    say 'the filter of system calls bites: no internet socket; who executes a program is killed, and started anew'
+}
+
+# /srv/open is for everybody, and the unit leaves it to the daemon: only Landlock forbids it. Needs the drop-in of leave_open.
+files_are_restricted() {
+    ends done create /var/lib/isotherm/probe
+    inside rm /var/lib/isotherm/probe
+    if inside journalctl --no-pager --unit isothermd | grep -q 'the kernel has no Landlock'; then
+        say 'skipped: this kernel has no Landlock; the journal tells so'
+        return
+    fi
+    ends EACCES create /srv/open/probe
+    say 'Landlock bites: no file outside the folders of the daemon, though everybody may write there'
+}
+
+leave_open() {
+    inside install -d -m 0777 /srv/open
+    inside install -d /etc/systemd/system/isothermd.service.d
+    printf '[Service]\nReadWritePaths=/srv/open\n' | inside tee /etc/systemd/system/isothermd.service.d/test.conf >/dev/null
+    inside systemctl daemon-reload
+    inside systemctl restart isothermd
+    wait_for 10 'the unit does not come back' unit_is active
+}
+
+# exposure MOST
+exposure() {
+    story_level=$(inside systemd-analyze security --no-pager isothermd | sed -n 's/.*Overall exposure level[^:]*: \([0-9.]*\) .*/\1/p')
+    awk -v level="$story_level" -v most="$1" 'BEGIN { exit !(level != "" && level + 0 <= most) }' ||
+        die "systemd-analyze security: '$story_level', at most $1 is allowed"
+    say "systemd-analyze security: exposure $story_level (at most $1)"
+}
+
+# The unit is part of multi-user.target: it is active before that, or at most so many seconds later.
+active_within() {
+    story_unit_us=$(inside systemctl show --property ActiveEnterTimestampMonotonic --value isothermd)
+    story_target_us=$(inside systemctl show --property ActiveEnterTimestampMonotonic --value multi-user.target)
+    story_began_us=$(inside systemctl show --property InactiveExitTimestampMonotonic --value isothermd)
+    unit_is active || die "the unit is $(inside systemctl is-active isothermd) after the boot"
+    [ "$story_unit_us" -le $((story_target_us + $1 * 1000000)) ] || die "the unit is active $(((story_unit_us - story_target_us) / 1000)) ms after multi-user"
+    say "the unit is active: $(((story_unit_us - story_began_us) / 1000)) ms after its start"
+}
