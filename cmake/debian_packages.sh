@@ -2,7 +2,8 @@
 # Builds the Debian packages of this machine's architecture, and the source package beside them, from board/debian laid beside a copy
 # of the tree. What is not committed is packaged, too.
 #
-#   debian_packages.sh OUT        OUT is emptied; then it has *.dsc, *.deb, *.changes and the log of the build
+#   debian_packages.sh OUT        OUT is emptied; then it has *.dsc, *.deb, *.changes and the log of the build. It does nothing if
+#                                 OUT has the packages of this very tree.
 #
 # Needs the tags `build` and `package` of packages.txt.
 set -eu
@@ -15,6 +16,11 @@ project=$(sed -n 's/^project(isotherm VERSION \([0-9.]*\) .*/\1/p' "$source_dir/
     exit 1
 }
 
+# Names and contents of what is packaged.
+tree_sum=$(cd "$source_dir" && git ls-files -z | xargs -0 sha256sum | sha256sum)
+if [ "$(cat "$1/tree.sha256" 2>/dev/null)" = "$tree_sum" ]; then
+    exit 0
+fi
 rm -rf "$1"
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
@@ -31,4 +37,5 @@ cp -r "$source_dir/board/debian" "$tree/debian"
     exit 1
 }
 rm -rf "$tree"
+echo "$tree_sum" >"$out/tree.sha256"
 (cd "$out" && ls -- *.deb)

@@ -9,7 +9,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$1"
 cache=$(cd "$1" && pwd)
-complete=$cache/complete-5 # the number rises when this script makes something else
+complete=$cache/complete-6 # the number rises when this script makes something else
 [ ! -e "$complete" ] || exit 0
 
 # linux-image-amd64 depends on one release, such as linux-image-6.1.0-56-amd64.

@@ -38,6 +38,11 @@ PATH=$PATH:/usr/sbin:/sbin "$here/kernel.sh" "$cache"
 boot() {
     name=$1 seconds=$2 programs=$3
     rm -f "$build/vm/$name.status"
+    root=
+    if [ -x "$here/${name}_root.sh" ]; then
+        root="vm_root=$build/vm/$name.root"
+        "$here/${name}_root.sh" "$source_dir/build/packages" "$cache" "$build/vm/$name.root" >"$build/vm/$name.log" 2>&1 || return $?
+    fi
     # Without AVX, which an emulated processor is slow at.
     (ulimit -t "$seconds" && exec timeout $((6 * seconds)) qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 -m 1536 \
         -nodefaults -no-user-config -display none -no-reboot \
@@ -45,7 +50,7 @@ boot() {
         -fsdev local,id=root,path=/,security_model=none,readonly=on,multidevs=remap \
         -device virtio-9p-pci,fsdev=root,mount_tag=root \
         -kernel "$cache/vmlinuz" -initrd "$cache/initrd" \
-        -append "console=ttyS0 loglevel=4 oops=panic panic=-1 vm_inside=$here/inside.sh vm_test=$here/$name.sh vm_build=$programs vm_source=$source_dir vm_cache=$cache" \
+        -append "console=ttyS0 loglevel=4 oops=panic panic=-1 vm_inside=$here/inside.sh vm_test=$here/$name.sh vm_build=$programs vm_source=$source_dir vm_cache=$cache $root" \
         </dev/null >"$build/vm/$name.qemu" 2>&1) || {
         case $? in 124 | 137 | 152) return 124 ;; esac # by the clock; by the processor's, SIGKILL or SIGXCPU
         cat "$build/vm/$name.qemu" >&2
