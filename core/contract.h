@@ -44,10 +44,13 @@
  *   View(a{sv})                          what the sensor sees, some ten times a second: the keys
  *                                        marked + below
  * Sent to all:
- *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason)
+ *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason, s door,
+ *         s door_fault)
  *       a decision of the door itself: verdict "allow" or "deny", person "" when unknown, the best
  *       score (NaN: nothing to compare with), usable frames, time from the arrival of the first
- *       usable frame to the verdict, reason a word of firmware/decision.h
+ *       usable frame to the verdict, reason a word of firmware/decision.h. What the door did is
+ *       another fact: door is a word ISO_CONTRACT_DOOR_... after "allow" and "" after "deny";
+ *       door_fault says why the door did not unlock, else it is ""
  *   Hint(s word)                         what hinders who stands at the door: a word of
  *                                        core/capture.h, which held for some frames
  *   DoorChanged(s state, s cause)        words of firmware/door.h
@@ -77,8 +80,14 @@
  * 256 MiB) with the salt at ..._SALT_AT.
  *
  * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
- * apply, "monotonic_ns", "person", "verdict", "reason", "score", "threshold", "frames",
- * "attack_frames", "sensor", "gallery" (which one, ":" and how often it was changed), "note". */
+ * apply, "monotonic_ns", "person", "verdict", "door", "door_fault", "grant", "reason", "score",
+ * "threshold", "frames", "attack_frames", "sensor", "gallery" (which one, ":" and how often it was
+ * changed), "before" and "after" (the values that an administrator changed), "note".
+ *
+ * Who is let in is on record twice: as a "grant" before the lock is switched, and as a "visit"
+ * after it, which says what the door did ("door", "door_fault") and which record was the grant
+ * ("grant", a sequence). A grant without a visit was written by a daemon that ended in between, or
+ * whose disk was full then. */
 #ifndef ISO_CORE_CONTRACT_H
 #define ISO_CORE_CONTRACT_H
 
@@ -154,6 +163,11 @@ enum {
 #define ISO_CONTRACT_RESULT_TIMED_OUT    "timed-out"
 #define ISO_CONTRACT_RESULT_DISCONNECTED "disconnected" /* the sensor is gone */
 #define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of core/capture.h */
+
+/* What the door did for somebody who was let in: Visit, and the audit record "visit". */
+#define ISO_CONTRACT_DOOR_UNLOCKED     "unlocked"     /* its lock was switched */
+#define ISO_CONTRACT_DOOR_OPEN         "open"         /* it stood open already */
+#define ISO_CONTRACT_DOOR_NOT_UNLOCKED "not-unlocked" /* its lock could not be switched */
 
 /* Errors. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

@@ -25,6 +25,7 @@
 #include "firmware/cards.h"
 #include "firmware/config.h"
 #include "firmware/decision.h"
+#include "firmware/door_control.h"
 #include "firmware/gallery.h"
 #include "firmware/pipeline.h"
 #include "firmware/sensor_keeper.h"
@@ -43,10 +44,12 @@ enum iso_appliance_mode {
 /* "watch", "claimed", "enroll", "verify", "identify"; NULL outside. */
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode);
 
-/* A decision of the door, after it was logged and the door was told. */
+/* A decision of the door, and what the door did, after both were logged. */
 struct iso_visit {
     struct iso_verdict verdict;
-    const char *person; /* "" when unknown */
+    enum iso_door_answer door;
+    const char *door_fault; /* why the door did not unlock; "" if it did, or was not asked to */
+    const char *person;     /* "" when unknown */
     double threshold;
     int64_t latency_ns; /* from the arrival of the first usable frame to the verdict */
 };
@@ -181,7 +184,8 @@ struct iso_appliance_status {
     const char *sensor_model;       /* "" while unknown */
     const char *sensor_calibration; /* "" while unknown, or if it has none */
     const char *sensor_fault;       /* the last one; "" */
-    const char *last_outcome;       /* of a visit: "allow anna", "deny", ""  */
+    const char *last_outcome;       /* of a visit: "allow anna", "deny", ""; behind the name
+                                       ", door not-unlocked" if that is what it did */
     const char *image_check;        /* "off", "flag", "veto", "absent" (pipeline.h) */
     const struct iso_view *view;    /* of the last frame that was looked at; NULL: there was none */
     struct iso_appliance_counts counts;

@@ -37,7 +37,7 @@ struct iso_appliance {
     struct iso_decision decision;
     int64_t arrival_ns;           /* of the first usable frame */
     struct iso_image_tally image; /* of the visit */
-    char last_outcome[16 + ISO_PERSON_NAME_SIZE];
+    char last_outcome[48 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
     struct iso_lockout lockout;
     int64_t lockout_save_ns; /* when to try again to keep it; ISO_NEVER_NS: it is kept */

@@ -359,8 +359,9 @@ const sd_bus_vtable iso__bus_vtable[] = {
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuud", "result\0done\0stage\0stages\0quality\0"),
     SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
     SIGNAL(ISO_CONTRACT_IDENTIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
-    SIGNAL(ISO_CONTRACT_VISIT, "ssdduxs",
-           "verdict\0person\0score\0threshold\0frames\0latency_us\0reason\0"),
+    SIGNAL(ISO_CONTRACT_VISIT, "ssdduxsss",
+           "verdict\0person\0score\0threshold\0frames\0latency_us\0reason\0door\0"
+           "door_fault\0"),
     SIGNAL(ISO_CONTRACT_HINT, "s", "word\0"),
     SIGNAL(ISO_CONTRACT_VIEW, "a{sv}", "view\0"),
     SIGNAL(ISO_CONTRACT_DOOR_CHANGED, "ss", "state\0cause\0"),

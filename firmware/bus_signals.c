@@ -54,12 +54,15 @@ static void on_visit(void *context, const struct iso_visit *visit)
 {
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
+    char door_fault[300];
+    iso__bus_clean_text(door_fault, sizeof door_fault, visit->door_fault);
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_VISIT, &signal);
     r = r < 0 ? r
-              : sd_bus_message_append(signal, "ssdduxs", visit->verdict.allow ? "allow" : "deny",
+              : sd_bus_message_append(signal, "ssdduxsss", visit->verdict.allow ? "allow" : "deny",
                                       visit->person, visit->verdict.score, visit->threshold,
                                       (uint32_t)visit->verdict.frames, visit->latency_ns / 1000,
-                                      iso_reason_name(visit->verdict.reason));
+                                      iso_reason_name(visit->verdict.reason),
+                                      iso_door_answer_name(visit->door), door_fault);
     iso__bus_send_signal(signal, NULL, r);
 }
 

@@ -24,6 +24,10 @@ struct iso_bus {
 /* Methods and signals of the contract (bus_methods.c); the context is a struct iso_bus. */
 extern const sd_bus_vtable iso__bus_vtable[];
 
+/* Copies a text, cut to fit; D-Bus carries UTF-8 only, which names of files need not be: other bytes
+ * become '?' (bus_status.c). */
+void iso__bus_clean_text(char *to, size_t size, const char *from);
+
 /* Appends the a{sv} of GetStatus (bus_status.c). */
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
 

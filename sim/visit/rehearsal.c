@@ -72,6 +72,8 @@ static void on_visit(void *context, const struct iso_visit *visit)
     (void)snprintf(r->verdict.person, sizeof r->verdict.person, "%s", visit->person);
     (void)snprintf(r->verdict.reason, sizeof r->verdict.reason, "%s",
                    iso_reason_name(visit->verdict.reason));
+    (void)snprintf(r->verdict.door, sizeof r->verdict.door, "%s",
+                   iso_door_answer_name(visit->door));
 }
 
 static void on_hint(void *context, enum iso_capture capture)

@@ -44,9 +44,12 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
 
 static void on_visit(void *context, const struct iso_visit *visit)
 {
-    tell(context, "visit %s%s%s %s %d; ", visit->verdict.allow ? "allow" : "deny",
+    const bool stuck = visit->door == ISO_DOOR_DID_NOT_UNLOCK;
+    assert_int_equal(visit->verdict.allow, visit->door != ISO_DOOR_NOT_ASKED);
+    assert_int_equal(stuck, *visit->door_fault != '\0');
+    tell(context, "visit %s%s%s %s %d%s%s; ", visit->verdict.allow ? "allow" : "deny",
          *visit->person ? " " : "", visit->person, iso_reason_name(visit->verdict.reason),
-         visit->verdict.frames);
+         visit->verdict.frames, stuck ? " not-unlocked: " : "", visit->door_fault);
 }
 
 static void on_hint(void *context, enum iso_capture capture)

@@ -164,6 +164,20 @@ static void the_journal_is_told_no_name(void **state)
     }
 }
 
+static void the_journal_is_told_of_a_door_that_did_not_unlock(void **state)
+{
+    char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
+    struct iso_audit_record record = iso_audit_record_of("visit");
+    (void)state;
+    record.verdict = "allow";
+    record.door = "not-unlocked";
+    record.reason = "match";
+    (void)iso_journal_fields(&record, 18, "abc", fields);
+    assert_string_equal(fields[0], "MESSAGE=record 18: visit allow, match, door not-unlocked");
+    assert_string_equal(fields[1], "PRIORITY=4");
+    assert_string_equal(fields[6], "ISOTHERM_DOOR=not-unlocked");
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
@@ -174,6 +188,7 @@ int main(void)
         TEST(rotates_every_key),
         TEST(what_cannot_be_put_on_record_is_not_done),
         cmocka_unit_test(the_journal_is_told_no_name),
+        cmocka_unit_test(the_journal_is_told_of_a_door_that_did_not_unlock),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
