@@ -30,6 +30,7 @@
 #include "firmware/pipeline.h"
 #include "firmware/sensor_keeper.h"
 #include "firmware/times.h"
+#include "firmware/validity.h"
 #include "firmware/view.h"
 
 enum iso_appliance_mode {
@@ -57,9 +58,10 @@ struct iso_visit {
 /* What the appliance tells; all REQUIRED. Texts are valid during the call. */
 struct iso_appliance_events {
     /* `result` is one of the words ISO_CONTRACT_RESULT_... of core/contract.h, after which a
-     * capture word stands if it is a retry: a hint, given as hint_filter.h says. */
+     * capture word stands if it is a retry: a hint, given as hint_filter.h says. person: whom a
+     * duplicate duplicates, else "". */
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
-                          unsigned stages, double quality);
+                          unsigned stages, double quality, const char *person);
     /* mode: VERIFY or IDENTIFY. person: "" when unknown; score NaN without any. */
     void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
                                bool done, const char *person, double score, double threshold);
@@ -130,7 +132,8 @@ void iso_appliance_release(struct iso_appliance *appliance);
 
 struct iso_enroll_request {
     const char *person;
-    int64_t valid_from_s, valid_until_s; /* since 1970; 0: no limit */
+    struct iso_validity_change
+        validity; /* of somebody new: the limits that are not named are none */
     bool allow_duplicate;
 };
 

@@ -43,9 +43,10 @@ struct iso_appliance {
     int64_t lockout_save_ns; /* when to try again to keep it; ISO_NEVER_NS: it is kept */
 
     /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
-    int64_t deadline_ns;           /* of the claim, or of the action */
-    enum iso_appliance_mode ended; /* an action that ended by itself; CLAIMED: none */
-    struct iso_person person;      /* ENROLL: who it will be; VERIFY: who it should be */
+    int64_t deadline_ns;                 /* of the claim, or of the action */
+    enum iso_appliance_mode ended;       /* an action that ended by itself; CLAIMED: none */
+    struct iso_person person;            /* ENROLL: who it will be; VERIFY: who it should be */
+    struct iso_validity_change validity; /* ENROLL: the limits that were named */
     struct iso_enrolment enrolment;
 };
 

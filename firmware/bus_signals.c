@@ -24,14 +24,16 @@ int iso__bus_new_signal(const struct iso_bus *bus, const char *member, sd_bus_me
 }
 
 static void on_enroll_status(void *context, const char *result, bool done, unsigned stage,
-                             unsigned stages, double quality)
+                             unsigned stages, double quality, const char *person)
 {
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
     char word[64];
     (void)snprintf(word, sizeof word, "enroll-%s", result);
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_ENROLL_STATUS, &signal);
-    r = r < 0 ? r : sd_bus_message_append(signal, "sbuud", word, (int)done, stage, stages, quality);
+    r = r < 0 ? r
+              : sd_bus_message_append(signal, "sbuuds", word, (int)done, stage, stages, quality,
+                                      person);
     iso__bus_send_signal(signal, bus->claimant, r);
 }
 

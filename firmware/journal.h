@@ -2,8 +2,8 @@
  * `journalctl ISOTHERM_EVENT=visit`. No name goes there, for the journal is not sealed:
  *
  *   ISOTHERM_EVENT, ISOTHERM_SEQUENCE, ISOTHERM_HEAD and, where they apply, ISOTHERM_VERDICT,
- *   ISOTHERM_DOOR (what the door did after "allow"), ISOTHERM_REASON, ISOTHERM_SCORE, ISOTHERM_THRESHOLD, ISOTHERM_FRAMES, ISOTHERM_ATTACK_FRAMES,
- *   ISOTHERM_SENSOR
+ *   ISOTHERM_DOOR (what the door did after "allow"), ISOTHERM_REASON, ISOTHERM_SCORE,
+ * ISOTHERM_THRESHOLD, ISOTHERM_FRAMES, ISOTHERM_ATTACK_FRAMES, ISOTHERM_SENSOR
  *
  * ISOTHERM_HEAD is the head of the log behind the record (audit.h): a journal that is kept
  * elsewhere bears witness against a log that is put back. */

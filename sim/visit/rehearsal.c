@@ -33,12 +33,13 @@ struct rehearsal {
 };
 
 static void on_enroll(void *context, const char *result, bool done, unsigned stage, unsigned stages,
-                      double quality)
+                      double quality, const char *person)
 {
     struct rehearsal *r = context;
     (void)stage;
     (void)stages;
     (void)quality;
+    (void)person;
     r->enrol_done = r->enrol_done || done;
     (void)snprintf(r->enrol_result, sizeof r->enrol_result, "%s", result);
 }

@@ -26,10 +26,11 @@ __attribute__((format(printf, 2, 3))) static void tell(struct rig *rig, const ch
 }
 
 static void on_enroll_status(void *context, const char *result, bool done, unsigned stage,
-                             unsigned stages, double quality)
+                             unsigned stages, double quality, const char *person)
 {
     assert_true(isfinite(quality));
-    tell(context, "enroll %s %u/%u%s; ", result, stage, stages, done ? " done" : "");
+    tell(context, "enroll %s %u/%u%s%s%s; ", result, stage, stages, done ? " done" : "",
+         *person ? " " : "", person);
 }
 
 static void on_recognition_status(void *context, enum iso_appliance_mode mode, const char *result,
