@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <syslog.h>
 
 #include "tests/firmware/cmocka_headers.h"
 
@@ -75,9 +76,12 @@ static void on_claim_lost(void *context)
 
 static void on_message(void *context, int priority, const char *text)
 {
-    (void)context;
+    struct rig *rig = context;
     assert_in_range(priority, 0, 7);
     assert_null(strchr(text, '\n'));
+    if (priority <= LOG_WARNING) {
+        (void)snprintf(rig->warned, sizeof rig->warned, "%s", text);
+    }
 }
 
 /* ---- set-up ---- */

@@ -168,6 +168,19 @@ static void two_spellings_of_before_stay_two_people(void **state)
     iso_gallery_close(gallery);
 }
 
+/* Without their names, for that log is not sealed. */
+static void the_daemon_warns_of_two_spellings(void **state)
+{
+    struct rig *rig = *state;
+    iso_appliance_free(rig->appliance);
+    iso_gallery_close(rig->gallery);
+    rig->parts.gallery = rig->gallery = open_with_both(rig->directory);
+    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    rig_start(rig);
+    assert_non_null(strstr(rig->warned, "differ from another's in case only: 1; give one"));
+    assert_null(strcasestr(rig->warned, "ada"));
+}
+
 /* What is learned is forgotten by an import of everybody in their own place. */
 static void two_spellings_of_before_forget_what_they_learned(void **state)
 {
@@ -271,6 +284,7 @@ int main(void)
         TEST(the_spelling_can_be_changed),
         TEST(refuses_names_that_cannot_be_given),
         TEST(two_spellings_of_before_stay_two_people),
+        cmocka_unit_test_setup_teardown(the_daemon_warns_of_two_spellings, rig_setup, rig_teardown),
         TEST(two_spellings_of_before_forget_what_they_learned),
         TEST(two_spellings_do_not_come_by_an_import),
         TEST(limits_are_changed_for_good),
