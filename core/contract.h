@@ -3,12 +3,22 @@
  * Methods (signature in -> out); all but those marked + need no claim:
  *   Claim()                              take the camera; the door is not watched meanwhile
  * + Release()                            give it back; leaving the bus does so too
- * + EnrollStart(s person, a{sv})         options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
- *                                        ..._VALID_UNTIL x (seconds since 1970; 0: no limit)
+ * + EnrollStart(s person, a{sv}) -> a{sv} options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
+ *                                        ..._VALID_UNTIL x (seconds since 1970; 0: no limit),
+ *                                        ..._EXPIRED b. A limit that is not named stays as it is
+ *                                        stored; one in the past is refused without EXPIRED. If the
+ *                                        name is in use, the reply says whose it is, else it is
+ *                                        empty: "person" s (as it is spelt), "enrolled" x,
+ *                                        "templates" u, "valid-from" x, "valid-until" x
  * + EnrollStop()
  * + VerifyStart(s person)  VerifyStop()  IdentifyStart()  IdentifyStop()
  *   ListPeople() -> a(sxxxu)             person, enrolled, valid_from, valid_until (s), templates
  *   DeletePerson(s person)
+ *   SetValidity(s person, a{sv}) -> s person, x valid_from, x valid_until
+ *                                        options VALID_FROM, VALID_UNTIL, EXPIRED as above; the
+ *                                        reply says what is stored now
+ *   RenamePerson(s person, s name) -> s remark
+ *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys below
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
  *                                        not more than 1000, and from the oldest that is kept on
@@ -33,9 +43,14 @@
  * is also legal after it. One client at a time has the claim. Nothing that a client does opens the
  * door: only the daemon's own identification does, while nobody has the claim.
  *
+ * A name is one person's without regard to case ("Ada" and "ada"; firmware/person_name.h), and
+ * every method takes any spelling of it. Whoever may call EnrollStart hears who is enrolled, so it
+ * is for those who may call ListPeople.
+ *
  * Signals:
  * Sent to the claimant only:
- *   EnrollStatus(s result, b done, u stage, u stages, d quality)
+ *   EnrollStatus(s result, b done, u stage, u stages, d quality, s person)
+ *       person: whom a duplicate duplicates, else ""
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-" before one of the words
  *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/capture.h: a hint, which
@@ -44,10 +59,13 @@
  *   View(a{sv})                          what the sensor sees, some ten times a second: the keys
  *                                        marked + below
  * Sent to all:
- *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason)
+ *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason, s door,
+ *         s door_fault)
  *       a decision of the door itself: verdict "allow" or "deny", person "" when unknown, the best
  *       score (NaN: nothing to compare with), usable frames, time from the arrival of the first
- *       usable frame to the verdict, reason a word of firmware/decision.h
+ *       usable frame to the verdict, reason a word of firmware/decision.h. What the door did is
+ *       another fact: door is a word ISO_CONTRACT_DOOR_... after "allow" and "" after "deny";
+ *       door_fault says why the door did not unlock, else it is ""
  *   Hint(s word)                         what hinders who stands at the door: a word of
  *                                        core/capture.h, which held for some frames
  *   DoorChanged(s state, s cause)        words of firmware/door.h
@@ -77,8 +95,14 @@
  * 256 MiB) with the salt at ..._SALT_AT.
  *
  * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
- * apply, "monotonic_ns", "person", "verdict", "reason", "score", "threshold", "frames",
- * "attack_frames", "sensor", "gallery" (which one, ":" and how often it was changed), "note". */
+ * apply, "monotonic_ns", "person", "verdict", "door", "door_fault", "grant", "reason", "score",
+ * "threshold", "frames", "attack_frames", "sensor", "gallery" (which one, ":" and how often it was
+ * changed), "before" and "after" (the values that an administrator changed), "note".
+ *
+ * Who is let in is on record twice: as a "grant" before the lock is switched, and as a "visit"
+ * after it, which says what the door did ("door", "door_fault") and which record was the grant
+ * ("grant", a sequence). A grant without a visit was written by a daemon that ended in between, or
+ * whose disk was full then. */
 #ifndef ISO_CORE_CONTRACT_H
 #define ISO_CORE_CONTRACT_H
 
@@ -97,6 +121,8 @@
 #define ISO_CONTRACT_IDENTIFY_STOP  "IdentifyStop"
 #define ISO_CONTRACT_LIST_PEOPLE    "ListPeople"
 #define ISO_CONTRACT_DELETE_PERSON  "DeletePerson"
+#define ISO_CONTRACT_SET_VALIDITY   "SetValidity"
+#define ISO_CONTRACT_RENAME_PERSON  "RenamePerson"
 #define ISO_CONTRACT_GET_STATUS     "GetStatus"
 #define ISO_CONTRACT_READ_LOG       "ReadLog"
 #define ISO_CONTRACT_VERIFY_LOG     "VerifyLog"
@@ -109,10 +135,16 @@
 #define ISO_CONTRACT_AIM_START      "AimStart"
 #define ISO_CONTRACT_AIM_STOP       "AimStop"
 
-/* Options of EnrollStart. */
+/* Options of EnrollStart and SetValidity. */
 #define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"
 #define ISO_CONTRACT_VALID_FROM      "valid-from"
 #define ISO_CONTRACT_VALID_UNTIL     "valid-until"
+#define ISO_CONTRACT_EXPIRED         "expired"
+
+/* Of the person whose name is in use, in the reply of EnrollStart; and the limits above. */
+#define ISO_CONTRACT_PERSON    "person"
+#define ISO_CONTRACT_ENROLLED  "enrolled"
+#define ISO_CONTRACT_TEMPLATES "templates"
 
 /* Options of ExportPeople and ImportPeople. */
 #define ISO_CONTRACT_TO      "to"
@@ -132,6 +164,10 @@ enum {
     ISO_CONTRACT_PEOPLE_MEMORY_BYTES = 256 << 20,
 };
 
+/* Most templates of one person, learned ones included; an enrolment beyond that is refused with
+ * ISO_CONTRACT_ERROR_GALLERY_FULL. */
+enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
+
 /* Signals. */
 #define ISO_CONTRACT_ENROLL_STATUS   "EnrollStatus"
 #define ISO_CONTRACT_VERIFY_STATUS   "VerifyStatus"
@@ -144,16 +180,23 @@ enum {
 /* Result words after the prefix of the action. */
 #define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll; it goes on */
 #define ISO_CONTRACT_RESULT_STAGE_MISFIT \
-    "stage-misfit"                                   /* enroll; unlike the stages before, goes on */
-#define ISO_CONTRACT_RESULT_COMPLETED    "completed" /* enroll */
-#define ISO_CONTRACT_RESULT_FAILED       "failed"    /* enroll: not the same face throughout */
-#define ISO_CONTRACT_RESULT_DUPLICATE    "duplicate" /* enroll: known under another name */
-#define ISO_CONTRACT_RESULT_MATCH        "match"     /* verify, identify */
-#define ISO_CONTRACT_RESULT_NO_MATCH     "no-match"  /* verify, identify */
-#define ISO_CONTRACT_RESULT_ATTACK       "attack"    /* all: a picture, a screen, a mask */
+    "stage-misfit"                                /* enroll; unlike the stages before, goes on */
+#define ISO_CONTRACT_RESULT_COMPLETED "completed" /* enroll */
+#define ISO_CONTRACT_RESULT_FAILED    "failed"    /* enroll: not the same face throughout */
+#define ISO_CONTRACT_RESULT_DUPLICATE "duplicate" /* enroll: known under another name */
+#define ISO_CONTRACT_RESULT_OTHER_FACE \
+    "other-face" /* enroll: unlike the templates enrolled under this name */
+#define ISO_CONTRACT_RESULT_MATCH        "match"    /* verify, identify */
+#define ISO_CONTRACT_RESULT_NO_MATCH     "no-match" /* verify, identify */
+#define ISO_CONTRACT_RESULT_ATTACK       "attack"   /* all: a picture, a screen, a mask */
 #define ISO_CONTRACT_RESULT_TIMED_OUT    "timed-out"
 #define ISO_CONTRACT_RESULT_DISCONNECTED "disconnected" /* the sensor is gone */
 #define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of core/capture.h */
+
+/* What the door did for somebody who was let in: Visit, and the audit record "visit". */
+#define ISO_CONTRACT_DOOR_UNLOCKED     "unlocked"     /* its lock was switched */
+#define ISO_CONTRACT_DOOR_OPEN         "open"         /* it stood open already */
+#define ISO_CONTRACT_DOOR_NOT_UNLOCKED "not-unlocked" /* its lock could not be switched */
 
 /* Errors. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"
@@ -162,6 +205,7 @@ enum {
 #define ISO_CONTRACT_ERROR_NO_ACTION        "org.isotherm.Error.NoActionInProgress"
 #define ISO_CONTRACT_ERROR_ACTION           "org.isotherm.Error.ActionInProgress"
 #define ISO_CONTRACT_ERROR_INVALID_NAME     "org.isotherm.Error.InvalidName"
+#define ISO_CONTRACT_ERROR_NAME_IN_USE      "org.isotherm.Error.NameInUse"
 #define ISO_CONTRACT_ERROR_INVALID_ARGUMENT "org.isotherm.Error.InvalidArgument"
 #define ISO_CONTRACT_ERROR_GALLERY_FULL     "org.isotherm.Error.GalleryFull"
 #define ISO_CONTRACT_ERROR_REJECTED         "org.isotherm.Error.Rejected"

@@ -7,7 +7,7 @@
 static enum cli_exit start(struct cli_door *door, const struct cli_action *action,
                            struct cli_fault *fault)
 {
-    sd_bus_message *call = NULL;
+    sd_bus_message *call = NULL, *reply = NULL;
     enum cli_exit exit = cli_door_message(door, action->start, &call, fault);
 
     if (exit) {
@@ -19,7 +19,12 @@ static enum cli_exit start(struct cli_door *door, const struct cli_action *actio
         return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-argument", "%s: %s", action->start,
                              strerror(-r));
     }
-    return cli_door_send(door, call, NULL, fault);
+    exit = cli_door_send(door, call, &reply, fault);
+    if (!exit && action->answered) {
+        action->answered(reply, action->context);
+    }
+    sd_bus_message_unref(reply);
+    return exit;
 }
 
 /* What ended the action counts; a fault on the way out would only hide it. */

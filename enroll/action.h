@@ -13,6 +13,8 @@ struct cli_action {
     const char *start, *stop, *signal; /* names of core/contract.h */
     /* Appends the arguments of `start`; 0 or a negative errno. NULL if there are none. */
     int (*append)(sd_bus_message *call, const void *context);
+    /* Takes the answer to `start`; NULL if it says nothing. */
+    void (*answered)(sd_bus_message *reply, void *context);
     /* The camera is ours and looks: the time to speak to the person before it. */
     void (*started)(const void *context);
     /* Takes a status signal; true when it was the last one, or when it is not understood. */

@@ -18,6 +18,8 @@ static const struct verb {
     [CLI_VERIFY] = {"verify", "NAME", "say whether NAME is in front of the camera"},
     [CLI_LIST] = {"list", "", "list the enrolled people"},
     [CLI_REMOVE] = {"remove", "NAME", "delete NAME and every template of NAME"},
+    [CLI_VALIDITY] = {"validity", "NAME", "change from when and until when the door opens to NAME"},
+    [CLI_RENAME] = {"rename", "OLD NEW", "give somebody who is enrolled another name"},
     [CLI_STATUS] = {"status", "", "show the state of the appliance"},
     [CLI_LOG] = {"log", "[verify]", "show the audit log, or say whether it is sound"},
     [CLI_DOCTOR] = {"doctor", "", "look for faults and say how to mend them"},
@@ -40,6 +42,9 @@ enum option_id {
     OPTION_VALID_FROM,
     OPTION_VALID_UNTIL,
     OPTION_FROM,
+    OPTION_UNTIL,
+    OPTION_NONE,
+    OPTION_EXPIRED,
     OPTION_COUNT,
     OPTION_FOLLOW,
     OPTION_HEAD,
@@ -63,8 +68,13 @@ static const struct choice {
      "enrol even if this face is known under another name"},
     {"valid-from", "T", OPTION_VALID_FROM, FOR(CLI_ENROLL), "the door opens to NAME from T on"},
     {"valid-until", "T", OPTION_VALID_UNTIL, FOR(CLI_ENROLL),
-     "... and until T: 2026-12-31 or 2026-12-31T18:00"},
-    {"from", "N", OPTION_FROM, FOR(CLI_LOG), "begin at record N"},
+     "... and until T: 2026-12-31, 2026-12-31T18:00 or none"},
+    {"from", "N|T", OPTION_FROM, FOR(CLI_LOG) | FOR(CLI_VALIDITY),
+     "log: begin at record N; validity: the door opens from T on, or none"},
+    {"until", "T", OPTION_UNTIL, FOR(CLI_VALIDITY), "... and until T: 2026-12-31, or none"},
+    {"none", NULL, OPTION_NONE, FOR(CLI_VALIDITY), "the door opens at all times"},
+    {"expired", NULL, OPTION_EXPIRED, FOR(CLI_ENROLL) | FOR(CLI_VALIDITY),
+     "an end in the past is meant: the door does not open any more"},
     {"count", "N", OPTION_COUNT, FOR(CLI_LOG), "also -n N: at most N records (20; the last ones)"},
     {"follow", NULL, OPTION_FOLLOW, FOR(CLI_LOG), "go on with new records until interrupted"},
     {"head", "N:HEX", OPTION_HEAD, FOR(CLI_LOG),
@@ -150,6 +160,37 @@ static bool take_transfer(struct cli_arguments *out, enum option_id id, const ch
     }
 }
 
+/* A limit: a point in time, or the word for none. */
+static bool parse_limit(const char *text, bool end_of_day, bool *named, int64_t *unix_s)
+{
+    *named = true;
+    if (strcmp(text, "none") == 0) {
+        *unix_s = 0;
+        return true;
+    }
+    return cli_when_parse(text, end_of_day, unix_s);
+}
+
+/* Those of the limits of a person. */
+static bool take_limit(struct cli_arguments *out, enum option_id id, const char *value)
+{
+    switch (id) {
+    case OPTION_VALID_FROM:
+        return parse_limit(value, false, &out->names_from, &out->valid_from_s);
+    case OPTION_VALID_UNTIL:
+    case OPTION_UNTIL:
+        return parse_limit(value, true, &out->names_until, &out->valid_until_s);
+    case OPTION_NONE:
+        out->none = true;
+        return true;
+    case OPTION_EXPIRED:
+        out->expired = true;
+        return true;
+    default:
+        return take_transfer(out, id, value);
+    }
+}
+
 /* Takes one option that belongs to the table; false if its value is bad. */
 static bool take(struct cli_arguments *out, enum option_id id, const char *value)
 {
@@ -175,19 +216,16 @@ static bool take(struct cli_arguments *out, enum option_id id, const char *value
     case OPTION_ALLOW_DUPLICATE:
         out->allow_duplicate = true;
         return true;
-    case OPTION_VALID_FROM:
-        return cli_when_parse(value, false, &out->valid_from_s);
-    case OPTION_VALID_UNTIL:
-        return cli_when_parse(value, true, &out->valid_until_s);
     case OPTION_FROM:
-        return parse_count(value, UINT64_MAX, &number) && (out->from = number, true);
+        out->from_text = value; /* what it has to be depends on the command */
+        return true;
     case OPTION_COUNT:
         return parse_count(value, 100000, &number) && (out->count = (unsigned)number, true);
     case OPTION_FOLLOW:
         out->follow = true;
         return true;
     default:
-        return take_transfer(out, id, value);
+        return take_limit(out, id, value);
     }
 }
 
@@ -259,17 +297,59 @@ static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments
         return usage(fault, "unknown command", words[0]);
     }
     const char *takes = verbs[out->verb].words;
-    const int most = 1 + (*takes != '\0'), least = *takes == '[' ? 1 : most;
+    const int most = 1 + (*takes != '\0') + (strchr(takes, ' ') != NULL);
+    const int least = *takes == '[' ? 1 : most;
     if (n_words < least && !out->help) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
                              "a %s is missing after '%s' (see isotherm --help)",
-                             strchr(takes, '|') ? "word" : takes, words[0]);
+                             strpbrk(takes, "| ") ? "word" : takes, words[n_words - 1]);
     }
     if (n_words > most) {
         return usage(fault, "superfluous word", words[most]);
     }
     out->word = n_words > 1 ? words[1] : NULL;
     out->person = out->word;
+    out->name = n_words > 2 ? words[2] : NULL;
+    return CLI_EXIT_OK;
+}
+
+/* --from is a number for log, and a point in time for validity. */
+static enum cli_exit parse_from(struct cli_arguments *out, struct cli_fault *fault)
+{
+    unsigned long long number = 0;
+    const char *text = out->from_text;
+    const bool good = !text ? true
+                      : out->verb == CLI_LOG
+                          ? parse_count(text, UINT64_MAX, &number)
+                          : parse_limit(text, false, &out->names_from, &out->valid_from_s);
+
+    out->from = number;
+    return good ? CLI_EXIT_OK
+                : cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--from: bad value '%s'", text);
+}
+
+/* Which limits there are, and that they go together. */
+static enum cli_exit check_limits(struct cli_arguments *arguments, struct cli_fault *fault)
+{
+    const bool enrols = arguments->verb == CLI_ENROLL;
+
+    if (arguments->none && (arguments->names_from || arguments->names_until)) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "give --none, or --from and --until, not both");
+    }
+    if (arguments->none) {
+        arguments->names_from = arguments->names_until = true;
+    }
+    if (arguments->verb == CLI_VALIDITY && !arguments->names_from && !arguments->names_until &&
+        !arguments->help) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "validity takes --from, --until or --none (see isotherm --help)");
+    }
+    if (arguments->valid_from_s && arguments->valid_until_s &&
+        arguments->valid_from_s >= arguments->valid_until_s) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--%suntil is not after --%sfrom",
+                             enrols ? "valid-" : "", enrols ? "valid-" : "");
+    }
     return CLI_EXIT_OK;
 }
 
@@ -284,12 +364,6 @@ static enum cli_exit check_options(const struct cli_arguments *arguments, unsign
     }
     if (arguments->bus.address && arguments->bus.session) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "give --bus or --session, not both");
-    }
-    if (arguments->valid_from_s && arguments->valid_until_s &&
-        arguments->valid_from_s >= arguments->valid_until_s) {
-        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
-                             "--valid-until is not after "
-                             "--valid-from");
     }
     return CLI_EXIT_OK;
 }
@@ -306,7 +380,9 @@ enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *o
         return exit;
     }
     exit = parse_words(argc - optind, argv + optind, out, fault);
-    return exit ? exit : check_options(out, given, fault);
+    exit = exit ? exit : check_options(out, given, fault);
+    exit = exit ? exit : parse_from(out, fault);
+    return exit ? exit : check_limits(out, fault);
 }
 
 static void help_option(const struct choice *choice, FILE *out)

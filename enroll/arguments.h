@@ -16,6 +16,8 @@ enum cli_verb {
     CLI_VERIFY,
     CLI_LIST,
     CLI_REMOVE,
+    CLI_VALIDITY,
+    CLI_RENAME,
     CLI_STATUS,
     CLI_LOG,
     CLI_DOCTOR,
@@ -34,11 +36,16 @@ struct cli_arguments {
     enum cli_verb verb;
     const char *person; /* for the commands that take a NAME */
     const char *word;   /* what stands behind the command, a NAME or other; NULL: nothing */
+    const char *name;   /* rename: the new one */
     bool help, version, json;
     struct cli_bus bus;
     double timeout_s;                      /* 0: the command's own */
     bool allow_duplicate;                  /* enroll */
-    int64_t valid_from_s, valid_until_s;   /* enroll: since 1970, 0: no limit */
+    bool names_from, names_until;          /* enroll, validity: these limits are given */
+    int64_t valid_from_s, valid_until_s;   /* ... since 1970, 0: no limit */
+    bool expired;                          /* ... an end in the past is meant */
+    bool none;                             /* validity: neither limit */
+    const char *from_text;                 /* log, validity: --from as it was typed */
     uint64_t from;                         /* log: a sequence number; 0: not given */
     unsigned count;                        /* log: records at most; 0: not given */
     bool follow;                           /* log */

@@ -2,10 +2,13 @@
 
 #include <math.h>
 #include <string.h>
+#include <time.h>
 
 #include "core/contract.h"
 #include "enroll/action.h"
 #include "enroll/hint.h"
+#include "enroll/known.h"
+#include "enroll/limits.h"
 #include "enroll/report.h"
 
 enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64 };
@@ -16,6 +19,8 @@ struct enrolment {
     char result[RESULT_SIZE]; /* the last word of the daemon that was not a hint */
     unsigned stage, stages;
     double quality;
+    struct cli_known known;              /* who has the name already */
+    char duplicate[CLI_KNOWN_NAME_SIZE]; /* under which name the face is known; "" if it is not */
 };
 
 static int append_options(sd_bus_message *call, const struct cli_arguments *arguments)
@@ -25,14 +30,7 @@ static int append_options(sd_bus_message *call, const struct cli_arguments *argu
     if (r >= 0 && arguments->allow_duplicate) {
         r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_ALLOW_DUPLICATE, "b", 1);
     }
-    if (r >= 0 && arguments->valid_from_s) {
-        r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_VALID_FROM, "x",
-                                  arguments->valid_from_s);
-    }
-    if (r >= 0 && arguments->valid_until_s) {
-        r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_VALID_UNTIL, "x",
-                                  arguments->valid_until_s);
-    }
+    r = r < 0 ? r : cli_limits_append(call, arguments);
     return r < 0 ? r : sd_bus_message_close_container(call);
 }
 
@@ -44,12 +42,37 @@ static int append_arguments(sd_bus_message *call, const void *context)
     return r < 0 ? r : append_options(call, enrolment->arguments);
 }
 
+static void on_answered(sd_bus_message *reply, void *context)
+{
+    struct enrolment *enrolment = context;
+
+    cli_known_read(reply, &enrolment->known);
+}
+
+/* As the name is spelt in the gallery, if it is there. */
+static const char *name_of(const struct enrolment *enrolment)
+{
+    return enrolment->known.person[0] ? enrolment->known.person : enrolment->arguments->person;
+}
+
 static void on_started(const void *context)
 {
     const struct enrolment *enrolment = context;
 
+    cli_known_say(&enrolment->known, time(NULL), enrolment->hints.out);
     fprintf(enrolment->hints.out, "Enrolling %s: look straight at the camera.\n",
-            enrolment->arguments->person);
+            name_of(enrolment));
+}
+
+/* The last argument is younger than the others: a daemon of before does not send it. */
+static void read_duplicate(sd_bus_message *signal, const char *result, struct enrolment *enrolment)
+{
+    const char *person;
+
+    if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_DUPLICATE) == 0 &&
+        sd_bus_message_read(signal, "s", &person) > 0) {
+        (void)snprintf(enrolment->duplicate, sizeof enrolment->duplicate, "%s", person);
+    }
 }
 
 static bool on_status(sd_bus_message *signal, void *context)
@@ -63,6 +86,7 @@ static bool on_status(sd_bus_message *signal, void *context)
     if (sd_bus_message_read(signal, "sbuud", &result, &done, &stage, &stages, &quality) < 0) {
         return true; /* the result stays empty: "not understood" */
     }
+    read_duplicate(signal, result, enrolment);
     enrolment->stage = stage;
     enrolment->stages = stages;
     if (cli_hint_is_retry(result, "enroll", &word)) {
@@ -93,8 +117,11 @@ static const struct outcome {
     {"enroll-" ISO_CONTRACT_RESULT_DUPLICATE, CLI_EXIT_NO,
      "is not enrolled: this face is known under another name (see --allow-duplicate)"},
     {"enroll-" ISO_CONTRACT_RESULT_FAILED, CLI_EXIT_NO,
-     "is not enrolled: the captures did not agree with each other, or with earlier ones of this "
-     "name; try again, alone and holding still"},
+     "is not enrolled: the captures did not agree with each other; try again, alone and holding "
+     "still"},
+    {"enroll-" ISO_CONTRACT_RESULT_OTHER_FACE, CLI_EXIT_NO,
+     "is not enrolled: this face is not like the one that is enrolled under this name; choose "
+     "another name, or remove that person first"},
     {"enroll-" ISO_CONTRACT_RESULT_ATTACK, CLI_EXIT_NO,
      "is not enrolled: this looks like a picture, a screen or a mask"},
     {"enroll-" ISO_CONTRACT_RESULT_TIMED_OUT, CLI_EXIT_TIMED_OUT,
@@ -104,23 +131,36 @@ static const struct outcome {
     {"interrupted", CLI_EXIT_INTERRUPTED, "is not enrolled: interrupted"},
 };
 
+static void print_outcome(const struct enrolment *enrolment, const struct outcome *outcome)
+{
+    FILE *out = outcome->exit == CLI_EXIT_OK ? stdout : stderr;
+
+    if (enrolment->duplicate[0]) {
+        fprintf(out, "%s is not enrolled: this face is enrolled as %s (see --allow-duplicate).\n",
+                name_of(enrolment), enrolment->duplicate);
+    } else {
+        fprintf(out, "%s %s.\n", name_of(enrolment), outcome->text);
+    }
+}
+
 static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault)
 {
-    const char *person = enrolment->arguments->person;
+    const bool named = enrolment->duplicate[0] != '\0';
 
     for (size_t i = 0; i < sizeof outcomes / sizeof *outcomes; i++) {
         if (strcmp(enrolment->result, outcomes[i].result) != 0) {
             continue;
         }
         if (!enrolment->arguments->json) {
-            FILE *out = outcomes[i].exit == CLI_EXIT_OK ? stdout : stderr;
-            fprintf(out, "%s %s.\n", person, outcomes[i].text);
+            print_outcome(enrolment, &outcomes[i]);
             return outcomes[i].exit;
         }
         const enum cli_exit written = cli_report_json(json_pack(
-            "{s:s, s:s, s:i, s:i, s:f, s:o}", "person", person, "result", enrolment->result,
-            "stage", (int)enrolment->stage, "stages", (int)enrolment->stages, "quality",
-            enrolment->quality, "hints", cli_hints_take(&enrolment->hints)));
+            "{s:s, s:s, s:i, s:i, s:f, s:s?, s:I, s:o}", "person", name_of(enrolment), "result",
+            enrolment->result, "stage", (int)enrolment->stage, "stages", (int)enrolment->stages,
+            "quality", enrolment->quality, "duplicate_of", named ? enrolment->duplicate : NULL,
+            "templates_before", (json_int_t)enrolment->known.templates, "hints",
+            cli_hints_take(&enrolment->hints)));
         return written ? written : outcomes[i].exit;
     }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",
@@ -140,6 +180,7 @@ enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *argu
         .stop = ISO_CONTRACT_ENROLL_STOP,
         .signal = ISO_CONTRACT_ENROLL_STATUS,
         .append = append_arguments,
+        .answered = on_answered,
         .started = on_started,
         .status = on_status,
         .context = &enrolment,

@@ -17,6 +17,10 @@ enum cli_exit cli_list(struct cli_door *door, const struct cli_arguments *argume
                        struct cli_fault *fault);
 enum cli_exit cli_remove(struct cli_door *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
+enum cli_exit cli_validity(struct cli_door *door, const struct cli_arguments *arguments,
+                           struct cli_fault *fault);
+enum cli_exit cli_rename(struct cli_door *door, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
 enum cli_exit cli_status(struct cli_door *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
 enum cli_exit cli_log(struct cli_door *door, const struct cli_arguments *arguments,

@@ -180,6 +180,104 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
     return 0;
 }
 
+/* A change of one person: on record before it is made, and again if it could not be made. Names go
+ * into the sealed log only. */
+static int record_change(struct iso_appliance *appliance, const struct iso_audit_record *record,
+                         struct iso_fault *fault)
+{
+    const int error = may_begin(appliance, fault);
+    return error ? error : iso_audit_append(appliance->parts.audit, record, fault);
+}
+
+static void conclude_change(struct iso_appliance *appliance, struct iso_audit_record *record,
+                            int error, const struct iso_fault *fault)
+{
+    if (error) {
+        record->reason = "failed";
+        record->note = fault->text;
+        (void)iso__appliance_record(appliance, record);
+    } else {
+        iso__appliance_record_gallery(appliance, "gallery", NULL);
+    }
+    iso__appliance_say(appliance, error ? LOG_ERR : LOG_NOTICE, "%s %s", record->event,
+                       error ? "failed" : "done");
+}
+
+static const char *remark_of_rename(const struct iso_appliance *appliance, const char *before,
+                                    const char *after)
+{
+    const struct iso_cards *cards = appliance->parts.cards;
+    return cards && iso_cards_find(cards, before) && !iso_cards_find(cards, after)
+               ? "the file of card numbers ([door] cards) has the old name: change it there too "
+                 "and "
+                 "restart the daemon, or no card number is sent"
+               : "";
+}
+
+int iso_appliance_rename(struct iso_appliance *appliance, const char *person, const char *name,
+                         const char **remark, struct iso_fault *fault)
+{
+    struct iso_gallery *gallery = appliance->parts.gallery;
+    const struct iso_person *known = iso_gallery_find(gallery, person);
+    const struct iso_person *holder = iso_gallery_find(gallery, name);
+    const char *flaw = iso_person_name_flaw(name);
+    char before[ISO_PERSON_NAME_SIZE];
+    struct iso_fault own = {""};
+    if (!known || flaw) {
+        return known ? iso_fault_set(fault, -EINVAL, "%s", flaw)
+                     : iso_fault_set(fault, -ENOENT, "%s: no such person", person);
+    }
+    if (holder && holder != known) {
+        return iso_fault_set(fault, -EEXIST, "somebody else is enrolled as %s", holder->name);
+    }
+    (void)snprintf(before, sizeof before, "%s", known->name);
+    struct iso_audit_record record = iso_audit_record_of("rename");
+    record.person = record.before = before;
+    record.after = name;
+    int error = record_change(appliance, &record, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_gallery_rename(gallery, before, name, &own);
+    conclude_change(appliance, &record, error, &own);
+    if (error) {
+        return iso_fault_set(fault, error, "%s", own.text);
+    }
+    *remark = remark_of_rename(appliance, before, name);
+    return 0;
+}
+
+int iso_appliance_set_validity(struct iso_appliance *appliance, const char *person,
+                               const struct iso_validity_change *change, struct iso_fault *fault)
+{
+    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
+    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    char flaw[ISO_VALIDITY_FLAW_SIZE];
+    char before_text[ISO_VALIDITY_TEXT_SIZE], after_text[ISO_VALIDITY_TEXT_SIZE];
+    struct iso_fault own = {""};
+    if (!known) {
+        return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
+    }
+    const struct iso_validity before = {known->valid_from_s, known->valid_until_s};
+    const struct iso_validity after = iso_validity_after(&before, change);
+    if (!iso_validity_is_fine(&before, change, now_s, flaw)) {
+        return iso_fault_set(fault, -EINVAL, "%s", flaw);
+    }
+    iso_validity_text(&before, before_text);
+    iso_validity_text(&after, after_text);
+    struct iso_audit_record record = iso_audit_record_of("validity");
+    record.person = known->name;
+    record.before = before_text;
+    record.after = after_text;
+    int error = record_change(appliance, &record, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_gallery_set_validity(appliance->parts.gallery, known->name, &after, &own);
+    conclude_change(appliance, &record, error, &own);
+    return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
+}
+
 /* ---- keys ---- */
 
 static int rotate_stores(struct iso_appliance *appliance, struct iso_fault *fault)

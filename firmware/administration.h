@@ -1,5 +1,6 @@
-/* What an administrator does to the stores of an appliance: people copied from door to door, keys
- * rotated. Each is on record before it is done, and again with what came of it. */
+/* What an administrator does to the stores of an appliance: people renamed, limited in time, copied
+ * from door to door; keys rotated. Each is on record before it is done, and again with what came of
+ * it. */
 #ifndef ISO_FIRMWARE_ADMINISTRATION_H
 #define ISO_FIRMWARE_ADMINISTRATION_H
 
@@ -29,6 +30,20 @@ struct iso_import_request {
  * iso_transfer_read, iso_gallery_import and of reading; then nobody has come. */
 int iso_appliance_import(struct iso_appliance *appliance, const struct iso_import_request *request,
                          size_t *added, size_t *known, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Gives a person another name; both are on record. *remark says what else names the person (the
+ * file of card numbers), else it is "". -ENOENT, -EINVAL a bad name, -EEXIST somebody else has it,
+ * or an error of the gallery: then nothing has changed. */
+int iso_appliance_rename(struct iso_appliance *appliance, const char *person, const char *name,
+                         const char **remark, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Changes from when and until when the door opens to a person; the limits before and after are on
+ * record. -ENOENT, -EINVAL limits that make no sense (validity.h), or an error of the gallery: then
+ * nothing has changed. */
+int iso_appliance_set_validity(struct iso_appliance *appliance, const char *person,
+                               const struct iso_validity_change *change, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Seals gallery, log and anchors with new keys and drops the old ones; then gives the ring another

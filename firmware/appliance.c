@@ -229,6 +229,18 @@ static void tell_unusable(struct iso_appliance *appliance)
     }
 }
 
+/* Nobody is named here, either. */
+static void tell_same_names(struct iso_appliance *appliance)
+{
+    const size_t n = iso_gallery_same_names(appliance->parts.gallery);
+    if (n > 0) {
+        iso__appliance_say(appliance, LOG_WARNING,
+                           "names of enrolled people that differ from another's in case only: %zu; "
+                           "give one of each pair another name (isotherm list, isotherm rename)",
+                           n);
+    }
+}
+
 /* The first try to open the sensor: whether its configuration is one that can ever work. */
 static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct iso_fault *fault)
 {
@@ -267,6 +279,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
     iso__appliance_unlearn(appliance);
     tell_unusable(appliance);
+    tell_same_names(appliance);
     iso__appliance_start_lockout(appliance);
     tell_image_check(appliance);
     const int error = first_look(appliance, now_ns, fault);

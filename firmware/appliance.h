@@ -25,10 +25,12 @@
 #include "firmware/cards.h"
 #include "firmware/config.h"
 #include "firmware/decision.h"
+#include "firmware/door_control.h"
 #include "firmware/gallery.h"
 #include "firmware/pipeline.h"
 #include "firmware/sensor_keeper.h"
 #include "firmware/times.h"
+#include "firmware/validity.h"
 #include "firmware/view.h"
 
 enum iso_appliance_mode {
@@ -43,10 +45,12 @@ enum iso_appliance_mode {
 /* "watch", "claimed", "enroll", "verify", "identify"; NULL outside. */
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode);
 
-/* A decision of the door, after it was logged and the door was told. */
+/* A decision of the door, and what the door did, after both were logged. */
 struct iso_visit {
     struct iso_verdict verdict;
-    const char *person; /* "" when unknown */
+    enum iso_door_answer door;
+    const char *door_fault; /* why the door did not unlock; "" if it did, or was not asked to */
+    const char *person;     /* "" when unknown */
     double threshold;
     int64_t latency_ns; /* from the arrival of the first usable frame to the verdict */
 };
@@ -54,9 +58,10 @@ struct iso_visit {
 /* What the appliance tells; all REQUIRED. Texts are valid during the call. */
 struct iso_appliance_events {
     /* `result` is one of the words ISO_CONTRACT_RESULT_... of core/contract.h, after which a
-     * capture word stands if it is a retry: a hint, given as hint_filter.h says. */
+     * capture word stands if it is a retry: a hint, given as hint_filter.h says. person: whom a
+     * duplicate duplicates, else "". */
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
-                          unsigned stages, double quality);
+                          unsigned stages, double quality, const char *person);
     /* mode: VERIFY or IDENTIFY. person: "" when unknown; score NaN without any. */
     void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
                                bool done, const char *person, double score, double threshold);
@@ -127,7 +132,8 @@ void iso_appliance_release(struct iso_appliance *appliance);
 
 struct iso_enroll_request {
     const char *person;
-    int64_t valid_from_s, valid_until_s; /* since 1970; 0: no limit */
+    struct iso_validity_change
+        validity; /* of somebody new: the limits that are not named are none */
     bool allow_duplicate;
 };
 
@@ -181,7 +187,8 @@ struct iso_appliance_status {
     const char *sensor_model;       /* "" while unknown */
     const char *sensor_calibration; /* "" while unknown, or if it has none */
     const char *sensor_fault;       /* the last one; "" */
-    const char *last_outcome;       /* of a visit: "allow anna", "deny", ""  */
+    const char *last_outcome;       /* of a visit: "allow anna", "deny", ""; behind the name
+                                       ", door not-unlocked" if that is what it did */
     const char *image_check;        /* "off", "flag", "veto", "absent" (pipeline.h) */
     const struct iso_view *view;    /* of the last frame that was looked at; NULL: there was none */
     struct iso_appliance_counts counts;

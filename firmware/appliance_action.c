@@ -88,6 +88,13 @@ static void begin(struct iso_appliance *appliance, enum iso_appliance_mode mode,
     appliance->deadline_ns = now_ns(appliance) + duration_ms * ISO_NS_PER_MS;
 }
 
+/* Limits as they are stored; nobody has none. */
+static struct iso_validity validity_of(const struct iso_person *person)
+{
+    return person ? (struct iso_validity){person->valid_from_s, person->valid_until_s}
+                  : (struct iso_validity){0};
+}
+
 static int check_request(const struct iso_appliance *appliance,
                          const struct iso_enroll_request *request, struct iso_fault *fault)
 {
@@ -95,9 +102,12 @@ static int check_request(const struct iso_appliance *appliance,
     if (flaw) {
         return iso_fault_set(fault, -EINVAL, "%s", flaw);
     }
-    if (request->valid_from_s < 0 || request->valid_until_s < 0 ||
-        (request->valid_until_s != 0 && request->valid_until_s <= request->valid_from_s)) {
-        return iso_fault_set(fault, -EINVAL, "the time of validity is empty");
+    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, request->person);
+    const struct iso_validity before = validity_of(known);
+    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    char validity_flaw[ISO_VALIDITY_FLAW_SIZE];
+    if (!iso_validity_is_fine(&before, &request->validity, now_s, validity_flaw)) {
+        return iso_fault_set(fault, -EINVAL, "%s", validity_flaw);
     }
     return iso_gallery_room(appliance->parts.gallery, request->person, fault);
 }
@@ -122,12 +132,10 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
         return error;
     }
     const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, request->person);
-    appliance->person = (struct iso_person){
-        .id = known ? known->id : 0,
-        .valid_from_s = request->valid_from_s,
-        .valid_until_s = request->valid_until_s,
-    };
-    (void)snprintf(appliance->person.name, sizeof appliance->person.name, "%s", request->person);
+    appliance->person = (struct iso_person){.id = known ? known->id : 0};
+    appliance->validity = request->validity;
+    (void)snprintf(appliance->person.name, sizeof appliance->person.name, "%s",
+                   known ? known->name : request->person);
     iso_enrolment_begin(&appliance->enrolment, &options, now_ns(appliance));
     begin(appliance, ISO_APPLIANCE_ENROLL, config->timeout_ms);
     return 0;
@@ -177,12 +185,22 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
 
 /* ---- reporting ---- */
 
+/* Whom the enrolment that ends duplicates; NULL: nobody. */
+static const struct iso_person *duplicate_of(const struct iso_appliance *appliance)
+{
+    return appliance->enrolment.state == ISO_ENROLMENT_DUPLICATE
+               ? iso_gallery_find_id(appliance->parts.gallery, appliance->enrolment.duplicate_of)
+               : NULL;
+}
+
 static void tell_enrolment(const struct iso_appliance *appliance, const char *result, bool done,
                            double quality)
 {
     const struct iso_appliance_events *events = &appliance->parts.events;
+    const struct iso_person *duplicate = done ? duplicate_of(appliance) : NULL;
     events->enroll_status(events->context, result, done, (unsigned)appliance->enrolment.stage,
-                          (unsigned)appliance->enrolment.options.stages, quality);
+                          (unsigned)appliance->enrolment.options.stages, quality,
+                          duplicate ? duplicate->name : "");
 }
 
 static void tell_recognition(const struct iso_appliance *appliance, const char *result, bool done,
@@ -217,7 +235,8 @@ void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture 
 
 /* ---- enrolling ---- */
 
-static int record_enrolment(struct iso_appliance *appliance, const char *reason, const char *note)
+static struct iso_audit_record enrolment_record(const struct iso_appliance *appliance,
+                                                const char *reason)
 {
     struct iso_audit_record record = iso_audit_record_of("enroll");
     record.person = appliance->person.name;
@@ -226,7 +245,34 @@ static int record_enrolment(struct iso_appliance *appliance, const char *reason,
     if (appliance->enrolment.attack_frames > 0) {
         record.attack_frames = appliance->enrolment.attack_frames;
     }
+    return record;
+}
+
+static int record_enrolment(struct iso_appliance *appliance, const char *reason, const char *note)
+{
+    struct iso_audit_record record = enrolment_record(appliance, reason);
     record.note = note;
+    return iso__appliance_record(appliance, &record);
+}
+
+/* That it is complete, and which limits it changes. The person takes the limits that follow: those
+ * that were not named stay as the gallery has them. */
+static int record_completion(struct iso_appliance *appliance)
+{
+    struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);
+    const struct iso_person *known = iso_gallery_find_id(appliance->parts.gallery,
+                                                         appliance->person.id);
+    const struct iso_validity before = validity_of(known);
+    const struct iso_validity after = iso_validity_after(&before, &appliance->validity);
+    char before_text[ISO_VALIDITY_TEXT_SIZE], after_text[ISO_VALIDITY_TEXT_SIZE];
+    appliance->person.valid_from_s = after.from_s;
+    appliance->person.valid_until_s = after.until_s;
+    if (!iso_validity_is_same(&before, &after)) {
+        iso_validity_text(&before, before_text);
+        iso_validity_text(&after, after_text);
+        record.before = known ? before_text : NULL;
+        record.after = after_text;
+    }
     return iso__appliance_record(appliance, &record);
 }
 
@@ -235,7 +281,7 @@ static int keep(struct iso_appliance *appliance)
 {
     struct iso_fault fault = {""};
     appliance->person.enrolled_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
-    int error = record_enrolment(appliance, ISO_CONTRACT_RESULT_COMPLETED, NULL);
+    int error = record_completion(appliance);
     if (error) {
         return error;
     }
@@ -251,49 +297,42 @@ static int keep(struct iso_appliance *appliance)
     return 0;
 }
 
-static const char *duplicate_name(const struct iso_appliance *appliance)
+/* What the record of an enrolment that failed says besides its result; NULL: nothing. */
+static const char *enrolment_note(const struct iso_appliance *appliance)
 {
-    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery,
-                                                          appliance->enrolment.duplicate_of);
-    return person ? person->name : NULL;
+    const struct iso_person *duplicate = duplicate_of(appliance);
+    return appliance->enrolment.state == ISO_ENROLMENT_ATTACK
+               ? iso_capture_name(appliance->enrolment.cue)
+           : duplicate ? duplicate->name
+                       : NULL;
 }
 
 /* Reports a final state of the enrolment. */
 static void finish_enrolment(struct iso_appliance *appliance)
 {
-    const double quality = (double)appliance->enrolment.fused.quality;
-    switch (appliance->enrolment.state) {
-    case ISO_ENROLMENT_COMPLETED:
-        if (keep(appliance) == 0) {
-            tell_enrolment(appliance, ISO_CONTRACT_RESULT_COMPLETED, true, quality);
-        } else {
-            tell_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, true, 0);
-        }
-        break;
-    case ISO_ENROLMENT_DUPLICATE:
-        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_DUPLICATE, duplicate_name(appliance));
-        tell_enrolment(appliance, ISO_CONTRACT_RESULT_DUPLICATE, true, quality);
-        break;
-    case ISO_ENROLMENT_TIMED_OUT:
-        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_TIMED_OUT, NULL);
-        tell_enrolment(appliance, ISO_CONTRACT_RESULT_TIMED_OUT, true, 0);
-        break;
-    case ISO_ENROLMENT_DISCONNECTED:
-        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_DISCONNECTED, NULL);
-        tell_enrolment(appliance, ISO_CONTRACT_RESULT_DISCONNECTED, true, 0);
-        break;
-    case ISO_ENROLMENT_FAILED:
-        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, NULL);
-        tell_enrolment(appliance, ISO_CONTRACT_RESULT_FAILED, true, 0);
-        break;
-    case ISO_ENROLMENT_ATTACK:
-        (void)record_enrolment(appliance, ISO_CONTRACT_RESULT_ATTACK,
-                               iso_capture_name(appliance->enrolment.cue));
-        tell_enrolment(appliance, ISO_CONTRACT_RESULT_ATTACK, true, 0);
-        break;
-    case ISO_ENROLMENT_ACTIVE:
+    static const char *const results[] = {
+        [ISO_ENROLMENT_COMPLETED] = ISO_CONTRACT_RESULT_COMPLETED,
+        [ISO_ENROLMENT_DUPLICATE] = ISO_CONTRACT_RESULT_DUPLICATE,
+        [ISO_ENROLMENT_FAILED] = ISO_CONTRACT_RESULT_FAILED,
+        [ISO_ENROLMENT_TIMED_OUT] = ISO_CONTRACT_RESULT_TIMED_OUT,
+        [ISO_ENROLMENT_DISCONNECTED] = ISO_CONTRACT_RESULT_DISCONNECTED,
+        [ISO_ENROLMENT_ATTACK] = ISO_CONTRACT_RESULT_ATTACK,
+        [ISO_ENROLMENT_OTHER_FACE] = ISO_CONTRACT_RESULT_OTHER_FACE,
+    };
+    const enum iso_enrolment_state state = appliance->enrolment.state;
+    const char *result = results[state];
+    bool has_quality = state == ISO_ENROLMENT_COMPLETED || state == ISO_ENROLMENT_DUPLICATE;
+    if (state == ISO_ENROLMENT_ACTIVE) {
         return;
     }
+    if (state != ISO_ENROLMENT_COMPLETED) {
+        (void)record_enrolment(appliance, result, enrolment_note(appliance));
+    } else if (keep(appliance)) {
+        result = ISO_CONTRACT_RESULT_FAILED;
+        has_quality = false;
+    }
+    tell_enrolment(appliance, result, true,
+                   has_quality ? (double)appliance->enrolment.fused.quality : 0);
     end(appliance);
 }
 
@@ -394,15 +433,18 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of("delete");
-    if (!iso_gallery_find(appliance->parts.gallery, person)) {
+    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
+    char name[ISO_PERSON_NAME_SIZE]; /* as it is spelt; the gallery's own goes with the person */
+    if (!known) {
         return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
     }
-    record.person = person;
+    (void)snprintf(name, sizeof name, "%s", known->name);
+    record.person = name;
     int error = iso_audit_append(appliance->parts.audit, &record, fault);
     if (error) {
         return error;
     }
-    error = iso_gallery_remove(appliance->parts.gallery, person, fault);
+    error = iso_gallery_remove(appliance->parts.gallery, name, fault);
     if (error) {
         record.reason = "not-deleted";
         (void)iso__appliance_record(appliance, &record);

@@ -37,15 +37,16 @@ struct iso_appliance {
     struct iso_decision decision;
     int64_t arrival_ns;           /* of the first usable frame */
     struct iso_image_tally image; /* of the visit */
-    char last_outcome[16 + ISO_PERSON_NAME_SIZE];
+    char last_outcome[48 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
     struct iso_lockout lockout;
     int64_t lockout_save_ns; /* when to try again to keep it; ISO_NEVER_NS: it is kept */
 
     /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
-    int64_t deadline_ns;           /* of the claim, or of the action */
-    enum iso_appliance_mode ended; /* an action that ended by itself; CLAIMED: none */
-    struct iso_person person;      /* ENROLL: who it will be; VERIFY: who it should be */
+    int64_t deadline_ns;                 /* of the claim, or of the action */
+    enum iso_appliance_mode ended;       /* an action that ended by itself; CLAIMED: none */
+    struct iso_person person;            /* ENROLL: who it will be; VERIFY: who it should be */
+    struct iso_validity_change validity; /* ENROLL: the limits that were named */
     struct iso_enrolment enrolment;
 };
 

@@ -37,11 +37,12 @@ static const char *verdict_word(const struct iso_verdict *verdict)
     return verdict->allow ? "allow" : "deny";
 }
 
-/* Puts the verdict on record; one that cannot be is DENY. */
-static void record_verdict(struct iso_appliance *appliance, const char *person,
-                           struct iso_verdict *verdict)
+/* What a record of a visit says of the verdict. `image` lends room for the note. */
+static struct iso_audit_record record_of(const struct iso_appliance *appliance, const char *event,
+                                         const char *person, const struct iso_verdict *verdict,
+                                         char image[ISO_IMAGE_TALLY_TEXT_SIZE])
 {
-    struct iso_audit_record record = iso_audit_record_of("visit");
+    struct iso_audit_record record = iso_audit_record_of(event);
     record.person = *person ? person : NULL;
     record.verdict = verdict_word(verdict);
     record.reason = iso_reason_name(verdict->reason);
@@ -49,7 +50,6 @@ static void record_verdict(struct iso_appliance *appliance, const char *person,
     record.threshold = iso_config_threshold(appliance->parts.config);
     record.frames = verdict->frames;
     record.sensor = iso__appliance_sensor_state(appliance);
-    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
     if (iso_image_tally_text(&appliance->image, image)) {
         record.note = image;
     }
@@ -57,10 +57,55 @@ static void record_verdict(struct iso_appliance *appliance, const char *person,
         record.attack_frames = verdict->attack_frames;
         record.note = iso_capture_name(verdict->cue);
     }
+    return record;
+}
+
+static void deny_unlogged(struct iso_verdict *verdict)
+{
+    verdict->allow = false;
+    verdict->reason = ISO_REASON_UNLOGGED;
+}
+
+static void refuse(struct iso_appliance *appliance, struct iso_visit *visit)
+{
+    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
+    const struct iso_audit_record record = record_of(appliance, "visit", visit->person,
+                                                     &visit->verdict, image);
     if (iso__appliance_record(appliance, &record)) {
-        verdict->allow = false;
-        verdict->reason = ISO_REASON_UNLOGGED;
+        deny_unlogged(&visit->verdict);
     }
+    iso_door_control_refuse(&appliance->door, iso_times_now_ns(&appliance->parts.times));
+}
+
+/* The door that did not unlock has a fault, or is at fault for another reason. */
+static const char *door_fault_of(const struct iso_appliance *appliance, enum iso_door_answer answer)
+{
+    return answer != ISO_DOOR_DID_NOT_UNLOCK ? ""
+           : appliance->door.broken          ? appliance->door.fault
+                                             : "the door is at fault";
+}
+
+/* Nobody is let in without a record on the disk, and what the door did is known only afterwards:
+ * the record "grant" is written before the lock is switched, and "visit", which repeats it and says
+ * what the door did, after that. A crash in between leaves a grant without a visit. */
+static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
+{
+    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
+    struct iso_audit_record record = record_of(appliance, "grant", visit->person, &visit->verdict,
+                                               image);
+    if (iso__appliance_record(appliance, &record)) {
+        deny_unlogged(&visit->verdict);
+        iso_door_control_refuse(&appliance->door, iso_times_now_ns(&appliance->parts.times));
+        return;
+    }
+    record.grant = iso_audit_last(appliance->parts.audit);
+    visit->door = iso_door_control_grant(&appliance->door,
+                                         iso_times_now_ns(&appliance->parts.times));
+    visit->door_fault = door_fault_of(appliance, visit->door);
+    record.event = "visit";
+    record.door = iso_door_answer_name(visit->door);
+    record.door_fault = *visit->door_fault ? visit->door_fault : NULL;
+    (void)iso__appliance_record(appliance, &record); /* the grant is on record already */
 }
 
 static void count(struct iso_appliance_counts *counts, const struct iso_verdict *verdict)
@@ -68,15 +113,6 @@ static void count(struct iso_appliance_counts *counts, const struct iso_verdict 
     counts->allowed += verdict->allow;
     counts->denied += !verdict->allow;
     counts->attacks += verdict->reason == ISO_REASON_ATTACK;
-}
-
-static void tell_door(struct iso_appliance *appliance, bool allow, int64_t now_ns)
-{
-    if (allow) {
-        iso_door_control_grant(&appliance->door, now_ns);
-    } else {
-        iso_door_control_refuse(&appliance->door, now_ns);
-    }
 }
 
 /* The controller has locks of its own; what it cannot be told does not change what this door does.
@@ -95,29 +131,41 @@ static void send_card(struct iso_appliance *appliance, const char *person)
     }
 }
 
+static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *visit)
+{
+    const struct iso_verdict *verdict = &visit->verdict;
+    const bool stuck = visit->door == ISO_DOOR_DID_NOT_UNLOCK;
+    const char *answer = iso_door_answer_name(visit->door);
+    (void)snprintf(appliance->last_outcome, sizeof appliance->last_outcome, "%s%s%s%s",
+                   verdict_word(verdict), *visit->person ? " " : "", visit->person,
+                   stuck ? ", door not-unlocked" : "");
+    iso__appliance_say(appliance, stuck ? LOG_WARNING : LOG_INFO,
+                       "visit: %s (%s, %d frames, %lld ms)%s%s%s%s", verdict_word(verdict),
+                       iso_reason_name(verdict->reason), verdict->frames,
+                       (long long)(visit->latency_ns / ISO_NS_PER_MS), *answer ? ", door " : "",
+                       answer, *visit->door_fault ? ": " : "", visit->door_fault);
+    appliance->parts.events.visit(appliance->parts.events.context, visit);
+}
+
 void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict)
 {
     const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, verdict.person);
-    const char *name = person ? person->name : "";
-    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
-    record_verdict(appliance, name, &verdict);
-    tell_door(appliance, verdict.allow, now_ns);
-    count(&appliance->counts, &verdict);
-    if (verdict.allow && appliance->parts.cards) {
-        send_card(appliance, name);
-    }
-
-    const struct iso_visit visit = {
+    struct iso_visit visit = {
         .verdict = verdict,
-        .person = name,
+        .door_fault = "",
+        .person = person ? person->name : "",
         .threshold = iso_config_threshold(appliance->parts.config),
-        .latency_ns = now_ns - appliance->arrival_ns,
+        .latency_ns = iso_times_now_ns(&appliance->parts.times) - appliance->arrival_ns,
     };
-    (void)snprintf(appliance->last_outcome, sizeof appliance->last_outcome, "%s%s%s",
-                   verdict_word(&verdict), *name ? " " : "", name);
-    iso__appliance_say(appliance, LOG_INFO, "visit: %s (%s, %d frames, %lld ms)",
-                       verdict_word(&verdict), iso_reason_name(verdict.reason), verdict.frames,
-                       (long long)(visit.latency_ns / ISO_NS_PER_MS));
-    appliance->parts.events.visit(appliance->parts.events.context, &visit);
-    iso__appliance_learn(appliance, &verdict);
+    if (verdict.allow) {
+        let_in(appliance, &visit);
+    } else {
+        refuse(appliance, &visit);
+    }
+    count(&appliance->counts, &visit.verdict);
+    if (visit.verdict.allow && appliance->parts.cards) {
+        send_card(appliance, visit.person);
+    }
+    tell_visit(appliance, &visit);
+    iso__appliance_learn(appliance, &visit.verdict);
 }

@@ -429,6 +429,11 @@ static size_t format(struct iso_audit *audit, const struct iso_audit_record *rec
     iso_json_line_string(line, "event", record->event);
     add_string(line, "person", record->person);
     add_string(line, "verdict", record->verdict);
+    add_string(line, "door", record->door);
+    add_string(line, "door_fault", record->door_fault);
+    if (record->grant > 0) {
+        iso_json_line_integer(line, "grant", (int64_t)record->grant);
+    }
     add_string(line, "reason", record->reason);
     if (!isnan(record->score)) {
         iso_json_line_number(line, "score", record->score);
@@ -446,6 +451,8 @@ static size_t format(struct iso_audit *audit, const struct iso_audit_record *rec
     if (record->gallery) {
         add_gallery(line, record->gallery, record->gallery_changes);
     }
+    add_string(line, "before", record->before);
+    add_string(line, "after", record->after);
     add_string(line, "note", record->note);
     const size_t length = iso_json_line_end(line);
     return length ? length - 1 : 0;

@@ -34,6 +34,12 @@ struct iso_audit_record {
     const char *event; /* REQUIRED: "start", "visit", "door", ... */
     const char *person, *verdict, *reason, *note;
     const char *sensor; /* its health at a decision: "started", "silent", "lost" */
+    /* Of a visit with the verdict "allow": what the door did (iso_door_answer_name), why if it did
+     * not unlock, and the sequence of the "grant" record that was written before the lock was
+     * switched (0: not said). */
+    const char *door, *door_fault;
+    uint64_t grant;
+    const char *before, *after; /* what an administrator changed: the old and the new value */
     double score, threshold;
     int frames, attack_frames;
     /* Which gallery, and its number of changes (iso_gallery_version): those who are put back later

@@ -21,6 +21,7 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-ENODEV, ISO_CONTRACT_ERROR_DEVICE_FAULT},
         {-ENOENT, ISO_CONTRACT_ERROR_NO_SUCH_PERSON},
         {-EDQUOT, ISO_CONTRACT_ERROR_GALLERY_FULL},
+        {-EEXIST, ISO_CONTRACT_ERROR_NAME_IN_USE},
         {-ENODATA, ISO_CONTRACT_ERROR_NO_ACTION},
         {-EINVAL, ISO_CONTRACT_ERROR_INVALID_ARGUMENT},
         {-EKEYREJECTED, ISO_CONTRACT_ERROR_REJECTED},
@@ -118,19 +119,11 @@ static int read_option(sd_bus_message *call, struct iso_enroll_request *request,
     if (strcmp(name, ISO_CONTRACT_ALLOW_DUPLICATE) == 0) {
         r = sd_bus_message_read(call, "v", "b", &flag);
         request->allow_duplicate = flag != 0;
-    } else if (strcmp(name, ISO_CONTRACT_VALID_FROM) == 0) {
-        r = sd_bus_message_read(call, "v", "x", &request->valid_from_s);
-    } else if (strcmp(name, ISO_CONTRACT_VALID_UNTIL) == 0) {
-        r = sd_bus_message_read(call, "v", "x", &request->valid_until_s);
+        r = r < 0 ? r : 1;
     } else {
-        return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT, "unknown option '%s'",
-                                 name);
+        r = iso__bus_read_validity_option(call, name, &request->validity);
     }
-    if (r == -ENXIO) {
-        return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT,
-                                 "option '%s' is of another type", name);
-    }
-    return r;
+    return r > 0 ? r : iso__bus_refuse_option(out, r, name);
 }
 
 static int read_options(sd_bus_message *call, struct iso_enroll_request *request, sd_bus_error *out)
@@ -159,7 +152,9 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
         return invalid_name(out, flaw);
     }
     r = iso_appliance_enroll(bus->appliance, &request, &fault);
-    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+    return r < 0 ? iso__bus_refuse(out, r, &fault)
+                 : iso__bus_reply_enrolment(call,
+                                            iso_gallery_find(bus->parts->gallery, request.person));
 }
 
 static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)
@@ -334,7 +329,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
     SD_BUS_VTABLE_START(0),
     METHOD(ISO_CONTRACT_CLAIM, "", NOTHING, "", NOTHING, on_claim),
     METHOD(ISO_CONTRACT_RELEASE, "", NOTHING, "", NOTHING, on_release),
-    METHOD(ISO_CONTRACT_ENROLL_START, "sa{sv}", "person\0options\0", "", NOTHING, on_enroll_start),
+    METHOD(ISO_CONTRACT_ENROLL_START, "sa{sv}", "person\0options\0", "a{sv}", "known\0",
+           on_enroll_start),
     METHOD(ISO_CONTRACT_ENROLL_STOP, "", NOTHING, "", NOTHING, on_enroll_stop),
     METHOD(ISO_CONTRACT_VERIFY_START, "s", "person\0", "", NOTHING, on_verify_start),
     METHOD(ISO_CONTRACT_VERIFY_STOP, "", NOTHING, "", NOTHING, on_verify_stop),
@@ -342,6 +338,9 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_IDENTIFY_STOP, "", NOTHING, "", NOTHING, on_identify_stop),
     METHOD(ISO_CONTRACT_LIST_PEOPLE, "", NOTHING, "a(sxxxu)", "people\0", on_list_people),
     METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, on_delete_person),
+    METHOD(ISO_CONTRACT_SET_VALIDITY, "sa{sv}", "person\0options\0", "sxx",
+           "person\0valid_from\0valid_until\0", iso__bus_set_validity),
+    METHOD(ISO_CONTRACT_RENAME_PERSON, "ss", "person\0name\0", "s", "remark\0", iso__bus_rename),
     METHOD(ISO_CONTRACT_GET_STATUS, "", NOTHING, "a{sv}", "status\0", on_get_status),
     METHOD(ISO_CONTRACT_READ_LOG, "tu", "from\0max\0", "as", "records\0", on_read_log),
     METHOD(ISO_CONTRACT_VERIFY_LOG, "ts", "sequence\0head\0", "bttsts",
@@ -356,11 +355,12 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_SET_LOCKDOWN, "b", "on\0", "", NOTHING, on_set_lockdown),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
-    SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuud", "result\0done\0stage\0stages\0quality\0"),
+    SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuuds", "result\0done\0stage\0stages\0quality\0person\0"),
     SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
     SIGNAL(ISO_CONTRACT_IDENTIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
-    SIGNAL(ISO_CONTRACT_VISIT, "ssdduxs",
-           "verdict\0person\0score\0threshold\0frames\0latency_us\0reason\0"),
+    SIGNAL(ISO_CONTRACT_VISIT, "ssdduxsss",
+           "verdict\0person\0score\0threshold\0frames\0latency_us\0reason\0door\0"
+           "door_fault\0"),
     SIGNAL(ISO_CONTRACT_HINT, "s", "word\0"),
     SIGNAL(ISO_CONTRACT_VIEW, "a{sv}", "view\0"),
     SIGNAL(ISO_CONTRACT_DOOR_CHANGED, "ss", "state\0cause\0"),

@@ -24,14 +24,16 @@ int iso__bus_new_signal(const struct iso_bus *bus, const char *member, sd_bus_me
 }
 
 static void on_enroll_status(void *context, const char *result, bool done, unsigned stage,
-                             unsigned stages, double quality)
+                             unsigned stages, double quality, const char *person)
 {
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
     char word[64];
     (void)snprintf(word, sizeof word, "enroll-%s", result);
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_ENROLL_STATUS, &signal);
-    r = r < 0 ? r : sd_bus_message_append(signal, "sbuud", word, (int)done, stage, stages, quality);
+    r = r < 0 ? r
+              : sd_bus_message_append(signal, "sbuuds", word, (int)done, stage, stages, quality,
+                                      person);
     iso__bus_send_signal(signal, bus->claimant, r);
 }
 
@@ -54,12 +56,15 @@ static void on_visit(void *context, const struct iso_visit *visit)
 {
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
+    char door_fault[300];
+    iso__bus_clean_text(door_fault, sizeof door_fault, visit->door_fault);
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_VISIT, &signal);
     r = r < 0 ? r
-              : sd_bus_message_append(signal, "ssdduxs", visit->verdict.allow ? "allow" : "deny",
+              : sd_bus_message_append(signal, "ssdduxsss", visit->verdict.allow ? "allow" : "deny",
                                       visit->person, visit->verdict.score, visit->threshold,
                                       (uint32_t)visit->verdict.frames, visit->latency_ns / 1000,
-                                      iso_reason_name(visit->verdict.reason));
+                                      iso_reason_name(visit->verdict.reason),
+                                      iso_door_answer_name(visit->door), door_fault);
     iso__bus_send_signal(signal, NULL, r);
 }
 

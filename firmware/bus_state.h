@@ -24,6 +24,10 @@ struct iso_bus {
 /* Methods and signals of the contract (bus_methods.c); the context is a struct iso_bus. */
 extern const sd_bus_vtable iso__bus_vtable[];
 
+/* Copies a text, cut to fit; D-Bus carries UTF-8 only, which names of files need not be: other
+ * bytes become '?' (bus_status.c). */
+void iso__bus_clean_text(char *to, size_t size, const char *from);
+
 /* Appends the a{sv} of GetStatus (bus_status.c). */
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
 
@@ -44,6 +48,19 @@ int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* The methods that change a person (bus_people.c). */
+int iso__bus_set_validity(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_rename(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* Reads the value of an option, whose name was read, if it is one of validity: 1; 0 if it is none,
+ * or a negative errno. iso__bus_refuse_option answers the last two. (bus_people.c) */
+int iso__bus_read_validity_option(sd_bus_message *call, const char *name,
+                                  struct iso_validity_change *change);
+int iso__bus_refuse_option(sd_bus_error *out, int r, const char *name);
+
+/* Answers EnrollStart; `known` is who has the name before it, or NULL (bus_people.c). */
+int iso__bus_reply_enrolment(sd_bus_message *call, const struct iso_person *known);
 
 /* Sends what is seen to who wants it (bus_view.c): a handler of iso_appliance_events. */
 void iso__bus_on_view(void *context, const struct iso_view *view);

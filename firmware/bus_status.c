@@ -8,8 +8,7 @@
 #include "firmware/bus_state.h"
 #include "firmware/utf8.h"
 
-/* D-Bus carries UTF-8 only, and names of files need not be. */
-static void clean_copy(char *to, size_t size, const char *from)
+void iso__bus_clean_text(char *to, size_t size, const char *from)
 {
     size_t at = 0;
     uint32_t character;
@@ -30,7 +29,7 @@ static void clean_copy(char *to, size_t size, const char *from)
 static int append_text(sd_bus_message *reply, const char *key, const char *value)
 {
     char clean[300];
-    clean_copy(clean, sizeof clean, value);
+    iso__bus_clean_text(clean, sizeof clean, value);
     return sd_bus_message_append(reply, "{sv}", key, "s", clean);
 }
 

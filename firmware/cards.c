@@ -14,7 +14,7 @@ struct iso_cards {
     size_t n;
     struct row {
         struct iso_wiegand_card card;
-        const char *person; /* in the text */
+        struct iso_person_name_key key;
     } rows[];
 };
 
@@ -41,15 +41,15 @@ static const char *parse_row(char *line, struct row *row)
     if (parse_count(line, &row->card.facility) || parse_count(number, &row->card.number)) {
         return "facility and number are 0 to 65535";
     }
-    row->person = person;
-    return iso_person_name_flaw(person);
+    const char *flaw = iso_person_name_flaw(person);
+    return flaw ? flaw : iso_person_name_key(person, &row->key) ? "out of memory" : NULL;
 }
 
 static const char *find_double(const struct iso_cards *cards, const struct row *row)
 {
     for (size_t i = 0; i < cards->n; i++) {
         const struct row *other = &cards->rows[i];
-        if (strcmp(other->person, row->person) == 0) {
+        if (iso_person_name_key_is_same(&other->key, &row->key)) {
             return "this person has a card already";
         }
         if (other->card.facility == row->card.facility && other->card.number == row->card.number) {
@@ -110,8 +110,12 @@ void iso_cards_free(struct iso_cards *cards)
 
 const struct iso_wiegand_card *iso_cards_find(const struct iso_cards *cards, const char *person)
 {
+    struct iso_person_name_key key;
+    if (iso_person_name_key(person, &key)) {
+        return NULL;
+    }
     for (size_t i = 0; i < cards->n; i++) {
-        if (strcmp(cards->rows[i].person, person) == 0) {
+        if (iso_person_name_key_is_same(&cards->rows[i].key, &key)) {
             return &cards->rows[i].card;
         }
     }

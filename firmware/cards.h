@@ -3,7 +3,8 @@
  *   FACILITY NUMBER NAME
  *
  * such as "17 4711 anna"; the name is all that stands behind the second blank. Empty lines and
- * lines that begin with '#' say nothing. Read strictly: nobody and no number twice. */
+ * lines that begin with '#' say nothing. Read strictly: nobody and no number twice.
+ * Names are compared without regard to case (person_name.h). */
 #ifndef ISO_FIRMWARE_CARDS_H
 #define ISO_FIRMWARE_CARDS_H
 

@@ -15,8 +15,8 @@ const char *iso_door_state_name(enum iso_door_state state)
 const char *iso_door_event_name(enum iso_door_event event)
 {
     static const char *const names[ISO_DOOR_EVENTS] = {
-        "start",  "start-open", "stop",         "grant", "refuse",    "exit-button", "opened",
-        "closed", "tamper",     "tamper-ended", "fault", "recovered", "time",
+        "start",  "start-open", "stop",         "grant", "refuse",    "exit-button",  "opened",
+        "closed", "tamper",     "tamper-ended", "fault", "recovered", "not-switched", "time",
     };
     return (unsigned)event < ISO_DOOR_EVENTS ? names[event] : NULL;
 }
@@ -141,6 +141,8 @@ static enum iso_door_state after(const struct iso_door *door, enum iso_door_even
     case ISO_DOOR_ON_FAULT:
     case ISO_DOOR_ON_RECOVERED:
         return state == ISO_DOOR_LOCKED || state == ISO_DOOR_FAULT ? rest(door) : state;
+    case ISO_DOOR_ON_NOT_SWITCHED:
+        return state == ISO_DOOR_UNLOCKED ? rest(door) : state;
     case ISO_DOOR_ON_TIME:
         return after_time(door, now_ns);
     default:

@@ -12,7 +12,7 @@
  *   LOCKED     grant, exit-button -> UNLOCKED     opened -> FORCED     fault -> FAULT
  *   FAULT      exit-button -> UNLOCKED     recovered -> LOCKED
  *              opened -> FORCED (fail-secure), OPENED (fail-safe)
- *   UNLOCKED   opened -> OPENED     after unlock_ms -> REST
+ *   UNLOCKED   opened -> OPENED     after unlock_ms, not-switched -> REST
  *              grant, exit-button: unlock_ms anew (grant: not while a fault lasts)
  *   OPENED     closed -> REST     after held_ms -> HELD_OPEN
  *   HELD_OPEN  closed -> REST
@@ -63,7 +63,8 @@ enum iso_door_event {
     ISO_DOOR_ON_TAMPER_ENDED,
     ISO_DOOR_ON_FAULT,
     ISO_DOOR_ON_RECOVERED,
-    ISO_DOOR_ON_TIME, /* time has passed */
+    ISO_DOOR_ON_NOT_SWITCHED, /* the relay did not follow a grant, which is withdrawn */
+    ISO_DOOR_ON_TIME,         /* time has passed */
     ISO_DOOR_EVENTS
 };
 
@@ -71,7 +72,7 @@ enum iso_door_event {
 const char *iso_door_state_name(enum iso_door_state state);
 
 /* "start", "start-open", "stop", "grant", "refuse", "exit-button", "opened", "closed", "tamper",
- * "tamper-ended", "fault", "recovered", "time"; NULL outside. */
+ * "tamper-ended", "fault", "recovered", "not-switched", "time"; NULL outside. */
 const char *iso_door_event_name(enum iso_door_event event);
 
 enum iso_door_fail {

@@ -3,7 +3,19 @@
 #include <errno.h>
 #include <stdio.h>
 
+#include "core/contract.h"
 #include "firmware/times.h"
+
+const char *iso_door_answer_name(enum iso_door_answer answer)
+{
+    static const char *const names[] = {
+        [ISO_DOOR_NOT_ASKED] = "",
+        [ISO_DOOR_DID_UNLOCK] = ISO_CONTRACT_DOOR_UNLOCKED,
+        [ISO_DOOR_STOOD_OPEN] = ISO_CONTRACT_DOOR_OPEN,
+        [ISO_DOOR_DID_NOT_UNLOCK] = ISO_CONTRACT_DOOR_NOT_UNLOCKED,
+    };
+    return names[answer];
+}
 
 void iso_door_control_init(struct iso_door_control *control, const struct iso_door_options *options,
                            const struct iso_door_timing *timing, struct iso_door_io *io,
@@ -66,6 +78,9 @@ static bool switch_outputs(struct iso_door_control *control, struct iso_fault *f
         const int error = iso_door_io_set_output(control->io, (enum iso_door_output)i,
                                                  wanted.active[i], fault);
         fine = fine && !error; /* the others are switched all the same */
+        if (i == ISO_DOOR_RELAY) {
+            control->relay_failed = error != 0;
+        }
     }
     control->outputs = wanted;
     control->known = fine;
@@ -122,6 +137,7 @@ static bool have_lines(struct iso_door_control *control, int64_t now_ns)
     }
     control->outputs = wanted;
     control->known = true;
+    control->relay_failed = false;
     control->read_ns = now_ns;
     return true;
 }
@@ -131,6 +147,7 @@ static void note_loss(struct iso_door_control *control, bool had_lines, int64_t 
 {
     if (had_lines && iso_door_io_is_lost(control->io)) {
         control->known = false;
+        control->relay_failed = true;
         wait_for_lines(control, now_ns);
     }
 }
@@ -191,10 +208,38 @@ void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns)
     control->read_ns = ISO_NEVER_NS;
 }
 
-void iso_door_control_grant(struct iso_door_control *control, int64_t now_ns)
+static enum iso_door_answer answer_of(const struct iso_door_control *control)
 {
-    tell(control, ISO_DOOR_ON_GRANT, now_ns);
-    apply(control, now_ns);
+    switch (control->door.state) {
+    case ISO_DOOR_UNLOCKED:
+        return control->relay_failed ? ISO_DOOR_DID_NOT_UNLOCK : ISO_DOOR_DID_UNLOCK;
+    case ISO_DOOR_OPENED:
+    case ISO_DOOR_HELD_OPEN:
+    case ISO_DOOR_FORCED:
+        return ISO_DOOR_STOOD_OPEN;
+    default:
+        return ISO_DOOR_DID_NOT_UNLOCK;
+    }
+}
+
+/* The lock is switched first, and what is told of it is then what it did. */
+enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, int64_t now_ns)
+{
+    struct iso_fault fault = {""};
+    const bool unlocks = iso_door_handle(&control->door, ISO_DOOR_ON_GRANT, now_ns);
+    const bool lost = iso_door_io_is_lost(control->io);
+    const bool fine = !lost && switch_outputs(control, &fault);
+    if (unlocks && control->relay_failed) {
+        (void)iso_door_handle(&control->door, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
+    } else if (unlocks) {
+        control->changed(control->context, ISO_DOOR_ON_GRANT);
+    }
+    if (!fine && !lost) {
+        note_lines(control, &fault, true, now_ns);
+        note_loss(control, true, now_ns);
+        apply(control, now_ns); /* the lock goes back to rest, if it can */
+    }
+    return answer_of(control);
 }
 
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns)

@@ -14,6 +14,17 @@
 #include "drivers/door/door_io.h"
 #include "firmware/door.h"
 
+/* What the door did when somebody was to be let in, as far as its lines tell. */
+enum iso_door_answer {
+    ISO_DOOR_NOT_ASKED = 0, /* nobody was to be let in */
+    ISO_DOOR_DID_UNLOCK,    /* the relay was switched, or had been already */
+    ISO_DOOR_STOOD_OPEN,    /* the door was open, and the lock was not touched */
+    ISO_DOOR_DID_NOT_UNLOCK,
+};
+
+/* "", "unlocked", "open", "not-unlocked". */
+const char *iso_door_answer_name(enum iso_door_answer answer);
+
 struct iso_door_timing {
     int64_t poll_ns;                /* how often the inputs are read */
     int64_t retry_ns, retry_max_ns; /* first and longest wait before lost lines are opened anew */
@@ -27,6 +38,7 @@ struct iso_door_control {
     struct iso_door_outputs outputs; /* as switched last */
     bool known;                      /* outputs are certain */
     bool broken;                     /* the lines do not work */
+    bool relay_failed;               /* the relay was not switched as it should have been */
     bool asked_fault;                /* somebody else wants the door at fault */
     int64_t read_ns;                 /* when the inputs are to be read next */
     int64_t open_ns;                 /* when lost lines are to be opened anew */
@@ -49,8 +61,11 @@ void iso_door_control_start(struct iso_door_control *control, int64_t now_ns);
 /* Everything without power. */
 void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns);
 
-/* Lets somebody in, or refuses. */
-void iso_door_control_grant(struct iso_door_control *control, int64_t now_ns);
+/* Lets somebody in. A grant whose relay could not be switched is withdrawn at once: the door does
+ * not unlock later, when its lines work again. `changed` is called after the switching. */
+enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, int64_t now_ns);
+
+/* Shows a refusal. */
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns);
 
 /* A fault that is not the door's own begins or ends. */

@@ -91,7 +91,7 @@ static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pip
     }
     enrolment->duplicate_of = duplicate;
     enrolment->state = duplicate != 0                         ? ISO_ENROLMENT_DUPLICATE
-                       : own < enrolment->options.agree_score ? ISO_ENROLMENT_FAILED
+                       : own < enrolment->options.agree_score ? ISO_ENROLMENT_OTHER_FACE
                                                               : ISO_ENROLMENT_COMPLETED;
     return 0;
 }

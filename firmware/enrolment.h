@@ -4,7 +4,7 @@
  *   ACTIVE  a frame that agrees with all frames before    -> ACTIVE, a stage is passed
  *           the last one of them, and it is new           -> COMPLETED
  *           the last one, but somebody else looks so      -> DUPLICATE (unless that is allowed)
- *           ... or the person of this name does not       -> FAILED
+ *           ... or the person of this name does not       -> OTHER_FACE
  *           as many misfits as there are stages           -> FAILED
  *           attack_frames attack frames since a stage     -> ATTACK
  *           timeout_ns after its start                    -> TIMED_OUT
@@ -33,6 +33,7 @@ enum iso_enrolment_state {
     ISO_ENROLMENT_TIMED_OUT,
     ISO_ENROLMENT_DISCONNECTED,
     ISO_ENROLMENT_ATTACK,
+    ISO_ENROLMENT_OTHER_FACE,
 };
 
 struct iso_enrolment_options {

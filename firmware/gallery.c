@@ -6,14 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/gallery_db.h"
-#include "firmware/gallery_memory.h"
-
-struct iso_gallery {
-    struct iso_gallery_db *db;
-    size_t capacity;
-    struct iso_gallery_memory memory;
-};
+#include "firmware/gallery_state.h"
 
 /* ---- opening ---- */
 
@@ -57,7 +50,8 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
                              gallery->memory.n_people);
     }
     if (person && person->templates >= ISO_GALLERY_TEMPLATES_MAX) {
-        return iso_fault_set(fault, -EDQUOT, "%s has %u templates, there is no room for more", name,
+        return iso_fault_set(fault, -EDQUOT,
+                             "%s has %u templates, the most that one person can have", person->name,
                              person->templates);
     }
     return 0;
@@ -71,8 +65,13 @@ static int add_prepared(struct iso_gallery *gallery, const struct iso_person *pe
     const struct iso_person *known = iso_gallery_find(gallery, person->name);
     struct iso_person row = *person;
     row.id = known ? known->id : 0;
+    if (iso_person_name_key(row.name, &row.key)) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
     if (known) {
         row.enrolled_s = known->enrolled_s;
+        row.key = known->key;
+        memcpy(row.name, known->name, sizeof row.name);
     }
     int error = iso_gallery_db_begin(gallery->db, fault);
     if (error) {
@@ -220,20 +219,16 @@ static int reread(const struct iso_gallery *gallery, struct iso_gallery_memory *
                : error;
 }
 
-static int check_items(const struct iso_gallery_item *items, size_t n, struct iso_fault *fault)
+static int check_items(const struct iso_gallery *gallery, const struct iso_gallery_item *items,
+                       size_t n, struct iso_fault *fault)
 {
     for (size_t i = 0; i < n; i++) {
         const int error = check_item(&items[i], fault);
         if (error) {
             return error;
         }
-        for (size_t j = 0; j < i; j++) {
-            if (strcmp(items[i].person.name, items[j].person.name) == 0) {
-                return iso_fault_set(fault, -EINVAL, "%s comes twice", items[i].person.name);
-            }
-        }
     }
-    return 0;
+    return iso__gallery_check_names(gallery, items, n, fault);
 }
 
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
@@ -241,7 +236,7 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
 {
     struct iso_gallery_memory now = {0};
     size_t count = 0;
-    int error = check_items(items, n, fault);
+    int error = check_items(gallery, items, n, fault);
     error = error ? error : iso_gallery_db_begin(gallery->db, fault);
     if (error) {
         return error;
@@ -365,12 +360,24 @@ const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, s
 const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, const char *name)
 {
     const struct iso_gallery_memory *memory = &gallery->memory;
+    const struct iso_person *same = NULL;
+    struct iso_person_name_key key;
+    const bool has_key = iso_person_name_key(name, &key) == 0;
     for (size_t i = 0; i < memory->n_people; i++) {
-        if (strcmp(memory->people[i].name, name) == 0) {
-            return &memory->people[i];
+        const struct iso_person *person = &memory->people[i];
+        if (strcmp(person->name, name) == 0) {
+            return person;
+        }
+        if (has_key && !same && iso_person_name_key_is_same(&person->key, &key)) {
+            same = person;
         }
     }
-    return NULL;
+    return same;
+}
+
+size_t iso_gallery_same_names(const struct iso_gallery *gallery)
+{
+    return gallery->memory.same_names;
 }
 
 const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, int64_t id)

@@ -16,6 +16,11 @@
  * (-EBADMSG); so is a database as a whole that is of an earlier time (-ESTALE), as far as anchor.h
  * says.
  *
+ * A name is given to one person only, without regard to case (person_name.h), and finds that person
+ * however it is written; the gallery keeps the spelling of the first enrolment. Two people of a
+ * gallery of before whose names differ in case only stay two: each is found by the exact name, and
+ * by other spellings the one who was enrolled first.
+ *
  * Used by one thread. Everything handed out is valid until the next add, import, remove or close.
  * Templates and vectors are wiped from memory when they are freed. */
 #ifndef ISO_FIRMWARE_GALLERY_H
@@ -25,21 +30,24 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/contract.h"
 #include "core/fault.h"
 #include "core/match/template.h"
 #include "firmware/candidates.h"
 #include "firmware/key_ring.h"
 #include "firmware/person_name.h"
+#include "firmware/validity.h"
 
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* "ISOT" */
     ISO_GALLERY_SCHEMA = 2,
-    ISO_GALLERY_TEMPLATES_MAX = 16, /* of one person */
+    ISO_GALLERY_TEMPLATES_MAX = ISO_CONTRACT_TEMPLATES_MAX, /* of one person */
 };
 
 struct iso_person {
     int64_t id; /* never used for anybody else */
     char name[ISO_PERSON_NAME_SIZE];
+    struct iso_person_name_key key;                  /* of the name; the gallery sees to it */
     int64_t enrolled_s, valid_from_s, valid_until_s; /* since 1970; limits: 0 is none */
     uint32_t templates, usable;                      /* usable: those of the running algorithm */
 };
@@ -69,15 +77,27 @@ int iso_gallery_open(const struct iso_gallery_options *options, struct iso_galle
 void iso_gallery_close(struct iso_gallery *gallery);
 
 /* Adds a template to the person of this name, who is made if need be; an existing person keeps the
- * date of enrolment and takes the new limits. person's id and counts are ignored. The template is
- * copied. -EINVAL the name or the template is bad, -EDQUOT the gallery, or this person, is full,
- * -ENOSPC, -EIO, -EROFS, -ENOMEM; then nothing has changed. */
+ * date of enrolment and the spelling of the name, and takes the limits of `person`: a caller who
+ * does not change them hands in those that are stored. person's id, key and counts are ignored. The
+ * template is copied. -EINVAL the name or the template is bad, -EDQUOT the gallery, or this person,
+ * is full, -ENOSPC, -EIO, -EROFS, -ENOMEM; then nothing has changed. */
 int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person,
                     const struct iso_template *tmpl, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Deletes a person with all templates. -ENOENT nobody has this name, else as add. */
 int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Gives a person another name; templates, dates and number stay. -ENOENT nobody has this name,
+ * -EINVAL the new one is bad, -EEXIST somebody else has it, else as add. */
+int iso_gallery_rename(struct iso_gallery *gallery, const char *name, const char *new_name,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Changes from when and until when the door opens to a person. -ENOENT nobody has this name,
+ * -EINVAL a limit is negative or the end is not after the beginning, else as add. */
+int iso_gallery_set_validity(struct iso_gallery *gallery, const char *name,
+                             const struct iso_validity *validity, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* 0 if a template can be added for this name, else -EDQUOT with a fault. */
@@ -136,6 +156,9 @@ struct iso_gallery_version iso_gallery_version(const struct iso_gallery *gallery
 
 /* Everybody, in the order of enrolment. */
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n);
+
+/* How many people had, when it was opened, the name of another but for its case. */
+size_t iso_gallery_same_names(const struct iso_gallery *gallery);
 
 /* NULL if there is no such person. */
 const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, const char *name);

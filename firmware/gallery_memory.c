@@ -229,7 +229,12 @@ static int load_person(void *context, const struct iso_person *person, struct is
     if (reserve_person(memory)) {
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
     }
-    memory->people[memory->n_people++] = *person;
+    struct iso_person *own = &memory->people[memory->n_people];
+    *own = *person;
+    if (iso_person_name_key(own->name, &own->key)) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    memory->n_people++;
     return 0;
 }
 
@@ -279,29 +284,37 @@ static int load_template(void *context, int64_t person_id, uint32_t algorithm, c
                : 0;
 }
 
+/* Those of one key side by side, and among them those of one spelling. */
 static int by_name(const void *a, const void *b)
 {
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
+    const struct iso_person *one = *(const struct iso_person *const *)a;
+    const struct iso_person *other = *(const struct iso_person *const *)b;
+    const int order = memcmp(&one->key, &other->key, sizeof one->key);
+    return order ? order : strcmp(one->name, other->name);
 }
 
-static int check_names(const struct loading *loading, struct iso_fault *fault)
+/* Two people of one spelling cannot be. Of two spellings of one name they can, in a gallery that
+ * was written when case told people apart: they stay, and are counted. */
+static int check_names(struct loading *loading, struct iso_fault *fault)
 {
-    const size_t n = loading->memory.n_people;
+    struct iso_gallery_memory *memory = &loading->memory;
+    const size_t n = memory->n_people;
     int error = 0;
-    const char **names = calloc(n ? n : 1, sizeof *names);
-    if (!names) {
+    const struct iso_person **people = calloc(n ? n : 1, sizeof *people);
+    if (!people) {
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
     }
     for (size_t i = 0; i < n; i++) {
-        names[i] = loading->memory.people[i].name;
+        people[i] = &memory->people[i];
     }
-    qsort(names, n, sizeof *names, by_name);
+    qsort(people, n, sizeof *people, by_name);
     for (size_t i = 1; i < n && !error; i++) {
-        if (strcmp(names[i - 1], names[i]) == 0) {
+        if (strcmp(people[i - 1]->name, people[i]->name) == 0) {
             error = iso_gallery_db_damaged(loading->db, "two people of one name", fault);
         }
+        memory->same_names += iso_person_name_key_is_same(&people[i - 1]->key, &people[i]->key);
     }
-    free(names);
+    free(people);
     return error;
 }
 

@@ -8,6 +8,8 @@
 #include <syslog.h>
 #include <systemd/sd-journal.h>
 
+#include "core/contract.h"
+
 struct fields {
     char (*text)[ISO_JOURNAL_FIELD_SIZE];
     size_t n;
@@ -28,15 +30,20 @@ size_t iso_journal_fields(const struct iso_audit_record *record, uint64_t sequen
 {
     struct fields out = {.text = fields};
     const bool denied = record->verdict && strcmp(record->verdict, "deny") == 0;
-    add(&out, "MESSAGE=record %" PRIu64 ": %s%s%s%s%s", sequence, record->event,
+    const bool stuck = record->door && strcmp(record->door, ISO_CONTRACT_DOOR_NOT_UNLOCKED) == 0;
+    add(&out, "MESSAGE=record %" PRIu64 ": %s%s%s%s%s%s%s", sequence, record->event,
         record->verdict ? " " : "", record->verdict ? record->verdict : "",
-        record->reason ? ", " : "", record->reason ? record->reason : "");
-    add(&out, "PRIORITY=%d", denied ? LOG_NOTICE : LOG_INFO);
+        record->reason ? ", " : "", record->reason ? record->reason : "",
+        record->door ? ", door " : "", record->door ? record->door : "");
+    add(&out, "PRIORITY=%d", stuck ? LOG_WARNING : denied ? LOG_NOTICE : LOG_INFO);
     add(&out, "ISOTHERM_EVENT=%s", record->event);
     add(&out, "ISOTHERM_SEQUENCE=%" PRIu64, sequence);
     add(&out, "ISOTHERM_HEAD=%s", head);
     if (record->verdict) {
         add(&out, "ISOTHERM_VERDICT=%s", record->verdict);
+    }
+    if (record->door) {
+        add(&out, "ISOTHERM_DOOR=%s", record->door);
     }
     if (record->reason) {
         add(&out, "ISOTHERM_REASON=%s", record->reason);

@@ -2,8 +2,8 @@
  * `journalctl ISOTHERM_EVENT=visit`. No name goes there, for the journal is not sealed:
  *
  *   ISOTHERM_EVENT, ISOTHERM_SEQUENCE, ISOTHERM_HEAD and, where they apply, ISOTHERM_VERDICT,
- *   ISOTHERM_REASON, ISOTHERM_SCORE, ISOTHERM_THRESHOLD, ISOTHERM_FRAMES, ISOTHERM_ATTACK_FRAMES,
- *   ISOTHERM_SENSOR
+ *   ISOTHERM_DOOR (what the door did after "allow"), ISOTHERM_REASON, ISOTHERM_SCORE,
+ * ISOTHERM_THRESHOLD, ISOTHERM_FRAMES, ISOTHERM_ATTACK_FRAMES, ISOTHERM_SENSOR
  *
  * ISOTHERM_HEAD is the head of the log behind the record (audit.h): a journal that is kept
  * elsewhere bears witness against a log that is put back. */
@@ -17,7 +17,7 @@ void iso_journal_record(void *context, const struct iso_audit_record *record, ui
                         const char *head);
 
 /* The fields, as texts "NAME=value"; returns how many there are. */
-enum { ISO_JOURNAL_FIELDS_MAX = 14, ISO_JOURNAL_FIELD_SIZE = 192 };
+enum { ISO_JOURNAL_FIELDS_MAX = 15, ISO_JOURNAL_FIELD_SIZE = 192 };
 
 size_t iso_journal_fields(const struct iso_audit_record *record, uint64_t sequence,
                           const char *head,

@@ -1,6 +1,9 @@
-/* What a person may be called. */
+/* What a person may be called, and which names are one. */
 #ifndef ISO_FIRMWARE_PERSON_NAME_H
 #define ISO_FIRMWARE_PERSON_NAME_H
+
+#include <stdbool.h>
+#include <stdint.h>
 
 enum {
     ISO_PERSON_NAME_CHARACTERS = 64,
@@ -11,5 +14,20 @@ enum {
  * paragraph separators, marks that turn the direction of writing, which would forge log lines and
  * lists), no blank at either end. NULL if the name is fine, else what is wrong with it. */
 const char *iso_person_name_flaw(const char *name);
+
+/* Two names are one person's if their keys are the same: without regard to case and to how a
+ * character is encoded ("Ada" and "ada", "STRASSE" and "Straße", composed and decomposed accents,
+ * full-width letters), by the compatibility caseless match of the Unicode standard (section 3.13,
+ * D146). The key is a digest of fixed size, to be kept and compared instead of the folded name. */
+struct iso_person_name_key {
+    uint8_t bytes[16];
+};
+
+/* -EINVAL the name is not UTF-8, -ENOMEM. */
+int iso_person_name_key(const char *name, struct iso_person_name_key *out)
+    __attribute__((warn_unused_result));
+
+bool iso_person_name_key_is_same(const struct iso_person_name_key *a,
+                                 const struct iso_person_name_key *b);
 
 #endif

@@ -19,15 +19,15 @@ static int on_visit(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
     struct sim_door_watch *watch = context;
     struct sim_door_verdict *verdict = &watch->verdict;
-    const char *word, *person, *reason;
+    const char *word, *person, *reason, *door, *door_fault;
 
     (void)error;
     if (verdict->given) {
         return 0;
     }
-    const int r = sd_bus_message_read(signal, "ssdduxs", &word, &person, &verdict->score,
+    const int r = sd_bus_message_read(signal, "ssdduxsss", &word, &person, &verdict->score,
                                       &verdict->threshold, &verdict->frames, &verdict->latency_us,
-                                      &reason);
+                                      &reason, &door, &door_fault);
     if (r < 0) {
         return r;
     }
@@ -35,6 +35,7 @@ static int on_visit(sd_bus_message *signal, void *context, sd_bus_error *error)
     verdict->allow = strcmp(word, "allow") == 0;
     (void)snprintf(verdict->person, sizeof verdict->person, "%s", person);
     (void)snprintf(verdict->reason, sizeof verdict->reason, "%s", reason);
+    (void)snprintf(verdict->door, sizeof verdict->door, "%s", door);
     return 0;
 }
 

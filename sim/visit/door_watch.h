@@ -17,6 +17,7 @@ struct sim_door_verdict {
     uint32_t frames;
     int64_t latency_us;
     char reason[16]; /* a word of firmware/decision.h */
+    char door[16];   /* what the door did after "allow" (core/contract.h); "" after "deny" */
 };
 
 struct sim_door_watch;

@@ -33,12 +33,13 @@ struct rehearsal {
 };
 
 static void on_enroll(void *context, const char *result, bool done, unsigned stage, unsigned stages,
-                      double quality)
+                      double quality, const char *person)
 {
     struct rehearsal *r = context;
     (void)stage;
     (void)stages;
     (void)quality;
+    (void)person;
     r->enrol_done = r->enrol_done || done;
     (void)snprintf(r->enrol_result, sizeof r->enrol_result, "%s", result);
 }
@@ -72,6 +73,8 @@ static void on_visit(void *context, const struct iso_visit *visit)
     (void)snprintf(r->verdict.person, sizeof r->verdict.person, "%s", visit->person);
     (void)snprintf(r->verdict.reason, sizeof r->verdict.reason, "%s",
                    iso_reason_name(visit->verdict.reason));
+    (void)snprintf(r->verdict.door, sizeof r->verdict.door, "%s",
+                   iso_door_answer_name(visit->door));
 }
 
 static void on_hint(void *context, enum iso_capture capture)

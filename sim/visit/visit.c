@@ -4,6 +4,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "core/contract.h"
 #include "sim/visit/slot.h"
 
 /* Rarely enough for what a caller of the daemon is allowed (firmware/call_rate.h); signals wake
@@ -141,9 +142,17 @@ int sim_visit_play(const struct sim_visit_options *options, const struct sim_cor
     return error;
 }
 
-static bool is_admitted(const struct sim_visit *visit)
+/* A door that unlocked counts against the appliance whatever it said, and so does a verdict. */
+static bool is_let_in(const struct sim_visit *visit)
 {
     return visit->unlocked || (visit->verdict.given && visit->verdict.allow);
+}
+
+/* Somebody enrolled has come in if the verdict was "allow" and the door did unlock for it. */
+static bool is_admitted(const struct sim_visit *visit)
+{
+    return visit->verdict.given && visit->verdict.allow &&
+           strcmp(visit->verdict.door, ISO_CONTRACT_DOOR_NOT_UNLOCKED) != 0;
 }
 
 static bool is_own_name(const struct sim_visit *visit)
@@ -183,12 +192,12 @@ struct sim_visit_summary sim_visit_judge(const struct sim_visit *visits, size_t 
         const struct sim_visit *visit = &visits[i];
         if (visit->row->role != SIM_ROLE_PROBE) {
             summary.impostors++;
-            summary.impostors_let_in += is_admitted(visit);
+            summary.impostors_let_in += is_let_in(visit);
             continue;
         }
         summary.probes++;
         summary.probes_admitted += is_admitted(visit) && is_own_name(visit);
-        summary.misnamed += is_admitted(visit) && !is_own_name(visit);
+        summary.misnamed += is_let_in(visit) && !is_own_name(visit);
         if (is_first_of_subject(visits, i)) {
             summary.people++;
             summary.people_admitted += is_ever_admitted(visits, n_visits, visit->row->subject);

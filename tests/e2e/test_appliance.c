@@ -94,6 +94,7 @@ static void a_known_face_is_refused_under_another_name(void **state)
     json_t *document = appliance_run_json(*state, "enroll double", "p01-enrol", 1);
 
     assert_string_equal(text_of(document, "result"), "enroll-duplicate");
+    assert_string_equal(text_of(document, "duplicate_of"), "p01");
     json_decref(document);
     assert_int_equal(count_people(*state), 3);
 
@@ -102,6 +103,22 @@ static void a_known_face_is_refused_under_another_name(void **state)
     assert_int_equal(count_people(*state), 4);
     assert_int_equal(appliance_run(*state, "remove double", NULL)->exit, 0);
     assert_int_equal(count_people(*state), 3);
+}
+
+static void a_used_name_is_for_its_owner_only(void **state)
+{
+    const struct appliance_result *result = appliance_run(*state, "enroll P03", "p03-enrol");
+
+    assert_int_equal(result->exit, 0);
+    assert_non_null(strstr(result->out, "p03 has 1 template since "));
+    assert_non_null(strstr(result->out, "; this adds to it.\n"));
+    assert_non_null(strstr(result->out, "\np03 is enrolled.\n"));
+    assert_int_equal(count_people(*state), 3);
+
+    json_t *document = appliance_run_json(*state, "enroll p03", "p04-enrol", 1);
+    assert_string_equal(text_of(document, "result"), "enroll-other-face");
+    assert_int_equal(number_of(document, "templates_before"), 2);
+    json_decref(document);
 }
 
 static void names_are_checked(void **state)
@@ -241,6 +258,18 @@ static void the_door_opens_to_the_enrolled_and_to_nobody_else(void **state)
     free(csv);
 }
 
+/* A grant before the lock is switched, and what the door did behind it. */
+static void expect_entry(const json_t *records, const json_t *visit)
+{
+    const json_int_t grant = number_of(visit, "grant");
+    const json_t *before = json_array_get(records, (size_t)grant - 1);
+
+    assert_string_equal(text_of(visit, "door"), "unlocked");
+    assert_in_range(grant, 1, number_of(visit, "sequence") - 1);
+    assert_string_equal(text_of(before, "event"), "grant");
+    assert_string_equal(text_of(before, "person"), text_of(visit, "person"));
+}
+
 static void what_happened_is_in_the_log(void **state)
 {
     json_t *document = appliance_run_json(*state, "log --count 1000", NULL, 0), *record;
@@ -252,6 +281,9 @@ static void what_happened_is_in_the_log(void **state)
     {
         const char *verdict = text_of(record, "verdict");
         assert_int_equal(number_of(record, "sequence"), i + 1);
+        if (strcmp(text_of(record, "event"), "visit") == 0 && strcmp(verdict, "allow") == 0) {
+            expect_entry(records, record);
+        }
         allowed |= strcmp(verdict, "allow") == 0 && strcmp(text_of(record, "person"), "p02") == 0;
         denied |= strcmp(verdict, "deny") == 0;
     }
@@ -265,12 +297,67 @@ static void who_is_removed_or_expired_is_refused(void **state)
     static const char *const recordings[] = {"p03-v1", "p04-v1", NULL};
 
     assert_int_equal(appliance_run(*state, "remove p03", NULL)->exit, 0);
+    expect_error(*state, "enroll p04 --valid-until 2026-01-01", 2, "invalid-argument");
     assert_int_equal(
-        appliance_run(*state, "enroll p04 --valid-until 2026-01-01", "p04-enrol")->exit, 0);
+        appliance_run(*state, "enroll p04 --valid-until 2026-01-01 --expired", "p04-enrol")->exit,
+        0);
     const struct appliance_result *result = appliance_visit(*state, recordings);
     assert_int_equal(result->exit, 1);
     assert_non_null(strstr(result->out, "0 of 2 enrolled people admitted"));
     assert_null(strstr(result->out, "unlocked"));
+}
+
+/* The values before and after of the last record of an event, "BEFORE -> AFTER", to be freed. */
+static char *last_change(const struct appliance *appliance, const char *event)
+{
+    json_t *document = appliance_run_json(appliance, "log --count 1000", NULL, 0), *record;
+    char *text = NULL;
+    size_t i;
+
+    json_array_foreach(json_object_get(document, "records"), i, record)
+    {
+        if (strcmp(text_of(record, "event"), event) == 0) {
+            free(text);
+            assert_true(asprintf(&text, "%s -> %s", text_of(record, "before"),
+                                 text_of(record, "after")) > 0);
+        }
+    }
+    json_decref(document);
+    assert_non_null(text);
+    return text;
+}
+
+static void limits_and_names_are_changed_on_record(void **state)
+{
+    static const char *const recordings[] = {"p04-v1", NULL};
+    struct appliance *appliance = *state;
+    const struct appliance_result *result = appliance_run(appliance, "enroll p04", "p04-enrol");
+
+    assert_int_equal(result->exit, 0); /* again, and the limit stays */
+    assert_non_null(strstr(result->out, "The door has not opened to p04 since "));
+    assert_int_equal(appliance_visit(appliance, recordings)->exit, 1);
+
+    assert_int_equal(appliance_run(appliance, "validity p04 --none", NULL)->exit, 0);
+    char *change = last_change(appliance, "validity");
+    assert_non_null(strstr(change, "until 2026-01-"));
+    assert_non_null(strstr(change, " -> no limits"));
+    free(change);
+
+    expect_error(appliance, "rename p04 P01", 1, "name-in-use");
+    assert_int_equal(appliance_run(appliance, "rename p04 Zoe", NULL)->exit, 0);
+    appliance_end_daemon(appliance, SIGTERM);
+    appliance_start_daemon(appliance);
+    assert_int_equal(appliance_run(appliance, "verify zoe", "p04-v1")->exit, 0);
+    expect_error(appliance, "verify p04", 3, "no-such-person");
+    assert_int_equal(appliance_run(appliance, "rename ZOE p04", NULL)->exit, 0);
+    change = last_change(appliance, "rename");
+    assert_string_equal(change, "Zoe -> p04");
+    free(change);
+
+    assert_int_equal(appliance_visit(appliance, recordings)->exit, 0);
+    result = appliance_run(appliance, "log --count 20", NULL);
+    assert_non_null(strstr(result->out, "allow"));
+    assert_non_null(strstr(result->out, "unlocked"));
 }
 
 /* Runs a command whose second word is a file of the appliance's directory. */
@@ -355,6 +442,7 @@ int main(void)
         cmocka_unit_test(nobody_is_let_in_while_nobody_is_enrolled),
         cmocka_unit_test(people_are_enrolled),
         cmocka_unit_test(a_known_face_is_refused_under_another_name),
+        cmocka_unit_test(a_used_name_is_for_its_owner_only),
         cmocka_unit_test(names_are_checked),
         cmocka_unit_test(people_are_identified),
         cmocka_unit_test(people_are_verified),
@@ -366,6 +454,7 @@ int main(void)
         cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_nobody_else),
         cmocka_unit_test(what_happened_is_in_the_log),
         cmocka_unit_test(who_is_removed_or_expired_is_refused),
+        cmocka_unit_test(limits_and_names_are_changed_on_record),
         cmocka_unit_test(people_are_carried_in_a_sealed_file),
         cmocka_unit_test(keys_are_rotated_and_the_log_is_sound),
         cmocka_unit_test(a_killed_daemon_forgets_nobody),

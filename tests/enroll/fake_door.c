@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <systemd/sd-bus.h>
@@ -99,8 +100,8 @@ static int send_status(sd_bus *bus, const struct service *service, const struct 
     int r = sd_bus_message_new_signal(bus, &signal, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
                                       member);
     if (r >= 0 && strcmp(service->action, "Enroll") == 0) {
-        r = sd_bus_message_append(signal, "sbuud", status->result, (int)status->done, status->stage,
-                                  status->stages, status->value);
+        r = sd_bus_message_append(signal, "sbuuds", status->result, (int)status->done,
+                                  status->stage, status->stages, status->value, person);
     } else if (r >= 0) {
         r = sd_bus_message_append(signal, "sbsdd", status->result, (int)status->done, person,
                                   status->value, status->threshold);
@@ -131,10 +132,38 @@ static void send_strange_status(const struct service *service)
     sd_bus_flush_close_unref(bus);
 }
 
-static int start_action(struct service *service, sd_bus_message *call, const char *action)
+/* NULL if nobody has this name. */
+static const struct fake_person *find_person(const struct service *service, const char *name)
+{
+    for (size_t i = 0; i < service->script->n_people; i++) {
+        if (strcasecmp(name, service->script->people[i].name) == 0) {
+            return &service->script->people[i];
+        }
+    }
+    return NULL;
+}
+
+/* The answer to a Start method; that of an enrolment says who has the name. */
+static int answer_start(const struct service *service, sd_bus_message *call, const char *enrolled)
+{
+    const struct fake_person *known = enrolled ? find_person(service, enrolled) : NULL;
+
+    if (known) {
+        return sd_bus_reply_method_return(call, "a{sv}", 6, "person", "s", known->name, "enrolled",
+                                          "x", known->enrolled, "templates", "u", known->templates,
+                                          "valid-from", "x", known->valid_from, "valid-until", "x",
+                                          known->valid_until, "of-later", "b", 1);
+    }
+    return enrolled ? sd_bus_reply_method_return(call, "a{sv}", 0)
+                    : sd_bus_reply_method_return(call, NULL);
+}
+
+/* `enrolled`: who is to be, NULL for the other actions. */
+static int start_action(struct service *service, sd_bus_message *call, const char *action,
+                        const char *enrolled)
 {
     const struct fake_script *script = service->script;
-    int r = sd_bus_reply_method_return(call, NULL);
+    int r = answer_start(service, call, enrolled);
 
     (void)snprintf(service->action, sizeof service->action, "%s", action);
     if (script->stranger) {
@@ -186,7 +215,7 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *er
     trace(service, " ");
     trace(service, person);
     r = trace_options(service, call);
-    return r < 0 ? r : start_action(service, call, "Enroll");
+    return r < 0 ? r : start_action(service, call, "Enroll", person);
 }
 
 static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *error)
@@ -203,7 +232,7 @@ static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *er
     }
     trace(service, " ");
     trace(service, person);
-    return start_action(service, call, "Verify");
+    return start_action(service, call, "Verify", NULL);
 }
 
 static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *error)
@@ -213,7 +242,7 @@ static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *
     if (fails(service, call, error) || !is_claimant(service, call, error)) {
         return -EIO;
     }
-    return start_action(service, call, "Identify");
+    return start_action(service, call, "Identify", NULL);
 }
 
 static int on_stop(sd_bus_message *call, void *context, sd_bus_error *error)
@@ -270,6 +299,48 @@ static int on_delete(sd_bus_message *call, void *context, sd_bus_error *error)
         }
     }
     return sd_bus_error_setf(error, ISO_CONTRACT_ERROR_NO_SUCH_PERSON, "%s: no such person", name);
+}
+
+static int no_such_person(sd_bus_error *error, const char *name)
+{
+    return sd_bus_error_setf(error, ISO_CONTRACT_ERROR_NO_SUCH_PERSON, "%s: no such person", name);
+}
+
+static int on_set_validity(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct service *service = context;
+    const char *name;
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    int r = sd_bus_message_read_basic(call, 's', &name);
+    if (r < 0) {
+        return r;
+    }
+    trace(service, " ");
+    trace(service, name);
+    r = trace_options(service, call);
+    const struct fake_person *known = find_person(service, name);
+    return r < 0   ? r
+           : known ? sd_bus_reply_method_return(call, "sxx", known->name, known->valid_from,
+                                                known->valid_until)
+                   : no_such_person(error, name);
+}
+
+static int on_rename(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct service *service = context;
+    const char *name, *to;
+    const char *remark = service->script->remark ? service->script->remark : "";
+
+    if (fails(service, call, error)) {
+        return -EIO;
+    }
+    const int r = sd_bus_message_read(call, "ss", &name, &to);
+    return r < 0                        ? r
+           : find_person(service, name) ? sd_bus_reply_method_return(call, "s", remark)
+                                        : no_such_person(error, name);
 }
 
 static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
@@ -394,7 +465,7 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_VTABLE_START(0),
     SD_BUS_METHOD("Claim", "", "", on_claim, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("Release", "", "", on_release, SD_BUS_VTABLE_UNPRIVILEGED),
-    SD_BUS_METHOD("EnrollStart", "sa{sv}", "", on_enroll_start, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("EnrollStart", "sa{sv}", "a{sv}", on_enroll_start, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("EnrollStop", "", "", on_stop, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("VerifyStart", "s", "", on_verify_start, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("VerifyStop", "", "", on_stop, SD_BUS_VTABLE_UNPRIVILEGED),
@@ -402,6 +473,8 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_METHOD("IdentifyStop", "", "", on_stop, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("ListPeople", "", "a(sxxxu)", on_list, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("DeletePerson", "s", "", on_delete, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("SetValidity", "sa{sv}", "sxx", on_set_validity, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("RenamePerson", "ss", "s", on_rename, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("GetStatus", "", "a{sv}", on_status, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStart", "", "", on_aim_start, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStop", "", "", on_aim_stop, SD_BUS_VTABLE_UNPRIVILEGED),

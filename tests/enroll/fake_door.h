@@ -16,7 +16,7 @@ struct fake_status {
     bool done;
     unsigned stage, stages; /* enrolment */
     double value;           /* the quality, or the score */
-    const char *person;     /* verify, identify; NULL: "" */
+    const char *person;     /* verify, identify; enroll: a duplicate's; NULL: "" */
     double threshold;
 };
 
@@ -42,6 +42,7 @@ struct fake_script {
     const char *stranger; /* another connection sends this result, as done, before the statuses */
     const struct fake_person *people;
     size_t n_people;
+    const char *remark;                                         /* of RenamePerson; NULL: "" */
     const char *sensor_fault, *sensor_calibration, *door_lines; /* NULL: "" */
     const char *sensor_devices;                                 /* NULL: none are told of */
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
@@ -60,8 +61,8 @@ struct fake_door {
 /* Returns when the service is on the bus. */
 void fake_door_start(struct fake_door *door, const char *address, const struct fake_script *script);
 
-/* Ends it and returns the calls it got, "Claim;EnrollStart anna;..."; options of an enrolment are
- * written as name=value after the person. Valid until the next call. */
+/* Ends it and returns the calls it got, "Claim;EnrollStart anna;..."; options of an enrolment
+ * or of limits are written as name=value after the person. Valid until the next call. */
 const char *fake_door_stop(struct fake_door *door);
 
 #endif

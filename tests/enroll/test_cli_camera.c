@@ -65,6 +65,56 @@ static void enrolling_hands_the_options_on(void **state)
     json_decref(document);
     assert_string_equal(result.err, "Enrolling anna: look straight at the camera.\n");
     assert_int_equal(result.exit, 0);
+    assert_non_null(strstr(cli_run(&script, "enroll anna --valid-until none --expired").calls,
+                           "EnrollStart anna valid-until=0 expired=1;"));
+}
+
+static const struct fake_person ada = {"Ada", 1795248000, 0, 0, 1};
+static const struct fake_person gone = {"Ada", 1795248000, 0, 1767225599, 3};
+
+static void a_used_name_is_told_at_the_beginning(void **state)
+{
+    static const struct fake_status completed = {"enroll-completed", true, 4, 4, 0.5, NULL, 0};
+    struct fake_script script = {
+        .statuses = &completed, .n_statuses = 1, .people = &ada, .n_people = 1};
+    struct cli_result result = cli_run(&script, "enroll ada");
+
+    (void)state;
+    assert_string_equal(result.out, "Ada has 1 template since 2026-11-21 08:00; this adds to it.\n"
+                                    "Enrolling Ada: look straight at the camera.\n"
+                                    "Ada is enrolled.\n");
+    script.people = &gone;
+    result = cli_run(&script, "enroll ada --json");
+    assert_string_equal(result.err,
+                        "Ada has 3 templates since 2026-11-21 08:00; this adds to them.\n"
+                        "The door has not opened to Ada since 2025-12-31 23:59 (see isotherm "
+                        "validity).\n"
+                        "Enrolling Ada: look straight at the camera.\n");
+    json_t *document = cli_json(&result);
+    assert_string_equal(json_string_value(json_object_get(document, "person")), "Ada");
+    assert_int_equal(json_integer_value(json_object_get(document, "templates_before")), 3);
+    assert_true(json_is_null(json_object_get(document, "duplicate_of")));
+    json_decref(document);
+}
+
+static void a_duplicate_is_named(void **state)
+{
+    static const struct fake_status duplicate = {"enroll-duplicate", true, 4, 4, 0.5, "Ada", 0};
+    const struct fake_script script = {.statuses = &duplicate, .n_statuses = 1};
+    struct cli_result result = cli_run(&script, "enroll bob");
+
+    (void)state;
+    assert_int_equal(result.exit, 1);
+    assert_string_equal(result.err, "bob is not enrolled: this face is enrolled as Ada (see "
+                                    "--allow-duplicate).\n");
+    result = cli_run(&script, "enroll bob --json");
+    json_t *document = cli_json(&result);
+    assert_string_equal(json_string_value(json_object_get(document, "duplicate_of")), "Ada");
+    json_decref(document);
+    const struct fake_status nameless = {"enroll-duplicate", true, 4, 4, 0.5, NULL, 0};
+    const struct fake_script before = {.statuses = &nameless, .n_statuses = 1};
+    result = cli_run(&before, "enroll bob");
+    assert_non_null(strstr(result.err, "this face is known under another name (see"));
 }
 
 /* How an action may end: the daemon's word, the exit code, and what the person reads. */
@@ -73,8 +123,10 @@ static const struct ending {
     int exit;
     const char *text; /* on stdout or stderr */
 } endings[] = {
-    {"enroll anna", "enroll-duplicate", 1, "this face is known under another name"},
-    {"enroll anna", "enroll-failed", 1, "the captures did not agree"},
+    {"enroll anna", "enroll-duplicate", 1, "this face is enrolled as bob"},
+    {"enroll anna", "enroll-failed", 1, "the captures did not agree with each other"},
+    {"enroll anna", "enroll-other-face", 1,
+     "this face is not like the one that is enrolled under this name"},
     {"enroll anna", "enroll-attack", 1, "this looks like a picture, a screen or a mask"},
     {"enroll anna", "enroll-timed-out", 5, "no usable face in time"},
     {"enroll anna", "enroll-disconnected", 4, "the sensor has gone away"},
@@ -322,6 +374,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(enrolling_guides_the_person),
         cmocka_unit_test(enrolling_hands_the_options_on),
+        cmocka_unit_test(a_used_name_is_told_at_the_beginning),
+        cmocka_unit_test(a_duplicate_is_named),
         cmocka_unit_test(every_ending_has_its_words_and_exit_code),
         cmocka_unit_test(a_score_that_nobody_knows_is_null),
         cmocka_unit_test(a_score_that_is_no_number_is_left_out),

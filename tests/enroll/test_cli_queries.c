@@ -20,8 +20,9 @@ static const struct fake_person people[] = {
 static const struct fake_script two_people = {.people = people, .n_people = COUNT(people)};
 
 /* Every command, as it is typed, without options. */
-static const char *const commands[] = {"enroll anna", "identify", "verify anna", "list",
-                                       "remove anna", "status",   "log",         "aim"};
+static const char *const commands[] = {
+    "enroll anna", "identify", "verify anna",          "list",           "remove anna", "status",
+    "log",         "aim",      "validity anna --none", "rename anna eve"};
 
 static void list_shows_everybody(void **state)
 {
@@ -82,6 +83,55 @@ static void remove_of_a_stranger(void **state)
     result = cli_run(&two_people, "remove carl");
     assert_string_equal(result.err, "isotherm: carl: no such person\n");
     assert_string_equal(result.out, "");
+}
+
+static void validity_says_what_is_stored(void **state)
+{
+    struct cli_result result = cli_run(&two_people, "validity ANNA --until 2026-12-30");
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    assert_string_equal(result.calls, "SetValidity ANNA valid-until=1798675199");
+    assert_string_equal(result.out, "The door opens to anna until 2026-12-30 23:59.\n");
+    result = cli_run(&two_people, "validity anna --from 2026-12-01Z --until @1798675199 --expired");
+    assert_string_equal(result.calls, "SetValidity anna valid-from=1796083200 "
+                                      "valid-until=1798675199 expired=1");
+    result = cli_run(&two_people, "validity anna --none");
+    assert_string_equal(result.calls, "SetValidity anna valid-from=0 valid-until=0");
+    result = cli_run(&two_people, "validity anna --from none");
+    assert_string_equal(result.calls, "SetValidity anna valid-from=0");
+    result = cli_run(&two_people, "validity \"Bo Ek\" --none --json");
+    cli_expect_error(&result, 2, "usage"); /* the shell is not asked: two words */
+    result = cli_run(&two_people, "validity anna --none --json");
+    json_t *document = cli_json(&result);
+    assert_string_equal(json_string_value(json_object_get(document, "person")), "anna");
+    assert_int_equal(json_integer_value(json_object_get(document, "valid_from")), 0);
+    assert_int_equal(json_integer_value(json_object_get(document, "valid_until")), 1798675199);
+    json_decref(document);
+    result = cli_run(&two_people, "validity zoe --none --json");
+    cli_expect_error(&result, 3, "no-such-person");
+}
+
+static void rename_says_what_is_left_to_do(void **state)
+{
+    struct fake_script script = two_people;
+    struct cli_result result = cli_run(&script, "rename anna eve");
+
+    (void)state;
+    assert_int_equal(result.exit, 0);
+    assert_string_equal(result.out, "anna is called eve now.\n");
+    assert_string_equal(result.err, "");
+    script.remark = "the file of card numbers has the old name";
+    result = cli_run(&script, "rename anna eve");
+    assert_string_equal(result.err, "isotherm: the file of card numbers has the old name\n");
+    result = cli_run(&script, "rename anna eve --json");
+    json_t *document = cli_json(&result);
+    assert_string_equal(json_string_value(json_object_get(document, "renamed")), "anna");
+    assert_string_equal(json_string_value(json_object_get(document, "person")), "eve");
+    assert_string_equal(json_string_value(json_object_get(document, "remark")), script.remark);
+    json_decref(document);
+    result = cli_run(&two_people, "rename zoe eve --json");
+    cli_expect_error(&result, 3, "no-such-person");
 }
 
 static void status_keeps_names_and_types(void **state)
@@ -356,6 +406,7 @@ static void every_error_of_the_bus_has_its_exit_code(void **state)
         {"org.isotherm.Error.InvalidName", 2, "invalid-name"},
         {"org.isotherm.Error.InvalidArgument", 2, "invalid-argument"},
         {"org.isotherm.Error.GalleryFull", 4, "gallery-full"},
+        {"org.isotherm.Error.NameInUse", 1, "name-in-use"},
         {"org.isotherm.Error.DeviceFault", 4, "device-fault"},
         {"org.isotherm.Error.Internal", 4, "internal"},
         {"org.freedesktop.DBus.Error.AccessDenied", 1, "access-denied"},
@@ -410,6 +461,8 @@ int main(void)
         cmocka_unit_test(list_as_json),
         cmocka_unit_test(remove_says_whom),
         cmocka_unit_test(remove_of_a_stranger),
+        cmocka_unit_test(validity_says_what_is_stored),
+        cmocka_unit_test(rename_says_what_is_left_to_do),
         cmocka_unit_test(status_keeps_names_and_types),
         cmocka_unit_test(log_of_a_busy_door_has_an_end),
         cmocka_unit_test(log_waits_until_it_may_call_again),

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <syslog.h>
 
 #include "tests/firmware/cmocka_headers.h"
 
@@ -26,10 +27,11 @@ __attribute__((format(printf, 2, 3))) static void tell(struct rig *rig, const ch
 }
 
 static void on_enroll_status(void *context, const char *result, bool done, unsigned stage,
-                             unsigned stages, double quality)
+                             unsigned stages, double quality, const char *person)
 {
     assert_true(isfinite(quality));
-    tell(context, "enroll %s %u/%u%s; ", result, stage, stages, done ? " done" : "");
+    tell(context, "enroll %s %u/%u%s%s%s; ", result, stage, stages, done ? " done" : "",
+         *person ? " " : "", person);
 }
 
 static void on_recognition_status(void *context, enum iso_appliance_mode mode, const char *result,
@@ -44,9 +46,12 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
 
 static void on_visit(void *context, const struct iso_visit *visit)
 {
-    tell(context, "visit %s%s%s %s %d; ", visit->verdict.allow ? "allow" : "deny",
+    const bool stuck = visit->door == ISO_DOOR_DID_NOT_UNLOCK;
+    assert_int_equal(visit->verdict.allow, visit->door != ISO_DOOR_NOT_ASKED);
+    assert_int_equal(stuck, *visit->door_fault != '\0');
+    tell(context, "visit %s%s%s %s %d%s%s; ", visit->verdict.allow ? "allow" : "deny",
          *visit->person ? " " : "", visit->person, iso_reason_name(visit->verdict.reason),
-         visit->verdict.frames);
+         visit->verdict.frames, stuck ? " not-unlocked: " : "", visit->door_fault);
 }
 
 static void on_hint(void *context, enum iso_capture capture)
@@ -71,9 +76,12 @@ static void on_claim_lost(void *context)
 
 static void on_message(void *context, int priority, const char *text)
 {
-    (void)context;
+    struct rig *rig = context;
     assert_in_range(priority, 0, 7);
     assert_null(strchr(text, '\n'));
+    if (priority <= LOG_WARNING) {
+        (void)snprintf(rig->warned, sizeof rig->warned, "%s", text);
+    }
 }
 
 /* ---- set-up ---- */

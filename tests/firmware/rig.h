@@ -17,7 +17,8 @@ struct rig {
     struct iso_audit *audit;
     struct iso_appliance_parts parts;
     struct iso_appliance *appliance;
-    char told[4096]; /* what it has reported: "door locked start; visit allow anna 2; ..." */
+    char warned[256]; /* the last line for the system's log that was a warning or worse */
+    char told[4096];  /* what it has reported: "door locked start; visit allow anna 2; ..." */
 };
 
 /* cmocka set-up and tear-down: *state is a struct rig, not started. Time is 100 s, the date

@@ -207,17 +207,84 @@ static void enrols_within_limits(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {""};
-    struct iso_enroll_request request = {
-        .person = "anna", .valid_from_s = 1795250000, .valid_until_s = 1795250000};
+    struct iso_enroll_request request = {.person = "anna",
+                                         .validity = {true, true, {1795250000, 1795250000}, false}};
     start_claimed(rig);
     assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), -EINVAL);
     assert_string_equal(fault.text, "the time of validity is empty");
-    request.valid_until_s++;
+    request.validity.limits.until_s++;
     assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
     rig_show(rig, 50, 3);
     rig_run(rig, 200);
     assert_int_equal(iso_gallery_find(rig->gallery, "anna")->valid_from_s, 1795250000);
     assert_int_equal(iso_gallery_find(rig->gallery, "anna")->valid_until_s, 1795250001);
+}
+
+/* Enrols anna with these limits, in the place of which the stored ones stay where none is named. */
+static void enroll_within(struct rig *rig, const char *name,
+                          const struct iso_validity_change *validity)
+{
+    const struct iso_enroll_request request = {.person = name, .validity = *validity};
+    struct iso_fault fault = {""};
+    if (iso_appliance_enroll(rig->appliance, &request, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    rig_show(rig, 50, 3);
+    rig_run(rig, 200);
+    assert_non_null(strstr(rig_news(rig), "enroll completed"));
+}
+
+static void enrolling_again_keeps_the_limits(void **state)
+{
+    struct rig *rig = *state;
+    const struct iso_validity_change nothing = {0};
+    const struct iso_validity_change year = {true, true, {1795000000, 1798675199}, false};
+    const struct iso_validity_change longer = {false, true, {0, 1800000000}, false};
+    start_claimed(rig);
+    enroll_within(rig, "anna", &year);
+    assert_non_null(strstr(rig_record(rig, "enroll"),
+                           "\"frames\":3,\"after\":\"from 2026-11-18T11:06:40Z until "
+                           "2026-12-30T23:59:59Z\"}"));
+    enroll_within(rig, "ANNA", &nothing);
+    const struct iso_person *anna = iso_gallery_find(rig->gallery, "anna");
+    assert_string_equal(anna->name, "anna");
+    assert_int_equal(anna->templates, 2);
+    assert_int_equal(anna->valid_from_s, 1795000000);
+    assert_int_equal(anna->valid_until_s, 1798675199);
+    assert_null(strstr(rig_record(rig, "enroll"), "\"after\""));
+    enroll_within(rig, "anna", &longer);
+    assert_int_equal(anna->valid_from_s, 1795000000);
+    assert_int_equal(anna->valid_until_s, 1800000000);
+    assert_non_null(strstr(rig_record(rig, "enroll"),
+                           "\"before\":\"from 2026-11-18T11:06:40Z until 2026-12-30T23:59:59Z\","
+                           "\"after\":\"from 2026-11-18T11:06:40Z until 2027-01-15T08:00:00Z\"}"));
+}
+
+static void an_end_in_the_past_has_to_be_meant(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_enroll_request request = {.person = "anna",
+                                         .validity = {false, true, {0, 1795249999}, false}};
+    struct iso_fault fault = {""};
+    start_claimed(rig);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), -EINVAL);
+    assert_non_null(strstr(fault.text, "ended in the past, 2026-11-21T08:33:19Z"));
+    request.validity.expired = true;
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
+}
+
+static void a_second_person_under_a_name_is_told_why(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 90);
+    start_claimed(rig);
+    enroll(rig, "Anna");
+    rig_show(rig, 50, 3);
+    rig_run(rig, 200);
+    assert_non_null(strstr(rig_news(rig), "enroll other-face 3/3 done"));
+    assert_non_null(strstr(rig_record(rig, "enroll"),
+                           "\"person\":\"anna\",\"reason\":\"other-face\",\"frames\":3}"));
+    assert_int_equal(iso_gallery_find(rig->gallery, "anna")->templates, 1);
 }
 
 static void refuses_a_duplicate(void **state)
@@ -230,7 +297,7 @@ static void refuses_a_duplicate(void **state)
     rig_show(rig, 51, 3);
     rig_run(rig, 200);
     assert_string_equal(rig_news(rig), "enroll stage-passed 1/3; enroll stage-passed 2/3; "
-                                       "enroll stage-passed 3/3; enroll duplicate 3/3 done");
+                                       "enroll stage-passed 3/3; enroll duplicate 3/3 done anna");
     assert_null(iso_gallery_find(rig->gallery, "bob"));
     assert_non_null(strstr(rig_record(rig, "enroll"), "\"person\":\"bob\",\"reason\":\"duplicate\","
                                                       "\"frames\":3,\"note\":\"anna\"}"));
@@ -479,6 +546,9 @@ int main(void)
         TEST(does_not_enrol_a_face_that_moves),
         TEST(does_not_enrol_a_picture),
         TEST(enrols_within_limits),
+        TEST(enrolling_again_keeps_the_limits),
+        TEST(an_end_in_the_past_has_to_be_meant),
+        TEST(a_second_person_under_a_name_is_told_why),
         TEST(refuses_a_duplicate),
         TEST(an_enrolment_can_fail),
         TEST(an_enrolment_takes_its_time),

@@ -131,6 +131,98 @@ static void what_cannot_be_put_on_record_is_not_done(void **state)
     assert_int_equal(iso_key_ring_newest(rig->parts.ring, ISO_KEY_GALLERY), before);
 }
 
+static void renames_on_record(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    const char *remark = NULL;
+    rig_enrol(rig, "ada", 50);
+    rig_enrol(rig, "bob", 80);
+    rig_start(rig);
+    assert_int_equal(iso_appliance_rename(rig->appliance, "ADA", "Ada Lovelace", &remark, NULL), 0);
+    assert_string_equal(remark, "");
+    assert_non_null(strstr(rig_record(rig, "rename"), "\"person\":\"ada\",\"before\":\"ada\","
+                                                      "\"after\":\"Ada Lovelace\"}"));
+    assert_non_null(strstr(rig_record(rig, "gallery"), "\"gallery\":"));
+    rig_show(rig, 50, 2);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "door unlocked grant; visit allow Ada Lovelace match 2");
+    assert_int_equal(iso_appliance_rename(rig->appliance, "ada lovelace", "BOB", &remark, &fault),
+                     -EEXIST);
+    assert_string_equal(fault.text, "somebody else is enrolled as bob");
+    assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "eve", &remark, &fault), -ENOENT);
+    assert_int_equal(iso_appliance_rename(rig->appliance, "bob", " x", &remark, &fault), -EINVAL);
+}
+
+static void a_rename_reminds_of_the_cards(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_cards *cards = NULL;
+    const char *remark = NULL;
+    const char *path = scratch_path(rig->directory, "cards");
+    scratch_write_text(path, "17 4711 Ada\n17 4712 carl\n");
+    assert_int_equal(iso_cards_load(path, &cards, NULL), 0);
+    rig->parts.cards = cards;
+    iso_appliance_free(rig->appliance);
+    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    rig_enrol(rig, "ada", 50);
+    rig_start(rig);
+    assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "ADA", &remark, NULL), 0);
+    assert_string_equal(remark, ""); /* one name still */
+    assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "eve", &remark, NULL), 0);
+    assert_non_null(strstr(remark, "the file of card numbers"));
+    assert_int_equal(iso_appliance_rename(rig->appliance, "eve", "carl", &remark, NULL), 0);
+    assert_string_equal(remark, "");
+    iso_cards_free(cards);
+}
+
+static void changes_limits_on_record(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    const struct iso_validity_change from = {true, false, {1795300000, 0}, false};
+    const struct iso_validity_change until = {false, true, {0, 1798675199}, false};
+    struct iso_validity_change past = {true, true, {0, 1795000000}, false};
+    rig_enrol(rig, "Anna", 50);
+    rig_start(rig);
+    assert_int_equal(iso_appliance_set_validity(rig->appliance, "anna", &from, NULL), 0);
+    assert_int_equal(iso_appliance_set_validity(rig->appliance, "anna", &until, NULL), 0);
+    const struct iso_person *anna = iso_gallery_find(rig->gallery, "Anna");
+    assert_int_equal(anna->valid_from_s, 1795300000);
+    assert_int_equal(anna->valid_until_s, 1798675199);
+    assert_non_null(strstr(rig_record(rig, "validity"),
+                           "\"person\":\"Anna\",\"before\":\"from 2026-11-21T22:26:40Z\","
+                           "\"after\":\"from 2026-11-21T22:26:40Z until 2026-12-30T23:59:59Z\"}"));
+    rig_show(rig, 50, 2);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig), "visit deny Anna not-valid 2");
+    assert_int_equal(iso_appliance_set_validity(rig->appliance, "anna", &past, &fault), -EINVAL);
+    assert_non_null(strstr(fault.text, "in the past"));
+    past.expired = true;
+    assert_int_equal(iso_appliance_set_validity(rig->appliance, "anna", &past, NULL), 0);
+    assert_int_equal(iso_appliance_set_validity(rig->appliance, "zac", &past, NULL), -ENOENT);
+}
+
+static void a_change_that_cannot_be_put_on_record_is_not_made(void **state)
+{
+    struct rig *rig = *state;
+    const struct iso_validity_change until = {false, true, {0, 1798675199}, false};
+    const struct iso_enroll_request request = {.person = "eve"};
+    const char *remark = NULL;
+    rig_enrol(rig, "ada", 50);
+    rig_start(rig);
+    rig_fill_disk();
+    assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "bob", &remark, NULL), -ENOSPC);
+    assert_int_equal(iso_appliance_set_validity(rig->appliance, "ada", &until, NULL), -ENOSPC);
+    rig_free_disk();
+    assert_null(iso_gallery_find(rig->gallery, "bob"));
+    assert_int_equal(iso_gallery_find(rig->gallery, "ada")->valid_until_s, 0);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
+    assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "bob", &remark, NULL), -EBUSY);
+    assert_int_equal(iso_appliance_set_validity(rig->appliance, "ada", &until, NULL), -EBUSY);
+}
+
 static void the_journal_is_told_no_name(void **state)
 {
     char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
@@ -164,6 +256,20 @@ static void the_journal_is_told_no_name(void **state)
     }
 }
 
+static void the_journal_is_told_of_a_door_that_did_not_unlock(void **state)
+{
+    char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
+    struct iso_audit_record record = iso_audit_record_of("visit");
+    (void)state;
+    record.verdict = "allow";
+    record.door = "not-unlocked";
+    record.reason = "match";
+    (void)iso_journal_fields(&record, 18, "abc", fields);
+    assert_string_equal(fields[0], "MESSAGE=record 18: visit allow, match, door not-unlocked");
+    assert_string_equal(fields[1], "PRIORITY=4");
+    assert_string_equal(fields[6], "ISOTHERM_DOOR=not-unlocked");
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
@@ -173,7 +279,12 @@ int main(void)
         TEST(waits_for_the_end_of_an_action),
         TEST(rotates_every_key),
         TEST(what_cannot_be_put_on_record_is_not_done),
+        TEST(renames_on_record),
+        TEST(a_rename_reminds_of_the_cards),
+        TEST(changes_limits_on_record),
+        TEST(a_change_that_cannot_be_put_on_record_is_not_made),
         cmocka_unit_test(the_journal_is_told_no_name),
+        cmocka_unit_test(the_journal_is_told_of_a_door_that_did_not_unlock),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -48,6 +48,8 @@ static const struct {
     {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false}},
     {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false}},
     {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false}},
+    {ISO_CONTRACT_SET_VALIDITY, {false, false, false, true, false}},
+    {ISO_CONTRACT_RENAME_PERSON, {false, false, false, true, false}},
     {ISO_CONTRACT_READ_LOG, {false, false, false, true, false}},
     {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false}},
     {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false}},
@@ -225,8 +227,26 @@ static void everybody_may_what_the_group_may(void **state)
     }
 }
 
+/* An enrolment tells whom a face duplicates and since when a name is in use. The rules are those
+ * that the bus was found to follow above. */
+static void who_may_enrol_may_list(void **state)
+{
+    const bool *enrol = NULL, *list = NULL;
+    (void)state;
+    for (int i = 0; i < RULES; i++) {
+        enrol = strcmp(rules[i].method, ISO_CONTRACT_ENROLL_START) == 0 ? rules[i].may : enrol;
+        list = strcmp(rules[i].method, ISO_CONTRACT_LIST_PEOPLE) == 0 ? rules[i].may : list;
+    }
+    assert_non_null(enrol);
+    assert_non_null(list);
+    for (int group = OBSERVE; group <= NO_GROUP; group++) {
+        assert_true(list[group] || !enrol[group]);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(everybody_may_what_the_group_may)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(everybody_may_what_the_group_may),
+                                       cmocka_unit_test(who_may_enrol_may_list)};
     return cmocka_run_group_tests(tests, group_setup, group_teardown);
 }

@@ -39,6 +39,7 @@ static void tells_everybody_every_hint(void **state)
     }
 }
 
+/* A client of before reads the first seven arguments only, and is answered as before. */
 static int read_reason(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
     const char *verdict, *person, *reason;
@@ -50,6 +51,34 @@ static int read_reason(sd_bus_message *signal, void *context, sd_bus_error *erro
                                     &frames, &latency_us, &reason) > 0);
     (void)snprintf(context, 64, "%s %s %s %u", verdict, person, reason, frames);
     return 0;
+}
+
+static int read_door(sd_bus_message *signal, void *context, sd_bus_error *error)
+{
+    const char *door, *door_fault;
+    (void)error;
+    assert_true(sd_bus_message_has_signature(signal, "ssdduxsss"));
+    assert_true(sd_bus_message_skip(signal, "ssdduxs") > 0);
+    assert_true(sd_bus_message_read(signal, "ss", &door, &door_fault) > 0);
+    (void)snprintf(context, 64, "'%s' '%s'", door, door_fault);
+    return 0;
+}
+
+static void tells_what_the_door_did(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    char door[64] = "";
+    assert_true(sd_bus_match_signal(f->client[1], NULL, ISO_CONTRACT_NAME, ISO_CONTRACT_PATH,
+                                    ISO_CONTRACT_INTERFACE, ISO_CONTRACT_VISIT, read_door,
+                                    door) >= 0);
+    rig_enrol(f->rig, "anna", 50);
+    rig_show(f->rig, 90, 6);
+    bus_rig_run(f, 300);
+    assert_string_equal(door, "'' ''");
+    bus_rig_run(f, 5000);
+    rig_show(f->rig, 50, 2);
+    bus_rig_run(f, 100);
+    assert_string_equal(door, "'unlocked' ''");
 }
 
 static void tells_why(void **state)
@@ -117,6 +146,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(tells_everybody_every_hint),
         TEST(tells_why),
+        TEST(tells_what_the_door_did),
         TEST(tells_what_it_sees_while_somebody_listens),
         TEST(who_leaves_the_bus_does_not_listen),
     };

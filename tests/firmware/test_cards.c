@@ -20,6 +20,7 @@ static void finds_everybodys_card(void **state)
     card = iso_cards_find(cards, "Zoë van der Berg");
     assert_non_null(card);
     assert_int_equal(card->number, 0);
+    assert_ptr_equal(iso_cards_find(cards, "zoë VAN DER berg"), card); /* one name */
     assert_null(iso_cards_find(cards, "bob"));
     assert_null(iso_cards_find(cards, ""));
     iso_cards_free(cards);
@@ -36,6 +37,7 @@ static void refuses_what_is_wrong(void **state)
         {"1 65536 anna\n", "cards:1: facility and number are 0 to 65535"},
         {"1 3  anna\n", "cards:1: "},
         {"1 3 anna\n1 4 anna\n", "cards:2: this person has a card already"},
+        {"1 3 anna\n1 4 ANNA\n", "cards:2: this person has a card already"},
         {"1 3 anna\n1 3 bob\n", "cards:2: somebody has this card already"},
     };
     const char *path = scratch_path(*state, "cards");

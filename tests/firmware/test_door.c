@@ -62,6 +62,7 @@ static const char *const legal =
     "opened   closed       locked\n"
     "held-open closed      locked\n"
     "forced   closed       locked\n"
+    "unlocked not-switched locked\n"
     "locked stop stopped\nunlocked stop stopped\nopened stop stopped\nheld-open stop stopped\n"
     "forced stop stopped\nfault stop stopped\n";
 

@@ -139,7 +139,7 @@ static void lets_in_and_locks_again(void **state)
     (void)state;
     iso_door_control_start(&control, now_ns);
     assert_string_equal(news(), "locked(start) ");
-    iso_door_control_grant(&control, now_ns);
+    assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_UNLOCK);
     assert_true(output(ISO_DOOR_RELAY));
     assert_true(output(ISO_DOOR_LED_GRANTED));
     set_input(ISO_DOOR_CONTACT, true);
@@ -228,12 +228,32 @@ static void broken_lines_are_a_fault(void **state)
     step_at(1050);
     assert_string_equal(news(), "locked(start) fault(fault) ");
     assert_string_equal(control.fault, "the wire is cut");
-    iso_door_control_grant(&control, now_ns);
+    assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_NOT_UNLOCK);
     assert_string_equal(news(), ""); /* nobody is let in */
     failing = 0;
     step_at(1100);
     assert_string_equal(news(), "locked(recovered) ");
     assert_false(iso_door_io_is_lost(io));
+}
+
+/* The lines fail while they are switched: nobody is told that the door is unlocked, and it is not
+ * unlocked later either. */
+static void a_grant_that_fails_is_withdrawn(void **state)
+{
+    (void)state;
+    iso_door_control_start(&control, now_ns);
+    (void)news();
+    failing = -EIO;
+    assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_NOT_UNLOCK);
+    assert_string_equal(news(), "fault(fault) ");
+    failing = 0;
+    step_at(1050);
+    assert_string_equal(news(), "locked(recovered) ");
+    assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_UNLOCK);
+    failing = -ENODEV; /* while it is unlocked: who was let in stays so */
+    step_at(1100);
+    assert_int_equal(control.door.state, ISO_DOOR_UNLOCKED);
+    assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_NOT_UNLOCK);
 }
 
 static void starts_at_fault_with_broken_lines(void **state)
@@ -374,13 +394,21 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
 #define WEAK(f) cmocka_unit_test_setup_teardown(f, setup_weak, teardown)
     const struct CMUnitTest tests[] = {
-        TEST(lets_in_and_locks_again),      TEST(switches_only_what_differs),
-        TEST(reads_inputs_when_it_is_time), TEST(gives_the_benefit_of_the_doubt),
-        TEST(starts_with_the_door_open),    TEST(rests_without_power),
-        WEAK(broken_lines_are_a_fault),     WEAK(starts_at_fault_with_broken_lines),
-        WEAK(two_faults_must_both_end),     WEAK(says_when_the_lines_are_gone),
-        WEAK(opens_lost_lines_anew),        WEAK(sees_what_it_missed),
-        TEST(starts_without_lines),         WEAK(starts_at_fault_without_lines),
+        TEST(lets_in_and_locks_again),
+        TEST(switches_only_what_differs),
+        TEST(reads_inputs_when_it_is_time),
+        TEST(gives_the_benefit_of_the_doubt),
+        TEST(starts_with_the_door_open),
+        TEST(rests_without_power),
+        WEAK(broken_lines_are_a_fault),
+        WEAK(a_grant_that_fails_is_withdrawn),
+        WEAK(starts_at_fault_with_broken_lines),
+        WEAK(two_faults_must_both_end),
+        WEAK(says_when_the_lines_are_gone),
+        WEAK(opens_lost_lines_anew),
+        WEAK(sees_what_it_missed),
+        TEST(starts_without_lines),
+        WEAK(starts_at_fault_without_lines),
         WEAK(stops_without_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -151,7 +151,7 @@ static void does_not_add_somebody_else_to_a_person(void **state)
     (void)frame(50);
     (void)frame(51);
     (void)frame(52);
-    assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_OTHER_FACE);
 }
 
 static void ends_in_time(void **state)

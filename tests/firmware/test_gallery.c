@@ -184,7 +184,7 @@ static void refuses_more_than_its_capacity(void **state)
         assert_int_equal(add(gallery, "anna", 20 + i, NULL), 0);
     }
     assert_int_equal(add(gallery, "anna", 19, &fault), -EDQUOT);
-    assert_string_equal(fault.text, "anna has 16 templates, there is no room for more");
+    assert_string_equal(fault.text, "anna has 16 templates, the most that one person can have");
     expect_person(gallery, "anna", 16);
     iso_gallery_close(gallery);
 }

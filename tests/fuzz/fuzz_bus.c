@@ -39,8 +39,13 @@ static uint64_t take(struct input *input, size_t bytes)
 /* Printable, at most 255 bytes; D-Bus has no other texts. */
 static const char *take_text(struct input *input)
 {
-    static const char *const known[] = {"anna", "bob", ISO_CONTRACT_ALLOW_DUPLICATE,
-                                        ISO_CONTRACT_VALID_FROM, ISO_CONTRACT_VALID_UNTIL};
+    static const char *const known[] = {"anna",
+                                        "bob",
+                                        ISO_CONTRACT_ALLOW_DUPLICATE,
+                                        ISO_CONTRACT_VALID_FROM,
+                                        ISO_CONTRACT_VALID_UNTIL,
+                                        ISO_CONTRACT_EXPIRED,
+                                        "ANNA"};
     static char text[256];
     const size_t length = take(input, 1);
     if (length % 2 == 0) {
@@ -259,6 +264,8 @@ static const struct {
     {ISO_CONTRACT_AIM_STOP, ""},
     {"Introspect", ""},
     {"NoSuchMethod", "s"},
+    {ISO_CONTRACT_SET_VALIDITY, "sa"},
+    {ISO_CONTRACT_RENAME_PERSON, "ss"},
 };
 
 /* With the bus locked. */

@@ -146,6 +146,24 @@ static void somebody_refused_at_every_visit_is_not_good(void **state)
     assert_false(summary.good);
 }
 
+/* An "allow" whose door did not unlock let nobody in; for a stranger it is a false one all the
+ * same. */
+static void a_door_that_did_not_unlock_admits_nobody(void **state)
+{
+    struct sim_visit visits[] = {visit(&bob_1, true, "bob"), visit(&stranger, true, "bob")};
+
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        visits[i].unlocked = false;
+        (void)snprintf(visits[i].verdict.door, sizeof visits[i].verdict.door, "not-unlocked");
+    }
+    const struct sim_visit_summary summary = sim_visit_judge(visits, 2);
+    assert_int_equal(summary.probes_admitted, 0);
+    assert_int_equal(summary.people_admitted, 0);
+    assert_int_equal(summary.impostors_let_in, 1);
+    assert_false(summary.good);
+}
+
 static void a_stranger_let_in_is_not_good(void **state)
 {
     const struct sim_visit visits[] = {visit(&bob_1, true, "bob"), visit(&stranger, true, "bob")};
@@ -215,6 +233,7 @@ int main(void)
         IN_SCRATCH(a_slot_that_cannot_be_made_is_named),
         cmocka_unit_test(one_admittance_of_each_person_will_do),
         cmocka_unit_test(somebody_refused_at_every_visit_is_not_good),
+        cmocka_unit_test(a_door_that_did_not_unlock_admits_nobody),
         cmocka_unit_test(a_stranger_let_in_is_not_good),
         cmocka_unit_test(somebody_taken_for_another_is_not_good),
         cmocka_unit_test(a_door_that_opens_for_nobody_is_not_good),

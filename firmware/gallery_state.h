@@ -1,0 +1,20 @@
+/* What an open gallery holds. Internal to firmware/gallery*.c. */
+#ifndef ISO_FIRMWARE_GALLERY_STATE_H
+#define ISO_FIRMWARE_GALLERY_STATE_H
+
+#include "firmware/gallery_db.h"
+#include "firmware/gallery_memory.h"
+
+struct iso_gallery {
+    struct iso_gallery_db *db;
+    size_t capacity;
+    struct iso_gallery_memory memory;
+};
+
+/* Whether the names of people who are to be taken over are all different, in case too (gallery.h).
+ * -EINVAL, -ENOMEM. (gallery_names.c) */
+int iso__gallery_check_names(const struct iso_gallery *gallery,
+                             const struct iso_gallery_item *items, size_t n,
+                             struct iso_fault *fault);
+
+#endif

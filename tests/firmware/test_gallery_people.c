@@ -1,0 +1,295 @@
+/* What the gallery knows of people besides templates: names, of which case does not tell two apart,
+ * and limits of validity; changed in one transaction, and kept over a restart. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/gallery_db.h"
+#include "firmware/gallery_forget.h"
+#include "tests/firmware/puppets.h"
+#include "tests/firmware/rig.h"
+#include "tests/firmware/stores.h"
+
+static struct iso_gallery *open_gallery(const char *directory)
+{
+    struct iso_gallery *gallery = NULL;
+    struct iso_fault fault = {""};
+    const struct iso_gallery_options options = stores_gallery(directory);
+    if (iso_gallery_open(&options, &gallery, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return gallery;
+}
+
+static struct iso_gallery *open_again(struct iso_gallery *gallery, const char *directory)
+{
+    iso_gallery_close(gallery);
+    return open_gallery(directory);
+}
+
+static int add(struct iso_gallery *gallery, const char *name, int face, struct iso_fault *fault)
+{
+    struct iso_person person = {.enrolled_s = 1000 + face};
+    const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
+    (void)snprintf(person.name, sizeof person.name, "%s", name);
+    return iso_gallery_add(gallery, &person, &tmpl, fault);
+}
+
+/* The face of the only template of a person, opened from the database. */
+static int face_of(struct iso_gallery *gallery, const char *name)
+{
+    struct iso_template tmpl;
+    int n = 0;
+    const struct iso_person *person = iso_gallery_find(gallery, name);
+    assert_non_null(person);
+    assert_int_equal(iso_gallery_templates(gallery, person->id, &tmpl, 1, &n, NULL), 0);
+    assert_int_equal(n, 1);
+    return puppet_face_of(&tmpl);
+}
+
+/* ---- names ---- */
+
+static void a_name_is_one_whatever_its_case(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    size_t n = 0;
+    assert_int_equal(add(gallery, "Ada", 20, NULL), 0);
+    assert_int_equal(add(gallery, "aDA", 22, NULL), 0); /* hers, too */
+    for (int i = 0; i < 2; i++) {
+        (void)iso_gallery_people(gallery, &n);
+        assert_int_equal(n, 1);
+        assert_string_equal(iso_gallery_find(gallery, "ADA")->name, "Ada"); /* the first spelling */
+        assert_int_equal(iso_gallery_find(gallery, "ada")->templates, 2);
+        assert_int_equal(iso_gallery_find(gallery, "ada")->enrolled_s, 1020);
+        assert_int_equal(iso_gallery_same_names(gallery), 0);
+        gallery = open_again(gallery, *state);
+    }
+    assert_int_equal(iso_gallery_remove(gallery, "ada", NULL), 0);
+    assert_null(iso_gallery_find(gallery, "Ada"));
+    iso_gallery_close(gallery);
+}
+
+static void a_person_is_renamed_for_good(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(add(gallery, "bob", 60, NULL), 0);
+    const int64_t id = iso_gallery_find(gallery, "ada")->id;
+    const uint64_t changes = iso_gallery_version(gallery).changes;
+    assert_int_equal(iso_gallery_rename(gallery, "ADA", "Ada Lovelace", NULL), 0);
+    assert_int_equal(iso_gallery_version(gallery).changes, changes + 1); /* one change */
+    for (int i = 0; i < 3; i++) {
+        assert_null(iso_gallery_find(gallery, "ada"));
+        assert_int_equal(iso_gallery_find(gallery, "ada lovelace")->id, id);
+        assert_int_equal(iso_gallery_find(gallery, "Ada Lovelace")->enrolled_s, 1020);
+        assert_int_equal(face_of(gallery, "Ada Lovelace"), 20); /* the template opens still */
+        assert_int_equal(face_of(gallery, "bob"), 60);
+        if (i == 1) {
+            assert_int_equal(iso_gallery_rotate(gallery, NULL), 0);
+        }
+        gallery = open_again(gallery, *state);
+    }
+    iso_gallery_close(gallery);
+}
+
+static void the_spelling_can_be_changed(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(iso_gallery_rename(gallery, "ada", "Ada", NULL), 0);
+    gallery = open_again(gallery, *state);
+    assert_string_equal(iso_gallery_find(gallery, "ada")->name, "Ada");
+    iso_gallery_close(gallery);
+}
+
+static void refuses_names_that_cannot_be_given(void **state)
+{
+    struct iso_fault fault = {""};
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(add(gallery, "Bob", 60, NULL), 0);
+    assert_int_equal(iso_gallery_rename(gallery, "ada", "BOB", &fault), -EEXIST);
+    assert_string_equal(fault.text, "somebody else is enrolled as Bob");
+    assert_int_equal(iso_gallery_rename(gallery, "ada", "a\tb", &fault), -EINVAL);
+    assert_string_equal(fault.text, "the name holds a control character");
+    assert_int_equal(iso_gallery_rename(gallery, "zac", "eve", &fault), -ENOENT);
+    assert_string_equal(fault.text, "zac: no such person");
+    assert_non_null(iso_gallery_find(gallery, "ada"));
+    iso_gallery_close(gallery);
+}
+
+/* ---- a gallery of before ---- */
+
+static void put(struct iso_gallery_db *db, const char *name, int face)
+{
+    uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
+    struct iso_person row = {.enrolled_s = face};
+    const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
+    const int size = iso_template_serialise(&tmpl, bytes, sizeof bytes);
+    assert_true(size > 0);
+    (void)snprintf(row.name, sizeof row.name, "%s", name);
+    assert_int_equal(iso_gallery_db_put_person(db, &row, &row.id, NULL), 0);
+    assert_int_equal(
+        iso_gallery_db_put_template(db, row.id, PUPPET_ALGORITHM, bytes, (size_t)size, NULL), 0);
+}
+
+/* One that holds both Ada and ada. */
+static struct iso_gallery *open_with_both(const char *directory)
+{
+    struct iso_gallery_db *db = NULL;
+    const struct iso_gallery_options options = stores_gallery(directory);
+    assert_int_equal(iso_gallery_db_open(&options, &db, NULL), 0);
+    assert_int_equal(iso_gallery_db_begin(db, NULL), 0);
+    put(db, "ada", 20);
+    put(db, "Ada", 60);
+    assert_int_equal(iso_gallery_db_end(db, 0, NULL), 0);
+    iso_gallery_db_close(db);
+    return open_gallery(directory);
+}
+
+static void two_spellings_of_before_stay_two_people(void **state)
+{
+    struct iso_gallery *gallery = open_with_both(*state);
+    assert_int_equal(iso_gallery_same_names(gallery), 1);
+    assert_int_equal(face_of(gallery, "ada"), 20);
+    assert_int_equal(face_of(gallery, "Ada"), 60);
+    assert_int_equal(face_of(gallery, "ADA"), 20); /* who was enrolled first */
+    assert_int_equal(add(gallery, "Ada", 62, NULL), 0);
+    assert_int_equal(iso_gallery_find(gallery, "Ada")->templates, 2);
+    assert_int_equal(iso_gallery_find(gallery, "ada")->templates, 1);
+    assert_int_equal(iso_gallery_rename(gallery, "Ada", "Ada B", NULL), 0);
+    gallery = open_again(gallery, *state);
+    assert_int_equal(iso_gallery_same_names(gallery), 0);
+    assert_int_equal(iso_gallery_find(gallery, "ADA B")->templates, 2);
+    assert_int_equal(face_of(gallery, "Ada"), 20);
+    iso_gallery_close(gallery);
+}
+
+/* Without their names, for that log is not sealed. */
+static void the_daemon_warns_of_two_spellings(void **state)
+{
+    struct rig *rig = *state;
+    iso_appliance_free(rig->appliance);
+    iso_gallery_close(rig->gallery);
+    rig->parts.gallery = rig->gallery = open_with_both(rig->directory);
+    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    rig_start(rig);
+    assert_non_null(strstr(rig->warned, "differ from another's in case only: 1; give one"));
+    assert_null(strcasestr(rig->warned, "ada"));
+}
+
+/* What is learned is forgotten by an import of everybody in their own place. */
+static void two_spellings_of_before_forget_what_they_learned(void **state)
+{
+    struct iso_gallery *gallery = open_with_both(*state);
+    size_t n = 0;
+    struct iso_template learned = puppet_template(22, PUPPET_ALGORITHM);
+    learned.learned = true;
+    const struct iso_person ada = {.name = "ada"}, Ada = {.name = "Ada"};
+    assert_int_equal(iso_gallery_add(gallery, &ada, &learned, NULL), 0);
+    assert_int_equal(iso_gallery_add(gallery, &Ada, &learned, NULL), 0);
+    assert_int_equal(iso_gallery_forget_learned(gallery, &n, NULL), 0);
+    assert_int_equal(n, 2);
+    assert_int_equal(face_of(gallery, "ada"), 20);
+    assert_int_equal(face_of(gallery, "Ada"), 60);
+    iso_gallery_close(gallery);
+}
+
+static void two_spellings_do_not_come_by_an_import(void **state)
+{
+    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_fault fault = {""};
+    uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
+    const struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM);
+    const int size = iso_template_serialise(&tmpl, bytes, sizeof bytes);
+    struct iso_gallery_item items[2] = {{.n = 1}, {.n = 1}};
+    size_t added = 0;
+    for (int i = 0; i < 2; i++) {
+        (void)snprintf(items[i].person.name, sizeof items[i].person.name, i ? "ADA" : "Ada");
+        items[i].templates[0].algorithm = PUPPET_ALGORITHM;
+        items[i].templates[0].bytes = bytes;
+        items[i].templates[0].size = (size_t)size;
+    }
+    assert_int_equal(iso_gallery_import(gallery, items, 2, true, &added, &fault), -EINVAL);
+    assert_string_equal(fault.text, "ADA and Ada are one name: rename one of them");
+    assert_int_equal(iso_gallery_import(gallery, items, 1, false, &added, NULL), 0);
+    assert_int_equal(added, 1);
+    assert_int_equal(iso_gallery_import(gallery, items + 1, 1, false, &added, NULL), 0);
+    assert_int_equal(added, 0); /* known */
+    assert_int_equal(iso_gallery_import(gallery, items + 1, 1, true, &added, NULL), 0);
+    assert_string_equal(iso_gallery_find(gallery, "ada")->name, "ADA");
+    iso_gallery_close(gallery);
+}
+
+/* ---- limits ---- */
+
+static void limits_are_changed_for_good(void **state)
+{
+    const struct iso_validity december = {1796083200, 1798761599}, none = {0};
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(iso_gallery_set_validity(gallery, "Ada", &december, NULL), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(iso_gallery_find(gallery, "ada")->valid_from_s, 1796083200);
+        assert_int_equal(iso_gallery_find(gallery, "ada")->valid_until_s, 1798761599);
+        assert_int_equal(face_of(gallery, "ada"), 20);
+        gallery = open_again(gallery, *state);
+    }
+    assert_int_equal(iso_gallery_set_validity(gallery, "ada", &none, NULL), 0);
+    gallery = open_again(gallery, *state);
+    assert_int_equal(iso_gallery_find(gallery, "ada")->valid_until_s, 0);
+    iso_gallery_close(gallery);
+}
+
+static void refuses_limits_that_make_no_sense(void **state)
+{
+    const struct iso_validity empty = {9, 9}, before = {-1, 0}, fine = {1, 2};
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(iso_gallery_set_validity(gallery, "ada", &empty, NULL), -EINVAL);
+    assert_int_equal(iso_gallery_set_validity(gallery, "ada", &before, NULL), -EINVAL);
+    assert_int_equal(iso_gallery_set_validity(gallery, "bob", &fine, NULL), -ENOENT);
+    assert_int_equal(iso_gallery_find(gallery, "ada")->valid_from_s, 0);
+    iso_gallery_close(gallery);
+}
+
+static void nothing_changes_on_a_full_disk(void **state)
+{
+    const struct iso_validity fine = {1, 2};
+    struct iso_fault fault = {""};
+    struct iso_gallery *gallery = open_gallery(*state);
+    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    rig_fill_disk();
+    assert_true(iso_gallery_rename(gallery, "ada", "eve", &fault) < 0);
+    assert_true(iso_gallery_set_validity(gallery, "ada", &fine, &fault) < 0);
+    rig_free_disk();
+    for (int i = 0; i < 2; i++) {
+        assert_null(iso_gallery_find(gallery, "eve"));
+        assert_int_equal(iso_gallery_find(gallery, "ada")->valid_until_s, 0);
+        gallery = open_again(gallery, *state);
+    }
+    assert_int_equal(face_of(gallery, "ada"), 20);
+    iso_gallery_close(gallery);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(a_name_is_one_whatever_its_case),
+        TEST(a_person_is_renamed_for_good),
+        TEST(the_spelling_can_be_changed),
+        TEST(refuses_names_that_cannot_be_given),
+        TEST(two_spellings_of_before_stay_two_people),
+        cmocka_unit_test_setup_teardown(the_daemon_warns_of_two_spellings, rig_setup, rig_teardown),
+        TEST(two_spellings_of_before_forget_what_they_learned),
+        TEST(two_spellings_do_not_come_by_an_import),
+        TEST(limits_are_changed_for_good),
+        TEST(refuses_limits_that_make_no_sense),
+        TEST(nothing_changes_on_a_full_disk),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
