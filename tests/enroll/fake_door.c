@@ -363,7 +363,8 @@ static int on_picture(sd_bus_message *call, void *context, sd_bus_error *error)
         return -EIO;
     }
     const int fd = memfd_create("picture", MFD_CLOEXEC);
-    const bool made = fd >= 0 && write(fd, bytes, strlen(bytes)) == (ssize_t)strlen(bytes);
+    const size_t given = service->script->picture_size, size = given ? given : strlen(bytes);
+    const bool made = fd >= 0 && write(fd, bytes, size) == (ssize_t)size;
     const int r = made ? sd_bus_reply_method_return(call, "h", fd) : -EIO;
     if (fd >= 0) {
         close(fd);

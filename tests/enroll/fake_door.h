@@ -50,6 +50,7 @@ struct fake_script {
     /* With every ReadLog so many more come, and so many of the oldest go. */
     unsigned records_come, records_go;
     const char *picture; /* the bytes of the file that Picture gives, up to a NUL; NULL: "PNG" */
+    size_t picture_size; /* how many they are; 0: up to a NUL */
     unsigned refused;    /* so many of the first calls of ReadLog are too many */
 };
 
