@@ -25,7 +25,6 @@ struct stream {
 
 static int spawn(const char *const argv[], int out_fd, int err_fd, pid_t *pid)
 {
-    extern char **environ;
     posix_spawn_file_actions_t actions;
 
     int error = posix_spawn_file_actions_init(&actions);
