@@ -16,9 +16,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "enroll/pixels.h"
 #include "tests/enroll/private_bus.h"
+#include "tests/enroll/run.h"
 #include "tests/enroll/setup_rig.h"
 #include "tests/support/scratch.h"
+
+#define DATA ISOTHERM_SOURCE_DIR "/core/data"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -398,6 +402,48 @@ static void with_json_there_is_one_document(void **state)
     json_decref(document);
 }
 
+/* The daemon that this would start, already there, on stored frames. */
+static void start_real_daemon(const struct setup_rig *rig, struct run *run)
+{
+    static char text[2048];
+    const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--config",
+                                setup_rig_path("real.conf"), NULL};
+
+    (void)snprintf(text, sizeof text,
+                   "[sensor]\npath = " ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1\nloop = yes\n"
+                   "[gallery]\npath = %s\n[log]\npath = %s\n[bus]\naddress = %s\n[model]\n"
+                   "head = " DATA "/head.model\nmetric = " DATA "/face.metric\n",
+                   setup_rig_path("g.db"), setup_rig_path("a.log"), rig->places.manager.address);
+    scratch_write_text(setup_rig_path("real.conf"), text);
+    run_start(run, argv);
+}
+
+static void the_real_daemon_sends_a_picture_of_what_it_sees(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "generic", .yes = true};
+    const struct fake_manager_script manager = {.active = true};
+    struct setup_rig *rig = *state;
+    struct cli_pixels pixels = {0};
+    struct run run;
+    size_t size;
+
+    start_real_daemon(rig, &run);
+    rig->places.daemon_wait_s = 30;
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, NULL), CLI_EXIT_OK);
+    assert_int_equal(kill(run.pid, SIGTERM), 0);
+    run_finish(&run);
+    assert_int_equal(run.exit, 0);
+    run_free(&run);
+    expect_in(rig->said, "ok       sensor      started");
+    expect_in(rig->said, "null: nothing is switched"); /* the board has no lines */
+    uint8_t *png = scratch_read(setup_rig_path("picture.png"), &size);
+    assert_int_equal(cli_pixels_decode(png, size, &pixels, &rig->fault), CLI_EXIT_OK);
+    assert_int_equal(pixels.width_px, 320);
+    assert_int_equal(pixels.height_px, 240);
+    cli_pixels_done(&pixels);
+    free(png);
+}
+
 /* The real program: what it finds depends on the machine, but not that it is one object a line. */
 static void the_daemon_lists_devices_one_object_a_line(void **state)
 {
@@ -435,6 +481,7 @@ int main(void)
         ON_A_RIG(no_and_an_interrupt_change_nothing),
         ON_A_RIG(an_interrupt_while_the_service_starts_undoes_it),
         ON_A_RIG(with_json_there_is_one_document),
+        ON_A_RIG(the_real_daemon_sends_a_picture_of_what_it_sees),
         cmocka_unit_test(the_daemon_lists_devices_one_object_a_line),
     };
 
