@@ -29,6 +29,7 @@ static const struct verb {
     [CLI_KEY] = {"key", "rotate|address", "seal everything with new keys; show the address"},
     [CLI_LOCKDOWN] = {"lockdown", "on|off", "let nobody in, whoever it is, until it is off"},
     [CLI_LOCKOUT] = {"lockout", "clear", "end a lock-out after failures, and forget them"},
+    [CLI_SETUP] = {"setup", "", "find camera and board, configure the daemon and start it"},
 };
 
 enum option_id {
@@ -52,6 +53,11 @@ enum option_id {
     OPTION_PASSPHRASE_FILE,
     OPTION_PERSON,
     OPTION_REPLACE,
+    OPTION_PICTURE,
+    OPTION_SENSOR,
+    OPTION_BOARD,
+    OPTION_YES,
+    OPTION_DRY_RUN,
 };
 
 static const struct choice {
@@ -85,6 +91,13 @@ static const struct choice {
      "take the passphrase from the first line of F"},
     {"person", "NAME", OPTION_PERSON, FOR(CLI_EXPORT), "only this one; may be repeated"},
     {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
+    {"picture", "FILE", OPTION_PICTURE, FOR(CLI_AIM) | FOR(CLI_SETUP),
+     "write one picture of what the camera sees, as PNG (aim: and end)"},
+    {"sensor", "WORD", OPTION_SENSOR, FOR(CLI_SETUP),
+     "the sensor: openni2, v4l2:/dev/video0, replay:/DIRECTORY, ..."},
+    {"board", "NAME", OPTION_BOARD, FOR(CLI_SETUP), "the board that has the door's lines"},
+    {"yes", NULL, OPTION_YES, FOR(CLI_SETUP), "ask nothing"},
+    {"dry-run", NULL, OPTION_DRY_RUN, FOR(CLI_SETUP), "show the file and change nothing"},
     {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
     {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
     {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
@@ -191,6 +204,27 @@ static bool take_limit(struct cli_arguments *out, enum option_id id, const char 
     }
 }
 
+/* Those of setup. */
+static bool take_setup(struct cli_arguments *out, enum option_id id, const char *value)
+{
+    switch (id) {
+    case OPTION_SENSOR:
+        out->sensor = value;
+        return *value != '\0';
+    case OPTION_BOARD:
+        out->board = value;
+        return *value != '\0';
+    case OPTION_YES:
+        out->yes = true;
+        return true;
+    case OPTION_DRY_RUN:
+        out->dry_run = true;
+        return true;
+    default:
+        return take_limit(out, id, value);
+    }
+}
+
 /* Takes one option that belongs to the table; false if its value is bad. */
 static bool take(struct cli_arguments *out, enum option_id id, const char *value)
 {
@@ -224,8 +258,11 @@ static bool take(struct cli_arguments *out, enum option_id id, const char *value
     case OPTION_FOLLOW:
         out->follow = true;
         return true;
+    case OPTION_PICTURE:
+        out->picture = value;
+        return *value != '\0';
     default:
-        return take_limit(out, id, value);
+        return take_setup(out, id, value);
     }
 }
 

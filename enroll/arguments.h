@@ -27,6 +27,7 @@ enum cli_verb {
     CLI_KEY,
     CLI_LOCKDOWN,
     CLI_LOCKOUT,
+    CLI_SETUP,
     CLI_VERBS /* none given */
 };
 
@@ -53,7 +54,10 @@ struct cli_arguments {
     const char *address, *passphrase_file; /* export, import; NULL: not given */
     const char *people[CLI_PEOPLE_MAX];    /* export: these; none: all */
     size_t n_people;
-    bool replace; /* import */
+    bool replace;               /* import */
+    const char *picture;        /* aim, setup: the file to write; NULL: not given */
+    const char *sensor, *board; /* setup; NULL: not given */
+    bool yes, dry_run;          /* setup */
 };
 
 /* Reads argv, options and words in any order. The texts of *out point into argv. With --help or

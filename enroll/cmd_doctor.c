@@ -48,7 +48,7 @@ static bool check_daemon(struct cli_door *door, struct cli_diagnosis *diagnosis,
     return exit == CLI_EXIT_OK;
 }
 
-static void examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis)
+void cli_doctor_examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis)
 {
     struct cli_fault fault = {0};
     struct cli_door *door = NULL;
@@ -73,7 +73,7 @@ enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault
     struct cli_diagnosis diagnosis = {0};
 
     (void)fault; /* what goes wrong here is what was asked for */
-    examine(&arguments->bus, &diagnosis);
+    cli_doctor_examine(&arguments->bus, &diagnosis);
     const enum cli_exit exit = cli_diagnosis_exit(&diagnosis);
     if (!arguments->json) {
         cli_diagnosis_print(&diagnosis, stdout);

@@ -4,6 +4,7 @@
 #define CLI_COMMANDS_H
 
 #include "enroll/arguments.h"
+#include "enroll/diagnosis.h"
 #include "enroll/door.h"
 #include "enroll/fault.h"
 
@@ -42,5 +43,11 @@ enum cli_exit cli_lockout(struct cli_door *door, const struct cli_arguments *arg
 
 /* Opens the bus by itself: that it cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);
+
+/* The findings of `doctor`, for other commands. */
+void cli_doctor_examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis);
+
+/* Needs no daemon: it starts one. */
+enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault *fault);
 
 #endif

@@ -20,6 +20,9 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
     if (arguments->verb == CLI_DOCTOR) {
         return cli_doctor(arguments, fault);
     }
+    if (arguments->verb == CLI_SETUP) {
+        return cli_setup(arguments, fault);
+    }
     enum cli_exit exit = cli_door_open(&arguments->bus, &door, fault);
     if (exit == CLI_EXIT_OK) {
         exit = commands[arguments->verb](door, arguments, fault);

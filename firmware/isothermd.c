@@ -10,6 +10,7 @@
 #include "drivers/vision/face_detector.h"
 #include "firmware/config.h"
 #include "firmware/daemon.h"
+#include "firmware/device_list.h"
 #include "firmware/parts.h"
 
 /* As of every program of the project; see isothermd(8). */
@@ -23,6 +24,7 @@ static const char usage[] =
     "  --check-config   say whether the configuration is sound, and end\n"
     "  --rest-door      take power from all lines of the door, and end: after a crash\n"
     "  --print-log      print the audit log, if it is sound, and end: when no daemon runs\n"
+    "  --list-devices   print the sensors that the drivers find, one JSON object a line\n"
     "  --help-config    print a configuration that names and explains every key\n"
     "  --help           show this help\n"
     "  --version        show the version\n\n"
@@ -35,6 +37,7 @@ enum option_id {
     OPTION_CHECK_CONFIG,
     OPTION_REST_DOOR,
     OPTION_PRINT_LOG,
+    OPTION_LIST_DEVICES,
     OPTION_HELP_CONFIG,
     OPTION_HELP,
     OPTION_VERSION,
@@ -46,6 +49,7 @@ static const struct option options[] = {
     {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
     {"rest-door", no_argument, NULL, OPTION_REST_DOOR},
     {"print-log", no_argument, NULL, OPTION_PRINT_LOG},
+    {"list-devices", no_argument, NULL, OPTION_LIST_DEVICES},
     {"help-config", no_argument, NULL, OPTION_HELP_CONFIG},
     {"help", no_argument, NULL, OPTION_HELP},
     {"version", no_argument, NULL, OPTION_VERSION},
@@ -134,6 +138,12 @@ static int run(const struct arguments *arguments)
     return say(error, &fault);
 }
 
+static int list_devices(void)
+{
+    struct iso_fault fault = {""};
+    return say(iso_device_list_print(stdout, &fault), &fault);
+}
+
 static void say_version(void)
 {
     const char *engine = iso_face_detector_engine();
@@ -161,6 +171,8 @@ int main(int argc, char **argv)
         case OPTION_PRINT_LOG:
             arguments.print_log = true;
             break;
+        case OPTION_LIST_DEVICES:
+            return list_devices();
         case OPTION_HELP_CONFIG:
             iso_config_print_sample(stdout);
             return EXIT_OK;

@@ -262,6 +262,7 @@ static const struct {
     {ISO_CONTRACT_SET_LOCKDOWN, "b"},
     {ISO_CONTRACT_AIM_START, ""},
     {ISO_CONTRACT_AIM_STOP, ""},
+    {ISO_CONTRACT_PICTURE, ""},
     {"Introspect", ""},
     {"NoSuchMethod", "s"},
     {ISO_CONTRACT_SET_VALIDITY, "sa"},

@@ -1,0 +1,27 @@
+/* The pixels of a picture: decoded, and made smaller. They can show the shape of a face: they are
+ * wiped when they are given up. */
+#ifndef CLI_PIXELS_H
+#define CLI_PIXELS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "enroll/fault.h"
+
+struct cli_pixels {
+    int width_px, height_px;
+    uint8_t *rgb; /* [height_px * width_px * 3] */
+};
+
+/* Decodes a PNG of at most 4096 x 4096 pixels. CLI_EXIT_FAULT "no-picture" it cannot be decoded. */
+enum cli_exit cli_pixels_decode(const uint8_t *png, size_t size, struct cli_pixels *out,
+                                struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* Wipes and frees; an all-zero one is fine. */
+void cli_pixels_done(struct cli_pixels *picture);
+
+/* The picture in a new size, each pixel the mean of those that it covers. -ENOMEM. */
+int cli_pixels_scale(const struct cli_pixels *picture, int width_px, int height_px,
+                     struct cli_pixels *out) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,26 @@
+/* The descriptions of depth cameras that are installed: a file NAME.ini each, as the option
+ * `camera` of the sensor `v4l2` wants it. */
+#ifndef CLI_SETUP_CAMERAS_H
+#define CLI_SETUP_CAMERAS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "enroll/setup/devices.h"
+#include "enroll/setup/places.h"
+
+enum { CLI_CAMERAS_MAX = 32 };
+
+struct cli_cameras {
+    size_t n;
+    char paths[CLI_CAMERAS_MAX][CLI_DEVICE_PATH_SIZE]; /* by name */
+};
+
+/* There may be none. */
+void cli_cameras_list(const struct cli_setup_places *places, struct cli_cameras *out);
+
+/* The description of the camera with this USB id, such as "8086:0b07": a file that names the id, or
+ * one that is called like a camera known to have it. NULL if there is none. */
+const char *cli_cameras_find(const struct cli_cameras *cameras, const char *usb_id);
+
+#endif

@@ -1,0 +1,23 @@
+/* The sensors that could be configured, as far as they are found. */
+#ifndef CLI_SETUP_CANDIDATES_H
+#define CLI_SETUP_CANDIDATES_H
+
+#include "enroll/setup/devices.h"
+#include "enroll/setup/sensor_word.h"
+
+enum { CLI_CANDIDATES_MAX = 16 };
+
+struct cli_candidates {
+    size_t n;
+    struct cli_candidate {
+        struct cli_sensor_word sensor;
+        char text[352]; /* for people */
+    } items[CLI_CANDIDATES_MAX];
+};
+
+/* Depth cameras of the kernel (pixel format Z16) and of OpenNI2; and the sensor of the board's own
+ * file, if that is a pair of cameras and two or more cameras are found for its driver. */
+void cli_candidates_find(const struct cli_setup_places *places, const struct cli_devices *devices,
+                         const char *board_text, struct cli_candidates *out);
+
+#endif

@@ -1,0 +1,24 @@
+/* Runs another program to its end and keeps what it prints. */
+#ifndef CLI_SETUP_CHILD_H
+#define CLI_SETUP_CHILD_H
+
+#include <stddef.h>
+
+#include "enroll/fault.h"
+
+struct cli_child {
+    int exit;  /* the exit code, or 128 + the number of the signal that ended it */
+    char *out; /* standard output; the caller frees it */
+    char *err; /* standard error; the caller frees it */
+};
+
+/* Runs argv[0], a path, with standard input empty. Of each stream the first 256 KiB are kept.
+ * CLI_EXIT_FAULT the program cannot be run, or it has not ended after 30 seconds (it is killed
+ * then); CLI_EXIT_INTERRUPTED (see interrupt.h), likewise. */
+enum cli_exit cli_child_run(const char *const argv[], struct cli_child *out,
+                            struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* An all-zero one is fine. */
+void cli_child_done(struct cli_child *child);
+
+#endif

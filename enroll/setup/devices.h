@@ -1,0 +1,43 @@
+/* The depth cameras that are plugged in, as `isothermd --list-devices` finds them, and what the
+ * system knows of each: its USB id and a name that does not change with the order of plugging in.
+ */
+#ifndef CLI_SETUP_DEVICES_H
+#define CLI_SETUP_DEVICES_H
+
+#include <stddef.h>
+
+#include "enroll/fault.h"
+#include "enroll/setup/places.h"
+
+enum { CLI_DEVICES_MAX = 64, CLI_DEVICE_PATH_SIZE = 192 };
+
+struct cli_device {
+    char sensor[32]; /* the driver */
+    char id[CLI_DEVICE_PATH_SIZE];
+    char label[128];
+};
+
+struct cli_devices {
+    size_t n;
+    struct cli_device items[CLI_DEVICES_MAX];
+    char fault[256]; /* of the last driver that could not look; "" if all could */
+};
+
+/* Asks the daemon's program. CLI_EXIT_FAULT it cannot be run or fails; CLI_EXIT_INTERRUPTED. That
+ * there are no devices is no fault. */
+enum cli_exit cli_devices_find(const struct cli_setup_places *places, struct cli_devices *out,
+                               struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* Takes the lines of `isothermd --list-devices`; what is no such line is passed over. */
+void cli_devices_parse(const char *lines, struct cli_devices *out);
+
+/* The USB id of the camera behind a video node (or a link to one), such as "8086:0b07"; "" if it is
+ * none at USB. */
+void cli_device_usb_id(const struct cli_setup_places *places, const char *node, char out[16]);
+
+/* A link to the node in /dev/v4l/by-id, else in /dev/v4l/by-path; the node itself if there is none.
+ */
+void cli_device_lasting_name(const struct cli_setup_places *places, const char *node,
+                             char out[CLI_DEVICE_PATH_SIZE]);
+
+#endif

@@ -1,0 +1,117 @@
+#include "enroll/setup/dialogue.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "enroll/setup/interrupt.h"
+
+enum { SLICE_MS = 200 };
+
+/* Reads a byte at a time: what is typed ahead stays for the next question. Returns 1, or 0 at the
+ * end of the input or after an interrupt. */
+static int read_byte(int fd, char *out)
+{
+    for (;;) {
+        struct pollfd waiting = {.fd = fd, .events = POLLIN};
+        const int ready = poll(&waiting, 1, SLICE_MS);
+        if (cli_interrupted()) {
+            return 0;
+        }
+        if (ready > 0) {
+            const ssize_t n = read(fd, out, 1);
+            if (n >= 0 || errno != EINTR) {
+                return n == 1;
+            }
+        }
+    }
+}
+
+/* Without blanks at both ends. A line that is too long is cut. */
+static enum cli_exit read_answer(const struct cli_dialogue *dialogue, char out[CLI_ANSWER_SIZE])
+{
+    char line[CLI_ANSWER_SIZE];
+    size_t length = 0;
+    char byte;
+
+    (void)fflush(dialogue->out);
+    do {
+        if (read_byte(dialogue->in, &byte) != 1) {
+            fputc('\n', dialogue->out);
+            return CLI_EXIT_INTERRUPTED;
+        }
+        if (byte != '\n' && length < sizeof line - 1) {
+            line[length++] = byte;
+        }
+    } while (byte != '\n');
+    while (length > 0 && strchr(" \t\r", line[length - 1])) {
+        length--;
+    }
+    line[length] = '\0';
+    (void)snprintf(out, CLI_ANSWER_SIZE, "%s", line + strspn(line, " \t"));
+    return CLI_EXIT_OK;
+}
+
+enum cli_exit cli_dialogue_yes(const struct cli_dialogue *dialogue, const char *question,
+                               bool standard, bool *out)
+{
+    char answer[CLI_ANSWER_SIZE];
+
+    for (;;) {
+        fprintf(dialogue->out, "%s [%s] ", question, standard ? "Y/n" : "y/N");
+        const enum cli_exit exit = read_answer(dialogue, answer);
+        if (exit) {
+            return exit;
+        }
+        const bool yes = strcasecmp(answer, "y") == 0 || strcasecmp(answer, "yes") == 0;
+        const bool no = strcasecmp(answer, "n") == 0 || strcasecmp(answer, "no") == 0;
+        if (yes || no || !*answer) {
+            *out = *answer ? yes : standard;
+            return CLI_EXIT_OK;
+        }
+        fputs("Please answer y or n.\n", dialogue->out);
+    }
+}
+
+enum cli_exit cli_dialogue_choose(const struct cli_dialogue *dialogue, const char *question,
+                                  const char *const *choices, size_t n, size_t standard,
+                                  size_t *out)
+{
+    char answer[CLI_ANSWER_SIZE], *end;
+
+    for (size_t i = 0; i < n; i++) {
+        fprintf(dialogue->out, "  %zu  %s\n", i + 1, choices[i]);
+    }
+    for (;;) {
+        fprintf(dialogue->out, "%s [%zu] ", question, standard + 1);
+        const enum cli_exit exit = read_answer(dialogue, answer);
+        if (exit) {
+            return exit;
+        }
+        const unsigned long number = *answer ? strtoul(answer, &end, 10) : standard + 1;
+        if (!*answer || (end != answer && !*end && number >= 1 && number <= n)) {
+            *out = number - 1;
+            return CLI_EXIT_OK;
+        }
+        fprintf(dialogue->out, "Please answer with a number from 1 to %zu.\n", n);
+    }
+}
+
+enum cli_exit cli_dialogue_text(const struct cli_dialogue *dialogue, const char *question,
+                                const char *standard, char out[CLI_ANSWER_SIZE])
+{
+    char answer[CLI_ANSWER_SIZE];
+
+    do {
+        fprintf(dialogue->out, "%s%s%s%s ", question, standard ? " [" : "",
+                standard ? standard : "", standard ? "]" : "");
+        const enum cli_exit exit = read_answer(dialogue, answer);
+        if (exit) {
+            return exit;
+        }
+    } while (!*answer && !standard);
+    (void)snprintf(out, CLI_ANSWER_SIZE, "%s", *answer ? answer : standard);
+    return CLI_EXIT_OK;
+}

@@ -1,0 +1,13 @@
+/* Shows what changes between two texts, line by line, as `diff -u` does. */
+#ifndef CLI_SETUP_DIFFERENCE_H
+#define CLI_SETUP_DIFFERENCE_H
+
+#include <stdio.h>
+
+/* Prints lines that go with "-", lines that come with "+", and up to three unchanged ones about
+ * them; "..." stands for the rest. Prints nothing for equal texts. Texts of more than 4,000 lines
+ * are shown as all gone and all new. Returns 0, or -ENOMEM. */
+int cli_difference_print(const char *before, const char *after, FILE *out)
+    __attribute__((warn_unused_result));
+
+#endif

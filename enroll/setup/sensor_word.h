@@ -1,0 +1,36 @@
+/* A sensor in one word: BACKEND, BACKEND:PLACE or BACKEND:PLACE,KEY=VALUE,... as in
+ * "v4l2:/dev/video0,camera=/etc/isotherm/camera.ini". The keys are those of [sensor] in
+ * isotherm.conf(5); the place is the device, of `replay` the recording's path. */
+#ifndef CLI_SETUP_SENSOR_WORD_H
+#define CLI_SETUP_SENSOR_WORD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "enroll/fault.h"
+
+enum { CLI_SENSOR_OPTIONS = 12, CLI_SENSOR_VALUE_SIZE = 192 };
+
+struct cli_sensor_word {
+    char backend[32];
+    size_t n_options;
+    struct cli_sensor_option {
+        char key[24], value[CLI_SENSOR_VALUE_SIZE];
+    } options[CLI_SENSOR_OPTIONS];
+};
+
+/* CLI_EXIT_USAGE what cannot be written into the configuration: no back end, a key that is no word,
+ * an empty value, one with control characters or " ;", a file that is not named from the root on,
+ * one that is too long, too many. Whether the
+ * back end exists and has such keys is for the daemon to say. */
+enum cli_exit cli_sensor_word_parse(const char *word, struct cli_sensor_word *out,
+                                    struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* Sets an option, or replaces it; the faults of parse. */
+enum cli_exit cli_sensor_word_set(struct cli_sensor_word *word, const char *key, const char *value,
+                                  struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* NULL: it is not given. */
+const char *cli_sensor_word_get(const struct cli_sensor_word *word, const char *key);
+
+#endif

@@ -1,0 +1,30 @@
+/* The daemon's unit, by the D-Bus interface of systemd (org.freedesktop.systemd1). */
+#ifndef CLI_SETUP_SERVICE_H
+#define CLI_SETUP_SERVICE_H
+
+#include "enroll/door.h"
+#include "enroll/fault.h"
+
+struct cli_service;
+
+/* Connects to the service manager and notes whether the unit is enabled and active. CLI_EXIT_FAULT
+ * "no-manager" there is no service manager on this bus, "no-unit" it does not know the unit. `unit`
+ * outlives the object. */
+enum cli_exit cli_service_open(const struct cli_bus *bus, const char *unit,
+                               struct cli_service **out, struct cli_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Enables the unit, starts it (again) and waits until that is done. CLI_EXIT_FAULT
+ * "no-start" it did not start, in time (100 s); CLI_EXIT_INTERRUPTED. */
+enum cli_exit cli_service_start(struct cli_service *service, struct cli_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Brings the unit back to what it was when it was opened: starts it again or stops it, and disables
+ * it if it was not enabled. Looks at no interrupts. CLI_EXIT_FAULT. */
+enum cli_exit cli_service_undo(struct cli_service *service, struct cli_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* NULL is fine. */
+void cli_service_close(struct cli_service *service);
+
+#endif

@@ -1,0 +1,78 @@
+#include "enroll/setup/show.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "enroll/commands.h"
+#include "enroll/picture.h"
+#include "enroll/setup/interrupt.h"
+#include "enroll/terminal_picture.h"
+
+enum { ATTEMPTS = 4 };
+
+struct png {
+    uint8_t *bytes;
+    size_t size;
+};
+
+static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cli_fault *fault)
+{
+    struct cli_door *door = NULL;
+    enum cli_exit exit = cli_door_open(bus, &door, fault);
+
+    for (int i = 0; !exit && i < ATTEMPTS; i++) {
+        exit = cli_picture_take(door, &out->bytes, &out->size, fault);
+        if (!exit || i == ATTEMPTS - 1 || cli_interrupted()) {
+            break;
+        }
+        (void)nanosleep(&(struct timespec){.tv_sec = 1}, NULL);
+        exit = CLI_EXIT_OK;
+    }
+    cli_door_close(door);
+    return exit;
+}
+
+static void show(const struct png *png, const struct cli_dialogue *dialogue)
+{
+    struct cli_pixels pixels = {0};
+    struct cli_fault fault = {0};
+
+    if (cli_pixels_decode(png->bytes, png->size, &pixels, &fault)) {
+        fprintf(dialogue->out, "%s\n", fault.text);
+    } else {
+        (void)cli_terminal_show(&pixels, dialogue->in, dialogue->out);
+    }
+    cli_pixels_done(&pixels);
+}
+
+bool cli_setup_show_picture(const struct cli_setup_wish *wish, const struct cli_dialogue *dialogue)
+{
+    struct png png = {0};
+    struct cli_fault fault = {0};
+    enum cli_exit exit = fetch(&wish->bus, &png, &fault);
+
+    if (!exit && dialogue->terminal) {
+        show(&png, dialogue);
+    }
+    exit = exit ? exit : cli_picture_save(wish->picture, png.bytes, png.size, &fault);
+    if (exit) {
+        fprintf(dialogue->out, "There is no picture of what the camera sees: %s.\n", fault.text);
+    } else {
+        fprintf(dialogue->out, "%s: what the camera sees; delete it after use.\n", wish->picture);
+    }
+    if (png.bytes) {
+        explicit_bzero(png.bytes, png.size);
+    }
+    free(png.bytes);
+    return exit == CLI_EXIT_OK;
+}
+
+void cli_setup_show_diagnosis(const struct cli_setup_wish *wish,
+                              const struct cli_dialogue *dialogue, struct cli_diagnosis *out)
+{
+    cli_doctor_examine(&wish->bus, out);
+    if (!wish->json) {
+        cli_diagnosis_print(out, dialogue->out);
+    }
+}

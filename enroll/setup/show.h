@@ -1,0 +1,18 @@
+/* What `isotherm setup` shows at its end: one picture of what the camera sees, and the findings of
+ * `isotherm doctor`. */
+#ifndef CLI_SETUP_SHOW_H
+#define CLI_SETUP_SHOW_H
+
+#include "enroll/diagnosis.h"
+#include "enroll/setup/setup.h"
+
+/* Saves the picture as wish->picture and shows it at the terminal. Tries for some seconds: a camera
+ * takes a moment to start. Returns false after having said on dialogue->out why there is none; that
+ * is no failure of the setup. */
+bool cli_setup_show_picture(const struct cli_setup_wish *wish, const struct cli_dialogue *dialogue);
+
+/* Prints the findings, unless wish->json. */
+void cli_setup_show_diagnosis(const struct cli_setup_wish *wish,
+                              const struct cli_dialogue *dialogue, struct cli_diagnosis *out);
+
+#endif

@@ -1,0 +1,28 @@
+/* A picture in a terminal: as sixels where the terminal says that it shows them, else as half
+ * blocks, two pixels a character, in 24-bit colour. */
+#ifndef CLI_TERMINAL_PICTURE_H
+#define CLI_TERMINAL_PICTURE_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "enroll/pixels.h"
+
+/* Writes the picture as half blocks, at most `columns` characters wide and `rows` lines high, in
+ * its own proportions and never enlarged. -ENOMEM. */
+int cli_half_blocks_print(const struct cli_pixels *picture, int columns, int rows, FILE *out)
+    __attribute__((warn_unused_result));
+
+/* Writes the picture as sixels, in its own size, in 64 shades of grey. */
+void cli_sixel_print(const struct cli_pixels *picture, FILE *out);
+
+/* Asks the terminal for its attributes (DA1, "ESC [ c") and waits at most 200 ms for the answer.
+ * What was typed meanwhile is lost. False if `in` or `out` is no terminal. */
+bool cli_terminal_has_sixels(int in, int out);
+
+/* Writes the picture the best way that the terminal has. Writes nothing if `out` or `in` is no
+ * terminal, on one without colours (TERM is dumb) or if the environment asks for none (NO_COLOR).
+ * Returns whether something was written. */
+bool cli_terminal_show(const struct cli_pixels *picture, int in, FILE *out);
+
+#endif

@@ -1,0 +1,492 @@
+/* `isotherm setup` as a whole: what it writes, starts, asks and shows, and that a fault leaves all
+ * as it was. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <jansson.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "enroll/pixels.h"
+#include "tests/enroll/private_bus.h"
+#include "tests/enroll/run.h"
+#include "tests/enroll/setup_rig.h"
+#include "tests/support/scratch.h"
+
+#define DATA ISOTHERM_SOURCE_DIR "/core/data"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+static const char old_text[] = "# By hand.\n[sensor]\nbackend = openni2\n[decision]\n"
+                               "level = strict\n";
+
+static const char one_camera[] =
+    "{\"sensor\":\"openni2\",\"id\":\"2bc5/0401@1/5\",\"label\":\"Orbbec Astra\"}\n";
+
+static void write_old(void)
+{
+    scratch_mkdir(setup_rig_path("etc"));
+    scratch_write_text(setup_rig_path("etc/isotherm.conf"), old_text);
+}
+
+static void expect_in(const char *text, const char *part)
+{
+    if (!strstr(text, part)) {
+        fail_msg("'%s' is not in: %s", part, text);
+    }
+}
+
+static void a_fresh_machine_becomes_an_appliance(void **state)
+{
+    const struct cli_setup_wish wish = {
+        .sensor = "replay:/srv/p01", .board = "pc-usb", .yes = true};
+    const struct fake_manager_script manager = {.started = setup_rig_path("etc/isotherm.conf")};
+    struct setup_rig *rig = *state;
+    struct stat status;
+    size_t size, read_size;
+    const char *png = setup_rig_png(&size);
+    const struct fake_script door = {.picture = png, .picture_size = size};
+
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    expect_in(rig->calls, "Subscribe;GetUnitFileState;LoadUnit;EnableUnitFiles;Reload;"
+                          "ResetFailedUnit;RestartUnit;<# Written by isotherm setup for the board "
+                          "pc-usb.\n");
+    expect_in(rig->calls, "[sensor]\nbackend = replay\npath = /srv/p01\n\n[door]\n");
+    expect_in(rig->calls, "relay = cp2112_gpio:0\n");
+    assert_int_equal(stat(rig->places.config, &status), 0);
+    assert_int_equal(status.st_mode & 07777, 0644);
+    assert_int_equal(setup_rig_count_files(), 1);
+    expect_in(rig->said, "backend = replay");             /* the file */
+    expect_in(rig->said, "ok       sensor      started"); /* doctor */
+    char *picture = scratch_read(setup_rig_path("picture.png"), &read_size);
+    assert_int_equal(read_size, size);
+    assert_memory_equal(picture, png, size);
+    free(picture);
+    assert_int_equal(stat(setup_rig_path("picture.png"), &status), 0);
+    assert_int_equal(status.st_mode & 07777, 0600);
+}
+
+static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "rock-5b", .yes = true};
+    const struct fake_manager_script manager = {.enabled = true, .active = true};
+    const struct fake_script door = {.n_people = 0};
+    struct setup_rig *rig = *state;
+
+    write_old();
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    assert_string_equal(rig->calls,
+                        "Subscribe;GetUnitFileState;LoadUnit;ResetFailedUnit;RestartUnit;<>;");
+    expect_in(rig->said, "- # By hand.\n");
+    expect_in(rig->said, "+ # Written by isotherm setup for the board rock-5b.\n");
+    expect_in(rig->said, "  level = strict\n");
+    assert_int_equal(setup_rig_count_files(), 2);
+    const char *backup = strstr(rig->said, "The old file is now ");
+    assert_non_null(backup);
+    char path[512];
+    (void)snprintf(path, sizeof path, "%.*s", (int)strcspn(backup + 20, "\n") - 1, backup + 20);
+    size_t size;
+    char *text = scratch_read(path, &size);
+    assert_int_equal(size, strlen(old_text));
+    assert_memory_equal(text, old_text, size);
+    free(text);
+    /* Once more: nothing to write, but the service is started again. */
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    expect_in(rig->said, "stays as it is");
+    expect_in(rig->calls, "RestartUnit");
+    assert_int_equal(setup_rig_count_files(), 2);
+}
+
+static void what_is_found_need_not_be_named(void **state)
+{
+    const struct cli_setup_wish wish = {.yes = true, .dry_run = true};
+    struct setup_rig *rig = *state;
+
+    assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_USAGE);
+    expect_in(rig->fault.text, "--board is missing");
+    expect_in(rig->fault.text, "generic, pc-usb, qemu, raspberry-pi-5, rock-5b");
+    scratch_mkdir(setup_rig_path("sys"));
+    scratch_mkdir(setup_rig_path("sys/firmware"));
+    scratch_mkdir(setup_rig_path("sys/firmware/devicetree"));
+    scratch_mkdir(setup_rig_path("sys/firmware/devicetree/base"));
+    scratch_write_text(setup_rig_path("sys/firmware/devicetree/base/model"), "Radxa ROCK 5B");
+    assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_USAGE);
+    expect_in(rig->fault.text, "--sensor is missing: no depth camera was found");
+    setup_rig_set_devices(one_camera);
+    assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_OK);
+    expect_in(rig->said, "board rock-5b");
+    expect_in(rig->said, "backend = openni2");
+    setup_rig_set_devices("{\"sensor\":\"openni2\",\"id\":\"a@1/5\",\"label\":\"one\"}\n"
+                          "{\"sensor\":\"openni2\",\"id\":\"b@1/6\",\"label\":\"two\"}\n");
+    assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_USAGE);
+    expect_in(rig->fault.text, "one (OpenNI2, a@1/5); two (OpenNI2, b@1/6)");
+    assert_int_equal(setup_rig_count_files(), 0); /* a dry run writes nothing */
+}
+
+static void a_wrong_wish_is_named_and_changes_nothing(void **state)
+{
+    static const struct {
+        struct cli_setup_wish wish;
+        enum cli_exit exit;
+        const char *text;
+    } cases[] = {
+        {{.sensor = "openni2", .board = "moon", .yes = true}, CLI_EXIT_NOT_FOUND, "'moon'; there"},
+        {{.sensor = "openni2", .board = "pc-usb"}, CLI_EXIT_USAGE, "give --yes"},
+        {{.sensor = "replay:frames", .board = "pc-usb", .yes = true}, CLI_EXIT_USAGE, "full name"},
+        {{.sensor = "openni2:lens=1", .board = "pc-usb", .yes = true},
+         CLI_EXIT_USAGE,
+         "isotherm.conf:"},
+        {{.sensor = "v4l2:/dev/null", .board = "pc-usb", .yes = true},
+         CLI_EXIT_USAGE,
+         "/dev/null has no description in"},
+    };
+    const struct fake_manager_script manager = {.enabled = true, .active = true};
+    const struct fake_script door = {.n_people = 0};
+    struct setup_rig *rig = *state;
+
+    write_old();
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        assert_int_equal(setup_rig_run(rig, &cases[i].wish, &manager, &door), cases[i].exit);
+        expect_in(rig->fault.text, cases[i].text);
+        assert_string_equal(rig->calls, "");
+        setup_rig_expect_config(old_text);
+        assert_int_equal(setup_rig_count_files(), 1);
+    }
+}
+
+/* Each failure of the start, on a machine whose daemon ran before, and on one that had none. */
+static void a_start_that_fails_is_undone(void **state)
+{
+    static const struct {
+        struct fake_manager_script manager;
+        bool door;
+        const char *text;
+    } cases[] = {
+        {{.result = "failed"}, true, "isothermd.service did not start (failed)"},
+        {{.result = "dependency"}, true, "isothermd.service did not start (dependency)"},
+        {{.fail_method = "RestartUnit"}, true, "cannot be started: the fake says so"},
+        {{.result = "done"}, false, "did not come to the bus within 1 s"},
+    };
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
+    const struct fake_script door = {.n_people = 0};
+    struct setup_rig *rig = *state;
+
+    for (size_t i = 0; i < COUNT(cases) * 2; i++) {
+        struct fake_manager_script manager = cases[i / 2].manager;
+        const bool before = i % 2 == 1;
+        if (before && !scratch_exists(rig->places.config)) {
+            if (!scratch_exists(setup_rig_path("etc"))) {
+                scratch_mkdir(setup_rig_path("etc"));
+            }
+            scratch_write_text(setup_rig_path("etc/isotherm.conf"), old_text);
+        } else if (!before) {
+            (void)unlink(rig->places.config);
+        }
+        manager.enabled = manager.active = before;
+        manager.started = rig->places.config;
+        assert_int_equal(setup_rig_run(rig, &wish, &manager, cases[i / 2].door ? &door : NULL),
+                         CLI_EXIT_FAULT);
+        expect_in(rig->fault.text, cases[i / 2].text);
+        setup_rig_expect_config(before ? old_text : NULL);
+        assert_int_equal(setup_rig_count_files(), before);
+        if (!manager.fail_method) {
+            expect_in(rig->fault.text, "the configuration is as it was");
+            expect_in(rig->calls, before ? "RestartUnit;<# By hand.\n"
+                                         : "StopUnit;<>;DisableUnitFiles;Reload;");
+        }
+    }
+}
+
+static void without_a_service_manager_nothing_is_replaced(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
+    const struct fake_manager_script unknown = {.fail_method = "GetUnitFileState"};
+    struct setup_rig *rig = *state;
+
+    write_old();
+    assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_FAULT);
+    assert_string_equal(rig->fault.code, "no-manager");
+    setup_rig_expect_config(old_text);
+    assert_int_equal(setup_rig_run(rig, &wish, &unknown, NULL), CLI_EXIT_FAULT);
+    assert_string_equal(rig->fault.code, "no-unit");
+    setup_rig_expect_config(old_text);
+    assert_int_equal(setup_rig_count_files(), 1);
+}
+
+static void a_file_that_cannot_be_written_starts_nothing(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
+    const struct fake_manager_script manager = {.enabled = true};
+    struct setup_rig *rig = *state;
+
+    scratch_write_text(setup_rig_path("etc"), "no folder");
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, NULL), CLI_EXIT_FAULT);
+    expect_in(rig->fault.text, rig->places.config);
+    assert_string_equal(rig->calls, "");
+}
+
+static void only_root_may_write_but_everybody_look(void **state)
+{
+    struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
+    struct setup_rig *rig = *state;
+    int status;
+
+    rig->places.root = true;
+    const pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        const struct cli_dialogue dialogue = {.in = STDIN_FILENO, .out = stderr};
+        if (geteuid() == 0 && seteuid(65534) < 0) {
+            _exit(99);
+        }
+        _exit((int)cli_setup_run(&rig->places, &wish, &dialogue, &rig->fault));
+    }
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), CLI_EXIT_NO);
+    setup_rig_expect_config(NULL);
+    wish.dry_run = true;
+    assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_OK);
+    expect_in(rig->said, "relay = cp2112_gpio:0");
+    setup_rig_expect_config(NULL);
+}
+
+static void a_picture_that_does_not_come_is_said_and_no_failure(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
+    const struct fake_manager_script manager = {.enabled = true};
+    const struct fake_script door = {.fail_method = "Picture",
+                                     .fail_error = "org.isotherm.Error.DeviceFault",
+                                     .sensor_state = "lost",
+                                     .sensor_fault = "no device"};
+    struct setup_rig *rig = *state;
+
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    expect_in(rig->said, "There is no picture of what the camera sees: the fake says so");
+    expect_in(rig->said, "fault    sensor      lost: no device");
+    assert_false(scratch_exists(setup_rig_path("picture.png")));
+}
+
+/* ---- at a terminal ---- */
+
+static void a_person_is_asked_what_is_not_known(void **state)
+{
+    const struct cli_setup_wish wish = {.yes = false};
+    const struct fake_manager_script manager = {.active = false};
+    struct setup_rig *rig = *state;
+    static struct setup_terminal terminal;
+    size_t size;
+    const char *png = setup_rig_png(&size);
+    const struct fake_script door = {.picture = png, .picture_size = size};
+
+    setup_rig_set_devices(one_camera);
+    setup_rig_begin(rig, &manager, &door);
+    setup_rig_open(rig, &wish, &terminal);
+    setup_rig_answer(&terminal, "Board [1]", "seven\n"); /* generic: nothing is recognised */
+    setup_rig_answer(&terminal, "a number from 1 to 5", "2\n");
+    setup_rig_answer(&terminal, "Camera [1]", "\n");
+    setup_rig_answer(&terminal, "start the service? [Y/n]", "perhaps\n");
+    setup_rig_answer(&terminal, "Please answer y or n.", "y\n");
+    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_OK);
+    setup_rig_end(rig);
+    expect_in(terminal.text, "Orbbec Astra (OpenNI2, 2bc5/0401@1/5)");
+    expect_in(terminal.text, "\033[38;2;0;0;0m\033[48;2;160;160;160m\u2580"); /* the picture */
+    expect_in(terminal.text, "ok       sensor      started");
+    assert_true(scratch_exists(rig->places.config));
+    expect_in(rig->calls, "EnableUnitFiles");
+}
+
+static void a_recording_can_be_tried_and_the_lens_file_is_asked_for(void **state)
+{
+    const struct cli_setup_wish wish = {.board = "pc-usb", .dry_run = true};
+    struct setup_rig *rig = *state;
+    static struct setup_terminal terminal;
+
+    setup_rig_open(rig, &wish, &terminal);
+    setup_rig_answer(&terminal, "Camera [1]", "1\n");
+    setup_rig_answer(&terminal, "Folder of the recording:", "/srv/p01\n");
+    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_OK);
+    expect_in(terminal.text, "No depth camera was found.");
+    expect_in(terminal.text, "path = /srv/p01");
+    setup_rig_open(rig, &wish, &terminal);
+    setup_rig_answer(&terminal, "Camera [1]", "2\n");
+    setup_rig_answer(&terminal, "Sensor, such as", "v4l2:/dev/null\n");
+    setup_rig_answer(&terminal, "File [1]", "1\n");
+    setup_rig_answer(&terminal, "File:", ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1/recording.ini\n");
+    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_OK);
+    expect_in(terminal.text, "camera = " ISOTHERM_SOURCE_DIR);
+    setup_rig_expect_config(NULL);
+}
+
+static void no_and_an_interrupt_change_nothing(void **state)
+{
+    static const struct {
+        const char *answer;
+        int exit;
+    } cases[] = {
+        {"n\n", CLI_EXIT_NO}, {"\003", CLI_EXIT_INTERRUPTED}, {"\004", CLI_EXIT_INTERRUPTED}};
+    const struct cli_setup_wish wish = {.board = "pc-usb", .sensor = "openni2"};
+    const struct fake_manager_script manager = {.active = true};
+    struct setup_rig *rig = *state;
+    static struct setup_terminal terminal;
+
+    write_old();
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        setup_rig_begin(rig, &manager, NULL);
+        setup_rig_open(rig, &wish, &terminal);
+        setup_rig_answer(&terminal, "[Y/n]", cases[i].answer);
+        assert_int_equal(setup_rig_close(&terminal), cases[i].exit);
+        setup_rig_end(rig);
+        expect_in(terminal.text, "nothing has been changed");
+        assert_string_equal(rig->calls, "");
+        setup_rig_expect_config(old_text);
+        assert_int_equal(setup_rig_count_files(), 1);
+    }
+}
+
+static void an_interrupt_while_the_service_starts_undoes_it(void **state)
+{
+    const struct cli_setup_wish wish = {.board = "pc-usb", .sensor = "openni2", .yes = true};
+    struct setup_rig *rig = *state;
+    const struct fake_manager_script manager = {
+        .enabled = true, .active = true, .result = "", .started = rig->places.config};
+    static struct setup_terminal terminal;
+
+    write_old();
+    setup_rig_begin(rig, &manager, NULL);
+    setup_rig_open(rig, &wish, &terminal);
+    fake_manager_wait_for_start(&rig->manager);
+    assert_int_equal(write(terminal.fd, "\003", 1), 1);
+    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_INTERRUPTED);
+    setup_rig_end(rig);
+    expect_in(terminal.text, "interrupted; the configuration is as it was");
+    expect_in(rig->calls, "RestartUnit;<# By hand.\n");
+    setup_rig_expect_config(old_text);
+    assert_int_equal(setup_rig_count_files(), 1);
+}
+
+/* ---- for programs ---- */
+
+static void with_json_there_is_one_document(void **state)
+{
+    const struct cli_setup_wish wish = {
+        .board = "pc-usb", .sensor = "openni2", .yes = true, .json = true};
+    const struct fake_manager_script manager = {.active = true};
+    const struct fake_script door = {.n_people = 0};
+    struct setup_rig *rig = *state;
+    const char *path = setup_rig_path("out.json");
+
+    const int saved = dup(STDOUT_FILENO);
+    assert_non_null(freopen(path, "w", stdout));
+    const enum cli_exit exit = setup_rig_run(rig, &wish, &manager, &door);
+    (void)fflush(stdout);
+    assert_int_equal(dup2(saved, STDOUT_FILENO), STDOUT_FILENO);
+    close(saved);
+    assert_int_equal(exit, CLI_EXIT_OK);
+    json_t *document = json_load_file(path, 0, NULL);
+    assert_non_null(document);
+    assert_string_equal(json_string_value(json_object_get(document, "config")), rig->places.config);
+    assert_string_equal(json_string_value(json_object_get(document, "board")), "pc-usb");
+    assert_string_equal(json_string_value(json_object_get(document, "sensor")), "openni2");
+    assert_non_null(json_object_get(json_object_get(document, "doctor"), "checks"));
+    assert_non_null(json_string_value(json_object_get(document, "picture")));
+    json_decref(document);
+}
+
+/* The daemon that this would start, already there, on stored frames. */
+static void start_real_daemon(const struct setup_rig *rig, struct run *run)
+{
+    static char text[2048];
+    const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--config",
+                                setup_rig_path("real.conf"), NULL};
+
+    (void)snprintf(text, sizeof text,
+                   "[sensor]\npath = " ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1\nloop = yes\n"
+                   "[gallery]\npath = %s\n[log]\npath = %s\n[bus]\naddress = %s\n[model]\n"
+                   "head = " DATA "/head.model\nmetric = " DATA "/face.metric\n",
+                   setup_rig_path("g.db"), setup_rig_path("a.log"), rig->places.manager.address);
+    scratch_write_text(setup_rig_path("real.conf"), text);
+    run_start(run, argv);
+}
+
+static void the_real_daemon_sends_a_picture_of_what_it_sees(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "generic", .yes = true};
+    const struct fake_manager_script manager = {.active = true};
+    struct setup_rig *rig = *state;
+    struct cli_pixels pixels = {0};
+    struct run run;
+    size_t size;
+
+    start_real_daemon(rig, &run);
+    rig->places.daemon_wait_s = 30;
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, NULL), CLI_EXIT_OK);
+    assert_int_equal(kill(run.pid, SIGTERM), 0);
+    run_finish(&run);
+    assert_int_equal(run.exit, 0);
+    run_free(&run);
+    expect_in(rig->said, "ok       sensor      started");
+    expect_in(rig->said, "null: nothing is switched"); /* the board has no lines */
+    uint8_t *png = scratch_read(setup_rig_path("picture.png"), &size);
+    assert_int_equal(cli_pixels_decode(png, size, &pixels, &rig->fault), CLI_EXIT_OK);
+    assert_int_equal(pixels.width_px, 320);
+    assert_int_equal(pixels.height_px, 240);
+    cli_pixels_done(&pixels);
+    free(png);
+}
+
+/* The real program: what it finds depends on the machine, but not that it is one object a line. */
+static void the_daemon_lists_devices_one_object_a_line(void **state)
+{
+    FILE *list = popen(ISOTHERM_BINARY_DIR "/firmware/isothermd --list-devices 2>/dev/null", "r");
+    char line[4096];
+
+    (void)state;
+    assert_non_null(list);
+    while (fgets(line, sizeof line, list)) {
+        json_t *object = json_loads(line, 0, NULL);
+        assert_non_null(object);
+        assert_non_null(json_string_value(json_object_get(object, "sensor")));
+        assert_true(json_object_get(object, "id") || json_object_get(object, "fault"));
+        json_decref(object);
+    }
+    assert_int_equal(pclose(list), 0);
+}
+
+#define ON_A_RIG(test) cmocka_unit_test_setup_teardown(test, setup_rig_setup, setup_rig_teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ON_A_RIG(a_fresh_machine_becomes_an_appliance),
+        ON_A_RIG(an_old_file_is_kept_and_what_is_the_same_is_not_written),
+        ON_A_RIG(what_is_found_need_not_be_named),
+        ON_A_RIG(a_wrong_wish_is_named_and_changes_nothing),
+        ON_A_RIG(a_start_that_fails_is_undone),
+        ON_A_RIG(without_a_service_manager_nothing_is_replaced),
+        ON_A_RIG(a_file_that_cannot_be_written_starts_nothing),
+        ON_A_RIG(only_root_may_write_but_everybody_look),
+        ON_A_RIG(a_picture_that_does_not_come_is_said_and_no_failure),
+        ON_A_RIG(a_person_is_asked_what_is_not_known),
+        ON_A_RIG(a_recording_can_be_tried_and_the_lens_file_is_asked_for),
+        ON_A_RIG(no_and_an_interrupt_change_nothing),
+        ON_A_RIG(an_interrupt_while_the_service_starts_undoes_it),
+        ON_A_RIG(with_json_there_is_one_document),
+        ON_A_RIG(the_real_daemon_sends_a_picture_of_what_it_sees),
+        cmocka_unit_test(the_daemon_lists_devices_one_object_a_line),
+    };
+
+    if (!setup_rig_find_bus()) {
+        return TEST_SKIPPED;
+    }
+    return cmocka_run_group_tests(tests, NULL, setup_rig_stop_bus);
+}

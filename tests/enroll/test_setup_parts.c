@@ -1,0 +1,489 @@
+/* The parts of `isotherm setup`: words, texts, files, and what the system says of its devices. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "enroll/setup/boards.h"
+#include "enroll/setup/cameras.h"
+#include "enroll/setup/candidates.h"
+#include "enroll/setup/child.h"
+#include "enroll/setup/compose.h"
+#include "enroll/setup/difference.h"
+#include "enroll/setup/install.h"
+#include "enroll/setup/new_file.h"
+#include "enroll/setup/text_file.h"
+#include "tests/support/scratch.h"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+/* ---- the sensor's word ---- */
+
+static void a_sensor_is_one_word(void **state)
+{
+    static const struct {
+        const char *word, *backend, *key, *value;
+        size_t n;
+    } cases[] = {
+        {"openni2", "openni2", "device", NULL, 0},
+        {"openni2:2bc5/0401@1/5", "openni2", "device", "2bc5/0401@1/5", 1},
+        {"openni2:/srv/a.oni,loop=yes", "openni2", "path", "/srv/a.oni", 2},
+        {"replay:/srv/p01, second", "replay", "path", "/srv/p01, second", 1},
+        {"v4l2:/dev/video0,camera=/etc/c.ini", "v4l2", "camera", "/etc/c.ini", 2},
+        {"v4l2:camera=/etc/c.ini,device=/dev/video0", "v4l2", "device", "/dev/video0", 2},
+        {"libcamera-stereo:left=/base/a,right=/base/b", "libcamera-stereo", "right", "/base/b", 2},
+    };
+    struct cli_fault fault = {0};
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct cli_sensor_word word;
+        assert_int_equal(cli_sensor_word_parse(cases[i].word, &word, &fault), CLI_EXIT_OK);
+        assert_string_equal(word.backend, cases[i].backend);
+        assert_int_equal(word.n_options, cases[i].n);
+        const char *value = cli_sensor_word_get(&word, cases[i].key);
+        assert_int_equal(value != NULL, cases[i].value != NULL);
+        if (value) {
+            assert_string_equal(value, cases[i].value);
+        }
+    }
+}
+
+static void what_no_file_can_hold_is_refused(void **state)
+{
+    static const struct {
+        const char *word, *text;
+    } cases[] = {
+        {"", "names no driver"},
+        {":/dev/video0", "names no driver"},
+        {"/dev/video0", "names no driver"},
+        {"replay:frames", "'frames': a full name is needed"},
+        {"v4l2:/dev/video0,camera=c.ini", "'c.ini': a full name is needed"},
+        {"v4l2:/dev/video0,camera=", "'camera': its value is empty"},
+        {"v4l2:/dev/video0\n[door]", "characters that no file can hold"},
+        {"v4l2:/dev/video0 ;x", "characters that no file can hold"},
+        {"v4l2:a_key_that_is_longer_than_any=1", "no key of [sensor]"},
+    };
+    char long_word[300] = "replay:/";
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct cli_fault fault = {0};
+        struct cli_sensor_word word = {.backend = "untouched"};
+        assert_int_equal(cli_sensor_word_parse(cases[i].word, &word, &fault), CLI_EXIT_USAGE);
+        assert_string_equal(word.backend, "untouched");
+        if (!strstr(fault.text, cases[i].text)) {
+            fail_msg("'%s': '%s' is not in '%s'", cases[i].word, cases[i].text, fault.text);
+        }
+    }
+    struct cli_fault fault = {0};
+    struct cli_sensor_word word;
+    memset(long_word + 8, 'x', CLI_SENSOR_VALUE_SIZE);
+    assert_int_equal(cli_sensor_word_parse(long_word, &word, &fault), CLI_EXIT_USAGE);
+    assert_non_null(strstr(fault.text, "too long"));
+}
+
+/* ---- composing ---- */
+
+static char *compose(const char *board_text, const char *sensor, const char *old_text)
+{
+    struct cli_fault fault = {0};
+    struct cli_sensor_word word;
+
+    assert_int_equal(cli_sensor_word_parse(sensor, &word, &fault), CLI_EXIT_OK);
+    char *text = cli_compose(&(struct cli_composition){
+        .board = "b", .board_text = board_text, .sensor = &word, .old_text = old_text});
+    assert_non_null(text);
+    return text;
+}
+
+static void expect_composed(const char *board_text, const char *sensor, const char *old_text,
+                            const char *expected)
+{
+    char *text = compose(board_text, sensor, old_text);
+
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+#define FIRST "# Written by isotherm setup for the board b.\n"
+
+static void the_sensor_is_the_boards_if_the_driver_is_the_same(void **state)
+{
+    static const char board[] = "# A board.\n\n[sensor]\n# Why.\nbackend = openni2\nunit = finest\n"
+                                "\n[door]\nrelay = A\n";
+
+    (void)state;
+    expect_composed(board, "openni2", NULL,
+                    FIRST "# A board.\n\n[sensor]\n# Why.\nbackend = openni2\nunit = finest\n\n"
+                          "[door]\nrelay = A\n");
+    expect_composed(board, "openni2:unit=1mm,device=u", NULL,
+                    FIRST "# A board.\n\n[sensor]\ndevice = u\n# Why.\nbackend = openni2\n"
+                          "unit = 1mm\n\n[door]\nrelay = A\n");
+    expect_composed(board, "replay:/r", NULL,
+                    FIRST "# A board.\n\n[sensor]\nbackend = replay\npath = /r\n\n[door]\n"
+                          "relay = A\n");
+    expect_composed("[door]\nrelay = A\n", "replay:/r", NULL,
+                    FIRST "[door]\nrelay = A\n\n[sensor]\nbackend = replay\npath = /r\n");
+}
+
+static void what_concerns_neither_sensor_nor_door_stays(void **state)
+{
+    static const char board[] = "[sensor]\nbackend = openni2\n\n[door]\nrelay = A\n\n[log]\n"
+                                "max_mib = 8\n";
+    static const char old[] = "# By hand.\n[decision]\n# Strict.\nlevel = strict\n\n[sensor]\n"
+                              "backend = v4l2\n[door]\nrelay = B\n[log]\nmax_mib = 9";
+
+    (void)state;
+    expect_composed(board, "openni2", old,
+                    FIRST "[sensor]\nbackend = openni2\n\n[door]\nrelay = A\n\n[decision]\n"
+                          "# Strict.\nlevel = strict\n\n[log]\nmax_mib = 9\n");
+}
+
+/* Every board with every kind of sensor, twice: the second time nothing changes. */
+static void every_composition_is_sound(void **state)
+{
+    static const char *const sensors[] = {
+        "replay:/",
+        "openni2",
+        "openni2:2bc5/0401@1/5,mode=640x480@30",
+        "v4l2:/dev/video0,camera=" ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1/recording.ini",
+    };
+    const struct cli_setup_places places = {
+        .boards = ISOTHERM_SOURCE_DIR "/board",
+        .daemon = ISOTHERM_BINARY_DIR "/firmware/isothermd",
+        .config = "isotherm.conf",
+        .sys = *state,
+    };
+    const char *beside = scratch_path(*state, "isotherm.conf");
+    struct cli_boards boards;
+    struct cli_fault fault = {0};
+
+    assert_int_equal(cli_boards_find(&places, &boards, &fault), CLI_EXIT_OK);
+    assert_true(boards.n >= 5);
+    for (size_t i = 0; i < boards.n * COUNT(sensors); i++) {
+        const char *sensor = sensors[i % COUNT(sensors)];
+        char path[256];
+        (void)snprintf(path, sizeof path, "%s/%s/isotherm.conf", places.boards,
+                       boards.items[i / COUNT(sensors)].name);
+        char *board_text = cli_text_file_read(path);
+        assert_non_null(board_text);
+        char *text = compose(board_text, sensor, NULL), *again = compose(board_text, sensor, text);
+        if (cli_setup_check(&places, beside, text, &fault)) {
+            fail_msg("%s with %s: %s\n%s", path, sensor, fault.text, text);
+        }
+        assert_string_equal(again, text);
+        free(again);
+        free(text);
+        free(board_text);
+    }
+}
+
+static void a_composition_that_is_not_sound_is_refused_by_name(void **state)
+{
+    const struct cli_setup_places places = {
+        .daemon = ISOTHERM_BINARY_DIR "/firmware/isothermd",
+        .config = "/etc/isotherm/isotherm.conf",
+    };
+    const char *beside = scratch_path(*state, "isotherm.conf");
+    struct cli_fault fault = {0};
+
+    assert_int_equal(cli_setup_check(&places, beside, "[sensor]\nbckend = replay\n", &fault),
+                     CLI_EXIT_USAGE);
+    assert_non_null(strstr(fault.text, "/etc/isotherm/isotherm.conf:2"));
+    assert_null(strstr(fault.text, ".new-"));
+    assert_int_equal(rmdir(*state), 0); /* no draft is left */
+    assert_int_equal(mkdir(*state, 0700), 0);
+}
+
+static void a_change_is_shown_line_by_line(void **state)
+{
+    static const char before[] = "1\n2\n3\n4\n5\nold\n6\n7\n8\n9\n10\n11\n12\n13\ngone";
+    static const char after[] = "1\n2\n3\n4\n5\nnew\nnewer\n6\n7\n8\n9\n10\n11\n12\n13\n";
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+
+    (void)state;
+    assert_int_equal(cli_difference_print("same\n", "same\n", out), 0);
+    assert_int_equal(cli_difference_print(before, after, out), 0);
+    assert_int_equal(fclose(out), 0);
+    assert_string_equal(text, "...\n  3\n  4\n  5\n- old\n+ new\n+ newer\n  6\n  7\n  8\n...\n"
+                              "  11\n  12\n  13\n- gone\n");
+    free(text);
+}
+
+/* ---- files and programs ---- */
+
+static void expect_text(const char *path, const char *expected)
+{
+    char *text = cli_text_file_read(path);
+
+    assert_non_null(text);
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+static void a_file_is_replaced_as_a_whole_and_can_be_put_back(void **state)
+{
+    scratch_mkdir(scratch_path(*state, "etc"));
+    const char *path = scratch_path(*state, "etc/isotherm.conf");
+    struct cli_new_file file;
+    struct cli_fault fault = {0};
+    struct stat status;
+
+    for (int round = 0; round < 2; round++) { /* without an old file, and with one */
+        const char *old = round ? "old\n" : NULL;
+        if (old) {
+            scratch_write_text(path, old);
+        }
+        assert_int_equal(cli_new_file_write(path, "new\n", &file, &fault), CLI_EXIT_OK);
+        assert_int_equal(scratch_exists(path), old != NULL);
+        assert_int_equal(cli_new_file_place(&file, &fault), CLI_EXIT_OK);
+        expect_text(path, "new\n");
+        assert_int_equal(stat(path, &status), 0);
+        assert_int_equal(status.st_mode & 07777, 0644);
+        assert_int_equal(file.backup[0] != '\0', old != NULL);
+        if (old) {
+            expect_text(file.backup, old);
+        }
+        assert_int_equal(cli_new_file_undo(&file, &fault), CLI_EXIT_OK);
+        assert_int_equal(scratch_exists(path), old != NULL);
+        cli_new_file_done(&file);
+    }
+    expect_text(path, "old\n");
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(scratch_path(*state, "etc")), 0); /* nothing else is left */
+}
+
+static void a_file_that_cannot_be_written_is_named(void **state)
+{
+    const char *path = scratch_path(*state, "file/isotherm.conf");
+    struct cli_new_file file;
+    struct cli_fault fault = {0};
+
+    scratch_write_text(scratch_path(*state, "file"), "in the way");
+    assert_int_equal(cli_new_file_write(path, "new\n", &file, &fault), CLI_EXIT_FAULT);
+    assert_non_null(strstr(fault.text, path));
+    assert_int_equal(cli_new_file_write(scratch_path(*state, "a/b/c"), "new\n", &file, &fault),
+                     CLI_EXIT_FAULT);
+}
+
+static void a_programs_words_are_kept(void **state)
+{
+    const char *const argv[] = {"/bin/sh", "-c", "echo out; echo err >&2; cat; exit 3", NULL};
+    const char *const none[] = {"/nonexistent", NULL};
+    struct cli_child child = {0};
+    struct cli_fault fault = {0};
+
+    (void)state;
+    assert_int_equal(cli_child_run(argv, &child, &fault), CLI_EXIT_OK);
+    assert_int_equal(child.exit, 3);
+    assert_string_equal(child.out, "out\n");
+    assert_string_equal(child.err, "err\n");
+    cli_child_done(&child);
+    assert_int_equal(cli_child_run(none, &child, &fault), CLI_EXIT_FAULT);
+    assert_non_null(strstr(fault.text, "/nonexistent"));
+}
+
+/* ---- what there is ---- */
+
+static void put(const char *root, const char *path, const char *text)
+{
+    char copy[512];
+
+    (void)snprintf(copy, sizeof copy, "%s/%s", root, path);
+    for (char *slash = copy + strlen(root) + 1; (slash = strchr(slash, '/')); slash++) {
+        *slash = '\0';
+        if (!scratch_exists(copy)) {
+            scratch_mkdir(copy);
+        }
+        *slash = '/';
+    }
+    scratch_write_text(copy, text);
+}
+
+/* A machine with a D435 as video4, whose link has a name that lasts. */
+static struct cli_setup_places make_machine(const char *root)
+{
+    const struct cli_setup_places places = {
+        .boards = ISOTHERM_SOURCE_DIR "/board",
+        .cameras = scratch_path(root, "cameras"),
+        .sys = scratch_path(root, "sys"),
+        .dev = scratch_path(root, "dev"),
+    };
+
+    put(root, "dev/video4", "");
+    put(root, "dev/video6", "");
+    put(root, "dev/v4l/by-path/x", "");
+    put(root, "sys/bus/usb/devices/1-2/idVendor", "8086\n");
+    put(root, "sys/bus/usb/devices/1-2/idProduct", "0b07\n");
+    put(root, "sys/bus/usb/devices/1-2/1-2:1.0/modalias", "");
+    put(root, "sys/class/video4linux/video4/name", "");
+    assert_int_equal(symlink("../../../bus/usb/devices/1-2/1-2:1.0",
+                             scratch_path(root, "sys/class/video4linux/video4/device")),
+                     0);
+    assert_int_equal(symlink("../../video4", scratch_path(root, "dev/v4l/by-path/usb-2-index0")),
+                     0);
+    return places;
+}
+
+static void a_camera_is_known_by_its_usb_id_and_a_name_that_lasts(void **state)
+{
+    const struct cli_setup_places places = make_machine(*state);
+    char id[16], name[CLI_DEVICE_PATH_SIZE];
+
+    cli_device_usb_id(&places, scratch_path(*state, "dev/video4"), id);
+    assert_string_equal(id, "8086:0b07");
+    cli_device_usb_id(&places, scratch_path(*state, "dev/v4l/by-path/usb-2-index0"), id);
+    assert_string_equal(id, "8086:0b07");
+    cli_device_usb_id(&places, scratch_path(*state, "dev/video6"), id);
+    assert_string_equal(id, "");
+    cli_device_usb_id(&places, scratch_path(*state, "dev/video9"), id);
+    assert_string_equal(id, "");
+    cli_device_lasting_name(&places, scratch_path(*state, "dev/video4"), name);
+    assert_string_equal(name, scratch_path(*state, "dev/v4l/by-path/usb-2-index0"));
+    cli_device_lasting_name(&places, scratch_path(*state, "dev/video6"), name);
+    assert_string_equal(name, scratch_path(*state, "dev/video6"));
+}
+
+static void the_description_of_a_camera_is_found_by_its_usb_id(void **state)
+{
+    const struct cli_setup_places places = make_machine(*state);
+    static struct cli_cameras cameras;
+
+    cli_cameras_list(&places, &cameras);
+    assert_int_equal(cameras.n, 0);
+    put(*state, "cameras/D435.ini", "[depth]\n");
+    put(*state, "cameras/D435i.ini", "[depth]\n");
+    put(*state, "cameras/other.ini", "# USB id 1d27:0601\n[depth]\n");
+    put(*state, "cameras/README", "8086:0b07");
+    cli_cameras_list(&places, &cameras);
+    assert_int_equal(cameras.n, 3);
+    assert_string_equal(cli_cameras_find(&cameras, "8086:0b07"),
+                        scratch_path(*state, "cameras/D435.ini"));
+    assert_string_equal(cli_cameras_find(&cameras, "8086:0b3a"),
+                        scratch_path(*state, "cameras/D435i.ini"));
+    assert_string_equal(cli_cameras_find(&cameras, "1d27:0601"),
+                        scratch_path(*state, "cameras/other.ini"));
+    assert_null(cli_cameras_find(&cameras, "8086:0b5c"));
+    assert_null(cli_cameras_find(&cameras, ""));
+}
+
+static void only_depth_cameras_are_candidates(void **state)
+{
+    const struct cli_setup_places places = make_machine(*state);
+    static struct cli_devices devices;
+    static struct cli_candidates candidates;
+    char lines[1024];
+
+    (void)snprintf(lines, sizeof lines,
+                   "{\"sensor\":\"v4l2\",\"id\":\"%s\",\"label\":\"D435 at usb: Z16\"}\n"
+                   "{\"sensor\":\"v4l2\",\"id\":\"/dev/video7\",\"label\":\"Webcam at usb: YUYV\"}"
+                   "\n[0:1] a log line {\n"
+                   "{\"sensor\":\"v4l2-stereo\",\"id\":\"/dev/video7\",\"label\":\"Webcam\"}\n"
+                   "{\"sensor\":\"libcamera-stereo\",\"id\":\"/base/a\",\"label\":\"imx296\"}\n"
+                   "{\"sensor\":\"libcamera-stereo\",\"id\":\"/base/b\",\"label\":\"imx296\"}\n"
+                   "{\"sensor\":\"openni2\",\"id\":\"2bc5/0401@1/5\",\"label\":\"Orbbec Astra\"}\n"
+                   "{\"sensor\":\"libcamera\",\"fault\":\"it cannot\"}\n",
+                   scratch_path(*state, "dev/video4"));
+    devices = (struct cli_devices){0};
+    cli_devices_parse(lines, &devices);
+    assert_int_equal(devices.n, 6);
+    assert_string_equal(devices.fault, "libcamera: it cannot");
+    cli_candidates_find(&places, &devices, "[sensor]\nbackend = openni2\n", &candidates);
+    assert_int_equal(candidates.n, 2);
+    assert_string_equal(candidates.items[0].sensor.backend, "v4l2");
+    assert_string_equal(cli_sensor_word_get(&candidates.items[0].sensor, "device"),
+                        scratch_path(*state, "dev/v4l/by-path/usb-2-index0"));
+    assert_string_equal(candidates.items[1].sensor.backend, "openni2");
+    assert_int_equal(candidates.items[1].sensor.n_options, 0);
+    cli_candidates_find(&places, &devices, "[sensor]\nbackend = libcamera-stereo\n", &candidates);
+    assert_int_equal(candidates.n, 3);
+    assert_string_equal(candidates.items[2].sensor.backend, "libcamera-stereo");
+    /* Names that the board's udev rules give go before others. */
+    assert_int_equal(symlink("video4", scratch_path(*state, "dev/isotherm-depth")), 0);
+    assert_int_equal(symlink("video6", scratch_path(*state, "dev/isotherm-ir")), 0);
+    cli_candidates_find(&places, &devices, "", &candidates);
+    assert_string_equal(cli_sensor_word_get(&candidates.items[0].sensor, "device"),
+                        scratch_path(*state, "dev/isotherm-depth"));
+    assert_string_equal(cli_sensor_word_get(&candidates.items[0].sensor, "ir_device"),
+                        scratch_path(*state, "dev/isotherm-ir"));
+}
+
+static const char *only_board_here(const struct cli_setup_places *places)
+{
+    static struct cli_boards boards;
+    struct cli_fault fault = {0};
+    const char *found = "none";
+
+    assert_int_equal(cli_boards_find(places, &boards, &fault), CLI_EXIT_OK);
+    for (size_t i = 0; i < boards.n; i++) {
+        if (boards.items[i].here) {
+            assert_string_equal(found, "none");
+            found = boards.items[i].name;
+        }
+    }
+    return found;
+}
+
+static void a_board_is_recognised_by_what_the_machine_says(void **state)
+{
+    const struct cli_setup_places places = make_machine(*state);
+
+    assert_string_equal(only_board_here(&places), "none");
+    put(*state, "sys/bus/usb/devices/1-3/idVendor", "10c4\n");
+    put(*state, "sys/bus/usb/devices/1-3/idProduct", "ea90\n");
+    assert_string_equal(only_board_here(&places), "pc-usb");
+    put(*state, "sys/bus/usb/devices/1-3/idProduct", "ea60\n");
+    put(*state, "sys/class/dmi/id/sys_vendor", "QEMU\n");
+    assert_string_equal(only_board_here(&places), "qemu");
+    put(*state, "sys/class/dmi/id/sys_vendor", "Not QEMU\n");
+    put(*state, "sys/firmware/devicetree/base/model", "Raspberry Pi 5 Model B Rev 1.0");
+    assert_string_equal(only_board_here(&places), "raspberry-pi-5");
+    put(*state, "sys/firmware/devicetree/base/model", "Radxa ROCK 5B");
+    assert_string_equal(only_board_here(&places), "rock-5b");
+}
+
+static void without_boards_there_is_no_board(void **state)
+{
+    const struct cli_setup_places places = {.boards = *state, .sys = *state};
+    struct cli_boards boards;
+    struct cli_fault fault = {0};
+
+    assert_int_equal(cli_boards_find(&places, &boards, &fault), CLI_EXIT_NOT_FOUND);
+    assert_non_null(strstr(fault.text, *state));
+}
+
+#define IN_SCRATCH(test) cmocka_unit_test_setup_teardown(test, scratch_setup, scratch_teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sensor_is_one_word),
+        cmocka_unit_test(what_no_file_can_hold_is_refused),
+        cmocka_unit_test(the_sensor_is_the_boards_if_the_driver_is_the_same),
+        cmocka_unit_test(what_concerns_neither_sensor_nor_door_stays),
+        IN_SCRATCH(every_composition_is_sound),
+        IN_SCRATCH(a_composition_that_is_not_sound_is_refused_by_name),
+        cmocka_unit_test(a_change_is_shown_line_by_line),
+        IN_SCRATCH(a_file_is_replaced_as_a_whole_and_can_be_put_back),
+        IN_SCRATCH(a_file_that_cannot_be_written_is_named),
+        cmocka_unit_test(a_programs_words_are_kept),
+        IN_SCRATCH(a_camera_is_known_by_its_usb_id_and_a_name_that_lasts),
+        IN_SCRATCH(the_description_of_a_camera_is_found_by_its_usb_id),
+        IN_SCRATCH(only_depth_cameras_are_candidates),
+        IN_SCRATCH(a_board_is_recognised_by_what_the_machine_says),
+        IN_SCRATCH(without_boards_there_is_no_board),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
