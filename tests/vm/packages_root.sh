@@ -57,7 +57,7 @@ cat >"$root/srv/vm-test" <<'END'
 argument() {
     sed "s/.*$1=\([^ ]*\).*/\1/" /proc/cmdline
 }
-mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144,cache=loose root /host
+mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144,cache=loose host /host
 VM_SOURCE=/host$(argument vm_source) VM_CACHE=/host$(argument vm_cache)
 export VM_SOURCE VM_CACHE
 "/host$(argument vm_test)" </dev/null >/dev/ttyS0 2>&1

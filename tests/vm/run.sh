@@ -49,8 +49,10 @@ boot() {
         -serial "file:$build/vm/$name.log" -serial "file:$build/vm/$name.status" \
         -fsdev local,id=root,path=/,security_model=none,readonly=on,multidevs=remap \
         -device virtio-9p-pci,fsdev=root,mount_tag=root \
+        -fsdev local,id=host,path=/,security_model=none,readonly=on,multidevs=remap \
+        -device virtio-9p-pci,fsdev=host,mount_tag=host \
         -kernel "$cache/vmlinuz" -initrd "$cache/initrd" \
-        -append "console=ttyS0 loglevel=4 oops=panic panic=-1 vm_inside=$here/inside.sh vm_test=$here/$name.sh vm_build=$programs vm_source=$source_dir vm_cache=$cache $root" \
+        -append "console=ttyS0 loglevel=4 oops=panic panic=-1 vm_inside=$here/inside.sh vm_test=$here/$name.sh vm_build=$programs vm_source=$source_dir vm_cache=$cache systemd.show_status=false $root" \
         </dev/null >"$build/vm/$name.qemu" 2>&1) || {
         case $? in 124 | 137 | 152) return 124 ;; esac # by the clock; by the processor's, SIGKILL or SIGXCPU
         cat "$build/vm/$name.qemu" >&2
