@@ -103,6 +103,15 @@ static void take_surroundings(struct iso_config *config)
     config->log.journal = config->log.journal && getenv("JOURNAL_STREAM");
 }
 
+static int check(const char *path, const struct iso_config *config, struct iso_fault *fault)
+{
+    const int error = iso_daemon_check(config, fault);
+    if (!error) {
+        printf("%s: sound\n", path);
+    }
+    return error;
+}
+
 static int run(const struct arguments *arguments)
 {
     const struct iso_times times = iso_times_system();
@@ -114,7 +123,7 @@ static int run(const struct arguments *arguments)
         take_surroundings(&config);
     }
     if (!error && arguments->check_config) {
-        printf("%s: sound\n", arguments->config);
+        error = check(arguments->config, &config, &fault);
     } else if (!error && arguments->rest_door) {
         error = iso_parts_rest_door(&config, &times, &fault);
     } else if (!error && arguments->print_log) {

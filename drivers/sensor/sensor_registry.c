@@ -60,6 +60,13 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
     return iso_fault_set(fault, -ENOENT, "no sensor '%s'; there are:%s", name, known);
 }
 
+int iso_sensor_check(const char *name, const struct iso_option *options, size_t n_options,
+                     struct iso_fault *fault)
+{
+    const struct iso_sensor_ops *ops = find(name);
+    return ops ? ops->check(options, n_options, fault) : unknown_back_end(name, fault);
+}
+
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
 {

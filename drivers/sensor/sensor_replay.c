@@ -82,6 +82,14 @@ static void replay_close(void *self)
     free(replay);
 }
 
+static int replay_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    struct replay replay = {.path = NULL};
+    const int error = parse_options(options, n_options, &replay, fault);
+    free(replay.path);
+    return error;
+}
+
 static int replay_open(const struct iso_option *options, size_t n_options,
                        const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
@@ -288,6 +296,7 @@ static int replay_describe(void *self, struct iso_sensor_description *out)
 
 const struct iso_sensor_ops iso_sensor_replay_ops = {
     .name = "replay",
+    .check = replay_check,
     .open = replay_open,
     .start = replay_start,
     .wait = replay_wait,
