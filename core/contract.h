@@ -54,16 +54,19 @@
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
  * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "lost"), "sensor-fault" s,
- * "sensor-calibration" s (what it measures by, "" if it knows itself), "sensor-devices" s (what the
- * back end sees, "" if it cannot tell, or not while it is lost), "door" s (back end), "door-state"
- * s, "door-lines" s (those that are wired), "door-fault" s ("" while its lines work), "mode" s
- * ("watch", "claimed", "enroll", "verify", "identify"), "people" u, "templates" u (of which the
- * running algorithm can use "templates-usable" u), "capacity" u, "frames" t, "last-outcome" s,
- * "image-check" s ("off", "flag", "veto", "absent"), "model" s (checksum), "algorithm" s,
- * "threshold" d, "uptime-ms" x, "log-sequence" t, "lockdown" b, "lockout-ms" x (how long nobody is
- * let in yet, 0: not locked out). Since the start: visits "visits-allowed" t, "visits-denied" t, of
- * which "visits-attack" t because they looked like a picture, screen or mask; "attack-frames" t
- * that did.
+ * "sensor-health" s (what its driver says of it while it runs, "" while all is well),
+ * "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with "nominal" if
+ * the intrinsics are the model's and were not measured on this camera), "sensor-devices" s (what
+ * the back end sees, "" if it cannot tell, or not while it is lost), "door" s (back end),
+ * "door-state" s, "door-lines" s (those that are wired), "door-fault" s ("" while its lines work),
+ * "mode" s
+ * ("watch", "claimed", "enroll", "verify", "identify"), "people" u (of whom "people-valid" u may
+ * come in at this time), "templates" u (of which the running algorithm can use "templates-usable"
+ * u), "capacity" u, "frames" t, "last-outcome" s, "image-check" s ("off", "flag", "veto",
+ * "absent"), "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x, "log-sequence" t,
+ * "lockdown" b, "lockout-ms" x (how long nobody is let in yet, 0: not locked out). Since the start:
+ * visits "visits-allowed" t, "visits-denied" t, of which "visits-attack" t because they looked like
+ * a picture, screen or mask; "attack-frames" t that did.
  *
  * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
  * core/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from the

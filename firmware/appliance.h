@@ -181,6 +181,8 @@ struct iso_appliance_status {
     const char *sensor_model;       /* "" while unknown */
     const char *sensor_calibration; /* "" while unknown, or if it has none */
     const char *sensor_fault;       /* the last one; "" */
+    char sensor_health[64];         /* what its driver says of it; "" while all is well */
+    size_t people_valid;            /* who may come in at this time */
     const char *last_outcome;       /* of a visit: "allow anna", "deny", ""  */
     const char *image_check;        /* "off", "flag", "veto", "absent" (pipeline.h) */
     const struct iso_view *view;    /* of the last frame that was looked at; NULL: there was none */

@@ -294,6 +294,15 @@ static int replay_describe(void *self, struct iso_sensor_description *out)
     return 0;
 }
 
+/* An empty slot is no fault of a replay, whose visitors come and go; but it may be a wrong path. */
+static void replay_health(void *self, struct iso_sensor_device_health *out)
+{
+    const struct replay *replay = self;
+    if (!replay->slot.there) {
+        (void)snprintf(out->state, sizeof out->state, "there is no recording at its path");
+    }
+}
+
 const struct iso_sensor_ops iso_sensor_replay_ops = {
     .name = "replay",
     .check = replay_check,
@@ -302,6 +311,7 @@ const struct iso_sensor_ops iso_sensor_replay_ops = {
     .wait = replay_wait,
     .next_due_ns = replay_next_due_ns,
     .describe = replay_describe,
+    .health = replay_health,
     .stop = replay_stop,
     .close = replay_close,
 };
