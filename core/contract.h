@@ -26,12 +26,17 @@
  *   GetAddress() -> s                    of this appliance, 128 hexadecimal digits
  *   ClearLockout()                       ends a lock-out and has failures forgotten
  *   SetLockdown(b on)                    nobody is let in until it is switched off
+ *   TestDoor()                           unlocks the door for half a second; for administrators, on
+ *                                        record before it is done. Refused while somebody has the
+ *                                        claim, under lockdown or lock-out, if the door is not
+ *                                        locked, and if its lines do not work
  *   AimStart()  AimStop()                from now on View signals are sent to the caller; they end
  *                                        with AimStop or when it leaves the bus
  *
  * An action goes on until a status signal with `done` set; the Stop method ends it before that and
- * is also legal after it. One client at a time has the claim. Nothing that a client does opens the
- * door: only the daemon's own identification does, while nobody has the claim.
+ * is also legal after it. One client at a time has the claim. Nobody is let
+ * in by what a client does: only the daemon's own identification opens the door, while nobody has
+ * the claim. The one exception is TestDoor.
  *
  * Signals:
  * Sent to the claimant only:
@@ -109,6 +114,7 @@
 #define ISO_CONTRACT_GET_ADDRESS    "GetAddress"
 #define ISO_CONTRACT_CLEAR_LOCKOUT  "ClearLockout"
 #define ISO_CONTRACT_SET_LOCKDOWN   "SetLockdown"
+#define ISO_CONTRACT_TEST_DOOR      "TestDoor"
 #define ISO_CONTRACT_AIM_START      "AimStart"
 #define ISO_CONTRACT_AIM_STOP       "AimStop"
 

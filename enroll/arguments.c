@@ -27,6 +27,7 @@ static const struct verb {
     [CLI_KEY] = {"key", "rotate|address", "seal everything with new keys; show the address"},
     [CLI_LOCKDOWN] = {"lockdown", "on|off", "let nobody in, whoever it is, until it is off"},
     [CLI_LOCKOUT] = {"lockout", "clear", "end a lock-out after failures, and forget them"},
+    [CLI_DOOR] = {"door", "test", "have the relay click once, for half a second"},
 };
 
 enum option_id {
@@ -47,6 +48,7 @@ enum option_id {
     OPTION_PASSPHRASE_FILE,
     OPTION_PERSON,
     OPTION_REPLACE,
+    OPTION_YES,
 };
 
 static const struct choice {
@@ -75,6 +77,7 @@ static const struct choice {
      "take the passphrase from the first line of F"},
     {"person", "NAME", OPTION_PERSON, FOR(CLI_EXPORT), "only this one; may be repeated"},
     {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
+    {"yes", NULL, OPTION_YES, FOR(CLI_DOOR), "do it without a question"},
     {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
     {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
     {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
@@ -185,6 +188,9 @@ static bool take(struct cli_arguments *out, enum option_id id, const char *value
         return parse_count(value, 100000, &number) && (out->count = (unsigned)number, true);
     case OPTION_FOLLOW:
         out->follow = true;
+        return true;
+    case OPTION_YES:
+        out->yes = true;
         return true;
     default:
         return take_transfer(out, id, value);

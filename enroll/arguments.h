@@ -25,6 +25,7 @@ enum cli_verb {
     CLI_KEY,
     CLI_LOCKDOWN,
     CLI_LOCKOUT,
+    CLI_DOOR,
     CLI_VERBS /* none given */
 };
 
@@ -47,6 +48,7 @@ struct cli_arguments {
     const char *people[CLI_PEOPLE_MAX];    /* export: these; none: all */
     size_t n_people;
     bool replace; /* import */
+    bool yes;     /* door test: without a question */
 };
 
 /* Reads argv, options and words in any order. The texts of *out point into argv. With --help or

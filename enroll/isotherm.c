@@ -13,7 +13,7 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
         [CLI_LIST] = cli_list,       [CLI_REMOVE] = cli_remove,     [CLI_STATUS] = cli_status,
         [CLI_LOG] = cli_log,         [CLI_AIM] = cli_aim,           [CLI_EXPORT] = cli_export,
         [CLI_IMPORT] = cli_import,   [CLI_KEY] = cli_key,           [CLI_LOCKDOWN] = cli_lockdown,
-        [CLI_LOCKOUT] = cli_lockout,
+        [CLI_LOCKOUT] = cli_lockout, [CLI_DOOR] = cli_door_test,
     };
     struct cli_door *door = NULL;
 

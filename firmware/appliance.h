@@ -3,6 +3,7 @@
  *   WATCH     who comes to the door is identified, and let in
  *   CLAIMED   a client has the camera and does nothing: frames are not looked at
  *   ENROLL, VERIFY, IDENTIFY   ... and does this; nothing of it opens the door
+ * (iso_appliance_test_door, in administration.h, does, in WATCH)
  *
  *   WATCH    claim -> CLAIMED          a visit that has begun is forgotten
  *   CLAIMED  enroll, verify, identify  -> that;  release, or claim_ms without an action -> WATCH

@@ -43,6 +43,7 @@ int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
 
 /* Sends what is seen to who wants it (bus_view.c): a handler of iso_appliance_events. */

@@ -50,7 +50,8 @@ static void an_empty_gallery_is_found(void **state)
 
 static void people_whose_time_has_not_come_are_found(void **state)
 {
-    assert_int_equal(appliance_run(*state, "enroll p01 --valid-from 2037-01-01", "p01-enrol")->exit, 0);
+    assert_int_equal(appliance_run(*state, "enroll p01 --valid-from 2037-01-01", "p01-enrol")->exit,
+                     0);
     expect_finding(*state, 4, "gallery", "fault", "1 people, none of whom may come in at this time",
                    "isotherm list");
     assert_int_equal(appliance_run(*state, "enroll p02", "p02-enrol")->exit, 0);
@@ -78,6 +79,28 @@ static void a_lockout_is_found(void **state)
     expect_finding(*state, 0, "door", "ok", "locked", NULL);
 }
 
+/* The one call that opens the door. Without a terminal nobody can be asked. */
+static void the_relay_is_tested_on_record(void **state)
+{
+    const struct appliance_result *result = appliance_run(*state, "door test", NULL);
+
+    assert_int_equal(result->exit, 2);
+    assert_non_null(strstr(result->err, "confirm with --yes"));
+    assert_int_equal(appliance_run(*state, "door open --yes", NULL)->exit, 2);
+    assert_null(strstr(appliance_run(*state, "log --json -n 3", NULL)->out, "door-test"));
+    result = appliance_run(*state, "door test --yes", NULL);
+    assert_int_equal(result->exit, 0);
+    assert_non_null(strstr(result->out, "The relay was switched"));
+    result = appliance_run(*state, "log --json -n 4", NULL);
+    const char *before = strstr(result->out, "door-test"), *relay = strstr(result->out, "unlocked");
+    assert_true(before && relay && before < relay);
+    assert_int_equal(appliance_run(*state, "lockdown on", NULL)->exit, 0);
+    result = appliance_run(*state, "door test --yes", NULL);
+    assert_int_not_equal(result->exit, 0);
+    assert_non_null(strstr(result->err, "lockdown: nobody is let in"));
+    assert_int_equal(appliance_run(*state, "lockdown off", NULL)->exit, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -86,6 +109,7 @@ int main(void)
         cmocka_unit_test(people_whose_time_has_not_come_are_found),
         cmocka_unit_test(a_lockdown_is_found),
         cmocka_unit_test(a_lockout_is_found),
+        cmocka_unit_test(the_relay_is_tested_on_record),
     };
 
     if (!appliance_find()) {

@@ -51,6 +51,7 @@ static const struct {
     {ISO_CONTRACT_READ_LOG, {false, false, false, true, false}},
     {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false}},
     {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false}},
+    {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };
