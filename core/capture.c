@@ -10,21 +10,14 @@ bool iso_capture_is_attack(enum iso_capture capture)
 const char *iso_capture_name(enum iso_capture capture)
 {
     static const char *const names[ISO_CAPTURES] = {
-        "no-face",        "ok",
-        "too-far",        "too-close",
-        "move-left",      "move-right",
-        "move-up",        "move-down",
-        "turn-left",      "turn-right",
-        "look-up",        "look-down",
-        "too-few-points", "covered-brow",
-        "covered-eyes",   "covered-nose",
-        "covered-mouth",  "covered-left",
-        "covered-right",  "several-faces",
-        "not-a-face",     "moving",
-        "expression",     "flat",
-        "bent",           "screen",
-        "wrong-size",     "eyes-cut",
-        "still",          "no-face-in-image",
+        "no-face",        "ok",           "too-far",          "too-close",
+        "move-left",      "move-right",   "move-up",          "move-down",
+        "turn-left",      "turn-right",   "look-up",          "look-down",
+        "too-few-points", "covered-brow", "covered-eyes",     "covered-nose",
+        "covered-mouth",  "covered-left", "covered-right",    "several-faces",
+        "not-a-face",     "moving",       "expression",       "nobody",
+        "flat",           "bent",         "screen",           "wrong-size",
+        "eyes-cut",       "still",        "no-face-in-image",
     };
     return (unsigned)capture < ISO_CAPTURES ? names[capture] : NULL;
 }

@@ -1,5 +1,6 @@
 /* What became of a frame: a usable face, or the reason why not, which is also the hint to the
- * person. A numerical outcome, never an error code and never a verdict. Zero is "no face".
+ * person. A numerical outcome, never an error code and never a verdict. Zero is "no face":
+ * something is there, and nothing about it is like a face.
  *
  * Directions are the SUBJECT's: "move-left" asks the person to step to his or her own left. */
 #ifndef ISO_CORE_CAPTURE_H
@@ -31,6 +32,7 @@ enum iso_capture {
     ISO_CAPTURE_NOT_A_FACE,    /* something is there, it does not fit a head */
     ISO_CAPTURE_MOVING,
     ISO_CAPTURE_EXPRESSION, /* too strong for the purpose: an enrolment wants a neutral face */
+    ISO_CAPTURE_NOBODY,     /* the scene is empty, but for what lies behind: a hint to no one */
     /* Cues of a presentation attack (ISO/IEC 30107-1). */
     ISO_CAPTURE_FLAT,             /* a flat picture */
     ISO_CAPTURE_BENT,             /* a bent picture */

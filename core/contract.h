@@ -36,6 +36,10 @@
  *   GetAddress() -> s                    of this appliance, 128 hexadecimal digits
  *   ClearLockout()                       ends a lock-out and has failures forgotten
  *   SetLockdown(b on)                    nobody is let in until it is switched off
+ *   TestDoor()                           unlocks the door for half a second; for administrators, on
+ *                                        record before it is done. Refused while somebody has the
+ *                                        claim, under lockdown or lock-out, if the door is not
+ *                                        locked, and if its lines do not work
  *   AimStart()  AimStop()                from now on View signals are sent to the caller; they end
  *                                        with AimStop or when it leaves the bus
  * + Picture() -> h file                 a PNG of the next depth frame as shaded relief, 320x240
@@ -44,8 +48,9 @@
  *                                        error if the camera shows nothing for three seconds
  *
  * An action goes on until a status signal with `done` set; the Stop method ends it before that and
- * is also legal after it. One client at a time has the claim. Nothing that a client does opens the
- * door: only the daemon's own identification does, while nobody has the claim.
+ * is also legal after it. One client at a time has the claim. Nobody is let
+ * in by what a client does: only the daemon's own identification opens the door, while nobody has
+ * the claim. The one exception is TestDoor.
  *
  * A name is one person's without regard to case ("Ada" and "ada"; firmware/person_name.h), and
  * every method takes any spelling of it. Whoever may call EnrollStart hears who is enrolled, so it
@@ -76,16 +81,19 @@
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
  * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "lost"), "sensor-fault" s,
- * "sensor-calibration" s (what it measures by, "" if it knows itself), "sensor-devices" s (what the
- * back end sees, "" if it cannot tell, or not while it is lost), "door" s (back end), "door-state"
- * s, "door-lines" s (those that are wired), "door-fault" s ("" while its lines work), "mode" s
- * ("watch", "claimed", "enroll", "verify", "identify"), "people" u, "templates" u (of which the
- * running algorithm can use "templates-usable" u), "capacity" u, "frames" t, "last-outcome" s,
- * "image-check" s ("off", "flag", "veto", "absent"), "model" s (checksum), "algorithm" s,
- * "threshold" d, "uptime-ms" x, "log-sequence" t, "lockdown" b, "lockout-ms" x (how long nobody is
- * let in yet, 0: not locked out). Since the start: visits "visits-allowed" t, "visits-denied" t, of
- * which "visits-attack" t because they looked like a picture, screen or mask; "attack-frames" t
- * that did.
+ * "sensor-health" s (what its driver says of it while it runs, "" while all is well),
+ * "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with "nominal" if
+ * the intrinsics are the model's and were not measured on this camera), "sensor-devices" s (what
+ * the back end sees, "" if it cannot tell, or not while it is lost), "door" s (back end),
+ * "door-state" s, "door-lines" s (those that are wired), "door-fault" s ("" while its lines work),
+ * "mode" s
+ * ("watch", "claimed", "enroll", "verify", "identify"), "people" u (of whom "people-valid" u may
+ * come in at this time), "templates" u (of which the running algorithm can use "templates-usable"
+ * u), "capacity" u, "frames" t, "last-outcome" s, "image-check" s ("off", "flag", "veto",
+ * "absent"), "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x, "log-sequence" t,
+ * "lockdown" b, "lockout-ms" x (how long nobody is let in yet, 0: not locked out). Since the start:
+ * visits "visits-allowed" t, "visits-denied" t, of which "visits-attack" t because they looked like
+ * a picture, screen or mask; "attack-frames" t that did.
  *
  * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
  * core/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from the
@@ -136,6 +144,7 @@
 #define ISO_CONTRACT_GET_ADDRESS    "GetAddress"
 #define ISO_CONTRACT_CLEAR_LOCKOUT  "ClearLockout"
 #define ISO_CONTRACT_SET_LOCKDOWN   "SetLockdown"
+#define ISO_CONTRACT_TEST_DOOR      "TestDoor"
 #define ISO_CONTRACT_AIM_START      "AimStart"
 #define ISO_CONTRACT_AIM_STOP       "AimStop"
 #define ISO_CONTRACT_PICTURE        "Picture"

@@ -22,7 +22,19 @@ static const double covered_max[ISO_FACE_PARTS] = {
     [ISO_PART_MOUTH] = 0.6, [ISO_PART_LEFT] = 0.6, [ISO_PART_RIGHT] = 0.6,
 };
 
-/* What a frame without a face holds instead. */
+/* So much of a wall's or a table's surface lies on one plane. The backs of people and what else is
+ * as large reach 0.6. */
+static const double wall_flat_share = 0.8;
+
+/* Whether the nearest thing within the range of use is none that a visitor could be: there is none,
+ * or it is larger than a person can hold and flat. */
+static bool is_background(const struct iso_presentation_cues *cues,
+                          const struct iso_presentation_options *bounds)
+{
+    return !cues->has_sheet || (cues->sheet.area_mm2 > bounds->held_area_max_mm2 &&
+                                cues->sheet.flat.inlier_share >= wall_flat_share);
+}
+
 enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
                                           const struct iso_candidate_options *range,
                                           enum iso_capture otherwise)
@@ -32,7 +44,12 @@ enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
     iso_presentation_measure_scene(x->presentation, &x->coarse, range->near_mm,
                                    x->options.distance_max_mm, &cues);
     enum iso_capture outcome = iso_presentation_judge(&cues, &bounds);
-    return outcome == ISO_CAPTURE_OK ? otherwise : outcome;
+    if (outcome != ISO_CAPTURE_OK) {
+        return outcome;
+    }
+    /* The depths of an orthographic image count from anywhere: nothing of it is known to be far. */
+    const bool distant = isfinite(range->far_mm);
+    return distant && is_background(&cues, &bounds) ? ISO_CAPTURE_NOBODY : otherwise;
 }
 
 /* The way a face that is cut by the image border should go, as the subject sees it, whose left is

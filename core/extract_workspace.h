@@ -83,8 +83,8 @@ struct iso_extractor {
     struct iso_grid_tracer *grid_tracer;
 };
 
-/* extract_judge.c: where no face was found, what else is; `otherwise` if that is nothing special.
- */
+/* extract_judge.c: where no face was found, what else is: a picture that is held up, nobody, or
+ * `otherwise`. */
 enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
                                           const struct iso_candidate_options *range,
                                           enum iso_capture otherwise);

@@ -30,6 +30,7 @@ static const struct verb {
     [CLI_LOCKDOWN] = {"lockdown", "on|off", "let nobody in, whoever it is, until it is off"},
     [CLI_LOCKOUT] = {"lockout", "clear", "end a lock-out after failures, and forget them"},
     [CLI_SETUP] = {"setup", "", "find camera and board, configure the daemon and start it"},
+    [CLI_DOOR] = {"door", "test", "have the relay click once, for half a second"},
 };
 
 enum option_id {
@@ -96,7 +97,7 @@ static const struct choice {
     {"sensor", "WORD", OPTION_SENSOR, FOR(CLI_SETUP),
      "the sensor: openni2, v4l2:/dev/video0, replay:/DIRECTORY, ..."},
     {"board", "NAME", OPTION_BOARD, FOR(CLI_SETUP), "the board that has the door's lines"},
-    {"yes", NULL, OPTION_YES, FOR(CLI_SETUP), "ask nothing"},
+    {"yes", NULL, OPTION_YES, FOR(CLI_SETUP) | FOR(CLI_DOOR), "ask nothing"},
     {"dry-run", NULL, OPTION_DRY_RUN, FOR(CLI_SETUP), "show the file and change nothing"},
     {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
     {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},

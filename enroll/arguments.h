@@ -28,6 +28,7 @@ enum cli_verb {
     CLI_LOCKDOWN,
     CLI_LOCKOUT,
     CLI_SETUP,
+    CLI_DOOR,
     CLI_VERBS /* none given */
 };
 
@@ -57,7 +58,8 @@ struct cli_arguments {
     bool replace;               /* import */
     const char *picture;        /* aim, setup: the file to write; NULL: not given */
     const char *sensor, *board; /* setup; NULL: not given */
-    bool yes, dry_run;          /* setup */
+    bool yes;                   /* setup, door test: without a question */
+    bool dry_run;               /* setup */
 };
 
 /* Reads argv, options and words in any order. The texts of *out point into argv. With --help or

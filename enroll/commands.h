@@ -40,6 +40,8 @@ enum cli_exit cli_lockdown(struct cli_door *door, const struct cli_arguments *ar
                            struct cli_fault *fault);
 enum cli_exit cli_lockout(struct cli_door *door, const struct cli_arguments *arguments,
                           struct cli_fault *fault);
+enum cli_exit cli_door_test(struct cli_door *door, const struct cli_arguments *arguments,
+                            struct cli_fault *fault);
 
 /* Opens the bus by itself: that it cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);

@@ -82,6 +82,25 @@ static const char *remedy_for_sensor(const char *fault)
                        "keeps trying");
 }
 
+/* It runs; its driver may know why it gives nothing all the same. A daemon that does not know of
+ * that tells nothing. */
+static void judge_running_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *health = cli_state_text(state, "sensor-health");
+    const bool well = !health || !*health;
+    const bool never = cli_state_number(state, "frames", 0) == 0;
+    char found[256];
+
+    (void)snprintf(found, sizeof found, "started%s%s%s", well ? "" : ": ", well ? "" : health,
+                   !well && never ? ", and there never was a frame" : "");
+    cli_diagnosis_add(diagnosis, "sensor", well ? CLI_CHECK_GOOD : CLI_CHECK_ODD, found,
+                      well ? NULL
+                      : strstr(health, "no recording at its path")
+                          ? "let [sensor] path in isotherm.conf(5) name a recording, or choose the "
+                            "driver of a camera"
+                          : "check its cable and power; isotherm log");
+}
+
 static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *word = cli_state_text(state, "sensor-state");
@@ -89,7 +108,7 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
     char found[256];
 
     if (word && strcmp(word, "started") == 0) {
-        cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_GOOD, word, NULL);
+        judge_running_sensor(diagnosis, state);
         return;
     }
     (void)snprintf(found, sizeof found, "%s%s%s", word ? word : "not told",
@@ -123,11 +142,31 @@ static void judge_calibration(struct cli_diagnosis *diagnosis, const json_t *sta
         pixels--;
     }
     const bool bad = pixels && strtod(pixels, NULL) > 0.5;
-    const bool unknown = strstr(calibration, "by hand") != NULL;
+    const bool unknown = strstr(calibration, "by hand") != NULL ||
+                         strncmp(calibration, "nominal", strlen("nominal")) == 0;
     cli_diagnosis_add(
         diagnosis, "calibration", bad || unknown ? CLI_CHECK_ODD : CLI_CHECK_GOOD, calibration,
         bad || unknown ? "calibrate the cameras with a checkerboard: isotherm-sim calibrate"
                        : NULL);
+}
+
+/* A door that refuses everybody is not in service. */
+static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const json_int_t left_ms = cli_state_number(state, "lockout-ms", 0);
+    char found[96];
+
+    if (json_is_true(json_object_get(state, "lockdown"))) {
+        cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, "lockdown: nobody is let in",
+                          "isotherm log says since when; end it with: isotherm lockdown off");
+    } else if (left_ms > 0) {
+        (void)snprintf(found, sizeof found,
+                       "locked out: nobody is let in for %" JSON_INTEGER_FORMAT " s more",
+                       (left_ms + 999) / 1000);
+        cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, found,
+                          "isotherm log says after which visits; end it with: isotherm lockout "
+                          "clear");
+    }
 }
 
 static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
@@ -210,7 +249,8 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const json_int_t people = cli_state_number(state, "people", -1);
     const json_int_t templates = cli_state_number(state, "templates-usable", -1);
-    char found[64];
+    const json_int_t valid = cli_state_number(state, "people-valid", people);
+    char found[128];
 
     if (people < 0) {
         cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, "not told",
@@ -223,6 +263,13 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     if (people == 0) {
         cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, found,
                           "the door opens to nobody yet: isotherm enroll NAME");
+    } else if (valid == 0) {
+        (void)snprintf(found, sizeof found,
+                       "%" JSON_INTEGER_FORMAT " people, none of whom may come in at this time",
+                       people);
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, found,
+                          "isotherm list shows from when and until when each may come in; "
+                          "isotherm validity NAME changes it; is the clock right?");
     } else if (templates < people) {
         cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, found,
                           "some people have no template of this algorithm: enrol them again");
@@ -251,6 +298,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_sensor(diagnosis, state);
     judge_devices(diagnosis, state);
     judge_calibration(diagnosis, state);
+    judge_service(diagnosis, state);
     judge_door(diagnosis, state);
     judge_lines(diagnosis, state);
     judge_model(diagnosis, state);

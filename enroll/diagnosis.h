@@ -14,7 +14,7 @@ enum cli_check {
     CLI_CHECK_BAD,
 };
 
-enum { CLI_FINDINGS_MAX = 16 };
+enum { CLI_FINDINGS_MAX = 20 };
 
 struct cli_diagnosis {
     size_t n_findings;

@@ -10,6 +10,7 @@ const char *cli_hint_text(const char *capture_word)
 {
     static const char *const hints[ISO_CAPTURES] = {
         [ISO_CAPTURE_NO_FACE] = "no face to be seen: stand in front of the camera",
+        [ISO_CAPTURE_NOBODY] = "nobody is there",
         [ISO_CAPTURE_OK] = "good, hold still",
         [ISO_CAPTURE_TOO_FAR] = "come closer",
         [ISO_CAPTURE_TOO_CLOSE] = "step back a little",

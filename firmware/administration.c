@@ -278,6 +278,38 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
 }
 
+/* ---- the door ---- */
+
+static int may_test_door(const struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const struct iso_config_door *config = &appliance->parts.config->door;
+    if (appliance->mode != ISO_APPLIANCE_WATCH) {
+        return iso_fault_set(fault, -EBUSY, "the camera is claimed, the door is not watched");
+    }
+    if (iso__appliance_is_shut(appliance)) {
+        return iso_fault_set(fault, -EPERM, "%s: nobody is let in",
+                             appliance->lockout.lockdown ? "lockdown" : "locked out");
+    }
+    if (*config->wiegand_d0 && !*config->relay) {
+        return iso_fault_set(fault, -ENODEV, "the door has no relay: [door] relay is empty");
+    }
+    return iso_door_control_may_test(&appliance->door, fault);
+}
+
+int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    struct iso_fault own = {""};
+    int error = may_test_door(appliance, fault);
+    error = error ? error : announce(appliance, "door-test", NULL, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_door_control_test(&appliance->door, iso_times_now_ns(&appliance->parts.times),
+                                  &own);
+    conclude(appliance, "door-test", error, &own, "the relay was switched");
+    return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
+}
+
 /* ---- keys ---- */
 
 static int rotate_stores(struct iso_appliance *appliance, struct iso_fault *fault)

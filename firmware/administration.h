@@ -1,6 +1,6 @@
-/* What an administrator does to the stores of an appliance: people renamed, limited in time, copied
- * from door to door; keys rotated. Each is on record before it is done, and again with what came of
- * it. */
+/* What an administrator does to an appliance: people renamed, limited in time, copied from door to
+ * door; keys rotated; the relay tested. Each is on record before it is done, and again with what
+ * came of it. */
 #ifndef ISO_FIRMWARE_ADMINISTRATION_H
 #define ISO_FIRMWARE_ADMINISTRATION_H
 
@@ -12,6 +12,13 @@
 
 /* Common to all: -EBUSY an action of a client goes on; an error of the log, when it could not be
  * put on record: then nothing was done. */
+
+/* Unlocks the door for ISO_DOOR_TEST_MS, so that who installs it hears the relay click. Besides the
+ * daemon's own identification and the exit button nothing else does. -EBUSY a client has the
+ * camera, or the door is not locked; -EPERM lockdown or lock-out; -ENODEV the door has no relay, or
+ * its lines do not work. */
+int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Writes people (NULL, or an empty list: all; NULL ends it) to an open, empty file. -EINVAL it is
  * not a file, or not empty; the errors of iso_transfer_write and of writing. */

@@ -374,7 +374,8 @@ bool iso_appliance_is_aimed(const struct iso_appliance *appliance)
 struct iso_appliance_status iso_appliance_status(const struct iso_appliance *appliance)
 {
     const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
-    return (struct iso_appliance_status){
+    const struct iso_sensor *sensor = appliance->keeper.sensor;
+    struct iso_appliance_status status = {
         .mode = appliance->mode,
         .door = appliance->door.door.state,
         .door_fault = appliance->door.broken ? appliance->door.fault : "",
@@ -393,6 +394,13 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .frames = appliance->keeper.frames,
         .model = pipeline->ops->model(pipeline->self),
         .algorithm = pipeline->ops->algorithm(pipeline->self),
+        .people_valid = iso__appliance_count_valid(appliance),
         .uptime_ns = iso_times_now_ns(&appliance->parts.times) - appliance->start_ns,
     };
+    if (sensor) {
+        const struct iso_sensor_health health = iso_sensor_health(sensor);
+        (void)snprintf(status.sensor_health, sizeof status.sensor_health, "%s",
+                       health.device.state);
+    }
+    return status;
 }

@@ -3,6 +3,7 @@
  *   WATCH     who comes to the door is identified, and let in
  *   CLAIMED   a client has the camera and does nothing: frames are not looked at
  *   ENROLL, VERIFY, IDENTIFY   ... and does this; nothing of it opens the door
+ * (iso_appliance_test_door, in administration.h, does, in WATCH)
  *
  *   WATCH    claim -> CLAIMED          a visit that has begun is forgotten
  *   CLAIMED  enroll, verify, identify  -> that;  release, or claim_ms without an action -> WATCH
@@ -196,6 +197,8 @@ struct iso_appliance_status {
     const char *sensor_model;       /* "" while unknown */
     const char *sensor_calibration; /* "" while unknown, or if it has none */
     const char *sensor_fault;       /* the last one; "" */
+    char sensor_health[64];         /* what its driver says of it; "" while all is well */
+    size_t people_valid;            /* who may come in at this time */
     const char *last_outcome;       /* of a visit: "allow anna", "deny", ""; behind the name
                                        ", door not-unlocked" if that is what it did */
     const char *image_check;        /* "off", "flag", "veto", "absent" (pipeline.h) */

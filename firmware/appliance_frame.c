@@ -209,10 +209,14 @@ static enum iso_capture judge(struct iso_appliance *appliance, const struct iso_
                                                    : ISO_CAPTURE_OK;
 }
 
-/* Whether a word may become a hint: a client's person is there and waits for one; at the door
- * somebody has to be seen, and who has got a verdict needs none. */
+/* Whether a word may become a hint. An empty scene never does. For a client's action, a person is
+ * there and waits for hints; at the door somebody has to be seen, and a face that has got its
+ * verdict needs none. */
 static bool may_hint(const struct iso_appliance *appliance, enum iso_capture capture)
 {
+    if (capture == ISO_CAPTURE_NOBODY) {
+        return false;
+    }
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         return appliance->mode != ISO_APPLIANCE_CLAIMED;
     }

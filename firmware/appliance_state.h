@@ -110,6 +110,9 @@ void iso__appliance_unlearn(struct iso_appliance *appliance);
 /* Whether a person may come in at this time; one who is not in the gallery may not. */
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person);
 
+/* How many of the enrolled people may come in at this time. */
+size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
+
 /* ---- lock-out and lockdown (appliance_refusal.c) ---- */
 
 /* As it was before a restart; a lockdown if that cannot be known. */

@@ -18,18 +18,31 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
     };
 }
 
-bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person_id)
+static bool is_valid_at(const struct iso_person *person, int64_t now_s)
 {
-    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, person_id);
-    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
-    if (!person) {
-        return false;
-    }
     if (person->valid_from_s == 0 && person->valid_until_s == 0) {
         return true;
     }
     return iso_wall_is_set(now_s) && now_s >= person->valid_from_s &&
            (person->valid_until_s == 0 || now_s <= person->valid_until_s);
+}
+
+bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person_id)
+{
+    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, person_id);
+    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    return person && is_valid_at(person, now_s);
+}
+
+size_t iso__appliance_count_valid(const struct iso_appliance *appliance)
+{
+    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    size_t n = 0, valid = 0;
+    const struct iso_person *people = iso_gallery_people(appliance->parts.gallery, &n);
+    for (size_t i = 0; i < n; i++) {
+        valid += is_valid_at(&people[i], now_s);
+    }
+    return valid;
 }
 
 static const char *verdict_word(const struct iso_verdict *verdict)

@@ -73,6 +73,19 @@ static int begin(struct iso_bus *bus)
                        "org.freedesktop.DBus.Local", "Disconnected", on_disconnected, NULL, bus);
 }
 
+/* A transport and a colon, as the D-Bus specification asks for ("Server Addresses"). */
+int iso_bus_check_address(const char *address, struct iso_fault *fault)
+{
+    const char *colon = strchr(address, ':');
+    if (strcmp(address, "system") == 0 || strcmp(address, "session") == 0 ||
+        (colon && colon > address)) {
+        return 0;
+    }
+    return iso_fault_set(fault, -EINVAL,
+                         "bus '%s': not system, session or an address such as unix:path=/run/bus",
+                         address);
+}
+
 int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fault)
 {
     const char *unique;

@@ -15,6 +15,10 @@
 
 struct iso_bus;
 
+/* Whether this can be the address of a bus: -EINVAL with a fault if not. Connects to nothing. */
+int iso_bus_check_address(const char *address, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Connects: address is "system", "session" or a D-Bus address. Negative errno with a fault. */
 int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

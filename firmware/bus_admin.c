@@ -140,6 +140,14 @@ int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out)
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, "s", remark);
 }
 
+int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    struct iso_fault fault = {""};
+    const int r = iso_appliance_test_door(bus->appliance, &fault);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
 int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;

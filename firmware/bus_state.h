@@ -56,6 +56,7 @@ int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
 
 /* The methods that change a person (bus_people.c). */

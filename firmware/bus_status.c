@@ -101,7 +101,7 @@ static int append_checksum(sd_bus_message *reply, const char *key, uint32_t valu
     return append_text(reply, key, text);
 }
 
-static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus)
+static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size_t valid)
 {
     size_t n = 0;
     uint32_t templates = 0, usable = 0;
@@ -111,6 +111,7 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus)
         usable += people[i].usable;
     }
     int r = sd_bus_message_append(reply, "{sv}", "people", "u", (uint32_t)n);
+    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "people-valid", "u", (uint32_t)valid);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates", "u", templates);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates-usable", "u", usable);
     return r < 0 ? r
@@ -130,6 +131,7 @@ static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
         {"sensor-state", status->sensor_state},
         {"sensor-calibration", status->sensor_calibration},
         {"sensor-fault", status->sensor_fault},
+        {"sensor-health", status->sensor_health},
         {"door", bus->parts->config->door.backend},
         {"door-fault", status->door_fault},
         {"door-state", iso_door_state_name(status->door)},
@@ -169,7 +171,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     r = r < 0 ? r : append_texts(reply, bus, &status);
     r = r < 0 ? r : append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
     r = r < 0 ? r : append_lines(reply, &bus->parts->config->door);
-    r = r < 0 ? r : append_gallery(reply, bus);
+    r = r < 0 ? r : append_gallery(reply, bus, status.people_valid);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
     r = r < 0 ? r : append_checksum(reply, "model", status.model);
     r = r < 0 ? r : append_checksum(reply, "algorithm", status.algorithm);

@@ -115,10 +115,11 @@ static int allow_configured(const struct ruleset *ruleset, const struct iso_conf
 {
     const char *const stores[] = {config->gallery.path, config->log.path, config->lockout.path,
                                   config->seal.key};
-    const char *const named[] = {
-        config->model.head,    config->model.cohort,       config->recognition.cascade,
-        config->door.cards,    config->door.inputs,        config->sensor.path,
-        config->sensor.camera, config->sensor.calibration, ISOTHERM_DATA_DIR};
+    const char *const named[] = {config->model.head,         config->model.metric,
+                                 config->model.cohort,       config->recognition.cascade,
+                                 config->door.cards,         config->door.inputs,
+                                 config->sensor.path,        config->sensor.camera,
+                                 config->sensor.calibration, ISOTHERM_DATA_DIR};
     int error = strcmp(config->sensor.backend, "replay") == 0 ? allow(ruleset, "/", reading) : 0;
     for (size_t i = 0; !error && i < sizeof stores / sizeof *stores; i++) {
         error = *stores[i] ? allow_beside(ruleset, stores[i], reading | writing) : 0;

@@ -179,6 +179,9 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
         error = confine_files(daemon, config, fault);
     }
     if (!error) {
+        error = iso_bus_check_address(config->bus.address, fault);
+    }
+    if (!error) {
         error = iso_parts_open(config, &times, &daemon->parts, fault);
     }
     if (!error) {
@@ -309,6 +312,14 @@ static void tear_down(struct daemon *daemon)
     iso_parts_close(daemon->parts);
     sd_event_unref(daemon->event);
     release_signals();
+}
+
+int iso_daemon_check(const struct iso_config *config, struct iso_fault *fault)
+{
+    const struct iso_times times = iso_times_system();
+    int error = iso_parts_load_modules(config, fault);
+    error = error ? error : iso_bus_check_address(config->bus.address, fault);
+    return error ? error : iso_parts_check(config, &times, fault);
 }
 
 int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)

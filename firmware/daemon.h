@@ -11,6 +11,12 @@
 int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Whether iso_daemon_run would start with this configuration, as far as that can be told without
+ * devices, without the bus and without what the stores hold: asks what the start asks first. Errors
+ * of iso_parts_check; -EINVAL an address of no bus. */
+int iso_daemon_check(const struct iso_config *config, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* A line on stderr, with the priority (as in syslog.h) in front if that is the system's journal. */
 void iso_daemon_say(int priority, const char *text);
 

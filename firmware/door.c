@@ -15,8 +15,9 @@ const char *iso_door_state_name(enum iso_door_state state)
 const char *iso_door_event_name(enum iso_door_event event)
 {
     static const char *const names[ISO_DOOR_EVENTS] = {
-        "start",  "start-open", "stop",         "grant", "refuse",    "exit-button",  "opened",
-        "closed", "tamper",     "tamper-ended", "fault", "recovered", "not-switched", "time",
+        "start",        "start-open",  "stop",      "grant",        "refuse",
+        "test",         "exit-button", "opened",    "closed",       "tamper",
+        "tamper-ended", "fault",       "recovered", "not-switched", "time",
     };
     return (unsigned)event < ISO_DOOR_EVENTS ? names[event] : NULL;
 }
@@ -38,11 +39,13 @@ static enum iso_door_state rest(const struct iso_door *door)
 }
 
 /* When a state that is entered, or entered anew, ends by itself. */
-static int64_t due_of(const struct iso_door *door, enum iso_door_state state, int64_t now_ns)
+static int64_t due_of(const struct iso_door *door, enum iso_door_state state,
+                      enum iso_door_event event, int64_t now_ns)
 {
     switch (state) {
     case ISO_DOOR_UNLOCKED:
-        return now_ns + door->options.unlock_ns;
+        return now_ns + (event == ISO_DOOR_ON_TEST ? ISO_DOOR_TEST_MS * ISO_NS_PER_MS
+                                                   : door->options.unlock_ns);
     case ISO_DOOR_OPENED:
         return now_ns + door->options.held_ns;
     default:
@@ -131,6 +134,7 @@ static enum iso_door_state after(const struct iso_door *door, enum iso_door_even
     case ISO_DOOR_ON_STOP:
         return ISO_DOOR_STOPPED;
     case ISO_DOOR_ON_GRANT:
+    case ISO_DOOR_ON_TEST:
         return state == ISO_DOOR_LOCKED ? ISO_DOOR_UNLOCKED : state;
     case ISO_DOOR_ON_EXIT_BUTTON:
         return is_shut(state) ? ISO_DOOR_UNLOCKED : state;
@@ -164,7 +168,7 @@ bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t n
     const bool changed = next != door->state;
     if (changed || renews(door, event)) {
         const bool pulses = next == ISO_DOOR_UNLOCKED && door->options.pulse_ns > 0;
-        door->state_due_ns = due_of(door, next, now_ns);
+        door->state_due_ns = due_of(door, next, event, now_ns);
         door->pulse_due_ns = pulses ? now_ns + door->options.pulse_ns : ISO_NEVER_NS;
     }
     door->state = next;

@@ -10,6 +10,7 @@
  *
  *   STOPPED    start -> REST     start-open -> OPENED
  *   LOCKED     grant, exit-button -> UNLOCKED     opened -> FORCED     fault -> FAULT
+ *              test -> UNLOCKED, for ISO_DOOR_TEST_MS
  *   FAULT      exit-button -> UNLOCKED     recovered -> LOCKED
  *              opened -> FORCED (fail-secure), OPENED (fail-safe)
  *   UNLOCKED   opened -> OPENED     after unlock_ms, not-switched -> REST
@@ -56,6 +57,7 @@ enum iso_door_event {
     ISO_DOOR_ON_STOP,
     ISO_DOOR_ON_GRANT, /* a face is let in */
     ISO_DOOR_ON_REFUSE,
+    ISO_DOOR_ON_TEST, /* an administrator has the relay click once */
     ISO_DOOR_ON_EXIT_BUTTON,
     ISO_DOOR_ON_OPENED,
     ISO_DOOR_ON_CLOSED,
@@ -71,9 +73,12 @@ enum iso_door_event {
 /* "stopped", "locked", "unlocked", "opened", "held-open", "forced", "fault"; NULL outside. */
 const char *iso_door_state_name(enum iso_door_state state);
 
-/* "start", "start-open", "stop", "grant", "refuse", "exit-button", "opened", "closed", "tamper",
- * "tamper-ended", "fault", "recovered", "not-switched", "time"; NULL outside. */
+/* "start", "start-open", "stop", "grant", "refuse", "test", "exit-button", "opened", "closed",
+ * "tamper", "tamper-ended", "fault", "recovered", "not-switched", "time"; NULL outside. */
 const char *iso_door_event_name(enum iso_door_event event);
+
+/* How long the door is unlocked by a test. */
+enum { ISO_DOOR_TEST_MS = 500 };
 
 enum iso_door_fail {
     ISO_DOOR_FAIL_SECURE = 0,

@@ -248,6 +248,34 @@ void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns)
     apply(control, now_ns);
 }
 
+static int lines_at_fault(const struct iso_door_control *control, struct iso_fault *fault)
+{
+    return iso_fault_set(fault, -ENODEV, "the door's lines are at fault: %.200s", control->fault);
+}
+
+int iso_door_control_may_test(const struct iso_door_control *control, struct iso_fault *fault)
+{
+    const enum iso_door_state state = control->door.state;
+    if (control->broken) {
+        return lines_at_fault(control, fault);
+    }
+    return state == ISO_DOOR_LOCKED
+               ? 0
+               : iso_fault_set(fault, -EBUSY, "the door is %s%s, not locked",
+                               state == ISO_DOOR_FAULT ? "at " : "", iso_door_state_name(state));
+}
+
+int iso_door_control_test(struct iso_door_control *control, int64_t now_ns, struct iso_fault *fault)
+{
+    const int error = iso_door_control_may_test(control, fault);
+    if (error) {
+        return error;
+    }
+    tell(control, ISO_DOOR_ON_TEST, now_ns);
+    apply(control, now_ns);
+    return control->broken ? lines_at_fault(control, fault) : 0;
+}
+
 void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns)
 {
     control->asked_fault = fault;

@@ -68,6 +68,15 @@ enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, in
 /* Shows a refusal. */
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns);
 
+/* Has the relay click once. 0 if its line did; -EBUSY the door is not locked, -ENODEV its lines do
+ * not work, each with a fault. Then nothing was switched, or the line at fault was. */
+int iso_door_control_test(struct iso_door_control *control, int64_t now_ns, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Whether a test can be made: its errors, and nothing is switched. */
+int iso_door_control_may_test(const struct iso_door_control *control, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* A fault that is not the door's own begins or ends. */
 void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns);
 

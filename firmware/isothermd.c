@@ -109,7 +109,7 @@ static void take_surroundings(struct iso_config *config)
 
 static int check(const char *path, const struct iso_config *config, struct iso_fault *fault)
 {
-    const int error = iso_parts_load_modules(config, fault);
+    const int error = iso_daemon_check(config, fault);
     if (!error) {
         printf("%s: sound\n", path);
     }

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "drivers/vision/face_detector.h"
 #include "firmware/journal.h"
@@ -50,6 +51,83 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
 static bool passes(int error)
 {
     return error == -ENODEV || error == -EBUSY || error == -EACCES || error == -EIO;
+}
+
+static int check_sensor(const struct iso_config *config, struct iso_fault *fault)
+{
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    const size_t n = iso_config_sensor_options(config, options);
+    return iso_sensor_check(config->sensor.backend, options, n, fault);
+}
+
+static int check_door(const struct iso_config *config, struct iso_fault *fault)
+{
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    const size_t n = iso_config_door_options(config, options);
+    return iso_door_io_check(config->door.backend, options, n, fault);
+}
+
+/* The length of a path's directory with its last slash; 0: the working directory. */
+static size_t directory_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? (size_t)(slash + 1 - path) : 0;
+}
+
+/* The service manager makes this directory at the start (StateDirectory= of the unit). */
+static bool in_state_directory(const char *path)
+{
+    const struct iso_config standard = iso_config_default();
+    const size_t length = directory_length(standard.gallery.path);
+    return directory_length(path) == length && strncmp(path, standard.gallery.path, length) == 0;
+}
+
+/* The directory of a file that the daemon makes if need be. */
+static int check_place(const char *key, const char *path, struct iso_fault *fault)
+{
+    char directory[ISO_CONFIG_TEXT_SIZE + 8];
+    struct stat status;
+    const size_t length = directory_length(path);
+    if (length == 0 || in_state_directory(path)) {
+        return 0;
+    }
+    (void)snprintf(directory, sizeof directory, "%.*s", (int)length, path);
+    if (stat(directory, &status) == 0) {
+        return 0;
+    }
+    const int error = errno == ENOTDIR ? -ENOENT : -errno;
+    return iso_fault_set(fault, error, "%s %s: the directory %s: %s", key, path, directory,
+                         strerror(-error));
+}
+
+static int check_places(const struct iso_config *config, struct iso_fault *fault)
+{
+    const struct {
+        const char *key, *path;
+    } places[] = {
+        {"[gallery] path", config->gallery.path},
+        {"[seal] key", config->seal.key},
+        {"[log] path", config->log.path},
+        {"[lockout] path", config->lockout.path},
+    };
+    int error = 0;
+    for (size_t i = 0; !error && i < sizeof places / sizeof *places; i++) {
+        error = check_place(places[i].key, places[i].path, fault);
+    }
+    return error;
+}
+
+/* Everything that needs neither a device nor a store. */
+static int open_files(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_config *config = &parts->config;
+    int error = open_pipeline(parts, fault);
+    if (!error && *config->door.cards) {
+        error = iso_cards_load(config->door.cards, &parts->cards, fault);
+    }
+    error = error ? error : check_sensor(config, fault);
+    error = error ? error : check_door(config, fault);
+    return error ? error : check_places(config, fault);
 }
 
 static int new_door(const struct iso_config *config, const struct iso_times *times,
@@ -145,8 +223,7 @@ static void place_lockout(struct iso_parts *parts)
 {
     static const char name[] = "lockout";
     const struct iso_config *config = &parts->config;
-    const char *slash = strrchr(config->log.path, '/');
-    const size_t length = slash ? (size_t)(slash + 1 - config->log.path) : 0;
+    const size_t length = directory_length(config->log.path);
     if (*config->lockout.path) {
         (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%s", config->lockout.path);
     } else {
@@ -177,6 +254,20 @@ int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fa
     return lacking == -ENOENT && !*config->recognition.cascade ? 0 : lacking;
 }
 
+int iso_parts_check(const struct iso_config *config, const struct iso_times *times,
+                    struct iso_fault *fault)
+{
+    struct iso_parts *parts = calloc(1, sizeof *parts);
+    if (!parts) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    parts->config = *config;
+    parts->times = *times;
+    const int error = open_files(parts, fault);
+    iso_parts_close(parts);
+    return error;
+}
+
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)
 {
@@ -187,12 +278,9 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
     parts->config = *config;
     parts->times = *times;
     place_lockout(parts);
-    int error = open_pipeline(parts, fault);
+    int error = open_files(parts, fault);
     if (!error) {
         error = open_stores(parts, fault);
-    }
-    if (!error && *config->door.cards) {
-        error = iso_cards_load(config->door.cards, &parts->cards, fault);
     }
     if (!error) {
         error = open_door(parts, fault);

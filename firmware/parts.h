@@ -28,11 +28,21 @@ struct iso_parts {
 int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Whether a start with this configuration would find everything that it needs apart from devices:
+ * does what iso_parts_open does first, and lets it go. Sensor and door options are checked, the
+ * directories of the stores have to exist, model files and cards are loaded; nothing is written and
+ * no device is touched. A device that is missing is no fault here, since the daemon waits for it.
+ * The installed state directory may be missing: the service manager makes it at the start. The
+ * errors of iso_sensor_check, iso_door_io_check, iso_crew_new, iso_pipeline_open and
+ * iso_cards_load; -ENOENT there is no such directory. */
+int iso_parts_check(const struct iso_config *config, const struct iso_times *times,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Opens them in an order in which the door's lines are touched last. Every error of
- * iso_crew_new, iso_pipeline_open, iso_key_ring_open, iso_gallery_open, iso_audit_open,
- * iso_cards_load and iso_door_io_open, with nothing left open; -ESTALE if the log knows a newer
- * gallery. But with -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost and may come
- * back. What `times` points to must outlive the parts. */
+ * iso_parts_check, iso_crew_new, iso_pipeline_open, iso_key_ring_open, iso_gallery_open,
+ * iso_audit_open, iso_cards_load and iso_door_io_open, with nothing left open; -ESTALE if the log
+ * knows a newer gallery. But with -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost
+ * and may come back. What `times` points to must outlive the parts. */
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -134,6 +134,12 @@ static int parse_options(const struct iso_option *options, size_t n_options, str
     return error;
 }
 
+static int gpiod_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    struct wiring wiring = {.debounce_ns = 0};
+    return parse_options(options, n_options, &wiring, fault);
+}
+
 /* ---- open and close ---- */
 
 static void gpiod_close(void *self)
@@ -402,6 +408,7 @@ static int gpiod_poll_fd(void *self)
 
 const struct iso_door_io_ops iso_door_gpiod_ops = {
     .name = "gpiod",
+    .check = gpiod_check,
     .open = gpiod_open,
     .set_output = gpiod_set_output,
     .get_inputs = gpiod_get_inputs,

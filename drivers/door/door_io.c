@@ -86,6 +86,10 @@ static int new_io(const struct iso_door_io_ops *ops, const struct iso_option *op
                   size_t n_options, const struct iso_clock *clock, struct iso_door_io **out,
                   struct iso_fault *fault)
 {
+    const int error = ops->check(options, n_options, fault);
+    if (error) {
+        return error;
+    }
     struct iso_door_io *io = calloc(1, sizeof *io);
     if (io) {
         io->ops = ops;
@@ -110,6 +114,13 @@ static const struct iso_door_io_ops *find_back_end(const char *name)
     return NULL;
 }
 
+int iso_door_io_check(const char *name, const struct iso_option *options, size_t n_options,
+                      struct iso_fault *fault)
+{
+    const struct iso_door_io_ops *ops = find_back_end(name);
+    return ops ? ops->check(options, n_options, fault) : unknown_back_end(name, fault);
+}
+
 int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_door_io **out,
                     struct iso_fault *fault)
@@ -132,7 +143,8 @@ int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_opt
                          const struct iso_door_outputs *initial, struct iso_door_io **out,
                          struct iso_fault *fault)
 {
-    if (!ops->name || !ops->open || !ops->set_output || !ops->get_inputs || !ops->close) {
+    if (!ops->name || !ops->check || !ops->open || !ops->set_output || !ops->get_inputs ||
+        !ops->close) {
         return iso_fault_set(fault, -EINVAL, "door %s: a required operation is missing",
                              ops->name ? ops->name : "without a name");
     }

@@ -56,10 +56,14 @@ struct iso_door_inputs {
 struct iso_door_io_ops {
     const char *name; /* as in the configuration */
 
+    /* REQUIRED. Whether the options are sound: reads them as open does, and touches no device.
+     * Unknown options are refused. -EINVAL, -ENOMEM. */
+    int (*check)(const struct iso_option *options, size_t n_options, struct iso_fault *fault);
+
     /* REQUIRED. Claims the lines; each output takes its initial level without another one before
-     * it, so that a strike that must stay energised does not drop. Unknown options are refused.
-     * *self is the back end's own and not NULL.
-     * -EINVAL bad option, -ENODEV no such chip or line, -EBUSY, -EACCES, -ENOMEM, -EIO. */
+     * it, so that a strike that must stay energised does not drop. Called after check has accepted
+     * the options. *self is the back end's own and not NULL. The errors of check; -EINVAL a line
+     * cannot do what they ask for, -ENODEV no such chip or line, -EBUSY, -EACCES, -ENOMEM, -EIO. */
     int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
                 const struct iso_door_outputs *initial, void **self, struct iso_fault *fault);
 
@@ -90,10 +94,15 @@ struct iso_door_io_ops {
 
 struct iso_door_io;
 
+/* Whether lines of this back end could be opened with these options, if their device is there: asks
+ * the operation that iso_door_io_new asks first. -ENOENT unknown name (the fault lists those there
+ * are), else the errors of ops->check. */
+int iso_door_io_check(const char *name, const struct iso_option *options, size_t n_options,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Door lines by the name of the back end (`null` is the simulated one), in the lost state: touches
- * no device, iso_door_io_reopen does. -ENOENT unknown name (the fault lists those there are),
- * -ENOMEM. Options and clock need not outlive the call; what the clock's context points to must
- * outlive the object. */
+ * no device, iso_door_io_reopen does. The errors of iso_door_io_check. Options and clock need not
+ * outlive the call; what the clock's context points to must outlive the object. */
 int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_door_io **out,
                     struct iso_fault *fault) __attribute__((warn_unused_result));

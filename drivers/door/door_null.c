@@ -45,15 +45,16 @@ static int connect_inputs(struct null *null, const char *file, struct iso_fault 
     return null->event_fd >= 0 ? 0 : iso_fault_set(fault, -EIO, "%s: %m", owner);
 }
 
+static int null_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    static const char *const known[] = {"inputs", NULL};
+    return iso_options_check(owner, options, n_options, known, fault);
+}
+
 static int null_open(const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, const struct iso_door_outputs *initial,
                      void **self, struct iso_fault *fault)
 {
-    static const char *const known[] = {"inputs", NULL};
-    int error = iso_options_check(owner, options, n_options, known, fault);
-    if (error) {
-        return error;
-    }
     struct null *null = calloc(1, sizeof *null);
     if (!null) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
@@ -61,7 +62,7 @@ static int null_open(const struct iso_option *options, size_t n_options,
     null->clock = *clock;
     null->outputs = *initial;
     null->event_fd = -1;
-    error = connect_inputs(null, iso_options_find(options, n_options, "inputs"), fault);
+    const int error = connect_inputs(null, iso_options_find(options, n_options, "inputs"), fault);
     if (error) {
         null_close(null);
         return error;
@@ -187,6 +188,7 @@ static int null_poll_fd(void *self)
 
 const struct iso_door_io_ops iso_door_null_ops = {
     .name = "null",
+    .check = null_check,
     .open = null_open,
     .set_output = null_set_output,
     .get_inputs = null_get_inputs,

@@ -58,9 +58,14 @@ int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_optio
                         size_t n_options, const struct iso_clock *clock, struct iso_sensor **out,
                         struct iso_fault *fault)
 {
-    if (!ops->name || !ops->open || !ops->start || !ops->wait || !ops->stop || !ops->close) {
+    if (!ops->name || !ops->check || !ops->open || !ops->start || !ops->wait || !ops->stop ||
+        !ops->close) {
         return iso_fault_set(fault, -EINVAL, "sensor %s: a required operation is missing",
                              ops->name ? ops->name : "without a name");
+    }
+    int error = ops->check(options, n_options, fault);
+    if (error) {
+        return error;
     }
     struct iso_sensor *sensor = calloc(1, sizeof *sensor);
     if (!sensor) {
@@ -68,7 +73,7 @@ int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_optio
     }
     sensor->ops = ops;
     sensor->clock = *clock;
-    int error = ops->open(options, n_options, clock, &sensor->self, fault);
+    error = ops->open(options, n_options, clock, &sensor->self, fault);
     if (error) {
         free(sensor);
         return error;

@@ -65,10 +65,16 @@ struct iso_sensor_ops {
      * -EBADMSG it cannot be used. */
     int (*load)(struct iso_fault *fault);
 
-    /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds. The
-     * options and the clock's struct are copied or read during the call; unknown keys are refused
-     * (iso_options_check). -EINVAL bad option, -ENODEV no such device, -EBUSY claimed by another,
-     * -EACCES no permission, -ENOMEM, -EIO, the errors of load. On failure nothing is held. */
+    /* REQUIRED. Whether the options are sound: reads them and the files that they name, as open
+     * does, and touches no device. Unknown keys are refused (iso_options_check). -EINVAL a bad
+     * option or a damaged file, -ENOENT a file that is named does not exist, -ENOMEM. */
+    int (*check)(const struct iso_option *options, size_t n_options, struct iso_fault *fault);
+
+    /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds.
+     * Called after check has accepted the options. The options and the clock's struct are copied
+     * or read during the call. The errors of check; -EINVAL the device cannot do what they ask for,
+     * -ENODEV no such device, -EBUSY claimed by another, -EACCES no permission, -ENOMEM, -EIO. On
+     * failure nothing is held. */
     int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
                 void **self, struct iso_fault *fault);
 
@@ -115,8 +121,14 @@ struct iso_sensor;
  * unknown name (the fault lists those there are), else the errors of ops->load. */
 int iso_sensor_load(const char *name, struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Opens a sensor by the name of its back end (sensor_registry.c has the table). -ENOENT unknown
- * name (the fault lists those there are), else the errors of ops->open. Options and clock need not
+/* Whether a sensor of this back end could be opened with these options, if its device is there:
+ * asks the operation that iso_sensor_open asks first. -ENOENT unknown name (the fault lists those
+ * there are), else the errors of ops->check. */
+int iso_sensor_check(const char *name, const struct iso_option *options, size_t n_options,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Opens a sensor by the name of its back end (sensor_registry.c has the table). The errors of
+ * iso_sensor_check and of ops->open. Options and clock need not
  * outlive the call; what the clock's context points to must outlive the sensor. */
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)

@@ -171,6 +171,11 @@ static int open_cameras(struct pair *pair, const struct iso_sensor_stereo_camera
     return iso_picture_stream_open(stream, &pair->stereo.base.stream, fault);
 }
 
+static int pair_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    return iso_sensor_stereo_check(owner, options, n_options, fault);
+}
+
 static int pair_open(const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
@@ -236,6 +241,7 @@ const struct iso_sensor_ops iso_sensor_libcamera_stereo_ops = {
     .name = "libcamera-stereo",
     .probe = pair_probe,
     .load = pair_load,
+    .check = pair_check,
     .open = pair_open,
     .start = iso_picture_sensor_start,
     .wait = iso_sensor_stereo_wait,

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/sensor/camera_file.h"
 #include "drivers/sensor/openni2_frame.h"
 #include "drivers/sensor/openni2_runtime.h"
 #include "drivers/sensor/openni2_session.h"
@@ -25,8 +26,10 @@ struct openni2 {
     struct iso__openni2_wish wish;
     char *path, *device, *record; /* what the wish points to */
     bool realtime;                /* of a file */
-    bool calibrated;
+    bool calibrated;              /* by the option `intrinsics`: */
     double fx_px, fy_px, cx_px, cy_px;
+    bool has_camera; /* by the option `camera`: */
+    struct iso_camera_file camera;
 
     struct iso__openni2_session session;
     struct iso_frame *frame;
@@ -84,6 +87,22 @@ static int parse_words(const struct iso_option *options, size_t n, struct openni
     return iso_options_bool(owner, options, n, "loop", false, &sensor->wish.loop, fault);
 }
 
+/* As far as that can be told before the size of the pictures is known. */
+static int check_intrinsics(const struct openni2 *sensor, struct iso_fault *fault)
+{
+    const struct iso_camera largest = {.projection = ISO_PINHOLE,
+                                       .width_px = 8192,
+                                       .height_px = 8192,
+                                       .fx_px = sensor->fx_px,
+                                       .fy_px = sensor->fy_px,
+                                       .cx_px = sensor->cx_px,
+                                       .cy_px = sensor->cy_px};
+    const char *what = NULL;
+    return iso_camera_check(&largest, &what)
+               ? iso_fault_set(fault, -EINVAL, "%s: option 'intrinsics': %s", owner, what)
+               : 0;
+}
+
 static int parse_numbers(const struct iso_option *options, size_t n, struct openni2 *sensor,
                          struct iso_fault *fault)
 {
@@ -103,7 +122,22 @@ static int parse_numbers(const struct iso_option *options, size_t n, struct open
         return bad_option("intrinsics", intrinsics, "FX FY CX CY", fault);
     }
     sensor->calibrated = intrinsics != NULL;
-    return 0;
+    return sensor->calibrated ? check_intrinsics(sensor, fault) : 0;
+}
+
+static int parse_camera(const struct iso_option *options, size_t n, struct openni2 *sensor,
+                        struct iso_fault *fault)
+{
+    const char *path = iso_options_find(options, n, "camera");
+    if (!path) {
+        return 0;
+    }
+    if (sensor->calibrated) {
+        return iso_fault_set(fault, -EINVAL,
+                             "%s: options 'camera' and 'intrinsics' exclude each other", owner);
+    }
+    sensor->has_camera = true;
+    return iso_camera_file_read(path, &sensor->camera, fault);
 }
 
 static int copy_text(const struct iso_option *options, size_t n, const char *key, char **out,
@@ -117,14 +151,23 @@ static int copy_text(const struct iso_option *options, size_t n, const char *key
     return value && !*out ? iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner) : 0;
 }
 
+static void free_options(struct openni2 *sensor)
+{
+    free(sensor->path);
+    free(sensor->device);
+    free(sensor->record);
+}
+
 static int parse_options(const struct iso_option *options, size_t n, struct openni2 *sensor,
                          struct iso_fault *fault)
 {
-    static const char *const known[] = {"device",     "path",   "mode", "unit", "intensity",
-                                        "intrinsics", "record", "pace", "loop", NULL};
+    static const char *const known[] = {"device",    "path",       "mode",   "unit",
+                                        "intensity", "intrinsics", "camera", "record",
+                                        "pace",      "loop",       NULL};
     int error = iso_options_check(owner, options, n, known, fault);
     error = error ? error : parse_words(options, n, sensor, fault);
     error = error ? error : parse_numbers(options, n, sensor, fault);
+    error = error ? error : parse_camera(options, n, sensor, fault);
     error = error ? error : copy_text(options, n, "path", &sensor->path, fault);
     error = error ? error : copy_text(options, n, "device", &sensor->device, fault);
     error = error ? error : copy_text(options, n, "record", &sensor->record, fault);
@@ -157,7 +200,15 @@ static void drop(OniFrame **frame)
 static int make_frame(struct openni2 *sensor, struct iso_fault *fault)
 {
     struct iso_camera camera = sensor->session.camera;
+    const struct iso_camera *measured = &sensor->camera.meta.camera;
     const char *what = NULL;
+    if (sensor->has_camera &&
+        (measured->width_px != camera.width_px || measured->height_px != camera.height_px)) {
+        return iso_fault_set(fault, -EINVAL, "%s: the camera gives %d x %d, %s is for %d x %d",
+                             owner, camera.width_px, camera.height_px, sensor->camera.name,
+                             measured->width_px, measured->height_px);
+    }
+    camera = sensor->has_camera ? *measured : camera;
     if (sensor->calibrated) {
         camera.fx_px = sensor->fx_px;
         camera.fy_px = sensor->fy_px;
@@ -179,10 +230,17 @@ static void openni2_close(void *self)
     drop(&sensor->grey);
     iso__openni2_session_close(&sensor->session);
     iso_frame_free(sensor->frame);
-    free(sensor->path);
-    free(sensor->device);
-    free(sensor->record);
+    free_options(sensor);
     free(sensor);
+}
+
+static int openni2_check(const struct iso_option *options, size_t n_options,
+                         struct iso_fault *fault)
+{
+    struct openni2 sensor = {.path = NULL};
+    const int error = parse_options(options, n_options, &sensor, fault);
+    free_options(&sensor);
+    return error;
 }
 
 static int openni2_open(const struct iso_option *options, size_t n_options,
@@ -452,6 +510,9 @@ static int openni2_describe(void *self, struct iso_sensor_description *out)
     };
     name_model(session->info.name, out->model, sizeof out->model);
     (void)snprintf(out->serial, sizeof out->serial, "%s", session->serial);
+    if (sensor->has_camera) {
+        iso_camera_file_describe(&sensor->camera, out->calibration, sizeof out->calibration);
+    }
     return 0;
 }
 
@@ -476,6 +537,7 @@ void iso_sensor_openni2_forget(void)
 const struct iso_sensor_ops iso_sensor_openni2_ops = {
     .name = "openni2",
     .probe = iso__openni2_probe,
+    .check = openni2_check,
     .open = openni2_open,
     .start = openni2_start,
     .wait = openni2_wait,

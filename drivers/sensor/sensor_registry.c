@@ -69,6 +69,13 @@ int iso_sensor_load(const char *name, struct iso_fault *fault)
     return ops->load ? ops->load(fault) : 0;
 }
 
+int iso_sensor_check(const char *name, const struct iso_option *options, size_t n_options,
+                     struct iso_fault *fault)
+{
+    const struct iso_sensor_ops *ops = find(name);
+    return ops ? ops->check(options, n_options, fault) : unknown_back_end(name, fault);
+}
+
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
 {

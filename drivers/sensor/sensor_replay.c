@@ -82,6 +82,14 @@ static void replay_close(void *self)
     free(replay);
 }
 
+static int replay_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    struct replay replay = {.path = NULL};
+    const int error = parse_options(options, n_options, &replay, fault);
+    free(replay.path);
+    return error;
+}
+
 static int replay_open(const struct iso_option *options, size_t n_options,
                        const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
@@ -286,13 +294,24 @@ static int replay_describe(void *self, struct iso_sensor_description *out)
     return 0;
 }
 
+/* An empty slot is no fault of a replay, whose visitors come and go; but it may be a wrong path. */
+static void replay_health(void *self, struct iso_sensor_device_health *out)
+{
+    const struct replay *replay = self;
+    if (!replay->slot.there) {
+        (void)snprintf(out->state, sizeof out->state, "there is no recording at its path");
+    }
+}
+
 const struct iso_sensor_ops iso_sensor_replay_ops = {
     .name = "replay",
+    .check = replay_check,
     .open = replay_open,
     .start = replay_start,
     .wait = replay_wait,
     .next_due_ns = replay_next_due_ns,
     .describe = replay_describe,
+    .health = replay_health,
     .stop = replay_stop,
     .close = replay_close,
 };

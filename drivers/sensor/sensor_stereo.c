@@ -54,7 +54,7 @@ static int read_matching(const char *owner, const struct iso_option *options, si
                                        stereo->confidence_min, &stereo->confidence_min, fault);
     if (!error) {
         error = iso_stereo_calibration_read(path, calibration, fault);
-        error = error && error != -ENOMEM ? -EINVAL : error;
+        error = error && error != -ENOMEM && error != -ENOENT ? -EINVAL : error;
     }
     return error;
 }
@@ -102,6 +102,18 @@ int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, 
     *cameras = eyes;
     *out = made;
     return 0;
+}
+
+int iso_sensor_stereo_check(const char *owner, const struct iso_option *options, size_t n_options,
+                            struct iso_fault *fault)
+{
+    struct iso_sensor_stereo stereo;
+    struct iso_sensor_stereo_cameras cameras;
+    const int error = iso_sensor_stereo_init(owner, options, n_options, &stereo, &cameras, fault);
+    if (!error) {
+        iso_sensor_stereo_done(&stereo);
+    }
+    return error;
 }
 
 void iso_sensor_stereo_done(struct iso_sensor_stereo *stereo)

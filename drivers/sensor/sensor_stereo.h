@@ -31,10 +31,15 @@ int iso_sensor_stereo_load(const char *owner, struct iso_fault *fault)
 
 /* From the options left, right, fps, pair_ms, calibration, near_mm, far_mm and confidence; there
  * are no others. Opens no stream yet. -EINVAL with *fault naming the option or what is wrong with
- * the file; -ENOMEM; the errors of iso_sensor_stereo_load. `owner` outlives the object. */
+ * the file; -ENOENT there is no such file; -ENOMEM; the errors of iso_sensor_stereo_load. `owner`
+ * outlives the object. */
 int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, size_t n_options,
                            struct iso_sensor_stereo *out, struct iso_sensor_stereo_cameras *cameras,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* The check of a stereo back end (sensor.h): whether iso_sensor_stereo_init takes the options. */
+int iso_sensor_stereo_check(const char *owner, const struct iso_option *options, size_t n_options,
+                            struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Closes the stream, too. An all-zero one is fine. */
 void iso_sensor_stereo_done(struct iso_sensor_stereo *stereo);

@@ -6,37 +6,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/recording/recording.h"
+#include "drivers/sensor/camera_file.h"
 #include "drivers/sensor/picture_format.h"
 #include "drivers/sensor/picture_sensor.h"
 #include "drivers/sensor/sensor_v4l2_node.h"
-#include "drivers/text.h"
 
 static const char owner[] = "sensor v4l2";
 
-enum { CAMERA_FILE_MAX = 65536 };
-
 struct v4l2 {
     struct iso_picture_sensor base;
-    struct iso_recording_meta meta;
-    char camera_file[64];           /* where that is from, or the end of it */
+    struct iso_camera_file camera;
     struct iso_v4l2_node *nodes[2]; /* depth, and infrared or NULL */
     struct iso_frame *frame;
     bool has_ir;
 };
 
 /* ---- opening and closing ---------------------------------------------------- */
-
-static int read_camera(const char *path, struct iso_recording_meta *meta, struct iso_fault *fault)
-{
-    char *text = NULL;
-    int error = iso_text_read(path, CAMERA_FILE_MAX, &text, fault);
-    if (!error) {
-        error = iso_recording_meta_parse(path, text, meta, fault);
-    }
-    free(text);
-    return error && error != -ENOMEM ? -EINVAL : error;
-}
 
 /* The two wishes, and how near their pictures must be. */
 static int read_options(const struct iso_option *options, size_t n_options, struct v4l2 *v4l2,
@@ -54,20 +39,19 @@ static int read_options(const struct iso_option *options, size_t n_options, stru
     error = error ? error
                   : iso_picture_sensor_options(owner, options, n_options, &fps, &out->tolerance_ns,
                                                fault);
-    error = error ? error : read_camera(camera, &v4l2->meta, fault);
+    error = error ? error : iso_camera_file_read(camera, &v4l2->camera, fault);
     if (error) {
         return error;
     }
-    iso_text_copy_end(camera, v4l2->camera_file, sizeof v4l2->camera_file);
     ir = iso_options_find(options, n_options, "ir_device");
     v4l2->has_ir = ir && *ir;
     out->n_cameras = v4l2->has_ir ? 2 : 1;
-    out->width_px = v4l2->meta.camera.width_px;
-    out->height_px = v4l2->meta.camera.height_px;
+    out->width_px = v4l2->camera.meta.camera.width_px;
+    out->height_px = v4l2->camera.meta.camera.height_px;
     wishes[0] = (struct iso_v4l2_wish){.owner = owner,
                                        .path = device,
-                                       .width_px = v4l2->meta.camera.width_px,
-                                       .height_px = v4l2->meta.camera.height_px,
+                                       .width_px = v4l2->camera.meta.camera.width_px,
+                                       .height_px = v4l2->camera.meta.camera.height_px,
                                        .fps = fps,
                                        .formats = {V4L2_PIX_FMT_Z16}};
     wishes[1] = wishes[0];
@@ -109,7 +93,7 @@ int iso_sensor_v4l2_open_on(const struct iso_v4l2_system *system, const struct i
     if (!error) {
         error = iso_picture_stream_open(&stream, &v4l2->base.stream, fault);
     }
-    const struct iso_camera *camera = &v4l2->meta.camera;
+    const struct iso_camera *camera = &v4l2->camera.meta.camera;
     if (!error &&
         iso_frame_new(camera, camera->width_px, camera->height_px, v4l2->has_ir, &v4l2->frame)) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
@@ -120,6 +104,14 @@ int iso_sensor_v4l2_open_on(const struct iso_v4l2_system *system, const struct i
     }
     *self = v4l2;
     return 0;
+}
+
+static int v4l2_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    struct iso_picture_stream_options stream;
+    struct iso_v4l2_wish wishes[2];
+    struct v4l2 v4l2 = {.has_ir = false};
+    return read_options(options, n_options, &v4l2, wishes, &stream, fault);
 }
 
 static int v4l2_open(const struct iso_option *options, size_t n_options,
@@ -139,7 +131,7 @@ static int v4l2_wait(void *self, int64_t deadline_ns, const struct iso_frame **f
     if (error) {
         return error;
     }
-    iso_picture_to_depth(&set.pictures[0], v4l2->meta.unit_mm, v4l2->frame->depth_mm);
+    iso_picture_to_depth(&set.pictures[0], v4l2->camera.meta.unit_mm, v4l2->frame->depth_mm);
     if (v4l2->has_ir) {
         iso_picture_to_intensity(&set.pictures[1], v4l2->frame->intensity);
     }
@@ -152,13 +144,15 @@ static int v4l2_wait(void *self, int64_t deadline_ns, const struct iso_frame **f
 static int v4l2_describe(void *self, struct iso_sensor_description *out)
 {
     const struct v4l2 *v4l2 = self;
-    *out = (struct iso_sensor_description){.width_px = v4l2->meta.camera.width_px,
-                                           .height_px = v4l2->meta.camera.height_px,
+    *out = (struct iso_sensor_description){.width_px = v4l2->camera.meta.camera.width_px,
+                                           .height_px = v4l2->camera.meta.camera.height_px,
                                            .intensity = v4l2->has_ir,
-                                           .unit_mm = v4l2->meta.unit_mm};
-    (void)snprintf(out->model, sizeof out->model, "%s", v4l2->meta.sensor);
-    (void)snprintf(out->calibration, sizeof out->calibration, "%s, %g mm a count",
-                   v4l2->camera_file, v4l2->meta.unit_mm);
+                                           .unit_mm = v4l2->camera.meta.unit_mm};
+    (void)snprintf(out->model, sizeof out->model, "%s", v4l2->camera.meta.sensor);
+    char camera[64];
+    iso_camera_file_describe(&v4l2->camera, camera, sizeof camera);
+    (void)snprintf(out->calibration, sizeof out->calibration, "%s, %g mm a count", camera,
+                   v4l2->camera.meta.unit_mm);
     (void)snprintf(out->serial, sizeof out->serial, "%s", iso_v4l2_node_bus(v4l2->nodes[0]));
     return 0;
 }
@@ -167,6 +161,7 @@ const struct iso_sensor_ops iso_sensor_v4l2_ops = {
     .name = "v4l2",
     .probe = iso_v4l2_probe_kernel,
     .probes_at_once = true,
+    .check = v4l2_check,
     .open = v4l2_open,
     .start = iso_picture_sensor_start,
     .wait = v4l2_wait,

@@ -77,6 +77,11 @@ int iso_sensor_v4l2_stereo_open_on(const struct iso_v4l2_system *system,
     return 0;
 }
 
+static int pair_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    return iso_sensor_stereo_check(owner, options, n_options, fault);
+}
+
 static int pair_open(const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
@@ -100,6 +105,7 @@ const struct iso_sensor_ops iso_sensor_v4l2_stereo_ops = {
     .probe = iso_v4l2_probe_kernel,
     .probes_at_once = true,
     .load = pair_load,
+    .check = pair_check,
     .open = pair_open,
     .start = iso_picture_sensor_start,
     .wait = iso_sensor_stereo_wait,

@@ -37,6 +37,9 @@ int sim_recording_ini_print(FILE *stream, const struct iso_recording_meta *meta)
     }
     iso_text_print_number(stream, "cx_px", camera->cx_px);
     iso_text_print_number(stream, "cy_px", camera->cy_px);
+    if (meta->nominal) {
+        (void)fputs("nominal = yes\n", stream);
+    }
     iso_text_print_number(stream, "unit_mm", meta->unit_mm);
     return ferror(stream) ? -EIO : 0;
 }

@@ -242,7 +242,7 @@ static void a_lost_face_is_looked_for(void **state)
     assert_false(f->out.tracked);
     empty(f);
     f->frame->t_ns += FRAME_NS;
-    assert_int_equal(locate(f), ISO_CAPTURE_NO_FACE);
+    assert_int_equal(locate(f), ISO_CAPTURE_NOBODY);
 }
 
 static void who_comes_nearer_is_seen_within_ten_frames(void **state)

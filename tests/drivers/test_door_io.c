@@ -14,12 +14,12 @@
 #include "tests/support/manual_clock.h"
 
 static struct puppet {
-    int open_error, error;
+    int check_error, open_error, error;
     const char *text;
     struct iso_door_outputs initial;
     int output;
     bool active;
-    int closes;
+    int checks, closes;
 } puppet;
 
 static int64_t now_ns;
@@ -67,8 +67,18 @@ static void puppet_close(void *self)
     ((struct puppet *)self)->closes++;
 }
 
+static int puppet_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    (void)options;
+    (void)n_options;
+    puppet.checks++;
+    return puppet.check_error ? iso_fault_set(fault, puppet.check_error, "puppet: wrong option")
+                              : 0;
+}
+
 static const struct iso_door_io_ops puppet_ops = {
     .name = "puppet",
+    .check = puppet_check,
     .open = puppet_open,
     .set_output = puppet_set_output,
     .get_inputs = puppet_get_inputs,
@@ -114,16 +124,38 @@ static void refuses_a_back_end_with_holes(void **state)
     struct iso_clock clock = manual_clock(&now_ns);
     struct iso_door_io *io = NULL;
     (void)state;
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 6; i++) {
         struct iso_door_io_ops ops = puppet_ops;
         ops.name = i == 0 ? NULL : ops.name;
         ops.open = i == 1 ? NULL : ops.open;
         ops.set_output = i == 2 ? NULL : ops.set_output;
         ops.get_inputs = i == 3 ? NULL : ops.get_inputs;
         ops.close = i == 4 ? NULL : ops.close;
+        ops.check = i == 5 ? NULL : ops.check;
         assert_int_equal(iso_door_io_open_ops(&ops, NULL, 0, &clock, &initial, &io, NULL), -EINVAL);
     }
     assert_null(io);
+}
+
+/* The check comes before the device: with a wrong option and without a device, the option is named.
+ */
+static void checks_options_before_it_opens(void **state)
+{
+    struct iso_clock clock = manual_clock(&now_ns);
+    const struct iso_door_outputs initial = {{false}};
+    struct iso_door_io *io = NULL;
+    struct iso_fault fault;
+    (void)state;
+    puppet = (struct puppet){.check_error = -EINVAL, .open_error = -ENODEV};
+    assert_int_equal(iso_door_io_open_ops(&puppet_ops, NULL, 0, &clock, &initial, &io, &fault),
+                     -EINVAL);
+    assert_string_equal(fault.text, "puppet: wrong option");
+    assert_null(io);
+    puppet.check_error = 0;
+    assert_int_equal(iso_door_io_open_ops(&puppet_ops, NULL, 0, &clock, &initial, &io, &fault),
+                     -ENODEV);
+    assert_int_equal(puppet.checks, 2);
+    puppet = (struct puppet){0};
 }
 
 static void passes_on_why_it_does_not_open(void **state)
@@ -278,6 +310,7 @@ int main(void)
         cmocka_unit_test(knows_its_back_ends),
         cmocka_unit_test(knows_its_lines),
         cmocka_unit_test(refuses_a_back_end_with_holes),
+        cmocka_unit_test(checks_options_before_it_opens),
         cmocka_unit_test(passes_on_why_it_does_not_open),
         cmocka_unit_test(passes_levels_both_ways),
         cmocka_unit_test(refuses_unknown_lines),

@@ -14,11 +14,11 @@
 
 /* What the back end answers, and what was asked of it. */
 static struct puppet {
-    int open_error, start_error, wait_error, stop_error;
+    int check_error, open_error, start_error, wait_error, stop_error;
     const char *wait_text;
     float depth_mm[6];
     struct iso_frame frame;
-    int starts, stops, closes;
+    int checks, starts, stops, closes;
     int64_t deadline_ns;
 } puppet;
 
@@ -68,8 +68,18 @@ static void puppet_close(void *self)
     ((struct puppet *)self)->closes++;
 }
 
+static int puppet_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    (void)options;
+    (void)n_options;
+    puppet.checks++;
+    return puppet.check_error ? iso_fault_set(fault, puppet.check_error, "puppet: wrong option")
+                              : 0;
+}
+
 static const struct iso_sensor_ops puppet_ops = {
     .name = "puppet",
+    .check = puppet_check,
     .open = puppet_open,
     .start = puppet_start,
     .wait = puppet_wait,
@@ -131,7 +141,7 @@ static void refuses_a_back_end_with_holes(void **state)
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault;
     (void)state;
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 7; i++) {
         struct iso_sensor_ops ops = puppet_ops;
         ops.name = i == 0 ? NULL : ops.name;
         ops.open = i == 1 ? NULL : ops.open;
@@ -139,10 +149,29 @@ static void refuses_a_back_end_with_holes(void **state)
         ops.wait = i == 3 ? NULL : ops.wait;
         ops.stop = i == 4 ? NULL : ops.stop;
         ops.close = i == 5 ? NULL : ops.close;
+        ops.check = i == 6 ? NULL : ops.check;
         assert_int_equal(iso_sensor_open_ops(&ops, NULL, 0, &clock, &sensor, &fault), -EINVAL);
         assert_non_null(strstr(fault.text, "a required operation is missing"));
     }
     assert_null(sensor);
+}
+
+/* The check comes before the device: with a wrong option and without a device, the option is named.
+ */
+static void checks_options_before_it_opens(void **state)
+{
+    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_sensor *sensor = NULL;
+    struct iso_fault fault;
+    (void)state;
+    puppet = (struct puppet){.check_error = -EINVAL, .open_error = -ENODEV};
+    assert_int_equal(iso_sensor_open_ops(&puppet_ops, NULL, 0, &clock, &sensor, &fault), -EINVAL);
+    assert_string_equal(fault.text, "puppet: wrong option");
+    assert_null(sensor);
+    puppet.check_error = 0;
+    assert_int_equal(iso_sensor_open_ops(&puppet_ops, NULL, 0, &clock, &sensor, &fault), -ENODEV);
+    assert_int_equal(puppet.checks, 2);
+    puppet = (struct puppet){0};
 }
 
 static void passes_on_why_it_does_not_open(void **state)
@@ -322,6 +351,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(knows_its_back_ends),
         cmocka_unit_test(refuses_a_back_end_with_holes),
+        cmocka_unit_test(checks_options_before_it_opens),
         cmocka_unit_test(passes_on_why_it_does_not_open),
         cmocka_unit_test(keeps_the_order_of_calls),
         cmocka_unit_test(closing_stops_first),

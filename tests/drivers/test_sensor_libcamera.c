@@ -47,7 +47,7 @@ static void refuses_bad_options(void **state)
     struct iso_fault fault = {""};
     assert_int_equal(open_sensor(NULL, &sensor, &fault), -EINVAL);
     assert_string_equal(fault.text, "sensor libcamera-stereo: option 'calibration' is missing");
-    assert_int_equal(open_sensor(scratch_path(*state, "none"), &sensor, &fault), -EINVAL);
+    assert_int_equal(open_sensor(scratch_path(*state, "none"), &sensor, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "none: No such file"));
     assert_null(sensor);
     iso_libcamera_pair_close(NULL);

@@ -170,6 +170,31 @@ static void takes_the_camera_it_is_told(void **state)
     iso_sensor_close(sensor);
 }
 
+#define CAMERA_INI(size, nominal)                                                          \
+    "[recording]\nformat = 1\nsensor = xtion\n[depth]\nprojection = pinhole\n" size        \
+    "fx_px = 570.25\nfy_px = 571.5\ncx_px = 3.25\ncy_px = 1.75\nk1 = 0.125\nunit_mm = 1\n" \
+    "nominal = " nominal "\n"
+
+static void takes_a_camera_file(void **state)
+{
+    struct iso_sensor *sensor = NULL;
+    struct iso_sensor_description description;
+    const char *path = scratch_path(*state, "camera.ini");
+    scratch_write_text(path, CAMERA_INI("width_px = 7\nheight_px = 5\n", "yes"));
+    assert_int_equal(open_with("camera", path, &sensor, NULL), 0);
+    assert_int_equal(iso_sensor_start(sensor, NULL), 0);
+    const struct iso_camera *camera = &next(sensor)->camera;
+    assert_true(camera->fx_px == 570.25 && camera->cy_px == 1.75 && camera->k1 == 0.125);
+    assert_int_equal(iso_sensor_describe(sensor, &description), 0);
+    assert_memory_equal(description.calibration, "nominal (", 9);
+    iso_sensor_close(sensor);
+    scratch_write_text(path, CAMERA_INI("width_px = 70\nheight_px = 5\n", "no"));
+    assert_refused("camera", path, -EINVAL, "the camera gives 7 x 5, ");
+    scratch_write_text(path, CAMERA_INI("width_px = 7\nheight_px = 5\n", "perhaps"));
+    assert_refused("camera", path, -EINVAL, "bad value 'perhaps' for nominal");
+    assert_refused("camera", scratch_path(*state, "none.ini"), -ENOENT, "none.ini: No such file");
+}
+
 /* A camera that reports an error has broken its stream. */
 static void tells_of_a_camera_that_fails(void **state)
 {
@@ -240,6 +265,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(sees_what_is_plugged_in, setup, teardown),
         cmocka_unit_test_setup_teardown(takes_the_unit_it_is_told, setup, teardown),
         cmocka_unit_test_setup_teardown(takes_the_camera_it_is_told, setup, teardown),
+        cmocka_unit_test_setup_teardown(takes_a_camera_file, setup, teardown),
         cmocka_unit_test_setup_teardown(tells_of_a_camera_that_fails, setup, teardown),
         cmocka_unit_test_setup_teardown(plays_a_file_over_and_over_in_time, setup, teardown),
     };

@@ -172,6 +172,28 @@ static void frames_are_what_the_camera_gave(void **state)
     iso_sensor_close(sensor);
 }
 
+/* Who reads the status is told whether this camera was measured. */
+static void tells_whether_its_intrinsics_are_nominal(void **state)
+{
+    static const struct {
+        const char *line, *calibration;
+    } cases[] = {{"", "camera.ini, 0.5 mm a count"},
+                 {"nominal = no\n", "camera.ini, 0.5 mm a count"},
+                 {"nominal = yes\n", "camera.ini), 0.5 mm a count"}};
+    struct iso_sensor_description description;
+    char text[512];
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        (void)snprintf(text, sizeof text, "%s%s", camera_ini, cases[i].line);
+        scratch_write_text(scratch_path(scratch, "camera.ini"), text);
+        struct iso_sensor *sensor = started(false);
+        assert_int_equal(iso_sensor_describe(sensor, &description), 0);
+        assert_non_null(strstr(description.calibration, cases[i].calibration));
+        assert_int_equal(strncmp(description.calibration, "nominal (", 9) == 0, i == 2);
+        iso_sensor_close(sensor);
+    }
+}
+
 static void lost_and_damaged_pictures_are_gaps(void **state)
 {
     (void)state;
@@ -437,6 +459,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         ON_FAKE(frames_are_what_the_camera_gave),
+        ON_FAKE(tells_whether_its_intrinsics_are_nominal),
         ON_FAKE(lost_and_damaged_pictures_are_gaps),
         ON_FAKE(late_pictures_are_dropped),
         ON_FAKE(numbers_may_begin_anew_after_32_bits),

@@ -172,6 +172,35 @@ static void who_stands_badly_is_told_so(void **state)
     json_decref(document);
 }
 
+/* An empty room with a wall in it: nobody is told to look at the camera. */
+static void an_empty_room_is_told_nothing(void **state)
+{
+    const struct appliance *appliance = *state;
+    const char *const argv[] = {appliance_isotherm, "--bus", appliance->bus.address, "aim", NULL};
+    struct run aim;
+    json_t *document = appliance_run_json(*state, "status", NULL, 0);
+    const json_int_t denied = number_of(document, "visits-denied");
+
+    json_decref(document);
+    document = appliance_run_json(*state, "identify --timeout 3", "none-nobody1", 5);
+    assert_string_equal(text_of(document, "result"), "identify-timed-out");
+    assert_int_equal(json_array_size(json_object_get(document, "hints")), 0);
+    json_decref(document);
+    document = appliance_run_json(*state, "status", NULL, 0);
+    assert_string_equal(text_of(document, "capture"), "nobody");
+    assert_int_equal(number_of(document, "visits-denied"), denied);
+    json_decref(document);
+    run_start(&aim, argv);
+    run_until(&aim, "capture ");
+    appliance_show(appliance, "none-nobody1");
+    run_until(&aim, "nobody is there");
+    kill(aim.pid, SIGINT);
+    run_finish(&aim);
+    appliance_show(appliance, NULL);
+    assert_null(strstr(aim.out, "look straight"));
+    run_free(&aim);
+}
+
 /* Placing the camera while the door is in service: what it sees, and no more than that. */
 static void the_camera_can_be_aimed(void **state)
 {
@@ -448,6 +477,7 @@ int main(void)
         cmocka_unit_test(people_are_verified),
         cmocka_unit_test(nobody_before_the_camera_times_out),
         cmocka_unit_test(who_stands_badly_is_told_so),
+        cmocka_unit_test(an_empty_room_is_told_nothing),
         cmocka_unit_test(the_camera_can_be_aimed),
         cmocka_unit_test(a_camera_in_use_is_refused_and_freed_by_an_interrupt),
         cmocka_unit_test(a_client_that_dies_frees_the_camera),

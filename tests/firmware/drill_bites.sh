@@ -92,7 +92,7 @@ mistake 'blank: a visit has no end' firmware/decision.c \
     firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns'
 mistake 'blank: nobody is whoever was there before' firmware/appliance_frame.c \
     '    if (extraction->outcome != ISO_CAPTURE_OK) {' \
-    '    if (extraction->outcome != ISO_CAPTURE_OK && extraction->outcome != ISO_CAPTURE_NO_FACE) {' \
+    '    if (extraction->outcome != ISO_CAPTURE_OK && extraction->outcome != ISO_CAPTURE_NOBODY) {' \
     firmware/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' '' \
     tests/firmware/puppets.c '*out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};' \
     'out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);'

@@ -146,8 +146,17 @@ static void stream_close(void *self)
     free(self);
 }
 
+static int stream_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
+{
+    (void)options;
+    (void)n_options;
+    (void)fault;
+    return 0;
+}
+
 static const struct iso_sensor_ops idle_ops = {
     .name = "puppet",
+    .check = stream_check,
     .open = stream_open,
     .start = stream_start,
     .wait = stream_wait,
@@ -159,6 +168,7 @@ static const struct iso_sensor_ops idle_ops = {
 
 static const struct iso_sensor_ops streaming_ops = {
     .name = "puppet",
+    .check = stream_check,
     .open = stream_open,
     .start = stream_start,
     .wait = stream_wait,

@@ -420,6 +420,23 @@ static void verifies(void **state)
     assert_string_equal(fault.text, "zac: no such person");
 }
 
+/* An empty scene gives no hint, whoever waits, and does not count. */
+static void nobody_is_told_nothing(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_show_unusable(rig, ISO_CAPTURE_NOBODY, 40);
+    rig_run(rig, 2000);
+    assert_string_equal(rig_news(rig), "");
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+    rig_show_unusable(rig, ISO_CAPTURE_NOBODY, 40);
+    rig_run(rig, 2000);
+    assert_string_equal(rig_news(rig), "");
+    assert_int_equal(iso_appliance_status(rig->appliance).view->capture, ISO_CAPTURE_NOBODY);
+    assert_int_equal(iso_appliance_status(rig->appliance).counts.denied, 0);
+}
+
 static void identifies(void **state)
 {
     struct rig *rig = *state;
@@ -557,6 +574,7 @@ int main(void)
         TEST(a_lost_sensor_ends_every_action),
         TEST(verifies),
         TEST(identifies),
+        TEST(nobody_is_told_nothing),
         TEST(a_picture_is_not_recognised),
         TEST(an_identification_goes_on_with_another_face),
         TEST(who_may_not_enter_now_is_still_recognised),

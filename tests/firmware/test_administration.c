@@ -8,6 +8,7 @@
 
 #include "tests/firmware/cmocka_headers.h"
 
+#include "drivers/door/door_null.h"
 #include "firmware/administration.h"
 #include "firmware/journal.h"
 #include "tests/firmware/puppets.h"
@@ -270,6 +271,62 @@ static void the_journal_is_told_of_a_door_that_did_not_unlock(void **state)
     assert_string_equal(fields[6], "ISOTHERM_DOOR=not-unlocked");
 }
 
+/* ---- the relay ---- */
+
+static void tests_the_relay_on_record(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    assert_int_equal(iso_appliance_test_door(rig->appliance, NULL), 0);
+    assert_true(rig_relay(rig));
+    assert_non_null(strstr(rig_record(rig, "door-test"), "\"reason\":\"done\""));
+    assert_string_equal(rig_news(rig), "door unlocked test");
+    rig_run(rig, 450);
+    assert_true(rig_relay(rig));
+    rig_run(rig, 100);
+    assert_false(rig_relay(rig));
+    assert_string_equal(rig_news(rig), "door locked time");
+}
+
+static void expect_no_test(struct rig *rig, int error, const char *text)
+{
+    struct iso_fault fault = {""};
+    assert_int_equal(iso_appliance_test_door(rig->appliance, &fault), error);
+    assert_string_equal(fault.text, text);
+    assert_false(rig_relay(rig));
+    assert_string_equal(rig_record(rig, "door-test"), "");
+}
+
+static void refuses_a_test_that_is_not_safe(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    expect_no_test(rig, -EBUSY, "the camera is claimed, the door is not watched");
+    iso_appliance_release(rig->appliance);
+    assert_int_equal(iso_appliance_lockdown(rig->appliance, true, NULL), 0);
+    expect_no_test(rig, -EPERM, "lockdown: nobody is let in");
+    assert_int_equal(iso_appliance_lockdown(rig->appliance, false, NULL), 0);
+    assert_int_equal(iso_door_null_set_input(rig->parts.door_io, ISO_DOOR_CONTACT, true), 0);
+    rig_run(rig, 100);
+    expect_no_test(rig, -EBUSY, "the door is forced, not locked");
+    assert_int_equal(iso_door_null_set_input(rig->parts.door_io, ISO_DOOR_CONTACT, false), 0);
+    rig_run(rig, 100);
+    assert_int_equal(iso_appliance_test_door(rig->appliance, NULL), 0);
+}
+
+static void a_test_without_a_record_is_none(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_fill_disk();
+    assert_true(iso_appliance_test_door(rig->appliance, NULL) < 0);
+    rig_free_disk();
+    assert_false(rig_relay(rig));
+    rig_run(rig, 100);
+    assert_false(rig_relay(rig));
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
@@ -283,6 +340,9 @@ int main(void)
         TEST(a_rename_reminds_of_the_cards),
         TEST(changes_limits_on_record),
         TEST(a_change_that_cannot_be_put_on_record_is_not_made),
+        TEST(tests_the_relay_on_record),
+        TEST(refuses_a_test_that_is_not_safe),
+        TEST(a_test_without_a_record_is_none),
         cmocka_unit_test(the_journal_is_told_no_name),
         cmocka_unit_test(the_journal_is_told_of_a_door_that_did_not_unlock),
     };

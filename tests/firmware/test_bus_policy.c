@@ -54,6 +54,7 @@ static const struct {
     {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false}},
     {ISO_CONTRACT_PICTURE, {false, false, false, true, false}},
     {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false}},
+    {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };

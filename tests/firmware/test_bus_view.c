@@ -16,7 +16,7 @@ static void tells_everybody_every_hint(void **state)
     for (int i = 0; i < ISO_CAPTURES; i++) {
         const enum iso_capture capture = (enum iso_capture)i;
         if (capture == ISO_CAPTURE_OK || capture == ISO_CAPTURE_NO_FACE ||
-            iso_capture_is_attack(capture)) {
+            capture == ISO_CAPTURE_NOBODY || iso_capture_is_attack(capture)) {
             continue;
         }
         char wanted[64];

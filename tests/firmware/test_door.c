@@ -52,6 +52,7 @@ static const char *const legal =
     "stopped  start        locked\n"
     "stopped  start-open   opened\n"
     "locked   grant        unlocked\n"
+    "locked   test         unlocked\n"
     "locked   exit-button  unlocked\n"
     "locked   opened       forced\n"
     "locked   fault        fault\n"
@@ -248,6 +249,25 @@ static void pulses_the_relay(void **state)
     }
 }
 
+/* A test unlocks for half a second, however long the door is unlocked for people. */
+static void a_test_is_short(void **state)
+{
+    (void)state;
+    for (int fail = 0; fail < 2; fail++) {
+        struct iso_door door = door_in(fail ? &safe : &secure, ISO_DOOR_LOCKED, false);
+        assert_true(iso_door_handle(&door, ISO_DOOR_ON_TEST, 100 * S));
+        assert_int_equal(iso_door_outputs_of(&door).active[ISO_DOOR_RELAY], fail == 0);
+        assert_int_equal(iso_door_due_ns(&door), 100 * S + S / 2);
+        assert_false(iso_door_handle(&door, ISO_DOOR_ON_TEST, 100 * S + S / 4)); /* not longer */
+        assert_true(iso_door_handle(&door, ISO_DOOR_ON_TIME, 100 * S + S / 2));
+        assert_int_equal(door.state, ISO_DOOR_LOCKED);
+        assert_int_equal(iso_door_outputs_of(&door).active[ISO_DOOR_RELAY], fail == 1);
+        iso_door_handle(&door, ISO_DOOR_ON_TEST, 102 * S);
+        iso_door_handle(&door, ISO_DOOR_ON_EXIT_BUTTON, 102 * S); /* people have their time */
+        assert_int_equal(iso_door_due_ns(&door), 106 * S);
+    }
+}
+
 static void lights_the_face_while_it_works(void **state)
 {
     (void)state;
@@ -293,6 +313,7 @@ int main(void)
         cmocka_unit_test(shows_a_refusal_for_a_while),
         cmocka_unit_test(switches_by_state),
         cmocka_unit_test(pulses_the_relay),
+        cmocka_unit_test(a_test_is_short),
         cmocka_unit_test(lights_the_face_while_it_works),
         cmocka_unit_test(sounds_while_the_housing_is_open),
         cmocka_unit_test(has_words_for_everything),

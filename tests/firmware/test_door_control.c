@@ -76,8 +76,14 @@ static void weak_close(void *self)
     iso_door_null_ops.close(self);
 }
 
+static int weak_check(const struct iso_option *o, size_t n, struct iso_fault *fault)
+{
+    return iso_door_null_ops.check(o, n, fault);
+}
+
 static const struct iso_door_io_ops weak_ops = {
     .name = "weak",
+    .check = weak_check,
     .open = weak_open,
     .set_output = weak_set_output,
     .get_inputs = weak_get_inputs,
@@ -389,11 +395,30 @@ static void stops_without_lines(void **state)
     assert_string_equal(news(), "stopped(stop) ");
 }
 
+/* A test needs lines that work, and says what is wrong with them. */
+static void tests_the_relay(void **state)
+{
+    struct iso_fault fault = {""};
+    (void)state;
+    iso_door_control_start(&control, now_ns);
+    assert_int_equal(iso_door_control_test(&control, now_ns, &fault), 0);
+    assert_int_equal(iso_door_control_test(&control, now_ns, &fault), -EBUSY);
+    assert_string_equal(fault.text, "the door is unlocked, not locked");
+    now_ns += 500 * MS;
+    iso_door_control_step(&control, false, now_ns);
+    assert_int_equal(control.door.state, ISO_DOOR_LOCKED);
+    failing = -EIO;
+    assert_int_equal(iso_door_control_test(&control, now_ns, &fault), -ENODEV);
+    assert_string_equal(fault.text, "the door's lines are at fault: the wire is cut");
+    assert_int_equal(iso_door_control_may_test(&control, &fault), -ENODEV);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
 #define WEAK(f) cmocka_unit_test_setup_teardown(f, setup_weak, teardown)
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(tests_the_relay, setup_weak, teardown),
         TEST(lets_in_and_locks_again),
         TEST(switches_only_what_differs),
         TEST(reads_inputs_when_it_is_time),

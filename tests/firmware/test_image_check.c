@@ -163,7 +163,7 @@ static void look(enum iso_image_check image, enum iso_capture of_blank)
 
     memset(frame->depth_mm, 0,
            (size_t)frame->width_px * (size_t)frame->height_px * sizeof *frame->depth_mm);
-    assert_int_equal(extract(&pipeline, frame).outcome, ISO_CAPTURE_NO_FACE);
+    assert_int_equal(extract(&pipeline, frame).outcome, ISO_CAPTURE_NOBODY);
     assert_int_equal(pipeline.ops->seen(pipeline.self), ISO_FACE_NOT_CHECKED);
     iso_frame_free(frame);
     iso_pipeline_close(&pipeline);

@@ -195,7 +195,7 @@ static void recognise_a_stored_face(const char *metric_path)
     memset(frame->depth_mm, 0,
            (size_t)frame->width_px * (size_t)frame->height_px * sizeof *frame->depth_mm);
     assert_int_equal(pipeline.ops->extract(pipeline.self, frame, "", &extraction), 0);
-    assert_int_equal(extraction.outcome, ISO_CAPTURE_NO_FACE);
+    assert_int_equal(extraction.outcome, ISO_CAPTURE_NOBODY);
     frame->depth_mm[0] = -1;
     assert_int_equal(pipeline.ops->extract(pipeline.self, frame, "", &extraction), -EINVAL);
 

@@ -67,3 +67,5 @@ systemctl poweroff --force --force
 END
 chmod 755 "$root/srv/vm-test"
 chroot "$root" systemctl --quiet enable vm-test.service
+# The test writes to that line.
+chroot "$root" systemctl --quiet mask serial-getty@ttyS0.service
