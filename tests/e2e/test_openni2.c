@@ -13,6 +13,7 @@
 #include <time.h>
 
 #include "tests/e2e/appliance.h"
+#include "tests/enroll/run.h"
 #include "tests/support/camera_bench.h"
 #include "tests/support/scratch.h"
 
@@ -43,6 +44,26 @@ static void the_camera_is_seen_and_runs(void **state)
     const struct appliance_result *doctor = appliance_run(appliance, "doctor", NULL);
     assert_int_equal(doctor->exit, 0);
     assert_non_null(strstr(doctor->out, devices));
+}
+
+/* As `isotherm setup` asks for it, while the daemon has the camera, which goes on. */
+static void the_camera_is_listed_for_programs(void **state)
+{
+    const struct appliance *appliance = *state;
+    const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--list-devices", NULL};
+    char line[256];
+    struct run run;
+
+    (void)snprintf(line, sizeof line,
+                   "{\"sensor\":\"openni2\",\"id\":\"bench:%s\",\"label\":\"Isotherm astra\"}\n",
+                   appliance->bench);
+    run_start(&run, argv);
+    run_finish(&run);
+    if (run.exit != 0 || !strstr(run.out, line)) {
+        fail_msg("exit %d, '%s' is not in '%s'; %s", run.exit, line, run.out, run.err);
+    }
+    run_free(&run);
+    expect_status(appliance, "sensor-state", "started");
 }
 
 static void people_are_enrolled(void **state)
@@ -144,6 +165,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_camera_is_seen_and_runs),
+        cmocka_unit_test(the_camera_is_listed_for_programs),
         cmocka_unit_test(people_are_enrolled),
         cmocka_unit_test(people_are_identified),
         cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_no_stranger),

@@ -447,19 +447,23 @@ static void the_real_daemon_sends_a_picture_of_what_it_sees(void **state)
 /* The real program: what it finds depends on the machine, but not that it is one object a line. */
 static void the_daemon_lists_devices_one_object_a_line(void **state)
 {
-    FILE *list = popen(ISOTHERM_BINARY_DIR "/firmware/isothermd --list-devices 2>/dev/null", "r");
-    char line[4096];
+    const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--list-devices", NULL};
+    struct run run;
 
     (void)state;
-    assert_non_null(list);
-    while (fgets(line, sizeof line, list)) {
+    run_start(&run, argv);
+    run_finish(&run);
+    if (run.exit != 0) {
+        fail_msg("exit %d, and said: %s", run.exit, run.err);
+    }
+    for (char *line = strtok(run.out, "\n"); line; line = strtok(NULL, "\n")) {
         json_t *object = json_loads(line, 0, NULL);
         assert_non_null(object);
         assert_non_null(json_string_value(json_object_get(object, "sensor")));
         assert_true(json_object_get(object, "id") || json_object_get(object, "fault"));
         json_decref(object);
     }
-    assert_int_equal(pclose(list), 0);
+    run_free(&run);
 }
 
 #define ON_A_RIG(test) cmocka_unit_test_setup_teardown(test, setup_rig_setup, setup_rig_teardown)
