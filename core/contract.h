@@ -28,6 +28,10 @@
  *   SetLockdown(b on)                    nobody is let in until it is switched off
  *   AimStart()  AimStop()                from now on View signals are sent to the caller; they end
  *                                        with AimStop or when it leaves the bus
+ * + Picture() -> h file                 a PNG of the next depth frame as shaded relief, 320x240
+ *                                        pixels at most: a sealed memory file, to be read from its
+ *                                        beginning. On record; not while an action goes on. An
+ *                                        error if the camera shows nothing for three seconds
  *
  * An action goes on until a status signal with `done` set; the Stop method ends it before that and
  * is also legal after it. One client at a time has the claim. Nothing that a client does opens the
@@ -108,6 +112,7 @@
 #define ISO_CONTRACT_SET_LOCKDOWN   "SetLockdown"
 #define ISO_CONTRACT_AIM_START      "AimStart"
 #define ISO_CONTRACT_AIM_STOP       "AimStop"
+#define ISO_CONTRACT_PICTURE        "Picture"
 
 /* Options of EnrollStart. */
 #define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"

@@ -314,6 +314,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     now_ns = iso_times_now_ns(&appliance->parts.times);
     iso__appliance_lockout_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
+    iso__appliance_picture_time(appliance, now_ns);
     const int64_t lines_ns = earliest(iso_door_control_due_ns(&appliance->door),
                                       iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
     return earliest(lines_ns, iso__appliance_due_ns(appliance));

@@ -65,6 +65,9 @@ struct iso_appliance_events {
     void (*hint)(void *context, enum iso_capture capture);
     /* What the sensor sees; only while iso_appliance_aim is on, some ten times a second. */
     void (*view)(void *context, const struct iso_view *view);
+    /* The frame that iso_appliance_picture asked for; it is valid during the call. NULL: there will
+     * be none, because the camera shows nothing or the claim has ended. */
+    void (*picture)(void *context, const struct iso_frame *frame);
     /* Words of door.h. */
     void (*door_changed)(void *context, const char *state, const char *cause);
     /* The claim has run out. */
@@ -165,6 +168,12 @@ int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_
  * else: the door stays in service. */
 void iso_appliance_aim(struct iso_appliance *appliance, bool on);
 bool iso_appliance_is_aimed(const struct iso_appliance *appliance);
+
+/* Asks for the next frame, once: it comes by the event `picture`, or that says within three seconds
+ * that there will be none. On record. -EACCES not claimed, -EBUSY an action goes on or the last
+ * picture has still to come, -ENODEV no sensor, or an error of the log: then nothing comes. */
+int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Since the start. */
 struct iso_appliance_counts {

@@ -44,6 +44,7 @@ int iso_appliance_claim(struct iso_appliance *appliance)
 void iso_appliance_release(struct iso_appliance *appliance)
 {
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
+        iso__appliance_picture_drop(appliance);
         rest(appliance);
         iso_hint_filter_reset(&appliance->hints);
         appliance->mode = ISO_APPLIANCE_WATCH;

@@ -286,6 +286,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
         return;
     }
     iso__appliance_time(appliance, frame->t_ns);
+    iso__appliance_picture_frame(appliance, frame);
     if (appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)) {
         return;
     }
@@ -310,6 +311,9 @@ int64_t iso__appliance_due_ns(const struct iso_appliance *appliance)
     int64_t due_ns = decision_ns < attack_ns ? decision_ns : attack_ns;
     due_ns = lockout_ns < due_ns ? lockout_ns : due_ns;
     due_ns = appliance->lockout_save_ns < due_ns ? appliance->lockout_save_ns : due_ns;
+    if (appliance->picture_due && appliance->picture_end_ns < due_ns) {
+        due_ns = appliance->picture_end_ns;
+    }
     if (appliance->mode == ISO_APPLIANCE_WATCH || due_ns < appliance->deadline_ns) {
         return due_ns;
     }

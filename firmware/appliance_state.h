@@ -47,6 +47,8 @@ struct iso_appliance {
     enum iso_appliance_mode ended; /* an action that ended by itself; CLAIMED: none */
     struct iso_person person;      /* ENROLL: who it will be; VERIFY: who it should be */
     struct iso_enrolment enrolment;
+    bool picture_due;       /* a client waits for the next frame */
+    int64_t picture_end_ns; /* until then */
 };
 
 /* A line for the system's log. */
@@ -80,6 +82,15 @@ void iso__appliance_end_attack(struct iso_appliance *appliance);
 
 /* When one of deadlines, decisions, visits and attack attempts is due. */
 int64_t iso__appliance_due_ns(const struct iso_appliance *appliance);
+
+/* ---- a picture (appliance_picture.c) ---- */
+
+/* Hands a frame to who waits for it. */
+void iso__appliance_picture_frame(struct iso_appliance *appliance, const struct iso_frame *frame);
+
+/* Tells who waits that there will be no picture: at once, or if it has taken too long. */
+void iso__appliance_picture_drop(struct iso_appliance *appliance);
+void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns);
 
 /* ---- visits (appliance_visit.c, appliance_learn.c) ---- */
 

@@ -96,6 +96,7 @@ void iso_bus_close(struct iso_bus *bus)
     if (bus) {
         bus->claimant[0] = '\0'; /* the appliance may be gone already */
         bus->aiming = sd_bus_track_unref(bus->aiming);
+        bus->picture = sd_bus_message_unref(bus->picture);
         drop(bus);
         free(bus);
     }

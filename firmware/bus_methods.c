@@ -58,8 +58,7 @@ static int on_claimant_gone(sd_bus_track *track, void *context)
     return 0;
 }
 
-/* Whether the sender has the claim; if not, the error says so. */
-static int require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out)
+int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out)
 {
     if (!bus->claimant[0]) {
         return sd_bus_error_set(out, ISO_CONTRACT_ERROR_CLAIM_DEVICE, "claim the camera first");
@@ -95,7 +94,7 @@ static int on_claim(sd_bus_message *call, void *context, sd_bus_error *out)
 static int on_release(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    const int r = require_claim(bus, call, out);
+    const int r = iso__bus_require_claim(bus, call, out);
     if (r < 0) {
         return r;
     }
@@ -148,7 +147,7 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
     struct iso_bus *bus = context;
     struct iso_enroll_request request = {0};
     struct iso_fault fault = {""};
-    int r = require_claim(bus, call, out);
+    int r = iso__bus_require_claim(bus, call, out);
     r = r < 0 ? r : sd_bus_message_read(call, "s", &request.person);
     r = r < 0 ? r : read_options(call, &request, out);
     if (r < 0) {
@@ -167,7 +166,7 @@ static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *ou
     struct iso_bus *bus = context;
     struct iso_fault fault = {""};
     const char *person;
-    int r = require_claim(bus, call, out);
+    int r = iso__bus_require_claim(bus, call, out);
     r = r < 0 ? r : sd_bus_message_read(call, "s", &person);
     if (r < 0) {
         return r;
@@ -180,7 +179,7 @@ static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *
 {
     struct iso_bus *bus = context;
     struct iso_fault fault = {""};
-    int r = require_claim(bus, call, out);
+    int r = iso__bus_require_claim(bus, call, out);
     if (r < 0) {
         return r;
     }
@@ -191,7 +190,7 @@ static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *
 static int stop_action(struct iso_bus *bus, sd_bus_message *call, enum iso_appliance_mode mode,
                        sd_bus_error *out)
 {
-    const int r = require_claim(bus, call, out);
+    const int r = iso__bus_require_claim(bus, call, out);
     if (r < 0) {
         return r;
     }
@@ -356,6 +355,7 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_SET_LOCKDOWN, "b", "on\0", "", NOTHING, on_set_lockdown),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
+    METHOD(ISO_CONTRACT_PICTURE, "", NOTHING, "h", "file\0", iso__bus_picture),
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuud", "result\0done\0stage\0stages\0quality\0"),
     SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
     SIGNAL(ISO_CONTRACT_IDENTIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),

@@ -12,10 +12,11 @@ struct iso_bus {
     sd_event *event; /* that of iso_bus_serve */
     sd_bus *bus;     /* NULL: it is gone */
     sd_bus_slot *object, *disconnected, *filter, *naming;
-    sd_bus_track *track;  /* of the claimant */
-    char claimant[256];   /* unique name; "": nobody */
-    sd_bus_track *aiming; /* who wants View signals; NULL: nobody */
-    bool gone, serving;   /* serving: the name is ours */
+    sd_bus_track *track;     /* of the claimant */
+    char claimant[256];      /* unique name; "": nobody */
+    sd_bus_track *aiming;    /* who wants View signals; NULL: nobody */
+    sd_bus_message *picture; /* the call of Picture that has still to be answered; NULL: none */
+    bool gone, serving;      /* serving: the name is ours */
     struct iso_call_rate rate;
     struct iso_appliance *appliance;
     const struct iso_appliance_parts *parts;
@@ -34,6 +35,14 @@ int iso__bus_append_view_entries(sd_bus_message *message, const struct iso_view 
 /* Methods that begin and end View signals (bus_view.c). */
 int iso__bus_aim_start(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_aim_stop(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* The method that asks for a picture, and the event that answers it (bus_picture.c). */
+int iso__bus_picture(sd_bus_message *call, void *context, sd_bus_error *out);
+void iso__bus_on_picture(void *context, const struct iso_frame *frame);
+
+/* Whether the sender of a call has the claim; if not, a negative errno, and the error says so
+ * (bus_methods.c). */
+int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out);
 
 /* The error of the contract for an errno of the appliance; what a method returns then. */
 int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault);

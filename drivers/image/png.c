@@ -1,6 +1,7 @@
 #include "drivers/image/png.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <png.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -310,22 +311,53 @@ static void remove_partial_file(const char *path)
     }
 }
 
+static bool can_be_written(const struct iso_image *image, int level)
+{
+    return format_of(image->pixel) && image->samples && image->width_px >= 1 &&
+           image->height_px >= 1 && image->width_px <= ISO_PNG_SIDE_MAX &&
+           image->height_px <= ISO_PNG_SIDE_MAX && level >= 0 && level <= 9;
+}
+
+/* Writes the image and closes the file. */
+static int write_and_close(FILE *file, const struct iso_image *image, int level, const char *name,
+                           struct iso_fault *fault)
+{
+    int error = write_file(file, image, level, name, fault);
+    if (fclose(file) != 0 && !error) {
+        error = iso_fault_set(fault, -errno, "%s: %m", name);
+    }
+    return error;
+}
+
+int iso_png_write_descriptor(int fd, const char *name, const struct iso_image *image, int level,
+                             struct iso_fault *fault)
+{
+    if (!can_be_written(image, level)) {
+        return iso_fault_set(fault, -EINVAL, "%s: not an image that can be written", name);
+    }
+    const int own = fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    FILE *file = own >= 0 ? fdopen(own, "wb") : NULL;
+    if (!file) {
+        const int error = -errno;
+        if (own >= 0) {
+            (void)close(own);
+        }
+        return iso_fault_set(fault, error, "%s: %s", name, strerror(-error));
+    }
+    return write_and_close(file, image, level, name, fault);
+}
+
 int iso_png_write(const char *path, const struct iso_image *image, int level,
                   struct iso_fault *fault)
 {
-    if (!format_of(image->pixel) || !image->samples || image->width_px < 1 ||
-        image->height_px < 1 || image->width_px > ISO_PNG_SIDE_MAX ||
-        image->height_px > ISO_PNG_SIDE_MAX || level < 0 || level > 9) {
+    if (!can_be_written(image, level)) {
         return iso_fault_set(fault, -EINVAL, "%s: not an image that can be written", path);
     }
     FILE *file = fopen(path, "wbe");
     if (!file) {
         return iso_fault_set(fault, -errno, "%s: %m", path);
     }
-    int error = write_file(file, image, level, path, fault);
-    if (fclose(file) != 0 && !error) {
-        error = iso_fault_set(fault, -errno, "%s: %m", path);
-    }
+    const int error = write_and_close(file, image, level, path, fault);
     if (error) {
         remove_partial_file(path);
     }

@@ -59,4 +59,9 @@ int iso_png_read_memory(const char *name, const void *bytes, size_t size,
 int iso_png_write(const char *path, const struct iso_image *image, int level,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* The same into an open file, from where it stands; the descriptor stays open, and what was written
+ * stays when it fails. `name` stands for the file in faults. */
+int iso_png_write_descriptor(int fd, const char *name, const struct iso_image *image, int level,
+                             struct iso_fault *fault) __attribute__((warn_unused_result));
+
 #endif

@@ -86,6 +86,12 @@ static void on_view(void *context, const struct iso_view *view)
     (void)view;
 }
 
+static void on_picture(void *context, const struct iso_frame *frame)
+{
+    (void)context;
+    (void)frame;
+}
+
 static bool is_locked(const char *state)
 {
     return strcmp(state, iso_door_state_name(ISO_DOOR_LOCKED)) == 0;
@@ -149,6 +155,7 @@ static int open_appliance(struct rehearsal *r)
         .visit = on_visit,
         .hint = on_hint,
         .view = on_view,
+        .picture = on_picture,
         .door_changed = on_door,
         .claim_lost = on_claim_lost,
         .message = on_message,

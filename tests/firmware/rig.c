@@ -59,6 +59,11 @@ static void on_view(void *context, const struct iso_view *view)
     tell(context, "view %s; ", iso_capture_name(view->capture));
 }
 
+static void on_picture(void *context, const struct iso_frame *frame)
+{
+    tell(context, "picture %s; ", frame ? "taken" : "failed");
+}
+
 static void on_door_changed(void *context, const char *state, const char *cause)
 {
     tell(context, "door %s %s; ", state, cause);
@@ -88,7 +93,7 @@ static void open_parts(struct rig *rig)
         .times = {clock, manual_clock_now_ns, &rig->wall_ns},
         .sensor = puppet_sensor_source(&rig->sensor),
         .pipeline = puppet_pipeline(&rig->puppet),
-        .events = {on_enroll_status, on_recognition_status, on_visit, on_hint, on_view,
+        .events = {on_enroll_status, on_recognition_status, on_visit, on_hint, on_view, on_picture,
                    on_door_changed, on_claim_lost, on_message, rig},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);

@@ -50,6 +50,7 @@ static const struct {
     {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false}},
     {ISO_CONTRACT_READ_LOG, {false, false, false, true, false}},
     {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false}},
+    {ISO_CONTRACT_PICTURE, {false, false, false, true, false}},
     {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false}},
 };
 

@@ -257,6 +257,7 @@ static const struct {
     {ISO_CONTRACT_SET_LOCKDOWN, "b"},
     {ISO_CONTRACT_AIM_START, ""},
     {ISO_CONTRACT_AIM_STOP, ""},
+    {ISO_CONTRACT_PICTURE, ""},
     {"Introspect", ""},
     {"NoSuchMethod", "s"},
 };

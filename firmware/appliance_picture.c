@@ -1,0 +1,64 @@
+/* One picture of what the camera sees, for the client that has the claim. */
+#include <errno.h>
+
+#include "firmware/appliance_state.h"
+
+/* A camera that works shows a frame sooner than that. */
+static const int64_t patience_ns = 3 * ISO_NS_PER_S;
+
+static int may_ask(const struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    if (appliance->mode == ISO_APPLIANCE_WATCH) {
+        return iso_fault_set(fault, -EACCES, "claim the camera first");
+    }
+    if (appliance->mode != ISO_APPLIANCE_CLAIMED) {
+        return iso_fault_set(fault, -EBUSY, "%s goes on, stop it first",
+                             iso_appliance_mode_name(appliance->mode));
+    }
+    if (appliance->picture_due) {
+        return iso_fault_set(fault, -EBUSY, "the picture asked for before has still to come");
+    }
+    if (!appliance->keeper.sensor) {
+        return iso_fault_set(fault, -ENODEV, "%s", appliance->keeper.fault);
+    }
+    return 0;
+}
+
+int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const struct iso_audit_record record = iso_audit_record_of("picture");
+    int error = may_ask(appliance, fault);
+    error = error ? error : iso_audit_append(appliance->parts.audit, &record, fault);
+    if (!error) {
+        appliance->picture_due = true;
+        appliance->picture_end_ns = iso_times_now_ns(&appliance->parts.times) + patience_ns;
+    }
+    return error;
+}
+
+/* Answers who waits, if somebody does. */
+static void answer(struct iso_appliance *appliance, const struct iso_frame *frame)
+{
+    const struct iso_appliance_events *events = &appliance->parts.events;
+    if (appliance->picture_due) {
+        appliance->picture_due = false;
+        events->picture(events->context, frame);
+    }
+}
+
+void iso__appliance_picture_frame(struct iso_appliance *appliance, const struct iso_frame *frame)
+{
+    answer(appliance, frame);
+}
+
+void iso__appliance_picture_drop(struct iso_appliance *appliance)
+{
+    answer(appliance, NULL);
+}
+
+void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns)
+{
+    if (appliance->picture_due && now_ns >= appliance->picture_end_ns) {
+        answer(appliance, NULL);
+    }
+}
