@@ -47,6 +47,7 @@ enum option_id {
     OPTION_PASSPHRASE_FILE,
     OPTION_PERSON,
     OPTION_REPLACE,
+    OPTION_PICTURE,
 };
 
 static const struct choice {
@@ -75,6 +76,8 @@ static const struct choice {
      "take the passphrase from the first line of F"},
     {"person", "NAME", OPTION_PERSON, FOR(CLI_EXPORT), "only this one; may be repeated"},
     {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
+    {"picture", "FILE", OPTION_PICTURE, FOR(CLI_AIM),
+     "write one picture of what the camera sees, as PNG, and end"},
     {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
     {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
     {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
@@ -186,6 +189,9 @@ static bool take(struct cli_arguments *out, enum option_id id, const char *value
     case OPTION_FOLLOW:
         out->follow = true;
         return true;
+    case OPTION_PICTURE:
+        out->picture = value;
+        return *value != '\0';
     default:
         return take_transfer(out, id, value);
     }

@@ -46,7 +46,8 @@ struct cli_arguments {
     const char *address, *passphrase_file; /* export, import; NULL: not given */
     const char *people[CLI_PEOPLE_MAX];    /* export: these; none: all */
     size_t n_people;
-    bool replace; /* import */
+    bool replace;        /* import */
+    const char *picture; /* aim: the file to write; NULL: not given */
 };
 
 /* Reads argv, options and words in any order. The texts of *out point into argv. With --help or

@@ -1,58 +1,78 @@
-/* aim: what the sensor sees, for who installs it, until interrupted. */
+/* aim: what the sensor sees, for who installs it: numbers until interrupted, or one picture. */
 #include "enroll/commands.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "core/contract.h"
 #include "enroll/hint.h"
+#include "enroll/picture.h"
 #include "enroll/report.h"
 #include "enroll/state.h"
 
 struct aim {
     bool json;
-    bool rewrite; /* on a terminal one line is enough */
-    int error;    /* of a signal that could not be read, or of the output */
+    bool rewrite;  /* on a terminal two lines are enough */
+    char hint[32]; /* the word whose hint was printed last */
+    int error;     /* of a signal that could not be read, or of the output */
 };
 
+/* At most 79 columns, so that no terminal breaks a line. */
 static const char head[] =
-    "capture           distance  right   down    yaw  pitch   roll  measured  fit  expr   mm/s  "
-    "deg/s\n";
+    "capture            dist right  down  yaw pitch roll  meas  fit expr  mm/s deg/s\n";
 
-/* A number in a column; "-" for one that is not known. */
-static void print_number(double value, int width, int digits, bool sign)
+static const struct column {
+    const char *name;
+    int width, digits;
+    bool sign;
+} columns[] = {
+    {"distance-mm", 7, 0, false},  {"right-mm", 6, 0, true},     {"down-mm", 6, 0, true},
+    {"yaw-deg", 5, 0, true},       {"pitch-deg", 6, 0, true},    {"roll-deg", 5, 0, true},
+    {"fit-coverage", 6, 2, false}, {"residual-mm", 5, 1, false}, {"expression", 5, 1, false},
+    {"speed-mm-s", 6, 0, false},   {"speed-deg-s", 6, 0, false},
+};
+
+/* A number in a column; "-" for one that is not known, ">" for one that does not fit. */
+static void print_number(double value, const struct column *column)
 {
-    if (isnan(value)) {
-        printf("%*s", width, "-");
-    } else {
-        printf(sign ? "%+*.*f" : "%*.*f", width, digits, value);
+    char text[32];
+    const int length = isnan(value) ? snprintf(text, sizeof text, "-")
+                                    : snprintf(text, sizeof text, column->sign ? "%+.*f" : "%.*f",
+                                               column->digits, value);
+
+    printf("%*s", column->width, length < column->width ? text : ">");
+}
+
+static void print_numbers(const json_t *view, const char *word)
+{
+    printf("%-16s", word ? word : "?");
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
+        print_number(cli_state_real(view, columns[i].name), &columns[i]);
     }
 }
 
-static void print_view(const json_t *view, bool rewrite)
+/* On a terminal the hint stands below the numbers, and both lines are written over. In a file it
+ * is a line of its own where it changes. */
+static void print_view(const json_t *view, struct aim *aim)
 {
-    static const struct {
-        const char *name;
-        int width, digits;
-        bool sign;
-    } columns[] = {
-        {"distance-mm", 10, 0, false}, {"right-mm", 7, 0, true},     {"down-mm", 7, 0, true},
-        {"yaw-deg", 7, 0, true},       {"pitch-deg", 7, 0, true},    {"roll-deg", 7, 0, true},
-        {"fit-coverage", 9, 2, false}, {"residual-mm", 6, 1, false}, {"expression", 6, 1, false},
-        {"speed-mm-s", 7, 0, false},   {"speed-deg-s", 7, 0, false},
-    };
     const char *word = cli_state_text(view, "capture");
     const char *hint = word ? cli_hint_text(word) : NULL;
 
-    printf("%s%-16s", rewrite ? "\r\033[K" : "", word ? word : "?");
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
-        print_number(cli_state_real(view, columns[i].name), columns[i].width, columns[i].digits,
-                     columns[i].sign);
+    if (aim->rewrite) {
+        fputs("\r\033[K", stdout);
+        print_numbers(view, word);
+        printf("\n\033[K  %s\033[A", hint ? hint : "");
+        return;
     }
-    /* A terminal's line holds no more than the numbers. */
-    printf("%s%s%s", rewrite || !hint ? "" : "  ", rewrite || !hint ? "" : hint,
-           rewrite ? "" : "\n");
+    print_numbers(view, word);
+    putchar('\n');
+    if (hint && strcmp(aim->hint, word) != 0) {
+        printf("  %s\n", hint);
+    }
+    (void)snprintf(aim->hint, sizeof aim->hint, "%s", word ? word : "");
 }
 
 static bool on_view(sd_bus_message *signal, void *context)
@@ -68,7 +88,7 @@ static bool on_view(sd_bus_message *signal, void *context)
         (void)json_dumpf(view, stdout, JSON_COMPACT);
         (void)putchar('\n');
     } else {
-        print_view(view, aim->rewrite);
+        print_view(view, aim);
     }
     json_decref(view);
     return fflush(stdout) == EOF;
@@ -89,7 +109,7 @@ static enum cli_exit watch(struct cli_door *door, const struct cli_arguments *ar
     }
     exit = cli_door_wait(door, arguments->timeout_s, fault);
     if (aim->rewrite) {
-        putchar('\n');
+        fputs("\n\n", stdout); /* below both lines */
     }
     (void)!cli_door_call(door, ISO_CONTRACT_AIM_STOP, NULL, &ignored);
     if (aim->error) {
@@ -103,6 +123,29 @@ static enum cli_exit watch(struct cli_door *door, const struct cli_arguments *ar
                : exit;
 }
 
+/* ---- one picture ---- */
+
+static enum cli_exit save_picture(struct cli_door *door, const struct cli_arguments *arguments,
+                                  struct cli_fault *fault)
+{
+    uint8_t *png = NULL;
+    size_t size = 0;
+    enum cli_exit exit = cli_picture_take(door, &png, &size, fault);
+
+    exit = exit ? exit : cli_picture_save(arguments->picture, png, size, fault);
+    free(png);
+    if (exit) {
+        return exit;
+    }
+    if (arguments->json) {
+        return cli_report_json(
+            json_pack("{s:s, s:I}", "picture", arguments->picture, "bytes", (json_int_t)size));
+    }
+    printf("%s: what the camera sees now; it shows who stands there, so delete it after use\n",
+           arguments->picture);
+    return CLI_EXIT_OK;
+}
+
 enum cli_exit cli_aim(struct cli_door *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
@@ -110,6 +153,10 @@ enum cli_exit cli_aim(struct cli_door *door, const struct cli_arguments *argumen
         .json = arguments->json,
         .rewrite = !arguments->json && isatty(STDOUT_FILENO),
     };
+
+    if (arguments->picture) {
+        return save_picture(door, arguments, fault);
+    }
     enum cli_exit exit = cli_door_catch_interrupt(door, fault);
 
     exit = exit ? exit : cli_door_subscribe(door, ISO_CONTRACT_VIEW, on_view, &aim, fault);

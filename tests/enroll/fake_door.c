@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <systemd/sd-bus.h>
@@ -353,6 +354,23 @@ static int on_aim_stop(sd_bus_message *call, void *context, sd_bus_error *error)
     return sd_bus_reply_method_return(call, NULL);
 }
 
+static int on_picture(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+    const char *bytes = service->script->picture ? service->script->picture : "PNG";
+
+    if (fails(service, call, error) || !is_claimant(service, call, error)) {
+        return -EIO;
+    }
+    const int fd = memfd_create("picture", MFD_CLOEXEC);
+    const bool made = fd >= 0 && write(fd, bytes, strlen(bytes)) == (ssize_t)strlen(bytes);
+    const int r = made ? sd_bus_reply_method_return(call, "h", fd) : -EIO;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return r;
+}
+
 static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     struct service *service = context;
@@ -405,6 +423,7 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_METHOD("GetStatus", "", "a{sv}", on_status, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStart", "", "", on_aim_start, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStop", "", "", on_aim_stop, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("Picture", "", "h", on_picture, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("ReadLog", "tu", "as", on_read_log, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_VTABLE_END,
 };

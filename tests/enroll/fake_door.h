@@ -49,7 +49,8 @@ struct fake_script {
     unsigned n_records;                                         /* in the log, numbered from 1 */
     /* With every ReadLog so many more come, and so many of the oldest go. */
     unsigned records_come, records_go;
-    unsigned refused; /* so many of the first calls of ReadLog are too many */
+    const char *picture; /* the bytes of the file that Picture gives, up to a NUL; NULL: "PNG" */
+    unsigned refused;    /* so many of the first calls of ReadLog are too many */
 };
 
 struct fake_door {

@@ -1,0 +1,21 @@
+/* One picture of what the camera sees, for who places it. */
+#ifndef CLI_PICTURE_H
+#define CLI_PICTURE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "enroll/door.h"
+
+/* Claims the camera, asks for a picture, and releases the camera again: meanwhile the door admits
+ * nobody. *png is a whole PNG file in memory, the caller's to free with free(). Faults of
+ * cli_door_send(), "bad-reply". */
+enum cli_exit cli_picture_take(struct cli_door *door, uint8_t **png, size_t *size,
+                               struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* Writes it to a file that only its owner can read. CLI_EXIT_NOT_FOUND or CLI_EXIT_FAULT "file";
+ * a file that could not be written whole is removed. */
+enum cli_exit cli_picture_save(const char *path, const uint8_t *png, size_t size,
+                               struct cli_fault *fault) __attribute__((warn_unused_result));
+
+#endif
