@@ -4,8 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "drivers/shipped.h"
 #include "sim/commands.h"
-#include "sim/data_file.h"
 #include "sim/visit/rehearsal.h"
 #include "sim/visit/visit_command.h"
 
@@ -59,8 +59,8 @@ static int play(const void *target, const struct sim_corpus *corpus, sim_visit_l
 
 int sim_cmd_replay(int argc, char **argv)
 {
-    struct arguments arguments = {.rehearsal = {.model = SIM_DATA_FILE_MODEL,
-                                                .metric = SIM_DATA_FILE_METRIC,
+    struct arguments arguments = {.rehearsal = {.model = iso_shipped_model(),
+                                                .metric = iso_shipped_metric(),
                                                 .threshold = NAN}};
     const struct sim_visit_command command = {
         .name = "replay",

@@ -115,4 +115,21 @@ expect 0 '' record --sensor "replay:path=$face,pace=asap" --frames 2 --out "$wor
     echo 'record --frames 2 did not record 2 frames'
     failures=$((failures + 1))
 }
+# Where the shipped data files come from: the source tree for a program in a build tree, the installed ones for any other.
+expect 0 '' show --recording "$face" --what isotherms --out "$work/shipped.png"
+expect 0 '' landmarks --corpus "$work/corpus" --out "$work/landmarks-shipped"
+expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-shipped"
+expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-explicit" \
+    --model "$model" --metric "$source/core/data/face.metric"
+cmp "$work/eval-shipped/scores.csv" "$work/eval-explicit/scores.csv" || {
+    echo 'eval without --metric does not measure what the appliance does'
+    failures=$((failures + 1))
+}
+mkdir -p "$work/elsewhere/bin"
+cp "$simulator" "$work/elsewhere/bin/isotherm-sim"
+simulator=$work/elsewhere/bin/isotherm-sim
+if ! [ -e /usr/local/share/isotherm/head.model ]; then
+    expect 3 '/share/isotherm/head.model: No such file' show --recording "$face" --out "$work/x.png"
+fi
+
 [ "$failures" -eq 0 ]
