@@ -100,7 +100,9 @@ expect 2 'isotherm-sim train head: --ict and --out are needed' train head --ict 
 expect 2 '--corpora and --out are needed' train metric
 expect 3 'nowhere' train head --ict "$work/nowhere" --out "$work/head.model"
 expect 0 '' import --help
-expect 2 '--database, --from and --out are needed' import --database frgc
+expect 2 '--database, --from and --out are needed, or --ict and --out' import --database frgc
+expect 2 '--ict needs --out, and neither' import --ict "$work" --database frgc --out "$work/imported"
+expect 3 'no folder FaceXModel' import --ict "$work" --out "$work/imported"
 expect 2 "--database: 'lfw' is unknown" import --database lfw --from "$work" --out "$work/imported"
 expect 3 'no file is named as those of gavab' import --database gavab --from "$work" --out "$work/imported"
 
