@@ -117,6 +117,17 @@ expect 0 '' record --sensor "replay:path=$face,pace=asap" --frames 2 --out "$wor
     echo 'record --frames 2 did not record 2 frames'
     failures=$((failures + 1))
 }
+# One visit in one picture.
+expect 2 'and --visit with --picture' replay --corpus "$work/corpus" --out "$work/replay" --picture "$work/visit.png"
+expect 3 "no visit 'nobody'" replay --corpus "$work/corpus" --out "$work/replay" --visit nobody
+expect 0 '' replay --corpus "$work/corpus" --out "$work/replay-photo" --visit none-photo3 --picture "$work/visit.png"
+[ -s "$work/visit.png" ] || {
+    echo 'replay --picture wrote no picture'
+    failures=$((failures + 1))
+}
+expect 4 'nowhere/visit.png' replay --corpus "$work/corpus" --out "$work/replay-nowhere" --visit none-photo3 \
+    --picture "$work/nowhere/visit.png"
+
 # Where the shipped data files come from: the source tree for a program in a build tree, the installed ones for any other.
 expect 0 '' show --recording "$face" --what isotherms --out "$work/shipped.png"
 expect 0 '' landmarks --corpus "$work/corpus" --out "$work/landmarks-shipped"
