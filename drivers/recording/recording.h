@@ -3,7 +3,9 @@
  *   recording.ini   [recording] format = 1, sensor = NAME
  *                   [depth] projection = pinhole | orthographic; width_px, height_px;
  *                   fx_px, fy_px, k1..k3, p1, p2 (pinhole; k and p default to 0) or
- *                   pitch_mm (orthographic); cx_px, cy_px; unit_mm = millimetres per count
+ *                   pitch_mm (orthographic); cx_px, cy_px; unit_mm = millimetres per count;
+ *                   nominal = yes | no (pinhole; default no): the intrinsics are those that the
+ *                   maker states for the model, nobody has measured them on this camera
  *   depth.txt       one line per frame, in order of time: timestamp_s filename; '#' comments
  *   depth/NAME.png   16-bit grey, counts of unit_mm along the optical axis, 0 = not measured
  *   ir.txt, ir/     optional: 8- or 16-bit grey, registered to depth pixel by pixel
@@ -30,6 +32,7 @@ struct iso_recording_meta {
     char sensor[ISO_RECORDING_SENSOR_MAX]; /* letters, digits, '-', '_', '.' */
     struct iso_camera camera;
     double unit_mm; /* 0.001..100 */
+    bool nominal;   /* the intrinsics are the model's, not measured on this camera */
 };
 
 /* Whether a recording can have this description: sensor name, camera (iso_camera_check) and unit.

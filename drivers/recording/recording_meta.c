@@ -47,6 +47,16 @@ static int parse_projection(const char *value, void *field)
     return 0;
 }
 
+static int parse_switch(const char *value, void *field)
+{
+    const bool yes = strcmp(value, "yes") == 0;
+    if (!yes && strcmp(value, "no") != 0) {
+        return -EINVAL;
+    }
+    *(bool *)field = yes;
+    return 0;
+}
+
 #define CAMERA(field) offsetof(struct parse, meta.camera.field)
 
 static const struct iso_ini_key keys[] = {
@@ -65,6 +75,7 @@ static const struct iso_ini_key keys[] = {
     {"depth", "k3", iso_ini_parse_number, CAMERA(k3), PINHOLE_OPTIONAL},
     {"depth", "p1", iso_ini_parse_number, CAMERA(p1), PINHOLE_OPTIONAL},
     {"depth", "p2", iso_ini_parse_number, CAMERA(p2), PINHOLE_OPTIONAL},
+    {"depth", "nominal", parse_switch, offsetof(struct parse, meta.nominal), PINHOLE_OPTIONAL},
     {"depth", "unit_mm", iso_ini_parse_number, offsetof(struct parse, meta.unit_mm), ALWAYS},
 };
 
