@@ -75,6 +75,7 @@ install:
 	cmake --preset release -DCMAKE_INSTALL_PREFIX=$(abspath $(PREFIX))
 	cmake --build --preset release
 	cmake --install build/release
+	cmake/after_install.sh "$(DESTDIR)"
 
 clean:
 	rm -rf build out

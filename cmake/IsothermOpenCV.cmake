@@ -1,5 +1,6 @@
-# isotherm_opencv(TARGET WITH WITHOUT): adds the source that uses OpenCV, or the one that does without. OpenCV is C++: a build
-# without a C++ compiler goes without, as one without the library does. Debian's narrow packages have no pkg-config file.
+# The option ISOTHERM_OPENCV: the module `vision`, which checks faces in infrared or grey images by OpenCV. OpenCV is C++: a build
+# without a C++ compiler goes without, as one without the library does. Debian's narrow packages have no pkg-config file. Makes
+# the target isotherm-opencv-vision.
 option(ISOTHERM_OPENCV "Check faces in infrared or grey images by OpenCV, where it is found" ON)
 
 if(ISOTHERM_OPENCV)
@@ -26,19 +27,11 @@ if(ISOTHERM_OPENCV AND CMAKE_CXX_COMPILER AND OPENCV_INCLUDE_DIR AND OPENCV_CORE
   else()
     set(cascade "${ISOTHERM_CASCADE}")
   endif()
+  add_library(isotherm-opencv-vision INTERFACE)
+  target_include_directories(isotherm-opencv-vision SYSTEM INTERFACE ${OPENCV_INCLUDE_DIR})
+  target_compile_definitions(isotherm-opencv-vision INTERFACE ISOTHERM_CASCADE="${cascade}")
+  target_link_libraries(isotherm-opencv-vision INTERFACE ${OPENCV_OBJDETECT} ${OPENCV_CORE})
 else()
   set(ISOTHERM_HAS_OPENCV OFF)
   message(STATUS "OpenCV: not used; faces are not checked in infrared or grey images")
 endif()
-
-function(isotherm_opencv target with without)
-  if(NOT ISOTHERM_HAS_OPENCV)
-    target_sources(${target} PRIVATE ${without})
-    return()
-  endif()
-  target_sources(${target} PRIVATE ${with})
-  set_source_files_properties(${with} PROPERTIES
-    COMPILE_DEFINITIONS "ISOTHERM_CASCADE=\"${cascade}\""
-    COMPILE_OPTIONS "-isystem;${OPENCV_INCLUDE_DIR}")
-  target_link_libraries(${target} PRIVATE ${OPENCV_OBJDETECT} ${OPENCV_CORE})
-endfunction()

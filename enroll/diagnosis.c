@@ -239,8 +239,8 @@ static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *sta
 
     if (word) {
         cli_diagnosis_add(diagnosis, "image check", absent ? CLI_CHECK_ODD : CLI_CHECK_GOOD, word,
-                          absent ? "install OpenCV and opencv-data and build with them, or set "
-                                   "intensity = off in [recognition] of isotherm.conf(5)"
+                          absent ? "install the package isotherm-vision, or set intensity = off in "
+                                   "[recognition] of isotherm.conf(5)"
                                  : NULL);
     }
 }

@@ -249,10 +249,12 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
 
 static void tell_image_check(struct iso_appliance *appliance)
 {
+    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
     const char *word = iso_appliance_status(appliance).image_check;
     if (strcmp(word, "absent") == 0) {
-        iso__appliance_say(appliance, LOG_WARNING,
-                           "images are not checked for faces: OpenCV or its cascade is missing");
+        const char *lacks = pipeline->ops->image_lacks ? pipeline->ops->image_lacks(pipeline->self)
+                                                       : "what that needs is missing";
+        iso__appliance_say(appliance, LOG_WARNING, "images are not checked for faces: %s", lacks);
     }
 }
 

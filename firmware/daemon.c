@@ -173,6 +173,9 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
     const struct iso_times times = iso_times_system();
     int error = prepare_process(daemon, fault);
     if (!error) {
+        error = iso_parts_load_modules(config, fault);
+    }
+    if (!error) {
         error = confine_files(daemon, config, fault);
     }
     if (!error) {

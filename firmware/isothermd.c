@@ -103,6 +103,15 @@ static void take_surroundings(struct iso_config *config)
     config->log.journal = config->log.journal && getenv("JOURNAL_STREAM");
 }
 
+static int check(const char *path, const struct iso_config *config, struct iso_fault *fault)
+{
+    const int error = iso_parts_load_modules(config, fault);
+    if (!error) {
+        printf("%s: sound\n", path);
+    }
+    return error;
+}
+
 static int run(const struct arguments *arguments)
 {
     const struct iso_times times = iso_times_system();
@@ -114,7 +123,7 @@ static int run(const struct arguments *arguments)
         take_surroundings(&config);
     }
     if (!error && arguments->check_config) {
-        printf("%s: sound\n", arguments->config);
+        error = check(arguments->config, &config, &fault);
     } else if (!error && arguments->rest_door) {
         error = iso_parts_rest_door(&config, &times, &fault);
     } else if (!error && arguments->print_log) {
@@ -128,7 +137,7 @@ static int run(const struct arguments *arguments)
 static void say_version(void)
 {
     const char *engine = iso_face_detector_engine();
-    printf("isothermd " ISOTHERM_VERSION "\nimage check: %s\n", *engine ? engine : "not built in");
+    printf("isothermd " ISOTHERM_VERSION "\nimage check: %s\n", *engine ? engine : "not installed");
 }
 
 int main(int argc, char **argv)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "drivers/shipped.h"
+#include "drivers/vision/face_detector.h"
 #include "firmware/journal.h"
 
 static const char *or_shipped(const char *path, const char *shipped)
@@ -165,6 +166,16 @@ int iso_parts_rest_door(const struct iso_config *config, const struct iso_times 
     }
     iso_door_io_close(io);
     return error;
+}
+
+int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fault)
+{
+    const int error = iso_sensor_load(config->sensor.backend, fault);
+    if (error || config->recognition.intensity == ISO_IMAGE_OFF) {
+        return error;
+    }
+    const int lacking = iso_face_detector_load(fault);
+    return lacking == -ENOENT && !*config->recognition.cascade ? 0 : lacking;
 }
 
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,

@@ -21,6 +21,13 @@ struct iso_parts {
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
 };
 
+/* Loads the modules (drivers/module.h) that the configuration asks for, so that nothing is loaded
+ * later, when the process is confined. -ENOENT an unknown sensor, or a module is missing that the
+ * sensor needs; -EBADMSG one cannot be used. That of the image check may be missing, unless the
+ * configuration names a cascade (iso_pipeline_open). */
+int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Opens them in an order in which the door's lines are touched last. Every error of
  * iso_crew_new, iso_pipeline_open, iso_key_ring_open, iso_gallery_open, iso_audit_open,
  * iso_cards_load and iso_door_io_open, with nothing left open; -ESTALE if the log knows a newer

@@ -19,6 +19,7 @@ struct pipeline {
     struct iso_extractor *extractor;
     struct iso_match_options match;
     enum iso_image_check image;
+    struct iso_fault image_lacks; /* why there is no face_check; "" if there is, or need not be */
     struct iso_face_check *face_check; /* NULL: images are not checked */
     enum iso_face_seen seen;           /* of the last frame */
 };
@@ -147,6 +148,11 @@ static const char *pipeline_image_check(const void *self)
     return absent ? "absent" : words[pipeline->image];
 }
 
+static const char *pipeline_image_lacks(const void *self)
+{
+    return ((const struct pipeline *)self)->image_lacks.text;
+}
+
 static void pipeline_close(void *self)
 {
     struct pipeline *pipeline = self;
@@ -168,6 +174,7 @@ static const struct iso_pipeline_ops ops = {
     .close = pipeline_close,
     .seen = pipeline_seen,
     .image_check = pipeline_image_check,
+    .image_lacks = pipeline_image_lacks,
 };
 
 static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
@@ -251,8 +258,9 @@ static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_o
                  : 0;
 }
 
-/* A cascade that is named has to be there. Without one, a machine that lacks OpenCV or its data
- * does without the check. */
+/* A cascade that is named has to be there. Without one, a machine that lacks the module or its data
+ * does without the check. A module that is there and cannot be used is a fault: the check was asked
+ * for. */
 static int make_face_check(struct pipeline *pipeline, const struct iso_pipeline_options *options,
                            struct iso_fault *fault)
 {
@@ -262,8 +270,9 @@ static int make_face_check(struct pipeline *pipeline, const struct iso_pipeline_
         return 0;
     }
     const int error = iso_face_check_new(path, &pipeline->face_check, &reason);
-    const bool lacking = error == -ENOSYS || error == -ENOENT;
-    return !error || (lacking && !*path) ? 0 : iso_fault_set(fault, error, "%s", reason.text);
+    pipeline->image_lacks = reason;
+    return !error || (error == -ENOENT && !*path) ? 0
+                                                  : iso_fault_set(fault, error, "%s", reason.text);
 }
 
 int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,

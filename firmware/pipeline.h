@@ -42,8 +42,11 @@ struct iso_pipeline_ops {
     enum iso_face_seen (*seen)(const void *self);
 
     /* OPTIONAL: what is done with that: "off", "flag", "veto", or "absent" if it was asked for and
-     * the build or the machine lacks what it needs. */
+     * the machine lacks what it needs. */
     const char *(*image_check)(const void *self);
+
+    /* OPTIONAL: what it lacks, and the package that has it; "" if nothing. */
+    const char *(*image_lacks)(const void *self);
 };
 
 /* What a frame's infrared or grey image may do that does not show the face that depth found. */
@@ -72,8 +75,9 @@ struct iso_pipeline_options {
 /* Reads model and metric or cohort and makes everything ready. -ENOENT and other errors of reading
  * the files, -EBADMSG one of them is damaged, -EINVAL options out of range or a metric or cohort
  * that was made with another model or other options, -ENOMEM; each with a line. A cascade that is
- * named has to be good: errors of iso_face_check_new; the build's own may be missing: images are
- * then not checked. What options->clock points to must outlive the pipeline. */
+ * named has to be good: errors of iso_face_check_new; without one, the module `vision` or the
+ * build's own cascade may be missing (-ENOENT): images are then not checked. What options->clock
+ * points to must outlive the pipeline. */
 int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -93,7 +93,10 @@ static int run(const struct arguments *a, struct iso_fault *fault)
     if (a->pictures && mkdir(a->pictures, 0777) != 0 && errno != EEXIST) {
         return iso_fault_set(fault, -errno, "%s: %m", a->pictures);
     }
-    int error = sim_ict_load(a->ict, &ict, fault);
+    int error = sim_sensor_load(measure.sensor, fault);
+    if (!error) {
+        error = sim_ict_load(a->ict, &ict, fault);
+    }
     if (!error) {
         measure.ict = ict;
         printf("%s: %s\nFaces: skin within %.0f mm of the nose tip, %zu at each distance; errors "

@@ -170,6 +170,10 @@ static int find_sensors(const char *names, struct sim_train_cohort_options *opti
         if (options->n_sensors == SIM_COHORT_SENSORS_MAX) {
             return iso_fault_set(fault, -EINVAL, "--sensor: more than %d", SIM_COHORT_SENSORS_MAX);
         }
+        const int error = sim_sensor_load(sensor, fault);
+        if (error) {
+            return error;
+        }
         options->sensors[options->n_sensors++] = sensor;
         at += length;
         if (*at == '\0') {

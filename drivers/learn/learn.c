@@ -4,6 +4,9 @@
 #include <string.h>
 
 #include "drivers/learn/ops.h"
+#ifdef ISOTHERM_OPENCV_ML
+#include "drivers/learn/tree.h"
+#endif
 
 const struct iso_classifier_ops *const iso_learn_classifiers[] = {
 #ifdef ISOTHERM_LIBSVM
@@ -28,4 +31,16 @@ const struct iso_classifier_ops *iso_learn_find(const char *name)
 {
     const struct iso_classifier_ops *found = find(iso_classifiers, name);
     return found ? found : find(iso_learn_classifiers, name);
+}
+
+int iso_learn_load(const struct iso_classifier_ops *ops, struct iso_fault *fault)
+{
+#ifdef ISOTHERM_OPENCV_ML
+    if (ops == &iso_learn_decision_tree) {
+        return iso_tree_load(fault);
+    }
+#endif
+    (void)ops;
+    (void)fault;
+    return 0;
 }

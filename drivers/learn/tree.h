@@ -1,13 +1,19 @@
-/* Decision trees in plain C: the one place that knows OpenCV's ml. Nothing is thrown out of it. */
+/* Decision trees in plain C: the one place that knows OpenCV's ml. Nothing is thrown out of it. Its
+ * code is the module `trees` (drivers/module.h). */
 #ifndef ISO_DRIVERS_LEARN_TREE_H
 #define ISO_DRIVERS_LEARN_TREE_H
 
 #include <stdint.h>
 
+#include "core/fault.h"
+
 struct iso_tree;
 
+/* Loads the module, unless it is loaded. The errors of iso_module_load. */
+int iso_tree_load(struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Learns from n features of `size` values with labels 0 or above. -EINVAL what OpenCV refuses,
- * -ENOMEM. */
+ * -ENOMEM, the errors of iso_tree_load. */
 int iso_tree_new(const float *feature, const int32_t *label, int32_t n, int32_t size,
                  struct iso_tree **out) __attribute__((warn_unused_result));
 void iso_tree_free(struct iso_tree *tree);

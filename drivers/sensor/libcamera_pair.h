@@ -1,6 +1,6 @@
-/* Two cameras through libcamera. The .cc file is C++, this header is C; no
- * exception comes out of it. libcamera runs a thread of its own, which fills a queue behind a lock;
- * all else happens in the caller's thread.
+/* Two cameras through libcamera. The .cc file is C++, this header is C; no exception comes out of
+ * it. The code is in the module `libcamera` (libcamera_module.h). libcamera runs a thread of its
+ * own, which fills a queue behind a lock; all else happens in the caller's thread.
  *
  * libcamera allows one manager in a process: a second pair is -EBUSY while there is a first. */
 #ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_PAIR_H
@@ -26,7 +26,7 @@ enum { ISO_LIBCAMERA_TEXT = 200 };
 /* Acquires both cameras and sets them up for grey pictures (R8, R12, R10, YUYV), streams
  * nothing. `text` is told in words what failed. -ENODEV there is no such camera (the text lists
  * those there are), -EBUSY another has it, or another pair is open; -EINVAL it gives no such
- * picture, -ENOMEM, -EIO. */
+ * picture, -ENOMEM, -EIO, the errors of iso_libcamera_module_load. */
 int iso_libcamera_pair_open(const struct iso_libcamera_options *options,
                             struct iso_libcamera_pair **out, char text[ISO_LIBCAMERA_TEXT])
     __attribute__((warn_unused_result));
@@ -34,7 +34,7 @@ void iso_libcamera_pair_close(struct iso_libcamera_pair *pair);
 
 /* Tells of every camera that libcamera sees: how it names it, and its model. May be called while a
  * pair is open. 0 also if there is none; -EBUSY a pair is just being opened by another thread,
- * -EIO, -ENOMEM. */
+ * -EIO, -ENOMEM, the errors of iso_libcamera_module_load. */
 int iso_libcamera_list(void (*tell)(const char *id, const char *model, void *context),
                        void *context) __attribute__((warn_unused_result));
 

@@ -60,10 +60,15 @@ struct iso_sensor_ops {
     /* Whether probe looks in a moment, so that a door need not wait for it. */
     bool probes_at_once;
 
+    /* OPTIONAL. Loads the modules (drivers/module.h) that open, or probe, would load otherwise: for
+     * a process that confines itself before it opens a sensor. -ENOENT a module is missing,
+     * -EBADMSG it cannot be used. */
+    int (*load)(struct iso_fault *fault);
+
     /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds. The
      * options and the clock's struct are copied or read during the call; unknown keys are refused
      * (iso_options_check). -EINVAL bad option, -ENODEV no such device, -EBUSY claimed by another,
-     * -EACCES no permission, -ENOMEM, -EIO. On failure nothing is held. */
+     * -EACCES no permission, -ENOMEM, -EIO, the errors of load. On failure nothing is held. */
     int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
                 void **self, struct iso_fault *fault);
 
@@ -105,6 +110,10 @@ struct iso_sensor_ops {
 };
 
 struct iso_sensor;
+
+/* Loads what the back end of a name keeps outside of the program; most keep nothing there. -ENOENT
+ * unknown name (the fault lists those there are), else the errors of ops->load. */
+int iso_sensor_load(const char *name, struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Opens a sensor by the name of its back end (sensor_registry.c has the table). -ENOENT unknown
  * name (the fault lists those there are), else the errors of ops->open. Options and clock need not

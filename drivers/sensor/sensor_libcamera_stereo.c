@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "drivers/sensor/libcamera_pair.h"
+#include "drivers/sensor/libcamera_module.h"
 #include "drivers/sensor/sensor_stereo.h"
 
 static const char owner[] = "sensor libcamera-stereo";
@@ -113,6 +113,19 @@ static int eye_fd(void *self)
 
 /* ---- opening and closing ---------------------------------------------------- */
 
+static int load_libcamera(struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    const int error = iso_libcamera_module_load(&why);
+    return error ? iso_fault_set(fault, error, "%s: %s", owner, why.text) : 0;
+}
+
+static int pair_load(struct iso_fault *fault)
+{
+    const int error = iso_sensor_stereo_load(owner, fault);
+    return error ? error : load_libcamera(fault);
+}
+
 /* libcamera stamps pictures by this clock. */
 static int64_t monotonic_ns(void *context)
 {
@@ -170,6 +183,9 @@ static int pair_open(const struct iso_option *options, size_t n_options,
     }
     int error = iso_sensor_stereo_init(owner, options, n_options, &pair->stereo, &cameras, fault);
     if (!error) {
+        error = load_libcamera(fault);
+    }
+    if (!error) {
         (void)snprintf(pair->serial, sizeof pair->serial, "%s", cameras.ids[ISO_EYE_LEFT]);
         error = open_cameras(pair, &cameras, &stream, fault);
     }
@@ -200,6 +216,10 @@ static void tell(const char *id, const char *model, void *context)
 static int pair_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
 {
     struct visit told = {visit, context};
+    const int error = load_libcamera(fault);
+    if (error) {
+        return error;
+    }
     return iso_libcamera_list(tell, &told)
                ? iso_fault_set(fault, -EIO, "%s: libcamera cannot be asked", owner)
                : 0;
@@ -215,6 +235,7 @@ static int pair_describe(void *self, struct iso_sensor_description *out)
 const struct iso_sensor_ops iso_sensor_libcamera_stereo_ops = {
     .name = "libcamera-stereo",
     .probe = pair_probe,
+    .load = pair_load,
     .open = pair_open,
     .start = iso_picture_sensor_start,
     .wait = iso_sensor_stereo_wait,

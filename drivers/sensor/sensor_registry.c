@@ -60,6 +60,15 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
     return iso_fault_set(fault, -ENOENT, "no sensor '%s'; there are:%s", name, known);
 }
 
+int iso_sensor_load(const char *name, struct iso_fault *fault)
+{
+    const struct iso_sensor_ops *ops = find(name);
+    if (!ops) {
+        return unknown_back_end(name, fault);
+    }
+    return ops->load ? ops->load(fault) : 0;
+}
+
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
 {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "drivers/sensor/picture_format.h"
+#include "drivers/stereo/stereo_module.h"
 
 static int read_cameras(const char *owner, const struct iso_option *options, size_t n_options,
                         struct iso_sensor_stereo_cameras *out, struct iso_fault *fault)
@@ -58,6 +59,13 @@ static int read_matching(const char *owner, const struct iso_option *options, si
     return error;
 }
 
+int iso_sensor_stereo_load(const char *owner, struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    const int error = iso_stereo_module_load(&why);
+    return error ? iso_fault_set(fault, error, "%s: %s", owner, why.text) : 0;
+}
+
 int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, size_t n_options,
                            struct iso_sensor_stereo *out, struct iso_sensor_stereo_cameras *cameras,
                            struct iso_fault *fault)
@@ -69,6 +77,9 @@ int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, 
     int error = read_cameras(owner, options, n_options, &eyes, fault);
     if (!error) {
         error = read_matching(owner, options, n_options, &calibration, &stereo, fault);
+    }
+    if (!error) {
+        error = iso_sensor_stereo_load(owner, fault);
     }
     if (!error) {
         error = iso_stereo_new(&calibration, &stereo, &made.stereo, fault);

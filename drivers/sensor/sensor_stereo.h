@@ -24,9 +24,14 @@ struct iso_sensor_stereo_cameras {
     int64_t tolerance_ns;
 };
 
+/* Loads the module that matches the pictures. The errors of iso_module_load, with a fault that
+ * begins with `owner`. */
+int iso_sensor_stereo_load(const char *owner, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* From the options left, right, fps, pair_ms, calibration, near_mm, far_mm and confidence; there
  * are no others. Opens no stream yet. -EINVAL with *fault naming the option or what is wrong with
- * the file; -ENOMEM. `owner` outlives the object. */
+ * the file; -ENOMEM; the errors of iso_sensor_stereo_load. `owner` outlives the object. */
 int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, size_t n_options,
                            struct iso_sensor_stereo *out, struct iso_sensor_stereo_cameras *cameras,
                            struct iso_fault *fault) __attribute__((warn_unused_result));

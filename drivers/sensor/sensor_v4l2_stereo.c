@@ -83,6 +83,11 @@ static int pair_open(const struct iso_option *options, size_t n_options,
     return iso_sensor_v4l2_stereo_open_on(&iso_v4l2_kernel, options, n_options, clock, self, fault);
 }
 
+static int pair_load(struct iso_fault *fault)
+{
+    return iso_sensor_stereo_load(owner, fault);
+}
+
 static int pair_describe(void *self, struct iso_sensor_description *out)
 {
     const struct pair *pair = self;
@@ -94,6 +99,7 @@ const struct iso_sensor_ops iso_sensor_v4l2_stereo_ops = {
     .name = "v4l2-stereo",
     .probe = iso_v4l2_probe_kernel,
     .probes_at_once = true,
+    .load = pair_load,
     .open = pair_open,
     .start = iso_picture_sensor_start,
     .wait = iso_sensor_stereo_wait,

@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#include "drivers/stereo/board_opencv.h"
+#include "drivers/stereo/stereo_module.h"
 
 struct iso_board_views {
     struct iso_board board;
@@ -26,6 +26,10 @@ int iso_board_views_new(const struct iso_board *board, int width_px, int height_
     if (width_px < 64 || width_px > 8192 || height_px < 64 || height_px > 8192) {
         return iso_fault_set(fault, -EINVAL, "board: pictures of 64 to 8192 px a side, not %d x %d",
                              width_px, height_px);
+    }
+    const int error = iso_stereo_module_load(fault);
+    if (error) {
+        return error;
     }
     struct iso_board_views *views = calloc(1, sizeof *views);
     if (!views) {

@@ -19,7 +19,7 @@ enum { ISO_BOARD_PAIRS_MIN = 6 };
 struct iso_board_views;
 
 /* An empty collection for pictures of one size. -EINVAL with *fault for a board or size out of
- * range, -ENOMEM. */
+ * range, -ENOMEM, the errors of iso_stereo_module_load. */
 int iso_board_views_new(const struct iso_board *board, int width_px, int height_px,
                         struct iso_board_views **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

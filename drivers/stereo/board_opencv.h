@@ -1,5 +1,6 @@
 /* What the calibration (board.h) borrows from OpenCV: finding checkerboards, solving for cameras.
- * The .cc file is C++, this header is C; no exception comes out of it. */
+ * The .cc file is C++, this header is C; no exception comes out of it. The code is in the module
+ * `stereo` (stereo_module.h); -ENOENT and -EBADMSG of both functions are those of loading it. */
 #ifndef ISO_DRIVERS_STEREO_BOARD_OPENCV_H
 #define ISO_DRIVERS_STEREO_BOARD_OPENCV_H
 

@@ -6,7 +6,7 @@
 
 #include "drivers/stereo/coarse.h"
 #include "drivers/stereo/refine.h"
-#include "drivers/stereo/stereo_opencv.h"
+#include "drivers/stereo/stereo_module.h"
 
 /* Between neighbours; 20 mm at 0.6 m with f = 900 px and 60 mm between the cameras. */
 static const float jump_px = 3.0f;
@@ -129,6 +129,10 @@ int iso_stereo_new(const struct iso_stereo_calibration *calibration,
     if (flaw) {
         return iso_fault_set(fault, -EINVAL, "stereo: %s", flaw);
     }
+    int error = iso_stereo_module_load(fault);
+    if (error) {
+        return error;
+    }
     struct iso_stereo *stereo = calloc(1, sizeof *stereo);
     if (!stereo) {
         return iso_fault_set(fault, -ENOMEM, "stereo: out of memory");
@@ -137,7 +141,7 @@ int iso_stereo_new(const struct iso_stereo_calibration *calibration,
     stereo->options = *options;
     stereo->n_pixels = (size_t)stereo->rectification.camera.width_px *
                        (size_t)stereo->rectification.camera.height_px;
-    int error = make(stereo, calibration);
+    error = make(stereo, calibration);
     if (error) {
         iso_stereo_free(stereo);
         return iso_fault_set(fault, error, "stereo: the matcher cannot be made: %s",

@@ -27,7 +27,7 @@ struct iso_stereo_options iso_stereo_options_default(void);
 struct iso_stereo;
 
 /* -EINVAL with *fault for cameras that cannot be a pair (iso_stereo_calibration_check), an odd or
- * tiny image, or options out of range; -ENOMEM. */
+ * tiny image, or options out of range; -ENOMEM; the errors of iso_stereo_module_load. */
 int iso_stereo_new(const struct iso_stereo_calibration *calibration,
                    const struct iso_stereo_options *options, struct iso_stereo **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));

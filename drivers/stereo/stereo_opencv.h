@@ -1,6 +1,7 @@
 /* What the stereo path borrows from OpenCV: resampling an image through a map, and semi-global
  * matching (Hirschmueller 2008; OpenCV's StereoSGBM, which sums five directions in one pass over
  * Birchfield-Tomasi costs). The .cc file is C++, this header is C; no exception comes out of it.
+ * The code is in the module `stereo` (stereo_module.h).
  *
  * OpenCV's own threads are switched off for the whole process: its parallel code runs in the
  * caller's thread. */
@@ -21,7 +22,8 @@ struct iso_stereo_opencv_options {
     int disparity_min_px, disparity_max_px; /* searched, in the whole image */
 };
 
-/* -EINVAL for a size below 64 or odd, or a range that is empty or over 1024 wide; -ENOMEM. */
+/* -EINVAL for a size below 64 or odd, or a range that is empty or over 1024 wide; -ENOMEM; the
+ * errors of iso_stereo_module_load. */
 int iso_stereo_opencv_new(const struct iso_stereo_opencv_options *options,
                           struct iso_stereo_opencv **out) __attribute__((warn_unused_result));
 void iso_stereo_opencv_free(struct iso_stereo_opencv *stereo);

@@ -45,18 +45,19 @@ bool iso_face_seen_disagrees(enum iso_face_seen seen)
 int iso_face_check_new(const char *cascade_path, struct iso_face_check **out,
                        struct iso_fault *fault)
 {
-    const char *path = *cascade_path ? cascade_path : iso_face_detector_cascade();
-    if (!*iso_face_detector_engine()) {
-        return iso_fault_set(fault, -ENOSYS, "face check: built without OpenCV");
+    int error = iso_face_detector_load(fault);
+    if (error) {
+        return error;
     }
+    const char *path = *cascade_path ? cascade_path : iso_face_detector_cascade();
     if (!*path) {
-        return iso_fault_set(fault, -ENOSYS, "face check: built without a cascade; name one");
+        return iso_fault_set(fault, -ENOENT, "face check: built without a cascade; name one");
     }
     struct iso_face_check *check = calloc(1, sizeof *check);
     if (!check) {
         return iso_fault_set(fault, -ENOMEM, "face check: out of memory");
     }
-    const int error = iso_face_detector_new(path, &check->detector, fault);
+    error = iso_face_detector_new(path, &check->detector, fault);
     if (error) {
         free(check);
         return error;

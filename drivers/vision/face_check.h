@@ -58,8 +58,8 @@ struct iso_face_checked {
 
 struct iso_face_check;
 
-/* `cascade_path` "" means the one that the build found. Errors of iso_face_detector_new; -ENOSYS
- * also if no cascade was found. One check belongs to one thread. */
+/* `cascade_path` "" means the one that the build found. Errors of iso_face_detector_new; -ENOENT
+ * also if the build found none. One check belongs to one thread. */
 int iso_face_check_new(const char *cascade_path, struct iso_face_check **out,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_face_check_free(struct iso_face_check *check);

@@ -2,9 +2,9 @@
  *
  * A boosted cascade of Haar-like features (Viola and Jones, "Rapid object detection using a boosted
  * cascade of simple features", CVPR 2001; Lienhart and Maydt, ICIP 2002), as stored in OpenCV's
- * files. A build without OpenCV has these functions too: the engine is then "", and no detector can
- * be made. One detector belongs to one thread; it starts none. OpenCV allocates while it searches.
- */
+ * files. Its code is the module `vision` (drivers/module.h). Without the module the engine is ""
+ * and no detector can be made. One detector belongs to one thread; it starts none. OpenCV allocates
+ * while it searches. */
 #ifndef ISO_DRIVERS_VISION_FACE_DETECTOR_H
 #define ISO_DRIVERS_VISION_FACE_DETECTOR_H
 
@@ -20,14 +20,17 @@ struct iso_face_box {
 
 struct iso_face_detector;
 
-/* "OpenCV 4.6.0", or "" in a build without it. */
+/* Loads the module, unless it is loaded. The errors of iso_module_load. */
+int iso_face_detector_load(struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* "OpenCV 4.6.0", or "" without the module. */
 const char *iso_face_detector_engine(void);
 
-/* The cascade that the build found; "" if there was none. */
+/* The cascade that the module was built with; "" if there was none. */
 const char *iso_face_detector_cascade(void);
 
-/* Reads a cascade. -ENOSYS a build without OpenCV, -EBADMSG the file is no cascade, -ENOMEM, or the
- * errno of opening it. */
+/* Reads a cascade. The errors of iso_face_detector_load, -EBADMSG the file is no cascade, -ENOMEM,
+ * or the errno of opening it. */
 int iso_face_detector_new(const char *cascade_path, struct iso_face_detector **out,
                           struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_face_detector_free(struct iso_face_detector *detector);

@@ -1,4 +1,4 @@
-/* The detector in a build with OpenCV. Nothing is thrown out of here. */
+/* The detector, on OpenCV. Nothing is thrown out of here. */
 extern "C" {
 #include "drivers/vision/face_detector.h"
 }

@@ -408,7 +408,10 @@ int sim_generate(const struct sim_generate_options *options, struct iso_fault *f
     struct job job = {.options = options, .preset = find_preset(options->preset)};
     double noise_scale = options->noise_scale;
     job.sensor = options->sensor ? options->sensor : job.preset->sensor;
-    error = sim_ict_load(options->ict_directory, &job.ict, fault);
+    error = sim_sensor_load(job.sensor, fault);
+    if (error == 0) {
+        error = sim_ict_load(options->ict_directory, &job.ict, fault);
+    }
     if (error == 0) {
         struct sim_studio_options studio = {
             .ict = job.ict,

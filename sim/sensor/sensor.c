@@ -27,6 +27,13 @@ const struct sim_sensor *sim_sensor_find(const char *name)
     return NULL;
 }
 
+int sim_sensor_load(const struct sim_sensor *sensor, struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    const int error = sensor->load ? sensor->load(&why) : 0;
+    return error ? iso_fault_set(fault, error, "sensor %s: %s", sensor->name, why.text) : 0;
+}
+
 int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_workspace **out)
 {
     struct sim_sensor_workspace *workspace = calloc(1, sizeof *workspace);

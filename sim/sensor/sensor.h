@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 
+#include "core/fault.h"
 #include "core/frame/frame.h"
 #include "sim/random.h"
 #include "sim/render/view.h"
@@ -34,8 +35,9 @@ struct sim_sensor {
      * published). */
     void (*measure)(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm);
-    /* The following may be NULL: what the model makes for itself, once, and how it gives a view the
-     * other eyes that it looks through. */
+    /* The following may be NULL: loads the module that the model needs (drivers/module.h); what the
+     * model makes for itself, once; how it gives a view the other eyes that it looks through. */
+    int (*load)(struct iso_fault *fault);
     int (*own_new)(void **own);
     void (*own_free)(void *own);
     void (*attach)(void *own, struct sim_view *view);
@@ -55,6 +57,11 @@ extern const struct sim_sensor *const sim_sensors[];
 
 /* By name, or NULL. */
 const struct sim_sensor *sim_sensor_find(const char *name);
+
+/* Loads what a sensor needs beside the program, so that what is missing is told before anything is
+ * rendered. The errors of iso_module_load. */
+int sim_sensor_load(const struct sim_sensor *sensor, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_workspace **out)
     __attribute__((warn_unused_result));

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "drivers/stereo/stereo.h"
+#include "drivers/stereo/stereo_module.h"
 #include "sim/sensor/sensor.h"
 #include "sim/stereo/stereo_scene.h"
 
@@ -118,6 +119,7 @@ const struct sim_sensor sim_sensor_stereo = {
     .distance_min_mm = 450.0,
     .distance_max_mm = 750.0,
     .measure = measure,
+    .load = iso_stereo_module_load,
     .own_new = active_new,
     .own_free = pair_free,
     .attach = attach,
@@ -133,6 +135,7 @@ const struct sim_sensor sim_sensor_stereo_passive = {
     .distance_min_mm = 450.0,
     .distance_max_mm = 750.0,
     .measure = measure,
+    .load = iso_stereo_module_load,
     .own_new = passive_new,
     .own_free = pair_free,
     .attach = attach,

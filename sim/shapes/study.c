@@ -70,6 +70,20 @@ static int choose_methods(struct study *study, struct iso_fault *fault)
     return error;
 }
 
+/* One whose module is not installed is left out. */
+static int add_if_there(struct study *study, const struct iso_classifier_ops *classifier,
+                        struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    const int error = iso_learn_load(classifier, &why);
+    if (error == -ENOENT) {
+        fprintf(stderr, "isotherm-sim: %s left out: %s\n", classifier->name, why.text);
+        return 0;
+    }
+    study->classifier[study->n_classifiers++] = classifier;
+    return error ? iso_fault_set(fault, error, "%s", why.text) : 0;
+}
+
 static int choose_classifiers(struct study *study, struct iso_fault *fault)
 {
     const struct iso_classifier_ops *const *const tables[] = {iso_classifiers,
@@ -82,15 +96,16 @@ static int choose_classifiers(struct study *study, struct iso_fault *fault)
         study->classifier[0] = iso_learn_find(name);
         study->n_classifiers = 1;
         return study->classifier[0]
-                   ? 0
+                   ? iso_learn_load(study->classifier[0], fault)
                    : iso_fault_set(fault, -EINVAL, "--classifier: '%s' is unknown", name);
     }
+    int error = 0;
     for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
-        for (int c = 0; tables[t][c] && study->n_classifiers < CLASSIFIERS_MAX; c++) {
-            study->classifier[study->n_classifiers++] = tables[t][c];
+        for (int c = 0; !error && tables[t][c] && study->n_classifiers < CLASSIFIERS_MAX; c++) {
+            error = add_if_there(study, tables[t][c], fault);
         }
     }
-    return 0;
+    return error;
 }
 
 /* ---- results ----------------------------------------------------------------------- */
@@ -268,9 +283,10 @@ static int run_method(struct study *study, int m, FILE *out, struct iso_fault *f
         error = run_classifier(study, features, method, study->classifier[c], out, fault);
     }
     if (!error && study->n_classifiers == 0) {
-        error = own ? run_classifier(study, features, method, own, out, fault)
+        error = own ? iso_learn_load(own, fault)
                     : iso_fault_set(fault, -ENOTSUP, "this build has no classifier '%s'",
                                     method->classifier);
+        error = error ? error : run_classifier(study, features, method, own, out, fault);
     }
     sim_features_free(features);
     return error;

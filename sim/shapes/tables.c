@@ -224,10 +224,12 @@ static int measure_row(const struct tables *tables, struct corpus *corpus,
     const struct iso_classifier_ops *classifier = iso_learn_find(row->classifier);
     const struct sim_bank *queries = NULL;
     struct sim_features *features = NULL;
-    if (!classifier) {
-        return 0; /* of a library that this build lacks: the row stays empty */
+    int error = classifier ? iso_learn_load(classifier, fault) : -ENOENT;
+    if (error == -ENOENT) {
+        fault->text[0] = '\0';
+        return 0; /* this build or machine lacks its library: the row stays empty */
     }
-    int error = queries_of(corpus, row->distortion, &queries, fault);
+    error = error ? error : queries_of(corpus, row->distortion, &queries, fault);
     error = error ? error
                   : features_of(corpus, row->method, row->size, tables->options->seed, &features);
     error = error ? error : sim_features_ask(features, queries);

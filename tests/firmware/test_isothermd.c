@@ -72,7 +72,7 @@ static void explains_itself(void **state)
     assert_int_equal(run->exit, 0);
     assert_memory_equal(run->out, "isothermd " ISOTHERM_VERSION "\nimage check: ",
                         strlen("isothermd " ISOTHERM_VERSION "\nimage check: "));
-    assert_true(strstr(run->out, ": OpenCV ") || strstr(run->out, ": not built in\n"));
+    assert_true(strstr(run->out, ": OpenCV ") || strstr(run->out, ": not installed\n"));
     run = run_program("--help-config", NULL);
     assert_int_equal(run->exit, 0);
     assert_non_null(strstr(run->out, "\n[decision]\n"));

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Gate: what is installed is whole and can be used: programs run, manuals and data are there, every installed header compiles
-# by itself, a program builds with what pkg-config says and runs.
+# Gate: what is installed is whole and can be used: programs run, with their modules; manuals and data are there, every installed
+# header compiles by itself, a program builds with what pkg-config says and runs.
 # usage: install.sh BUILD CC
 set -eu
 build=$1
@@ -26,6 +26,24 @@ done
 
 for program in isothermd isotherm isotherm-sim; do
     "$prefix/bin/$program" --version
+done
+
+# Modules lie beside the installed library, and the installed program uses them, not those of the build.
+for built in "$build"/core/isotherm/isotherm-*.so; do
+    [ -e "$built" ] || continue
+    module=$(find "$prefix" -path "*/isotherm/${built##*/}")
+    [ -s "$module" ] || {
+        echo "not installed: ${built##*/}" >&2
+        exit 1
+    }
+    case ${built##*/} in
+    isotherm-vision.so)
+        "$prefix/bin/isothermd" --version | grep -q '^image check: OpenCV '
+        mv "$module" "$module.away"
+        "$prefix/bin/isothermd" --version | grep -q '^image check: not installed$'
+        mv "$module.away" "$module"
+        ;;
+    esac
 done
 
 pc=$(find "$prefix" -name isotherm.pc)

@@ -1,12 +1,22 @@
 #!/bin/sh
-# Gate: what the built library and programs import and export.
+# Gate: what the built library, programs and modules import and export.
 #   - no GPL part of SuiteSparse: UMFPACK, and CHOLMOD's Supernodal, MatrixOps and Modify modules
 #   - the library exports names of the project only
 #   - the library neither opens files, logs, reads clock or environment, makes threads nor ends the process
-# usage: symbols.sh LIBRARY [PROGRAM...]
+#   - library and programs need neither OpenCV nor libcamera, nor what those pull in, directly or by way of others
+#   - a module exports iso_module and nothing else, and needs no memory that is writable and executable
+# usage: symbols.sh LIBRARY [PROGRAM...] [-- MODULE...]
 set -eu
 library=$1
 faults=0
+modules=''
+programs=''
+for file in "$@"; do
+    case $file in
+    --) modules=' ' ;;
+    *) [ -z "$modules" ] && programs="$programs $file" || modules="$modules $file" ;;
+    esac
+done
 
 fault() {
     echo "$1:" >&2
@@ -19,7 +29,7 @@ imports() {
 }
 
 gpl='super|drop|horzcat|norm_|scale$|sdmult|ssmult|submatrix|vertcat|symmetry|updown|rowadd|rowdel'
-for binary in "$@"; do
+for binary in $programs $modules; do
     found=$(imports "$binary" | grep -E "^(umfpack|cholmod_(l_)?($gpl))" || true)
     [ -z "$found" ] || fault "$binary uses GPL parts of SuiteSparse" "$found"
 done
@@ -32,5 +42,19 @@ impure="$impure|(secure_)?getenv|clock_gettime|clock|time|gettimeofday|nanosleep
 impure="$impure|pthread_create|thrd_create|fork|v?fork|exec.*|system|exit|_exit|abort|__assert_fail|signal|sigaction|rand|s?random)\$"
 found=$(imports "$library" | grep -E "$impure" || true)
 [ -z "$found" ] || fault "$library is not pure" "$found"
+
+for binary in $programs; do
+    found=$(ldd "$binary" | grep -E 'not found|lib(opencv_|camera|LLVM|icu|GL|glapi)' || true)
+    [ -z "$found" ] || fault "$binary needs what belongs to modules" "$found"
+done
+
+for module in $modules; do
+    found=$(nm --dynamic --defined-only "$module" | awk '{ print $NF }')
+    [ "$found" = iso_module ] || fault "$module exports" "$found"
+    found=$(readelf --wide --segments "$module" | grep -E 'RWE|R W E' || true)
+    [ -z "$found" ] || fault "$module has memory that is writable and executable" "$found"
+    found=$(readelf --dynamic "$module" | grep TEXTREL || true)
+    [ -z "$found" ] || fault "$module is relocated in its code" "$found"
+done
 
 [ "$faults" -eq 0 ]

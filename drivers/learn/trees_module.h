@@ -1,0 +1,18 @@
+/* The module `trees`: what tree.h declares, in a shared object of its own (drivers/module.h).
+ * Programs call those functions as ever; trees_module.c hands the calls on. */
+#ifndef ISO_DRIVERS_LEARN_TREES_MODULE_H
+#define ISO_DRIVERS_LEARN_TREES_MODULE_H
+
+#include "drivers/learn/tree.h"
+#include "drivers/module.h"
+
+#define ISO_TREES_MODULE_NAME "trees"
+
+struct iso_trees_module {
+    struct iso_module module;
+    __typeof__(iso_tree_new) *create;
+    __typeof__(iso_tree_free) *release;
+    __typeof__(iso_tree_tell) *tell;
+};
+
+#endif

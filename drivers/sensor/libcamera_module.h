@@ -1,0 +1,27 @@
+/* The module `libcamera`: what libcamera_pair.h declares, in a shared object of its own
+ * (drivers/module.h). Programs call those functions as ever; libcamera_module.c hands the calls on.
+ */
+#ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_MODULE_H
+#define ISO_DRIVERS_SENSOR_LIBCAMERA_MODULE_H
+
+#include "drivers/module.h"
+#include "drivers/sensor/libcamera_pair.h"
+
+#define ISO_LIBCAMERA_MODULE_NAME "libcamera"
+
+struct iso_libcamera_module {
+    struct iso_module module;
+    __typeof__(iso_libcamera_pair_open) *open;
+    __typeof__(iso_libcamera_pair_close) *close;
+    __typeof__(iso_libcamera_list) *list;
+    __typeof__(iso_libcamera_start) *start;
+    __typeof__(iso_libcamera_stop) *stop;
+    __typeof__(iso_libcamera_take) *take;
+    __typeof__(iso_libcamera_give_back) *give_back;
+    __typeof__(iso_libcamera_fd) *fd;
+};
+
+/* Loads it, unless it is loaded. The errors of iso_module_load. */
+int iso_libcamera_module_load(struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

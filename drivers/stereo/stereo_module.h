@@ -1,0 +1,33 @@
+/* The module `stereo`: what stereo_opencv.h and board_opencv.h declare, in a shared object of its
+ * own (drivers/module.h). Programs call those functions as ever; stereo_module.c hands the calls
+ * on. */
+#ifndef ISO_DRIVERS_STEREO_STEREO_MODULE_H
+#define ISO_DRIVERS_STEREO_STEREO_MODULE_H
+
+#include "drivers/module.h"
+#include "drivers/stereo/board_opencv.h"
+#include "drivers/stereo/stereo_opencv.h"
+
+#define ISO_STEREO_MODULE_NAME "stereo"
+
+struct iso_stereo_module {
+    struct iso_module module;
+    __typeof__(iso_stereo_opencv_new) *create;
+    __typeof__(iso_stereo_opencv_free) *release;
+    __typeof__(iso_stereo_opencv_rectify) *rectify;
+    __typeof__(iso_stereo_opencv_match) *match;
+    __typeof__(iso_board_opencv_find) *find_board;
+    __typeof__(iso_board_opencv_solve) *solve_board;
+};
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Loads it, unless it is loaded. The errors of iso_module_load. */
+int iso_stereo_module_load(struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#ifdef __cplusplus
+}
+#endif
+#endif

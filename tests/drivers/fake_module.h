@@ -1,0 +1,15 @@
+/* The table of the modules of fake_module.c. */
+#ifndef TESTS_DRIVERS_FAKE_MODULE_H
+#define TESTS_DRIVERS_FAKE_MODULE_H
+
+#include "drivers/module.h"
+
+enum { FAKE_ANSWER = 4711 };
+
+struct fake_module {
+    struct iso_module module;
+    int (*answer)(void);
+    int (*more)(void);
+};
+
+#endif
