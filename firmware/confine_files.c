@@ -11,6 +11,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "drivers/shipped.h"
 #include "firmware/confine.h"
 
 /* Of later versions of the interface than the header this is built with may know. */
@@ -115,11 +116,11 @@ static int allow_configured(const struct ruleset *ruleset, const struct iso_conf
 {
     const char *const stores[] = {config->gallery.path, config->log.path, config->lockout.path,
                                   config->seal.key};
-    const char *const named[] = {config->model.head,         config->model.metric,
-                                 config->model.cohort,       config->recognition.cascade,
-                                 config->door.cards,         config->door.inputs,
-                                 config->sensor.path,        config->sensor.camera,
-                                 config->sensor.calibration, ISOTHERM_DATA_DIR};
+    const char *const named[] = {
+        config->model.head,          config->model.metric,  config->model.cohort,
+        config->recognition.cascade, config->door.cards,    config->door.inputs,
+        config->sensor.path,         config->sensor.camera, config->sensor.calibration,
+        ISOTHERM_DATA_DIR,           iso_shipped_model()};
     int error = strcmp(config->sensor.backend, "replay") == 0 ? allow(ruleset, "/", reading) : 0;
     for (size_t i = 0; !error && i < sizeof stores / sizeof *stores; i++) {
         error = *stores[i] ? allow_beside(ruleset, stores[i], reading | writing) : 0;

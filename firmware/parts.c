@@ -6,23 +6,24 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "drivers/shipped.h"
 #include "drivers/vision/face_detector.h"
 #include "firmware/journal.h"
 
-static const char *or_installed(const char *path, const char *installed)
+static const char *or_shipped(const char *path, const char *shipped)
 {
-    return *path ? path : installed;
+    return *path ? path : shipped;
 }
 
 static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
 {
     const struct iso_config *config = &parts->config;
     struct iso_pipeline_options options = {
-        .head_path = or_installed(config->model.head, ISOTHERM_DATA_DIR "/head.model"),
+        .head_path = or_shipped(config->model.head, iso_shipped_model()),
         .metric_path = config->match.method == ISO_MATCH_BY_METRIC
-                           ? or_installed(config->model.metric, ISOTHERM_DATA_DIR "/face.metric")
+                           ? or_shipped(config->model.metric, iso_shipped_metric())
                            : NULL,
-        .cohort_path = or_installed(config->model.cohort, ISOTHERM_DATA_DIR "/cohort.templates"),
+        .cohort_path = or_shipped(config->model.cohort, iso_shipped_cohort()),
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = parts->times.monotonic,
@@ -158,7 +159,7 @@ static int open_ring(struct iso_parts *parts, struct iso_fault *fault)
     (void)snprintf(key, sizeof key, "%s.key", config->gallery.path);
     const struct iso_key_place place = {
         .ring = ring,
-        .file = or_installed(config->seal.key, key),
+        .file = or_shipped(config->seal.key, key),
         .credentials = config->seal.credentials,
     };
     return iso_key_ring_open(&place, &parts->ring, fault);

@@ -1,4 +1,4 @@
-/* isotherm-sim calibrate: a stereo calibration from pictures of a checkerboard.
+/* isotherm-sim calibrate: two cameras, or one, from pictures of a checkerboard.
  *
  * It stands here and not on the appliance: a door never calibrates, it reads the file; and it can
  * take its pictures from the simulated rig as well, which is how it is tested. */
@@ -17,14 +17,15 @@
 #include "sim/commands.h"
 #include "sim/options.h"
 #include "sim/stereo/board_picture.h"
+#include "sim/stereo/lens_calibration.h"
 #include "sim/stereo/rig.h"
 
 enum { PICTURES_MAX = 1000 };
 
 struct arguments {
-    const char *pictures, *render, *out;
+    const char *pictures, *render, *out, *camera;
     int columns, rows;
-    double square_mm;
+    double square_mm, unit_mm;
     size_t pairs, seed;
 };
 
@@ -33,6 +34,10 @@ struct arguments {
 static const struct sim_option options[] = {
     {"pictures", "DIR", "left/*.png and right/*.png, 8-bit grey, of the same names",
      sim_option_text, FIELD(pictures)},
+    {"camera", "NAME", "one camera of this name instead: --pictures has its *.png, grey or RGB",
+     sim_option_text, FIELD(camera)},
+    {"unit", "MM", "with --camera: what a count of its depth is worth (1)", sim_option_number,
+     FIELD(unit_mm)},
     {"out", "FILE", "the calibration to write", sim_option_text, FIELD(out)},
     {"columns", "N", "corners of the board along its rows (9)", sim_option_int, FIELD(columns)},
     {"rows", "N", "and along its columns (6)", sim_option_int, FIELD(rows)},
@@ -203,6 +208,23 @@ static int gather(const struct arguments *a, struct iso_board_views **views,
     return error;
 }
 
+static int calibrate_single(const struct arguments *a, struct iso_fault *fault)
+{
+    const struct sim_lens_calibration_options single = {board_of(a), a->pictures, a->camera,
+                                                        a->unit_mm, a->out};
+    return sim_lens_calibrate(&single, fault);
+}
+
+static int render_single(const struct arguments *a, struct iso_fault *fault)
+{
+    const struct iso_board board = board_of(a);
+    const int error = sim_lens_pictures(&board, a->pairs, a->seed, a->render, fault);
+    if (!error) {
+        printf("%zu pictures in %s\n", a->pairs, a->render);
+    }
+    return error;
+}
+
 static void print(const struct iso_stereo_calibration *c)
 {
     printf("%d pairs, %.3f px between corners and model (root mean square)\n", c->pairs, c->rms_px);
@@ -236,15 +258,18 @@ static int calibrate(const struct arguments *a, struct iso_fault *fault)
 int sim_cmd_calibrate(int argc, char **argv)
 {
     struct arguments arguments = {
-        .columns = 9, .rows = 6, .square_mm = 20.0, .pairs = 20, .seed = 1};
+        .columns = 9, .rows = 6, .square_mm = 20.0, .unit_mm = 1.0, .pairs = 20, .seed = 1};
     const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
     struct iso_fault fault = {""};
     switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim calibrate --pictures DIR --out FILE [OPTION...]\n"
+             "       isotherm-sim calibrate --camera NAME --pictures DIR --out FILE [OPTION...]\n"
              "       isotherm-sim calibrate --render DIR [OPTION...]\n\n"
              "Calibrates two cameras on pictures of a checkerboard that both took at the same\n"
-             "moments, some 20 of them, the board turned and moved all over the picture.\n");
+             "moments, some 20 of them, the board turned and moved all over the picture.\n"
+             "With --camera calibrates one camera, by pictures of the stream that its depths are\n"
+             "aligned to, and writes a file for [sensor] camera of isotherm.conf(5).\n");
         sim_options_help(&set, 1, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:
@@ -261,10 +286,14 @@ int sim_cmd_calibrate(int argc, char **argv)
               stderr);
         return SIM_EXIT_USAGE;
     }
-    const int error = arguments.render ? render(&arguments, &fault) : calibrate(&arguments, &fault);
+    const int error = arguments.render
+                          ? (arguments.camera ? render_single : render)(&arguments, &fault)
+                          : (arguments.camera ? calibrate_single : calibrate)(&arguments, &fault);
     if (error) {
         fprintf(stderr, "isotherm-sim calibrate: %s\n", fault.text);
-        return error == -ENOENT ? SIM_EXIT_NOT_FOUND : SIM_EXIT_FAULT;
+        return error == -ENOENT   ? SIM_EXIT_NOT_FOUND
+               : error == -EINVAL ? SIM_EXIT_USAGE
+                                  : SIM_EXIT_FAULT;
     }
     return SIM_EXIT_OK;
 }

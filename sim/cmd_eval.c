@@ -5,9 +5,9 @@
 #include <sys/stat.h>
 
 #include "drivers/path.h"
+#include "drivers/shipped.h"
 #include "sim/command.h"
 #include "sim/commands.h"
-#include "sim/data_file.h"
 #include "sim/eval/eval.h"
 #include "sim/eval/extract_options.h"
 #include "sim/eval/method_options.h"
@@ -58,8 +58,10 @@ static const struct sim_option own_options[] = {
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads,
      FIELD(eval.threads)},
     {"model", "FILE", "head model", sim_option_text, FIELD(eval.model)},
-    {"metric", "FILE", "learned metric that makes the score", sim_option_text, FIELD(eval.metric)},
-    {"cohort", "FILE", "templates that normalise the score", sim_option_text, FIELD(eval.cohort)},
+    {"metric", "FILE", "learned metric that makes the score (the shipped one; none: distances)",
+     sim_option_text, FIELD(eval.metric)},
+    {"cohort", "FILE", "templates that normalise distances: by default there is no metric then",
+     sim_option_text, FIELD(eval.cohort)},
 };
 
 static int make_directory(const char *path, struct iso_fault *fault)
@@ -102,12 +104,23 @@ static int run_one(const struct arguments *arguments, const char *corpus, struct
     return error;
 }
 
+/* What the appliance does, unless distances are asked for. */
+static void choose_metric(struct sim_eval_options *eval)
+{
+    if (!eval->metric && !eval->cohort) {
+        eval->metric = iso_shipped_metric();
+    } else if (eval->metric && strcmp(eval->metric, "none") == 0) {
+        eval->metric = NULL;
+    }
+}
+
 static int run(void *target, struct iso_fault *fault)
 {
     struct arguments *arguments = target;
     if (arguments->corpora.n == 0 || !arguments->out) {
         return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
     }
+    choose_metric(&arguments->eval);
     if (arguments->eval.threads == 0) {
         arguments->eval.threads = sim_threads_default(arguments->eval.extract.heat);
     }
@@ -134,7 +147,7 @@ static int run(void *target, struct iso_fault *fault)
 int sim_cmd_eval(int argc, char **argv)
 {
     struct arguments arguments = {
-        .eval = {.model = SIM_DATA_FILE_MODEL,
+        .eval = {.model = iso_shipped_model(),
                  .extract = iso_extract_options_default(),
                  .match = iso_match_options_default()},
     };

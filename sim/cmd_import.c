@@ -1,24 +1,28 @@
-/* isotherm-sim import: a public database of 3D faces becomes a corpus. */
+/* isotherm-sim import: a public database of 3D faces becomes a corpus, ICT-FaceKit a head model. */
 #include <errno.h>
 #include <stddef.h>
 #include <stdio.h>
 
 #include "sim/command.h"
 #include "sim/commands.h"
+#include "sim/face/ict_kit.h"
 #include "sim/loaders/import.h"
 #include "sim/options.h"
 
 struct arguments {
-    const char *database;
+    const char *database, *ict;
     struct sim_import_options import;
 };
 
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option options[] = {
+    {"ict", "DIR", "a clone of ICT-FaceKit: makes the head model of `generate --ict` of it",
+     sim_option_text, FIELD(ict)},
     {"database", "NAME", "whose files they are", sim_option_text, FIELD(database)},
     {"from", "DIR", "where the files are, at any depth", sim_option_text, FIELD(import.from)},
-    {"out", "DIR", "the corpus (made if it is missing)", sim_option_text, FIELD(import.to)},
+    {"out", "DIR", "the corpus, or the head model (made if it is missing)", sim_option_text,
+     FIELD(import.to)},
     {"strangers", "N", "people, the last by name, who enrol nothing (0)", sim_option_count,
      FIELD(import.n_strangers)},
     {"level", "MM", "of a grey level of a range image (texas: 0.32)", sim_option_number,
@@ -33,13 +37,34 @@ static void list_databases(FILE *out)
     }
 }
 
+static int import_ict(const struct arguments *arguments, struct iso_fault *fault)
+{
+    struct sim_ict_kit_report report;
+    if (arguments->database || arguments->import.from || !arguments->import.to) {
+        return iso_fault_set(fault, -EINVAL,
+                             "--ict needs --out, and neither --database nor --from");
+    }
+    const int error = sim_ict_import(arguments->ict, &sim_ict_kit_layout, arguments->import.to,
+                                     &report, fault);
+    if (!error) {
+        printf("%s: %u vertices, %u triangles, %u identities, %u expressions\n",
+               arguments->import.to, report.n_vertices, report.n_triangles, report.n_identity,
+               report.n_expression);
+    }
+    return error;
+}
+
 static int run(void *target, struct iso_fault *fault)
 {
     struct arguments *arguments = target;
+    if (arguments->ict) {
+        return import_ict(arguments, fault);
+    }
     struct sim_import_options *import = &arguments->import;
     struct sim_import_report report;
     if (!arguments->database || !import->from || !import->to) {
-        return iso_fault_set(fault, -EINVAL, "--database, --from and --out are needed");
+        return iso_fault_set(fault, -EINVAL,
+                             "--database, --from and --out are needed, or --ict and --out");
     }
     import->database = sim_database_find(arguments->database);
     if (!import->database) {
@@ -62,10 +87,14 @@ int sim_cmd_import(int argc, char **argv)
     const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
     const struct sim_command command = {
         .name = "import",
-        .needs = "--database NAME --from DIR --out DIR",
-        .summary = "Makes a corpus of a public database of 3D faces that you have a licence for. "
-                   "Each scan is\n"
-                   "seen by a virtual depth camera; the first neutral one of a person is enrolled.",
+        .needs = "--database NAME --from DIR --out DIR | --ict DIR --out DIR",
+        .summary =
+            "Makes a corpus of a public database of 3D faces that you have a licence for. "
+            "Each scan is\n"
+            "seen by a virtual depth camera; the first neutral one of a person is enrolled.\n"
+            "With --ict reads the OBJ files of the public repository ICT-FaceKit instead, and "
+            "writes the\nhead model that generate, train and sensor take. Nothing is fetched "
+            "from a network.",
         .run = run,
         .notes = list_databases,
     };

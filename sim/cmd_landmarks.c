@@ -4,9 +4,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "drivers/shipped.h"
 #include "sim/command.h"
 #include "sim/commands.h"
-#include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
 #include "sim/landmarks/study_pictures.h"
 
@@ -60,7 +60,7 @@ static int run(void *target, struct iso_fault *fault)
 int sim_cmd_landmarks(int argc, char **argv)
 {
     struct arguments arguments = {
-        .study = {.model = SIM_DATA_FILE_MODEL, .extract = iso_extract_options_default()},
+        .study = {.model = iso_shipped_model(), .extract = iso_extract_options_default()},
     };
     const struct sim_option_set sets[] = {
         {own_options, sizeof own_options / sizeof *own_options, &arguments},

@@ -4,8 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "drivers/shipped.h"
 #include "sim/commands.h"
-#include "sim/data_file.h"
 #include "sim/visit/rehearsal.h"
 #include "sim/visit/visit_command.h"
 
@@ -35,6 +35,10 @@ static const struct sim_option options[] = {
      FIELD(rehearsal.threshold)},
     {"duplicates", "WORD", "people who look like somebody enrolled: allow, or refuse (default)",
      parse_duplicates, FIELD(rehearsal.allow_duplicate)},
+    {"visit", "RECORDING", "play this visit alone, after the enrolments", sim_option_text,
+     FIELD(rehearsal.visit)},
+    {"picture", "FILE", "of that visit: frames, fit, scores and the door's relay, as PNG",
+     sim_option_text, FIELD(rehearsal.picture)},
 };
 
 static const char usage[] =
@@ -47,7 +51,8 @@ static const char usage[] =
 static bool is_complete(const void *target)
 {
     const struct arguments *arguments = target;
-    return arguments->rehearsal.corpus && arguments->rehearsal.state;
+    return arguments->rehearsal.corpus && arguments->rehearsal.state &&
+           (arguments->rehearsal.visit || !arguments->rehearsal.picture);
 }
 
 static int play(const void *target, const struct sim_corpus *corpus, sim_visit_listener *listener,
@@ -59,13 +64,13 @@ static int play(const void *target, const struct sim_corpus *corpus, sim_visit_l
 
 int sim_cmd_replay(int argc, char **argv)
 {
-    struct arguments arguments = {.rehearsal = {.model = SIM_DATA_FILE_MODEL,
-                                                .metric = SIM_DATA_FILE_METRIC,
+    struct arguments arguments = {.rehearsal = {.model = iso_shipped_model(),
+                                                .metric = iso_shipped_metric(),
                                                 .threshold = NAN}};
     const struct sim_visit_command command = {
         .name = "replay",
         .usage = usage,
-        .needed = "--corpus and --out are needed",
+        .needed = "--corpus and --out are needed, and --visit with --picture",
         .set = {options, sizeof options / sizeof *options, &arguments},
         .corpus = &arguments.rehearsal.corpus,
         .out = &arguments.rehearsal.state,

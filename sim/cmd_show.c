@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "drivers/recording/recording.h"
+#include "drivers/shipped.h"
 #include "sim/commands.h"
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
@@ -200,7 +201,7 @@ int sim_cmd_show(int argc, char **argv)
 {
     struct arguments arguments = {
         .what = "isotherms",
-        .model = SIM_DATA_FILE_MODEL,
+        .model = iso_shipped_model(),
         .angle = {.yaw_rad = -0.30, .pitch_rad = 0.06},
         .extract = iso_extract_options_default(),
     };

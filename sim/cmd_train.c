@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "drivers/shipped.h"
 #include "drivers/text.h"
 #include "sim/command.h"
 #include "sim/commands.h"
@@ -336,7 +337,7 @@ static const struct sim_subcommand targets[] = {
 int sim_cmd_train(int argc, char **argv)
 {
     struct arguments arguments = {
-        .model = SIM_DATA_FILE_MODEL,
+        .model = iso_shipped_model(),
         .sensors = "astra",
         .seed = 1,
         .n_people = 64,

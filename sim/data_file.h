@@ -1,4 +1,5 @@
-/* Loads the data files that ship with the product: head model, metric and cohort. */
+/* Loads the data files that ship with the product: head model, metric and cohort. Where they are:
+ * drivers/shipped.h. */
 #ifndef SIM_DATA_FILE_H
 #define SIM_DATA_FILE_H
 
@@ -6,11 +7,6 @@
 #include "core/landmark/head_model.h"
 #include "core/match/cohort.h"
 #include "core/match/metric.h"
-
-/* Where they are installed. */
-#define SIM_DATA_FILE_MODEL  ISOTHERM_DATA_DIR "/head.model"
-#define SIM_DATA_FILE_METRIC ISOTHERM_DATA_DIR "/face.metric"
-#define SIM_DATA_FILE_COHORT ISOTHERM_DATA_DIR "/cohort.templates"
 
 /* -EBADMSG if the file is damaged, -EFBIG, -ENOMEM or the errno of open and read, each with a fault
  * "path: what is wrong". Free with iso_head_model_free. */

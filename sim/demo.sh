@@ -1,22 +1,23 @@
 #!/bin/bash
 # The whole product at work on stored frames: a daemon on a private bus with nobody enrolled, everybody enrolled through
-# the command line tool, then a day of visitors at the door, and pictures.
+# the command line tool, then a day of visitors at the door, and pictures. Tables go to files; the last lines are the
+# verdict and the picture of one visit.
 #
-#   sim/demo.sh BUILD_DIR OUT_DIR
+#   sim/demo.sh BUILD_DIR OUT_DIR [CORPUS_DIR]    (sim/stored)
 #
 # Ends non-zero if somebody enrolled was refused at every visit or taken for another, if a stranger was let in, or if
 # anything on the way fails. Needs dbus-daemon and nothing else that runs: no system bus, no init, no terminal.
 set -euo pipefail
 
-if [ $# -ne 2 ]; then
-    echo "usage: $0 BUILD_DIR OUT_DIR" >&2
+if [ $# -lt 2 ] || [ $# -gt 3 ]; then
+    echo "usage: $0 BUILD_DIR OUT_DIR [CORPUS_DIR]" >&2
     exit 2
 fi
 source_dir=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$2"
 build=$(cd "$1" && pwd)
 out=$(cd "$2" && pwd)
-corpus=$source_dir/sim/stored
+corpus=$(cd "${3:-$source_dir/sim/stored}" && pwd)
 model=$source_dir/core/data/head.model
 metric=$source_dir/core/data/face.metric
 isotherm=$build/enroll/isotherm
@@ -48,9 +49,10 @@ trap clean_up EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-heading()
+# What is done next, and the file under the output directory that has the table of it.
+step()
 {
-    printf '\n== %s\n\n' "$1"
+    printf '%-48s  %s\n' "$1" "$out/$2"
 }
 
 start_bus()
@@ -154,31 +156,59 @@ enroll_everybody()
     done <"$corpus/manifest.csv"
 }
 
+# Whether standard output takes colours: a terminal that nobody has asked to do without (https://no-color.org).
+colour()
+{
+    if [ -t 1 ] && [ -z "${NO_COLOR:-}" ] && [ "${TERM:-dumb}" != dumb ]; then
+        printf '\033[1;%sm%s\033[0m\n' "$1" "$2"
+    else
+        printf '%s\n' "$2"
+    fi
+}
+
+# What the visits came to. Their exit status is 0 if the door did what it should.
+verdict()
+{
+    local outcome
+
+    outcome=$(tail -n 2 "$out/visits.txt" | tr '\n' ' ' | sed 's/ *$//')
+    if [ "$visits" -eq 0 ]; then
+        colour 32 "$outcome"
+    else
+        colour 31 "$outcome"
+    fi
+}
+
+# The first recording of a role in the corpus.
+first_of()
+{
+    awk -F, -v role="$1" '$6 == role { print $1; exit }' "$corpus/manifest.csv"
+}
+
 started=$(date +%s)
 start_bus
 start_daemon
 
-heading 'Enrolling, through the command line tool'
-enroll_everybody
+step 'enrolling people through the command line tool' enrolled.txt
+enroll_everybody >"$out/enrolled.txt"
+"$isotherm" --bus "$address" list >"$out/list.txt"
 
-heading 'isotherm list'
-"$isotherm" --bus "$address" list
-
-heading 'Visitors at the door'
+step 'visitors come to the door' visits.txt
 visits=0
-"$simulator" visit --corpus "$corpus" --slot "$slot" --bus "$address" --out "$out" --settle-ms 250 ||
-    visits=$?
+"$simulator" visit --corpus "$corpus" --slot "$slot" --bus "$address" --out "$out" --settle-ms 250 \
+    >"$out/visits.txt" || visits=$?
+"$isotherm" --bus "$address" status >"$out/status.txt"
 
-heading 'isotherm status'
-"$isotherm" --bus "$address" status
+step 'accuracy on the stored frames, by the same code' eval/report.txt
+mkdir -p "$out/eval"
+"$simulator" eval --corpus "$corpus" --model "$model" --metric "$metric" --out "$out/eval" >"$out/eval/report.txt"
 
-heading 'Pictures'
-"$simulator" show --recording "$corpus/p01-enrol" --frame 0 --what isotherms --model "$model" --out "$out/isotherms.png"
-"$simulator" eval --corpus "$corpus" --model "$model" --metric "$metric" --out "$out/eval"
+step 'pictures of a face and of a visit' isotherms.png
+"$simulator" show --recording "$corpus/$(first_of gallery)" --frame 0 --what isotherms --model "$model" --out "$out/isotherms.png"
+"$simulator" replay --corpus "$corpus" --visit "$(first_of probe)" --model "$model" --metric "$metric" --out "$run/replay" \
+    --picture "$out/visit.png" >"$out/visit.txt"
 
-heading 'Results'
-echo "visits            $out/visits.csv"
-echo "a face            $out/isotherms.png"
-echo "CMC and DET       $out/eval"
-echo "seconds           $(($(date +%s) - started))"
+printf '%d seconds\n\n' $(($(date +%s) - started))
+verdict
+echo "a visit: $out/visit.png"
 exit "$visits"

@@ -16,7 +16,7 @@ static const struct command {
      sim_cmd_landmarks},
     {"sensor", "measure how wrong a sensor model is, by distance", sim_cmd_sensor},
 #ifdef ISOTHERM_STEREO
-    {"calibrate", "calibrate a pair of cameras on pictures of a checkerboard", sim_cmd_calibrate},
+    {"calibrate", "calibrate cameras on pictures of a checkerboard", sim_cmd_calibrate},
 #endif
     {"show", "draw a frame and what is made of it", sim_cmd_show},
     {"shapes", "make and retrieve non-rigid shapes", sim_cmd_shapes},

@@ -39,4 +39,27 @@ int iso_board_views_count(const struct iso_board_views *views);
 int iso_board_calibrate(const struct iso_board_views *views, struct iso_stereo_calibration *out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* ---- one camera ---- */
+
+enum { ISO_BOARD_VIEWS_MIN = 8 };
+
+/* What is known of a camera then. */
+struct iso_board_lens {
+    struct iso_camera camera;
+    int views;
+    double rms_px; /* between the corners and the model */
+};
+
+/* Adds one 8-bit picture of one camera. A collection has pairs or single pictures, not both.
+ * Errors of iso_board_views_add. */
+int iso_board_views_add_single(struct iso_board_views *views, const uint8_t *image)
+    __attribute__((warn_unused_result));
+
+/* Solves for one camera (Zhang 2000); radial distortion is k1 and k2. -ENODATA with *fault for
+ * fewer than ISO_BOARD_VIEWS_MIN pictures that differ, boards that are hardly turned or cover
+ * little of the picture, corners that do not fit a camera (more than 1 px), or a camera that there
+ * cannot be; -ENOMEM, -EIO. */
+int iso_board_calibrate_single(const struct iso_board_views *views, struct iso_board_lens *out,
+                               struct iso_fault *fault) __attribute__((warn_unused_result));
+
 #endif

@@ -71,6 +71,32 @@ std::vector<std::vector<cv::Point2f>> picture_points(const problem &p, int eye)
     return all;
 }
 
+iso_board_opencv_camera camera_of(const cv::Mat &m, const cv::Mat &distortion)
+{
+    cv::Mat d = distortion.reshape(1, 1);
+    return {m.at<double>(0, 0), m.at<double>(1, 1), m.at<double>(0, 2), m.at<double>(1, 2),
+            d.at<double>(0),    d.at<double>(1),    d.at<double>(2),    d.at<double>(3)};
+}
+
+void solve_single(const problem &p, iso_board_opencv_single &out, double (*normals)[3])
+{
+    cv::setNumThreads(0);
+    cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-9);
+    std::vector<cv::Mat> turns, shifts;
+    cv::Mat matrix, distortion;
+    out.rms_px = cv::calibrateCamera(board_points(p), picture_points(p, 0),
+                                     cv::Size(p.width_px, p.height_px), matrix, distortion, turns,
+                                     shifts, cv::CALIB_FIX_K3, until);
+    out.camera = camera_of(matrix, distortion);
+    for (size_t i = 0; i < turns.size(); i++) {
+        cv::Mat turn;
+        cv::Rodrigues(turns[i], turn);
+        for (int k = 0; k < 3; k++) {
+            normals[i][k] = turn.at<double>(k, 2);
+        }
+    }
+}
+
 void solve(const problem &p, solution &out)
 {
     cv::setNumThreads(0);
@@ -90,11 +116,7 @@ void solve(const problem &p, solution &out)
                                      fundamental, cv::CALIB_USE_INTRINSIC_GUESS | cv::CALIB_FIX_K3,
                                      until);
     for (int eye = 0; eye < 2; eye++) {
-        const cv::Mat &m = matrix[eye];
-        cv::Mat d = distortion[eye].reshape(1, 1);
-        out.camera[eye] = {m.at<double>(0, 0), m.at<double>(1, 1), m.at<double>(0, 2),
-                           m.at<double>(1, 2), d.at<double>(0),    d.at<double>(1),
-                           d.at<double>(2),    d.at<double>(3)};
+        out.camera[eye] = camera_of(matrix[eye], distortion[eye]);
     }
     std::copy(rotation.begin<double>(), rotation.end<double>(), out.rotation);
     std::copy(translation.begin<double>(), translation.end<double>(), out.translation_mm);
@@ -119,6 +141,16 @@ int iso_board_opencv_solve(const struct iso_board_opencv_problem *problem,
     return iso::guarded([&] {
         solution found;
         solve(*problem, found);
+        *out = found;
+    });
+}
+
+int iso_board_opencv_solve_single(const struct iso_board_opencv_problem *problem,
+                                  struct iso_board_opencv_single *out, double (*normals)[3])
+{
+    return iso::guarded([&] {
+        iso_board_opencv_single found;
+        solve_single(*problem, found, normals);
         *out = found;
     });
 }

@@ -36,6 +36,18 @@ int iso_board_opencv_solve(const struct iso_board_opencv_problem *problem,
                            struct iso_board_opencv_solution *out)
     __attribute__((warn_unused_result));
 
+struct iso_board_opencv_single {
+    struct iso_board_opencv_camera camera;
+    double rms_px;
+};
+
+/* One camera by itself, from corners_px[0]; corners_px[1] is not read. `normals` gets the direction
+ * of each board's normal in the camera's frame, [n_pairs][3]. -ENOMEM; -EIO if the solver gave up.
+ */
+int iso_board_opencv_solve_single(const struct iso_board_opencv_problem *problem,
+                                  struct iso_board_opencv_single *out, double (*normals)[3])
+    __attribute__((warn_unused_result));
+
 #ifdef __cplusplus
 }
 #endif

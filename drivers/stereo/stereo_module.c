@@ -55,3 +55,10 @@ int iso_board_opencv_solve(const struct iso_board_opencv_problem *problem,
     const int error = iso_stereo_module_load(NULL);
     return error ? error : module()->solve_board(problem, out);
 }
+
+int iso_board_opencv_solve_single(const struct iso_board_opencv_problem *problem,
+                                  struct iso_board_opencv_single *out, double (*normals)[3])
+{
+    const int error = iso_stereo_module_load(NULL);
+    return error ? error : module()->solve_board_single(problem, out, normals);
+}

@@ -18,6 +18,7 @@ struct iso_stereo_module {
     __typeof__(iso_stereo_opencv_match) *match;
     __typeof__(iso_board_opencv_find) *find_board;
     __typeof__(iso_board_opencv_solve) *solve_board;
+    __typeof__(iso_board_opencv_solve_single) *solve_board_single;
 };
 
 #ifdef __cplusplus

@@ -11,4 +11,5 @@ ISO_MODULE_EXPORT const struct iso_stereo_module iso_module = {
     .match = iso_stereo_opencv_match,
     .find_board = iso_board_opencv_find,
     .solve_board = iso_board_opencv_solve,
+    .solve_board_single = iso_board_opencv_solve_single,
 };

@@ -47,7 +47,9 @@ static int check_metric(const struct sim_eval *eval, struct iso_fault *fault)
         return 0;
     }
     if (metric->algorithm != eval->acquisition->origin.algorithm) {
-        return iso_fault_set(fault, -EBADMSG, "%s: made by algorithm %08x, templates are of %08x",
+        return iso_fault_set(fault, -EBADMSG,
+                             "%s: made by algorithm %08x, templates are of %08x (--metric none "
+                             "compares by distance)",
                              eval->options.metric, (unsigned)metric->algorithm,
                              (unsigned)eval->acquisition->origin.algorithm);
     }

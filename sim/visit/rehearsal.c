@@ -9,6 +9,8 @@
 #include "firmware/parts.h"
 #include "sim/virtual_clock.h"
 #include "sim/visit/slot.h"
+#include "sim/visit/trace.h"
+#include "sim/visit/visit_picture.h"
 
 /* Time passes in steps of at most this, as it would for a daemon. */
 static const int64_t step_ns = 20 * ISO_NS_PER_MS;
@@ -30,6 +32,7 @@ struct rehearsal {
     char enrol_result[64];
     struct sim_door_verdict verdict; /* the first of the visit */
     bool unlocked;                   /* at any time of the visit */
+    struct sim_trace *trace;         /* of the visit to be drawn; NULL: none is */
 };
 
 static void on_enroll(void *context, const char *result, bool done, unsigned stage, unsigned stages,
@@ -61,6 +64,9 @@ static void on_visit(void *context, const struct iso_visit *visit)
     struct rehearsal *r = context;
     if (r->verdict.given) {
         return;
+    }
+    if (r->trace) {
+        sim_trace_decide(r->trace, r->clock.now_ns);
     }
     r->verdict = (struct sim_door_verdict){
         .given = true,
@@ -171,6 +177,9 @@ static int open_appliance(struct rehearsal *r)
         return error;
     }
     r->lent = iso_parts_lend(r->parts, &events);
+    if (r->trace) {
+        r->lent.pipeline = sim_trace_pipeline(r->trace, &r->lent.pipeline);
+    }
     error = iso_appliance_new(&r->lent, &r->appliance);
     if (error) {
         return iso_fault_set(r->fault, error, "%s", strerror(-error));
@@ -243,6 +252,24 @@ static int visit(struct rehearsal *r, const struct sim_corpus_row *row, struct s
     return error;
 }
 
+/* A visit that is drawn. */
+static int visit_and_draw(struct rehearsal *r, const struct sim_corpus_row *row,
+                          struct sim_visit *out)
+{
+    sim_trace_begin(r->trace, r->clock.now_ns);
+    const int error = visit(r, row, out);
+    sim_trace_end(r->trace, r->lent.door_io, r->clock.now_ns);
+    return error ? error
+                 : sim_visit_picture(r->trace, out, r->lent.gallery, r->options->picture, r->fault);
+}
+
+/* Whether a row is a visit that is to be played. */
+static bool is_wanted(const struct rehearsal *r, const struct sim_corpus_row *row)
+{
+    return row->role != SIM_ROLE_GALLERY &&
+           (!r->options->visit || strcmp(row->recording, r->options->visit) == 0);
+}
+
 static int play(struct rehearsal *r, const struct sim_corpus *corpus, sim_visit_listener *listener,
                 void *context, struct sim_visit *visits, size_t *n_visits)
 {
@@ -255,13 +282,16 @@ static int play(struct rehearsal *r, const struct sim_corpus *corpus, sim_visit_
     }
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &corpus->rows[i];
-        if (row->role == SIM_ROLE_GALLERY || sim_visit_was_played(visits, count, row->recording)) {
+        if (!is_wanted(r, row) || sim_visit_was_played(visits, count, row->recording)) {
             continue;
         }
-        error = visit(r, row, &visits[count]);
+        error = r->trace ? visit_and_draw(r, row, &visits[count]) : visit(r, row, &visits[count]);
         if (!error) {
             listener(&visits[count++], context);
         }
+    }
+    if (!error && r->options->visit && count == 0) {
+        error = iso_fault_set(r->fault, -ENOENT, "the corpus has no visit '%s'", r->options->visit);
     }
     *n_visits = error ? *n_visits : count;
     return error;
@@ -271,7 +301,11 @@ int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_c
                  sim_visit_listener *listener, void *context, struct sim_visit *visits,
                  size_t *n_visits, struct iso_fault *fault)
 {
-    struct rehearsal r = {.options = options, .fault = fault, .clock = sim_virtual_clock_start()};
+    struct sim_trace trace = {.on = false};
+    struct rehearsal r = {.options = options,
+                          .fault = fault,
+                          .clock = sim_virtual_clock_start(),
+                          .trace = options->picture ? &trace : NULL};
     int error = open_appliance(&r);
     error = error ? error : play(&r, corpus, listener, context, visits, n_visits);
     if (r.appliance) {
@@ -279,5 +313,6 @@ int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_c
     }
     iso_appliance_free(r.appliance);
     iso_parts_close(r.parts);
+    sim_trace_done(&trace);
     return error;
 }

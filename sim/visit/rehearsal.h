@@ -12,12 +12,15 @@ struct sim_rehearsal_options {
     const char *model, *metric; /* files */
     double threshold;           /* decision.threshold; NaN: the configuration's own */
     bool allow_duplicate;       /* people who look alike are enrolled all the same */
+    const char *visit;          /* play this recording alone, after enrolling; NULL: all */
+    const char *picture;        /* with `visit`: the PNG file that shows it; NULL: none */
 };
 
 /* Enrols the subjects of role gallery, in the manifest's order, then plays the other rows, each
  * recording once. *visits has room for all rows of the corpus; *n_visits of them are filled in,
  * with latency by the virtual clock. Errors of iso_parts_open, the appliance and the slot; -ENOMSG
- * if somebody cannot be enrolled. */
+ * if somebody cannot be enrolled; -ENOENT if no row that is no enrolment has the recording
+ * `visit`; errors of drawing the picture. */
 int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_corpus *corpus,
                  sim_visit_listener *listener, void *context, struct sim_visit *visits,
                  size_t *n_visits, struct iso_fault *fault) __attribute__((warn_unused_result));

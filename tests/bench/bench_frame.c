@@ -16,6 +16,7 @@
 
 #include "core/extract.h"
 #include "core/match/index.h"
+#include "drivers/shipped.h"
 #include "firmware/decision.h"
 #include "firmware/gallery.h"
 #include "firmware/second_look.h"
@@ -369,8 +370,8 @@ static const struct sim_option own_options[] = {
 int main(int argc, char **argv)
 {
     struct bench bench = {
-        .model_path = SIM_DATA_FILE_MODEL,
-        .metric_path = SIM_DATA_FILE_METRIC,
+        .model_path = iso_shipped_model(),
+        .metric_path = iso_shipped_metric(),
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = sim_wall_ns,

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/shipped.h"
 #include "firmware/audit.h"
 #include "firmware/gallery.h"
 #include "firmware/seal.h"
@@ -244,7 +245,7 @@ static const struct sim_option own_options[] = {
 
 int main(int argc, char **argv)
 {
-    struct bench bench = {.metric_path = SIM_DATA_FILE_METRIC,
+    struct bench bench = {.metric_path = iso_shipped_metric(),
                           .people = 10000,
                           .templates = 1,
                           .times = iso_times_system()};

@@ -13,6 +13,7 @@
 #endif
 
 #include "core/match/index.h"
+#include "drivers/shipped.h"
 #include "sim/data_file.h"
 #include "sim/eval/latency.h"
 #include "sim/options.h"
@@ -281,7 +282,8 @@ static const struct sim_option own_options[] = {
 
 int main(int argc, char **argv)
 {
-    static struct bench bench = {.metric_path = SIM_DATA_FILE_METRIC, .probes = PROBES_MAX};
+    static struct bench bench = {.probes = PROBES_MAX};
+    bench.metric_path = iso_shipped_metric();
     const struct sim_option_set set = {own_options, sizeof own_options / sizeof *own_options,
                                        &bench};
     struct iso_fault fault = {"--probes: 2 to 200"};

@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "core/extract.h"
+#include "drivers/shipped.h"
 #include "firmware/crew.h"
 #include "firmware/times.h"
 #include "sim/data_file.h"
@@ -263,7 +264,7 @@ static const struct sim_option own_options[] = {
 
 int main(int argc, char **argv)
 {
-    struct bench bench = {.model_path = SIM_DATA_FILE_MODEL, .interval_ms = 33, .pairs = 200};
+    struct bench bench = {.model_path = iso_shipped_model(), .interval_ms = 33, .pairs = 200};
     const struct sim_option_set set = {own_options, sizeof own_options / sizeof *own_options,
                                        &bench};
     struct iso_fault fault = {"--corpus is needed"};

@@ -100,7 +100,9 @@ expect 2 'isotherm-sim train head: --ict and --out are needed' train head --ict 
 expect 2 '--corpora and --out are needed' train metric
 expect 3 'nowhere' train head --ict "$work/nowhere" --out "$work/head.model"
 expect 0 '' import --help
-expect 2 '--database, --from and --out are needed' import --database frgc
+expect 2 '--database, --from and --out are needed, or --ict and --out' import --database frgc
+expect 2 '--ict needs --out, and neither' import --ict "$work" --database frgc --out "$work/imported"
+expect 3 'no folder FaceXModel' import --ict "$work" --out "$work/imported"
 expect 2 "--database: 'lfw' is unknown" import --database lfw --from "$work" --out "$work/imported"
 expect 3 'no file is named as those of gavab' import --database gavab --from "$work" --out "$work/imported"
 
@@ -115,4 +117,32 @@ expect 0 '' record --sensor "replay:path=$face,pace=asap" --frames 2 --out "$wor
     echo 'record --frames 2 did not record 2 frames'
     failures=$((failures + 1))
 }
+# One visit in one picture.
+expect 2 'and --visit with --picture' replay --corpus "$work/corpus" --out "$work/replay" --picture "$work/visit.png"
+expect 3 "no visit 'nobody'" replay --corpus "$work/corpus" --out "$work/replay" --visit nobody
+expect 0 '' replay --corpus "$work/corpus" --out "$work/replay-photo" --visit none-photo3 --picture "$work/visit.png"
+[ -s "$work/visit.png" ] || {
+    echo 'replay --picture wrote no picture'
+    failures=$((failures + 1))
+}
+expect 4 'nowhere/visit.png' replay --corpus "$work/corpus" --out "$work/replay-nowhere" --visit none-photo3 \
+    --picture "$work/nowhere/visit.png"
+
+# Where the shipped data files come from: the source tree for a program in a build tree, the installed ones for any other.
+expect 0 '' show --recording "$face" --what isotherms --out "$work/shipped.png"
+expect 0 '' landmarks --corpus "$work/corpus" --out "$work/landmarks-shipped"
+expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-shipped"
+expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-explicit" \
+    --model "$model" --metric "$source/core/data/face.metric"
+cmp "$work/eval-shipped/scores.csv" "$work/eval-explicit/scores.csv" || {
+    echo 'eval without --metric does not measure what the appliance does'
+    failures=$((failures + 1))
+}
+mkdir -p "$work/elsewhere/bin"
+cp "$simulator" "$work/elsewhere/bin/isotherm-sim"
+simulator=$work/elsewhere/bin/isotherm-sim
+if ! [ -e /usr/local/share/isotherm/head.model ]; then
+    expect 3 '/share/isotherm/head.model: No such file' show --recording "$face" --out "$work/x.png"
+fi
+
 [ "$failures" -eq 0 ]

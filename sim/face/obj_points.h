@@ -1,0 +1,23 @@
+/* Vertices and faces of a Wavefront OBJ file, in the order in which the file has them: nothing is
+ * merged, mended or left out. */
+#ifndef SIM_FACE_OBJ_POINTS_H
+#define SIM_FACE_OBJ_POINTS_H
+
+#include <stdint.h>
+
+#include "core/fault.h"
+
+struct sim_obj {
+    uint32_t n_points, n_triangles;
+    double (*points)[3];      /* as written */
+    uint32_t (*triangles)[3]; /* polygons as fans about their first corner; vertices from 0 */
+};
+
+/* Reads a file. -EBADMSG for a line that is no vertex or face of at least three corners, or a
+ * corner that is no vertex; -ENOMEM; errors of opening and reading. Lines of other kinds are passed
+ * over. */
+int sim_obj_read(const char *path, struct sim_obj *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void sim_obj_done(struct sim_obj *obj);
+
+#endif
