@@ -1,0 +1,18 @@
+#include "drivers/terminal/output.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+int iso_output_end(const char *program)
+{
+    errno = 0;
+    const int flushed = fflush(stdout);
+
+    if (flushed == 0 && !ferror(stdout)) {
+        return 0;
+    }
+    const int error = flushed != 0 && errno ? errno : EIO;
+    fprintf(stderr, "%s: standard output: %s\n", program, strerror(error));
+    return -error;
+}
