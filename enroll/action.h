@@ -14,7 +14,7 @@ struct cli_action {
     /* Appends the arguments of `start`; 0 or a negative errno. NULL if there are none. */
     int (*append)(sd_bus_message *call, const void *context);
     /* The camera is ours and looks: the time to speak to the person before it. */
-    void (*started)(const void *context);
+    void (*started)(void *context);
     /* Takes a status signal; true when it was the last one, or when it is not understood. */
     bool (*status)(sd_bus_message *signal, void *context);
     void *context;

@@ -4,11 +4,13 @@
 #include <string.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/progress.h"
+#include "drivers/terminal/terminal.h"
 #include "enroll/action.h"
 #include "enroll/hint.h"
 #include "enroll/report.h"
 
-enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64 };
+enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64, WHAT_SIZE = 300 };
 
 struct enrolment {
     const struct cli_arguments *arguments;
@@ -16,6 +18,8 @@ struct enrolment {
     char result[RESULT_SIZE]; /* the last word of the daemon that was not a hint */
     unsigned stage, stages;
     double quality;
+    struct iso_progress *progress; /* on stderr, stage by stage */
+    char what[WHAT_SIZE];          /* of the progress */
 };
 
 static int append_options(sd_bus_message *call, const struct cli_arguments *arguments)
@@ -44,17 +48,20 @@ static int append_arguments(sd_bus_message *call, const void *context)
     return r < 0 ? r : append_options(call, enrolment->arguments);
 }
 
-static void on_started(const void *context)
+static void on_started(void *context)
 {
-    const struct enrolment *enrolment = context;
+    struct enrolment *enrolment = context;
 
     fprintf(enrolment->hints.out, "Enrolling %s: look straight at the camera.\n",
             enrolment->arguments->person);
+    (void)snprintf(enrolment->what, sizeof enrolment->what, "enrolling %s",
+                   enrolment->arguments->person);
+    enrolment->progress = iso_progress_start(stderr, "isotherm", enrolment->what, 0, NULL);
 }
 
-static bool on_status(sd_bus_message *signal, void *context)
+/* Takes a status and says what it means; the line of the progress is not there meanwhile. */
+static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
 {
-    struct enrolment *enrolment = context;
     const char *result, *word;
     unsigned stage, stages;
     double quality;
@@ -81,6 +88,18 @@ static bool on_status(sd_bus_message *signal, void *context)
     } else if (isfinite(quality) && quality > 0) {
         enrolment->quality = quality;
     }
+    return done;
+}
+
+static bool on_status(sd_bus_message *signal, void *context)
+{
+    struct enrolment *enrolment = context;
+
+    iso_progress_pause(enrolment->progress);
+    const bool done = take_status(signal, enrolment);
+    fflush(enrolment->hints.out);
+    iso_progress_resume(enrolment->progress);
+    iso_progress_set(enrolment->progress, enrolment->stage, enrolment->stages);
     return done;
 }
 
@@ -113,8 +132,11 @@ static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault
             continue;
         }
         if (!enrolment->arguments->json) {
-            FILE *out = outcomes[i].exit == CLI_EXIT_OK ? stdout : stderr;
-            fprintf(out, "%s %s.\n", person, outcomes[i].text);
+            const bool good = outcomes[i].exit == CLI_EXIT_OK;
+            const struct iso_terminal terminal = iso_terminal_of(good ? stdout : stderr);
+            fprintf(terminal.out, "%s%s %s.%s\n",
+                    iso_terminal_paint(&terminal, good ? ISO_PAINT_GOOD : ISO_PAINT_BAD), person,
+                    outcomes[i].text, iso_terminal_paint(&terminal, ISO_PAINT_PLAIN));
             return outcomes[i].exit;
         }
         const enum cli_exit written = cli_report_json(json_pack(
@@ -147,6 +169,7 @@ enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *argu
     };
 
     enum cli_exit exit = cli_action_run(door, &action, fault);
+    iso_progress_end(enrolment.progress);
     if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
         strcpy(enrolment.result, "enroll-" ISO_CONTRACT_RESULT_TIMED_OUT);
     } else if (exit == CLI_EXIT_INTERRUPTED) {

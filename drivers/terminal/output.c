@@ -13,6 +13,8 @@ int iso_output_end(const char *program)
         return 0;
     }
     const int error = flushed != 0 && errno ? errno : EIO;
-    fprintf(stderr, "%s: standard output: %s\n", program, strerror(error));
+    /* Of a print before, only that it failed is known. */
+    fprintf(stderr, "%s: standard output: %s\n", program,
+            flushed != 0 ? strerror(error) : "cannot be written");
     return -error;
 }

@@ -15,6 +15,7 @@ static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
 
 static struct private_bus bus;
 static struct run last;
+static const char *out_path; /* of the next run; NULL: a pipe */
 
 static void start(const char *words)
 {
@@ -28,7 +29,7 @@ static void start(const char *words)
         argv[argc++] = word;
     }
     run_free(&last);
-    run_start(&last, argv);
+    run_start_to(&last, argv, out_path);
 }
 
 struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
@@ -58,6 +59,14 @@ struct cli_result cli_run_interrupt(const struct fake_script *script, const char
 struct cli_result cli_run(const struct fake_script *script, const char *words)
 {
     return cli_run_interrupt(script, words, NULL);
+}
+
+struct cli_result cli_run_to(const char *path, const struct fake_script *script, const char *words)
+{
+    out_path = path;
+    const struct cli_result result = cli_run(script, words);
+    out_path = NULL;
+    return result;
 }
 
 json_t *cli_json(const struct cli_result *result)

@@ -24,6 +24,9 @@ struct cli_result {
  * is at the other end. */
 struct cli_result cli_run(const struct fake_script *script, const char *words);
 
+/* The same with standard output to a file, such as /dev/full; result.out is "". */
+struct cli_result cli_run_to(const char *path, const struct fake_script *script, const char *words);
+
 /* The same; but as soon as `text` stands in stdout, the program gets a SIGINT. */
 struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
                                     const char *text);

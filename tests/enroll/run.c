@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -19,6 +20,11 @@ enum { SILENCE_MS = 60 * 1000 };
 
 void run_start(struct run *run, const char *const argv[])
 {
+    run_start_to(run, argv, NULL);
+}
+
+void run_start_to(struct run *run, const char *const argv[], const char *out_path)
+{
     int out[2], err[2];
 
     *run = (struct run){.out = calloc(1, RUN_OUTPUT_SIZE), .err = calloc(1, RUN_OUTPUT_SIZE)};
@@ -30,7 +36,7 @@ void run_start(struct run *run, const char *const argv[])
     assert_true(run->pid >= 0);
     if (run->pid == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
-        dup2(out[1], STDOUT_FILENO);
+        dup2(out_path ? open(out_path, O_WRONLY | O_CLOEXEC) : out[1], STDOUT_FILENO);
         dup2(err[1], STDERR_FILENO);
         close(out[0]), close(out[1]), close(err[0]), close(err[1]);
         execv(argv[0], (char *const *)(uintptr_t)argv);

@@ -18,6 +18,9 @@ struct run {
 /* argv ends with NULL; argv[0] is a path. Output beyond RUN_OUTPUT_SIZE fails the test. */
 void run_start(struct run *run, const char *const argv[]);
 
+/* The same, with standard output to the file at `out_path`; NULL: caught. */
+void run_start_to(struct run *run, const char *const argv[], const char *out_path);
+
 /* Waits until `text` stands in what the program prints; that it ends before fails the test. */
 void run_until(struct run *run, const char *text);
 
