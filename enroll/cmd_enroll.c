@@ -100,6 +100,7 @@ static bool on_status(sd_bus_message *signal, void *context)
     fflush(enrolment->hints.out);
     iso_progress_resume(enrolment->progress);
     iso_progress_set(enrolment->progress, enrolment->stage, enrolment->stages);
+    iso_progress_tick(enrolment->progress);
     return done;
 }
 

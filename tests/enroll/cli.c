@@ -10,6 +10,9 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
+
+#include "tests/support/pseudo_terminal.h"
 
 static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
 
@@ -17,17 +20,30 @@ static struct private_bus bus;
 static struct run last;
 static const char *out_path; /* of the next run; NULL: a pipe */
 
-static void start(const char *words)
+enum { WORDS_MAX = 24 };
+
+/* isotherm --bus ADDRESS WORDS; valid until the next call. */
+static void make_argv(const char *words, const char *argv[WORDS_MAX])
 {
     static char copy[512];
-    const char *argv[24] = {isotherm, "--bus", bus.address};
     size_t argc = 3;
 
+    memset(argv, 0, WORDS_MAX * sizeof *argv);
+    argv[0] = isotherm;
+    argv[1] = "--bus";
+    argv[2] = bus.address;
     (void)snprintf(copy, sizeof copy, "%s", words);
     for (char *word = strtok(copy, " "); word; word = strtok(NULL, " ")) {
-        assert_true(argc < sizeof argv / sizeof *argv - 1);
+        assert_true(argc < WORDS_MAX - 1);
         argv[argc++] = word;
     }
+}
+
+static void start(const char *words)
+{
+    const char *argv[WORDS_MAX];
+
+    make_argv(words, argv);
     run_free(&last);
     run_start_to(&last, argv, out_path);
 }
@@ -66,6 +82,22 @@ struct cli_result cli_run_to(const char *path, const struct fake_script *script,
     out_path = path;
     const struct cli_result result = cli_run(script, words);
     out_path = NULL;
+    return result;
+}
+
+struct cli_result cli_run_on_terminal(const struct fake_script *script, const char *words,
+                                      const char *environment)
+{
+    struct cli_result result = {.err = ""};
+    struct fake_door door;
+    const char *argv[WORDS_MAX];
+    int status = 0;
+
+    fake_door_start(&door, bus.address, script);
+    make_argv(words, argv);
+    result.out = pseudo_terminal_run(argv, 80, environment, &status);
+    result.calls = fake_door_stop(&door);
+    result.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
     return result;
 }
 

@@ -27,6 +27,11 @@ struct cli_result cli_run(const struct fake_script *script, const char *words);
 /* The same with standard output to a file, such as /dev/full; result.out is "". */
 struct cli_result cli_run_to(const char *path, const struct fake_script *script, const char *words);
 
+/* The same on a terminal of 80 columns, which gets both outputs (result.out, to be freed by the
+ * caller); `environment` is one NAME=VALUE that is added, or NULL. */
+struct cli_result cli_run_on_terminal(const struct fake_script *script, const char *words,
+                                      const char *environment);
+
 /* The same; but as soon as `text` stands in stdout, the program gets a SIGINT. */
 struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
                                     const char *text);
