@@ -7,6 +7,7 @@
 
 #include "core/contract.h"
 #include "firmware/parts.h"
+#include "sim/progress.h"
 #include "sim/virtual_clock.h"
 #include "sim/visit/slot.h"
 
@@ -238,9 +239,11 @@ static int play(struct rehearsal *r, const struct sim_corpus *corpus, sim_visit_
 {
     size_t count = 0;
     int error = 0;
+    const bool shown = sim_progress_begin("playing recordings to the appliance", corpus->n_rows);
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         if (corpus->rows[i].role == SIM_ROLE_GALLERY) {
             error = enrol(r, &corpus->rows[i]);
+            sim_progress_step(1);
         }
     }
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
@@ -250,9 +253,13 @@ static int play(struct rehearsal *r, const struct sim_corpus *corpus, sim_visit_
         }
         error = visit(r, row, &visits[count]);
         if (!error) {
+            sim_progress_pause();
             listener(&visits[count++], context);
+            sim_progress_resume();
         }
+        sim_progress_step(1);
     }
+    sim_progress_end(shown);
     *n_visits = error ? *n_visits : count;
     return error;
 }
