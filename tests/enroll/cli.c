@@ -10,8 +10,8 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/wait.h>
 
+#include "tests/support/child_end.h"
 #include "tests/support/pseudo_terminal.h"
 
 static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
@@ -67,6 +67,7 @@ struct cli_result cli_run_interrupt(const struct fake_script *script, const char
         result.calls = fake_door_stop(&door);
     }
     result.exit = last.exit;
+    result.what = last.what;
     result.out = last.out;
     result.err = last.err;
     return result;
@@ -97,8 +98,14 @@ struct cli_result cli_run_on_terminal(const struct fake_script *script, const ch
     make_argv(words, argv);
     result.out = pseudo_terminal_run(argv, 80, environment, &status);
     result.calls = fake_door_stop(&door);
-    result.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+    result.exit = child_code(status);
+    result.what = words;
     return result;
+}
+
+void cli_expect_exit(const struct cli_result *result, int exit)
+{
+    child_expect_code(result->what, result->exit, exit, result->out, result->err);
 }
 
 json_t *cli_json(const struct cli_result *result)
@@ -120,7 +127,7 @@ void cli_expect_error(const struct cli_result *result, int exit, const char *cod
     assert_string_equal(json_string_value(json_object_get(error, "code")), code);
     assert_int_equal(json_integer_value(json_object_get(error, "exit_code")), exit);
     assert_true(strlen(json_string_value(json_object_get(error, "message"))) > 0);
-    assert_int_equal(result->exit, exit);
+    cli_expect_exit(result, exit);
     json_decref(document);
 }
 

@@ -17,6 +17,7 @@ int cli_teardown(void **state);
 
 struct cli_result {
     int exit;
+    const char *what;              /* the command line */
     const char *out, *err, *calls; /* what the door got; valid until the next run */
 };
 
@@ -38,6 +39,9 @@ struct cli_result cli_run_interrupt(const struct fake_script *script, const char
 
 /* Parses stdout, which has to be exactly one JSON document; the caller releases it. */
 json_t *cli_json(const struct cli_result *result);
+
+/* Fails the test, saying what it was, how it ended and what it said, unless it ended like that. */
+void cli_expect_exit(const struct cli_result *result, int exit);
 
 /* Fails the test unless stdout is an error document with this code and the exit code of the run. */
 void cli_expect_error(const struct cli_result *result, int exit, const char *code);

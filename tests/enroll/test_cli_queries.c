@@ -28,7 +28,7 @@ static void list_shows_everybody(void **state)
     const struct cli_result result = cli_run(&two_people, "list");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "\nanna                     2026-11-21 08:00  -          "
                                        "       2026-12-30 23:59  2\n"));
     assert_non_null(strstr(result.out, "\nBo Ek                    2026-11-21 08:01  2026-11-21 "
@@ -148,7 +148,7 @@ static void status_is_for_people(void **state)
     const struct cli_result result = cli_run(&two_people, "status");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "\nDoor\n  state                  locked\n"));
     assert_non_null(strstr(result.out, "  running for            2 h 5 min\n"));
     assert_non_null(strstr(result.out, "  distance               612.4 mm\n"));
@@ -259,7 +259,7 @@ static void log_of_what_never_happened(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT(words); i++) {
         const struct cli_result result = cli_run(&script, words[i]);
-        assert_int_equal(result.exit, 0);
+        cli_expect_exit(&result, 0);
         assert_string_equal(result.out, "");
     }
 }
@@ -288,7 +288,7 @@ static void log_from_a_record_that_is_not_there(void **state)
     (void)state;
     cli_expect_error(&result, 3, "no-such-record");
     result = cli_run(&script, "log --from 6");
-    assert_int_equal(result.exit, 3);
+    cli_expect_exit(&result, 3);
     assert_string_equal(result.err, "isotherm: there is no record 6: the log ends with 5\n");
 }
 
@@ -310,7 +310,7 @@ static void following_the_log_ends_with_an_interrupt(void **state)
                                                        "\"sequence\":4");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_null(strstr(result.out, "\"sequence\":2"));
     assert_non_null(strstr(result.out, "{\"sequence\":3,"));
 }
@@ -322,7 +322,7 @@ static void doctor_finds_nothing_wrong(void **state)
     size_t i;
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_true(json_is_true(json_object_get(document, "healthy")));
     assert_int_equal(json_array_size(json_object_get(document, "checks")), 9);
     json_array_foreach(json_object_get(document, "checks"), i, check)
@@ -342,7 +342,7 @@ static void doctor_lists_the_devices_that_the_driver_sees(void **state)
     const struct cli_result result = cli_run(&script, "doctor");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "ok       devices     1d27/0600@1/4 (Maker Eye)\n"));
     assert_non_null(strstr(result.out, "ok       calibration 60.0 mm apart, 0.21 px rms of 24 "
                                        "pairs\n"));
@@ -422,7 +422,7 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
         if (!found) {
             fail_msg("'%s' is not in:\n%s", cases[i].text, result.out);
         }
-        assert_int_equal(result.exit, cases[i].exit);
+        cli_expect_exit(&result, cases[i].exit);
         assert_non_null(strstr(found, "-> "));
     }
 }
@@ -432,7 +432,7 @@ static void doctor_without_a_daemon(void **state)
     const struct cli_result result = cli_run(NULL, "doctor");
 
     (void)state;
-    assert_int_equal(result.exit, 4);
+    cli_expect_exit(&result, 4);
     assert_non_null(strstr(result.out, "fault    daemon      isothermd is not on the bus\n"));
 }
 
@@ -446,7 +446,7 @@ static void every_command_fails_clearly_without_a_daemon(void **state)
         struct cli_result result = cli_run(NULL, words);
         cli_expect_error(&result, 4, "no-daemon");
         result = cli_run(NULL, commands[i]);
-        assert_int_equal(result.exit, 4);
+        cli_expect_exit(&result, 4);
         assert_non_null(strstr(result.err, "isotherm: isothermd is not running on this bus"));
     }
 }
@@ -462,7 +462,7 @@ static void every_command_fails_clearly_without_a_bus(void **state)
         cli_expect_error(&result, 4, "no-bus");
     }
     const struct cli_result result = cli_run(NULL, "doctor --bus unix:path=/nowhere/bus");
-    assert_int_equal(result.exit, 4);
+    cli_expect_exit(&result, 4);
     assert_non_null(strstr(result.out, "fault    bus "));
 }
 
@@ -504,7 +504,7 @@ static void usage_errors_are_told_in_the_form_asked_for(void **state)
     (void)state;
     cli_expect_error(&result, 2, "usage");
     result = cli_run(NULL, "list --bogus");
-    assert_int_equal(result.exit, 2);
+    cli_expect_exit(&result, 2);
     assert_string_equal(result.out, "");
     assert_non_null(strstr(result.err, "--bogus"));
 }
@@ -514,7 +514,7 @@ static void help_and_version_need_no_daemon(void **state)
     struct cli_result result = cli_run(NULL, "--help");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     for (size_t i = 0; i < COUNT(commands); i++) {
         char name[16] = "  ";
         strncat(name, commands[i], strcspn(commands[i], " "));
@@ -523,7 +523,7 @@ static void help_and_version_need_no_daemon(void **state)
     result = cli_run(NULL, "--version");
     assert_string_equal(result.out, "isotherm " ISOTHERM_VERSION "\n");
     result = cli_run(NULL, "enroll --help");
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "--allow-duplicate"));
 }
 

@@ -2,10 +2,12 @@
 # Exit codes and complaints of isotherm-sim's commands: commands.sh PROGRAM SOURCE_DIRECTORY
 set -u
 simulator=$1 source=$2
+# shellcheck source=tests/support/verdict.sh
+. "$source/tests/support/verdict.sh"
 model=$source/core/data/head.model
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-failures=0
+failures=0 why='something that a command made is not as it should be'
 
 # expect CODE WORDS COMMAND...: the exit code, and words in one line on stderr ("" for none at all)
 expect() {
@@ -17,12 +19,15 @@ expect() {
     grep -vE '^isotherm-sim: [a-z ]+: ([0-9]+ of [0-9]+|.* so far$|ended after )' "$work/said" >"$work/stderr"
     lines=$(wc -l <"$work/stderr")
     if [ "$got" -ne "$code" ]; then
-        echo "isotherm-sim $*: exit code $got, not $code"
+        why="isotherm-sim $*: exit code $got, not $code; last it said: $(tail -n 1 "$work/said")"
+        echo "$why"
     elif [ -n "$words" ] && { [ "$lines" -ne 1 ] || ! grep -qF -- "$words" "$work/stderr"; }; then
-        echo "isotherm-sim $*: stderr is not one line with '$words':"
+        why="isotherm-sim $*: stderr is not one line with '$words'"
+        echo "$why:"
         cat "$work/stderr"
     elif [ -z "$words" ] && [ "$lines" -ne 0 ]; then
-        echo "isotherm-sim $*: complains:"
+        why="isotherm-sim $*: complains"
+        echo "$why:"
         cat "$work/stderr"
     else
         return
@@ -120,4 +125,8 @@ expect 0 '' record --sensor "replay:path=$face,pace=asap" --frames 2 --out "$wor
     echo 'record --frames 2 did not record 2 frames'
     failures=$((failures + 1))
 }
-[ "$failures" -eq 0 ]
+[ "$failures" -eq 0 ] || {
+    paint bad "$failures failed; the last: $why"
+    echo
+    exit 1
+}
