@@ -49,7 +49,10 @@ static enum cli_exit tell(const struct report *report, bool json)
     }
     const struct iso_terminal terminal = iso_terminal_of(stdout);
     fputs(iso_terminal_paint(&terminal, report->sound ? ISO_PAINT_GOOD : ISO_PAINT_BAD), stdout);
-    if (report->sound) {
+    if (report->sound && report->first == report->last) {
+        printf("record %" PRIu64 " is sound%s; head %" PRIu64 ":%s\n", report->first,
+               iso_terminal_paint(&terminal, ISO_PAINT_PLAIN), report->last, report->head);
+    } else if (report->sound) {
         printf("records %" PRIu64 " to %" PRIu64 " are sound%s; head %" PRIu64 ":%s\n",
                report->first, report->last, iso_terminal_paint(&terminal, ISO_PAINT_PLAIN),
                report->last, report->head);

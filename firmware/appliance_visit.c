@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <syslog.h>
 
+#include "drivers/terminal/words.h"
 #include "firmware/appliance_state.h"
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config)
@@ -115,8 +116,9 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
     };
     (void)snprintf(appliance->last_outcome, sizeof appliance->last_outcome, "%s%s%s",
                    verdict_word(&verdict), *name ? " " : "", name);
-    iso__appliance_say(appliance, LOG_INFO, "visit: %s (%s, %d frames, %lld ms)",
+    iso__appliance_say(appliance, LOG_INFO, "visit: %s (%s, %d %s, %lld ms)",
                        verdict_word(&verdict), iso_reason_name(verdict.reason), verdict.frames,
+                       iso_plural((uint64_t)verdict.frames, "frame", "frames"),
                        (long long)(visit.latency_ns / ISO_NS_PER_MS));
     appliance->parts.events.visit(appliance->parts.events.context, &visit);
     iso__appliance_learn(appliance, &verdict);

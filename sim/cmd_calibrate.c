@@ -14,6 +14,7 @@
 #include "drivers/image/png.h"
 #include "drivers/path.h"
 #include "drivers/stereo/board.h"
+#include "drivers/terminal/words.h"
 #include "sim/commands.h"
 #include "sim/options.h"
 #include "sim/progress.h"
@@ -129,7 +130,8 @@ static int render(const struct arguments *a, struct iso_fault *fault)
     sim_lens_free(lenses[ISO_EYE_LEFT]);
     sim_lens_free(lenses[ISO_EYE_RIGHT]);
     if (!error) {
-        printf("%zu pairs of pictures in %s\n", a->pairs, a->render);
+        printf("%zu %s of pictures in %s\n", a->pairs, iso_plural(a->pairs, "pair", "pairs"),
+               a->render);
     }
     return error;
 }

@@ -1,4 +1,5 @@
-/* What is counted in the simulator is shown, if main() wants it, and one thing at a time. */
+/* What the simulator shows on a terminal: progress, if main() wants it and one thing at a time, and
+ * verdicts in colour. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,10 +7,12 @@
 
 #include <cmocka.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "sim/eval/parallel.h"
 #include "sim/progress.h"
+#include "sim/visit/visit_report.h"
 #include "tests/support/pseudo_terminal.h"
 
 static struct pseudo_terminal pseudo;
@@ -66,12 +69,35 @@ static void one_thing_at_a_time_is_shown(void **state)
     pseudo_terminal_close(&pseudo);
 }
 
+/* Who came, and the verdict in its colour. */
+static void verdicts_have_colours(void **state)
+{
+    const struct sim_corpus_row row = {
+        .subject = "x01", .role = SIM_ROLE_IMPOSTOR, .note = "alone"};
+    struct sim_visit visit = {.row = &row, .verdict = {.given = true, .frames = 3}};
+
+    (void)state;
+    pseudo_terminal_open(&pseudo, 120);
+    (void)setenv("TERM", "xterm", 1);
+    (void)unsetenv("NO_COLOR");
+    sim_visit_print(&visit, pseudo.slave);
+    assert_non_null(strstr(what_was_shown(), " alone      \033[31mdeny   \033[0m -  "));
+    visit.verdict.allow = true;
+    sim_visit_print(&visit, pseudo.slave);
+    assert_non_null(strstr(what_was_shown(), "\033[32mallow  \033[0m"));
+    (void)setenv("NO_COLOR", "1", 1);
+    sim_visit_print(&visit, pseudo.slave);
+    assert_null(strchr(what_was_shown(), '\033'));
+    pseudo_terminal_close(&pseudo);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_is_shown_unless_it_is_asked_for),
         cmocka_unit_test(jobs_are_counted),
         cmocka_unit_test(one_thing_at_a_time_is_shown),
+        cmocka_unit_test(verdicts_have_colours),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
