@@ -147,6 +147,27 @@ static enum cli_exit read_all(struct cli_door *door, uint64_t first, uint64_t la
     return exit;
 }
 
+/* Puts the matching ones of a window, up to number `last`, before the records that there are. */
+static int prepend_matching(const json_t *window, uint64_t last,
+                            const struct cli_arguments *arguments, json_t *records)
+{
+    json_t *all = json_array(), *record;
+    size_t i;
+    int r = all ? 0 : -1;
+
+    json_array_foreach(window, i, record)
+    {
+        if (!r && cli_log_sequence(record) <= last && cli_log_matches(record, arguments)) {
+            r = json_array_append(all, record);
+        }
+    }
+    r = r ? r : json_array_extend(all, records);
+    r = r ? r : json_array_clear(records);
+    r = r ? r : json_array_extend(records, all);
+    json_decref(all);
+    return r;
+}
+
 /* Puts the matching records from `first` to `last` before those that there are. *more: there are
  * older ones, which may match. */
 static enum cli_exit read_window(struct cli_door *door, const struct cli_arguments *arguments,
@@ -154,18 +175,14 @@ static enum cli_exit read_window(struct cli_door *door, const struct cli_argumen
                                  struct cli_fault *fault)
 {
     json_t *window = json_array();
-    const enum cli_exit exit = window ? read_all(door, first, last, window, fault)
-                                      : cli_fault_set(fault, CLI_EXIT_FAULT, "internal",
-                                                      "out of memory");
+    enum cli_exit exit = window ? read_all(door, first, last, window, fault)
+                                : cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
     const json_t *oldest = json_array_get(window, 0);
 
     *more = first > 1 && oldest && cli_log_sequence(oldest) == first &&
             !is_before_the_day(oldest, arguments);
-    for (size_t i = json_array_size(window); !exit && i > 0; i--) {
-        json_t *record = json_array_get(window, i - 1);
-        if (cli_log_sequence(record) <= last && cli_log_matches(record, arguments)) {
-            (void)json_array_insert(records, 0, record);
-        }
+    if (!exit && prepend_matching(window, last, arguments, records)) {
+        exit = cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
     }
     json_decref(window);
     return exit;

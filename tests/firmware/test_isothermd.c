@@ -312,12 +312,28 @@ static void lives_and_dies(void **state)
     run_free(&run);
 }
 
+/* What cannot be written is a fault, told in a line. */
+static void says_that_it_cannot_be_read(void **state)
+{
+    static const char *const options[] = {"--help", "--help-config", "--version"};
+    (void)state;
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        const char *const argv[] = {PROGRAM, options[i], NULL};
+        struct run run;
+        run_start_to(&run, argv, "/dev/full");
+        run_finish(&run);
+        expect_end(&run, 4, "isothermd: standard output: No space left on device\n");
+        run_free(&run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(explains_itself),
         cmocka_unit_test(the_manual_has_its_options),
         cmocka_unit_test(refuses_a_wrong_command_line),
+        cmocka_unit_test(says_that_it_cannot_be_read),
         cmocka_unit_test_setup_teardown(checks_a_configuration, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(says_why_it_does_not_start, scratch_setup,
                                         scratch_teardown),

@@ -35,6 +35,18 @@ expect() {
     failures=$((failures + 1))
 }
 
+# What cannot be written is a fault, whatever was to be printed.
+for words in --help --version 'eval --help' 'generate --help' 'train --help'; do
+    # shellcheck disable=SC2086
+    "$simulator" $words >/dev/full 2>"$work/said"
+    got=$?
+    if [ "$got" -ne 4 ] || ! grep -q '^isotherm-sim: standard output: ' "$work/said"; then
+        why="isotherm-sim $words >/dev/full: exit code $got, not 4"
+        echo "$why"
+        failures=$((failures + 1))
+    fi
+done
+
 expect 0 '' eval --help
 expect 0 '' show --help
 expect 2 '--corpus and --out are needed' eval
