@@ -13,10 +13,10 @@ function(isotherm_target name)
   endif()
 endfunction()
 
-# isotherm_test(NAME SOURCES... LIBS targets...): one cmocka program is one ctest.
+# isotherm_test(NAME SOURCES... LIBS targets...): one cmocka program is one ctest. Its last line says why it failed.
 function(isotherm_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LIBS" ${ARGN})
-  add_executable(${name} ${T_SOURCES})
+  add_executable(${name} ${T_SOURCES} $<TARGET_OBJECTS:isotherm-test-words>)
   isotherm_target(${name})
   target_link_libraries(${name} PRIVATE ${T_LIBS} PkgConfig::CMOCKA)
   target_compile_definitions(${name} PRIVATE ISOTHERM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

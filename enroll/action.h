@@ -16,7 +16,7 @@ struct cli_action {
     /* Takes the answer to `start`; NULL if it says nothing. */
     void (*answered)(sd_bus_message *reply, void *context);
     /* The camera is ours and looks: the time to speak to the person before it. */
-    void (*started)(const void *context);
+    void (*started)(void *context);
     /* Takes a status signal; true when it was the last one, or when it is not understood. */
     bool (*status)(sd_bus_message *signal, void *context);
     void *context;

@@ -1,11 +1,11 @@
 #include "enroll/arguments.h"
 
-#include <errno.h>
 #include <getopt.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
+#include "drivers/terminal/words.h"
+#include "enroll/value.h"
 #include "enroll/when.h"
 
 #define FOR(verb) (1u << (verb))
@@ -59,6 +59,10 @@ enum option_id {
     OPTION_BOARD,
     OPTION_YES,
     OPTION_DRY_RUN,
+    OPTION_DAY,
+    OPTION_EVENT,
+    OPTION_CSV,
+    OPTION_FULL,
 };
 
 static const struct choice {
@@ -90,7 +94,12 @@ static const struct choice {
      "export: who can open it; import: who has to have signed it"},
     {"passphrase-file", "F", OPTION_PASSPHRASE_FILE, FOR(CLI_EXPORT) | FOR(CLI_IMPORT),
      "take the passphrase from the first line of F"},
-    {"person", "NAME", OPTION_PERSON, FOR(CLI_EXPORT), "only this one; may be repeated"},
+    {"person", "NAME", OPTION_PERSON, FOR(CLI_EXPORT) | FOR(CLI_LOG),
+     "only this one; may be repeated"},
+    {"day", "D", OPTION_DAY, FOR(CLI_LOG), "only that day: 2026-12-31, today or yesterday"},
+    {"event", "E,E,...", OPTION_EVENT, FOR(CLI_LOG), "only such events: visit,door"},
+    {"csv", NULL, OPTION_CSV, FOR(CLI_LOG), "comma-separated values, with a head"},
+    {"full", NULL, OPTION_FULL, FOR(CLI_LOG), "every member of a record, and every digit"},
     {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
     {"picture", "FILE", OPTION_PICTURE, FOR(CLI_AIM) | FOR(CLI_SETUP),
      "write one picture of what the camera sees, as PNG (aim: and end)"},
@@ -119,34 +128,6 @@ static bool wants_json(int argc, char **argv)
     return false;
 }
 
-static bool parse_count(const char *text, unsigned long long max, unsigned long long *out)
-{
-    char *end;
-
-    if (*text < '0' || *text > '9') {
-        return false;
-    }
-    errno = 0;
-    const unsigned long long value = strtoull(text, &end, 10);
-    if (errno || *end || value == 0 || value > max) {
-        return false;
-    }
-    *out = value;
-    return true;
-}
-
-static bool parse_seconds(const char *text, double *out)
-{
-    char *end;
-    const double value = strtod(text, &end);
-
-    if (end == text || *end || !isfinite(value) || value <= 0 || value > 86400) {
-        return false;
-    }
-    *out = value;
-    return true;
-}
-
 /* Those of export, import and log verify. */
 static bool take_transfer(struct cli_arguments *out, enum option_id id, const char *value)
 {
@@ -171,6 +152,26 @@ static bool take_transfer(struct cli_arguments *out, enum option_id id, const ch
         return true;
     default:
         return false;
+    }
+}
+
+/* Those that choose and show records of the log. */
+static bool take_log(struct cli_arguments *out, enum option_id id, const char *value)
+{
+    switch (id) {
+    case OPTION_DAY:
+        return cli_when_parse_day(value, time(NULL), &out->day_begins_s, &out->day_ends_s);
+    case OPTION_EVENT:
+        out->events = value;
+        return *value != '\0';
+    case OPTION_CSV:
+        out->csv = true;
+        return true;
+    case OPTION_FULL:
+        out->full = true;
+        return true;
+    default:
+        return take_transfer(out, id, value);
     }
 }
 
@@ -201,7 +202,7 @@ static bool take_limit(struct cli_arguments *out, enum option_id id, const char 
         out->expired = true;
         return true;
     default:
-        return take_transfer(out, id, value);
+        return take_log(out, id, value);
     }
 }
 
@@ -247,7 +248,7 @@ static bool take(struct cli_arguments *out, enum option_id id, const char *value
         out->version = true;
         return true;
     case OPTION_TIMEOUT:
-        return parse_seconds(value, &out->timeout_s);
+        return cli_value_seconds(value, &out->timeout_s);
     case OPTION_ALLOW_DUPLICATE:
         out->allow_duplicate = true;
         return true;
@@ -255,7 +256,7 @@ static bool take(struct cli_arguments *out, enum option_id id, const char *value
         out->from_text = value; /* what it has to be depends on the command */
         return true;
     case OPTION_COUNT:
-        return parse_count(value, 100000, &number) && (out->count = (unsigned)number, true);
+        return cli_value_count(value, 100000, &number) && (out->count = (unsigned)number, true);
     case OPTION_FOLLOW:
         out->follow = true;
         return true;
@@ -292,9 +293,54 @@ static enum cli_exit usage(struct cli_fault *fault, const char *text, const char
                          word);
 }
 
+static const char *next_option(size_t index, const void *context)
+{
+    (void)context;
+    return index < CHOICES ? choices[index].name : NULL;
+}
+
+static const char *next_verb(size_t index, const void *context)
+{
+    (void)context;
+    return index < CLI_VERBS ? verbs[index].name : NULL;
+}
+
+static enum cli_exit unknown_option(struct cli_fault *fault, const char *word)
+{
+    char typed[64];
+    const bool is_long = strncmp(word, "--", 2) == 0 && !strchr(word, '=');
+
+    (void)snprintf(typed, sizeof typed, "%s", is_long ? word + 2 : "");
+    const char *meant = iso_words_nearest(typed, next_option, NULL);
+    if (meant) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "unknown option '%s': did you mean '--%s'?", word, meant);
+    }
+    return usage(fault, "unknown option, or one that takes no value:", word);
+}
+
+static enum cli_exit unknown_command(struct cli_fault *fault, const char *word)
+{
+    const char *meant = iso_words_nearest(word, next_verb, NULL);
+
+    return meant ? cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                                 "unknown command '%s': did you mean '%s'?", word, meant)
+                 : usage(fault, "unknown command", word);
+}
+
+/* What a good value looks like, behind the complaint about a bad one, by the name of the argument.
+ */
+static const char *example_of(const char *argument)
+{
+    if (strcmp(argument, "T") == 0) {
+        return "; a time looks like 2026-12-31, 2026-12-31T18:00 or 2026-12-31T18:00Z (UTC)";
+    }
+    return strcmp(argument, "D") == 0 ? "; a day looks like 2026-12-31, today or yesterday" : "";
+}
+
 /* Reads the options, notes in *given which were there (a bit for each of the table). */
 static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *out,
-                                   unsigned *given, struct cli_fault *fault)
+                                   uint64_t *given, struct cli_fault *fault)
 {
     struct option table[CHOICES + 1];
     int id;
@@ -304,17 +350,17 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
     optind = 0; /* GNU: begin anew, also after an earlier call */
     while ((id = getopt_long(argc, argv, ":n:", table, NULL)) != -1) {
         if (id == '?') {
-            return usage(fault, "unknown option, or one that takes no value:", argv[optind - 1]);
+            return unknown_option(fault, argv[optind - 1]);
         }
         if (id == ':') {
             return usage(fault, "a value is missing after", argv[optind - 1]);
         }
         const struct choice *choice = find_choice(id == 'n' ? OPTION_COUNT : id);
         if (!take(out, choice->id, optarg)) {
-            return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--%s: bad value '%s'",
-                                 choice->name, optarg);
+            return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--%s: bad value '%s'%s",
+                                 choice->name, optarg, example_of(choice->argument));
         }
-        *given |= 1u << (choice - choices);
+        *given |= UINT64_C(1) << (choice - choices);
     }
     return CLI_EXIT_OK;
 }
@@ -332,7 +378,7 @@ static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments
         }
     }
     if (out->verb == CLI_VERBS) {
-        return usage(fault, "unknown command", words[0]);
+        return unknown_command(fault, words[0]);
     }
     const char *takes = verbs[out->verb].words;
     const int most = 1 + (*takes != '\0') + (strchr(takes, ' ') != NULL);
@@ -356,14 +402,17 @@ static enum cli_exit parse_from(struct cli_arguments *out, struct cli_fault *fau
 {
     unsigned long long number = 0;
     const char *text = out->from_text;
-    const bool good = !text ? true
-                      : out->verb == CLI_LOG
-                          ? parse_count(text, UINT64_MAX, &number)
-                          : parse_limit(text, false, &out->names_from, &out->valid_from_s);
+    bool good = true;
 
+    if (text && out->verb == CLI_LOG) {
+        good = cli_value_count(text, UINT64_MAX, &number);
+    } else if (text) {
+        good = parse_limit(text, false, &out->names_from, &out->valid_from_s);
+    }
     out->from = number;
     return good ? CLI_EXIT_OK
-                : cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--from: bad value '%s'", text);
+                : cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--from: bad value '%s'%s", text,
+                                example_of(out->verb == CLI_LOG ? "N" : "T"));
 }
 
 /* Which limits there are, and that they go together. */
@@ -391,14 +440,18 @@ static enum cli_exit check_limits(struct cli_arguments *arguments, struct cli_fa
     return CLI_EXIT_OK;
 }
 
-static enum cli_exit check_options(const struct cli_arguments *arguments, unsigned given,
+static enum cli_exit check_options(const struct cli_arguments *arguments, uint64_t given,
                                    struct cli_fault *fault)
 {
     for (size_t i = 0; i < CHOICES; i++) {
-        if ((given & 1u << i) && choices[i].verbs && !(choices[i].verbs & FOR(arguments->verb))) {
+        if ((given & UINT64_C(1) << i) && choices[i].verbs &&
+            !(choices[i].verbs & FOR(arguments->verb))) {
             return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "%s takes no --%s",
                                  verbs[arguments->verb].name, choices[i].name);
         }
+    }
+    if (arguments->csv && arguments->json) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "give --csv or --json, not both");
     }
     if (arguments->bus.address && arguments->bus.session) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "give --bus or --session, not both");
@@ -409,7 +462,7 @@ static enum cli_exit check_options(const struct cli_arguments *arguments, unsign
 enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *out,
                                   struct cli_fault *fault)
 {
-    unsigned given = 0;
+    uint64_t given = 0;
     enum cli_exit exit;
 
     *out = (struct cli_arguments){.verb = CLI_VERBS, .json = wants_json(argc, argv)};

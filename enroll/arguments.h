@@ -51,9 +51,12 @@ struct cli_arguments {
     uint64_t from;                         /* log: a sequence number; 0: not given */
     unsigned count;                        /* log: records at most; 0: not given */
     bool follow;                           /* log */
+    int64_t day_begins_s, day_ends_s;      /* log: that day, without its end; 0: every day */
+    const char *events;                    /* log: "visit,door"; NULL: all */
+    bool csv, full;                        /* log */
     const char *head;                      /* log verify: of an earlier report; NULL: not given */
     const char *address, *passphrase_file; /* export, import; NULL: not given */
-    const char *people[CLI_PEOPLE_MAX];    /* export: these; none: all */
+    const char *people[CLI_PEOPLE_MAX];    /* export, log: these; none: all */
     size_t n_people;
     bool replace;               /* import */
     const char *picture;        /* aim, setup: the file to write; NULL: not given */

@@ -5,13 +5,15 @@
 #include <time.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/progress.h"
+#include "drivers/terminal/terminal.h"
 #include "enroll/action.h"
 #include "enroll/hint.h"
 #include "enroll/known.h"
 #include "enroll/limits.h"
 #include "enroll/report.h"
 
-enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64 };
+enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64, WHAT_SIZE = 300 };
 
 struct enrolment {
     const struct cli_arguments *arguments;
@@ -21,6 +23,8 @@ struct enrolment {
     double quality;
     struct cli_known known;              /* who has the name already */
     char duplicate[CLI_KNOWN_NAME_SIZE]; /* under which name the face is known; "" if it is not */
+    struct iso_progress *progress;       /* on stderr, stage by stage */
+    char what[WHAT_SIZE];                /* of the progress */
 };
 
 static int append_options(sd_bus_message *call, const struct cli_arguments *arguments)
@@ -55,13 +59,15 @@ static const char *name_of(const struct enrolment *enrolment)
     return enrolment->known.person[0] ? enrolment->known.person : enrolment->arguments->person;
 }
 
-static void on_started(const void *context)
+static void on_started(void *context)
 {
-    const struct enrolment *enrolment = context;
+    struct enrolment *enrolment = context;
 
     cli_known_say(&enrolment->known, time(NULL), enrolment->hints.out);
     fprintf(enrolment->hints.out, "Enrolling %s: look straight at the camera.\n",
             name_of(enrolment));
+    (void)snprintf(enrolment->what, sizeof enrolment->what, "enrolling %s", name_of(enrolment));
+    enrolment->progress = iso_progress_start(stderr, "isotherm", enrolment->what, 0, NULL);
 }
 
 /* The last argument is younger than the others: a daemon of before does not send it. */
@@ -75,9 +81,9 @@ static void read_duplicate(sd_bus_message *signal, const char *result, struct en
     }
 }
 
-static bool on_status(sd_bus_message *signal, void *context)
+/* Takes a status and says what it means; the line of the progress is not there meanwhile. */
+static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
 {
-    struct enrolment *enrolment = context;
     const char *result, *word;
     unsigned stage, stages;
     double quality;
@@ -108,6 +114,19 @@ static bool on_status(sd_bus_message *signal, void *context)
     return done;
 }
 
+static bool on_status(sd_bus_message *signal, void *context)
+{
+    struct enrolment *enrolment = context;
+
+    iso_progress_pause(enrolment->progress);
+    const bool done = take_status(signal, enrolment);
+    fflush(enrolment->hints.out);
+    iso_progress_resume(enrolment->progress);
+    iso_progress_set(enrolment->progress, enrolment->stage, enrolment->stages);
+    iso_progress_tick(enrolment->progress);
+    return done;
+}
+
 static const struct outcome {
     const char *result;
     enum cli_exit exit;
@@ -133,14 +152,18 @@ static const struct outcome {
 
 static void print_outcome(const struct enrolment *enrolment, const struct outcome *outcome)
 {
-    FILE *out = outcome->exit == CLI_EXIT_OK ? stdout : stderr;
+    const bool good = outcome->exit == CLI_EXIT_OK;
+    const struct iso_terminal terminal = iso_terminal_of(good ? stdout : stderr);
 
+    fputs(iso_terminal_paint(&terminal, good ? ISO_PAINT_GOOD : ISO_PAINT_BAD), terminal.out);
     if (enrolment->duplicate[0]) {
-        fprintf(out, "%s is not enrolled: this face is enrolled as %s (see --allow-duplicate).\n",
+        fprintf(terminal.out,
+                "%s is not enrolled: this face is enrolled as %s (see --allow-duplicate).",
                 name_of(enrolment), enrolment->duplicate);
     } else {
-        fprintf(out, "%s %s.\n", name_of(enrolment), outcome->text);
+        fprintf(terminal.out, "%s %s.", name_of(enrolment), outcome->text);
     }
+    fprintf(terminal.out, "%s\n", iso_terminal_paint(&terminal, ISO_PAINT_PLAIN));
 }
 
 static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault)
@@ -188,6 +211,7 @@ enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *argu
     };
 
     enum cli_exit exit = cli_action_run(door, &action, fault);
+    iso_progress_end(enrolment.progress);
     if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
         strcpy(enrolment.result, "enroll-" ISO_CONTRACT_RESULT_TIMED_OUT);
     } else if (exit == CLI_EXIT_INTERRUPTED) {

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/progress.h"
 #include "enroll/commands.h"
 #include "enroll/report.h"
 
@@ -21,7 +22,10 @@ static enum cli_exit rotate(struct cli_door *door, bool json, struct cli_fault *
 {
     sd_bus_message *reply = NULL;
     const char *remark = "";
+    struct iso_progress *progress = iso_progress_start(stderr, "isotherm",
+                                                       "sealing gallery and log anew", 0, NULL);
     enum cli_exit exit = ask(door, ISO_CONTRACT_ROTATE_KEYS, &reply, &remark, fault);
+    iso_progress_end(progress);
     if (!exit && json) {
         exit = cli_report_json(json_pack("{s:b, s:s}", "rotated", 1, "remark", remark));
     } else if (!exit) {

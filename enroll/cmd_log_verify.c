@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/progress.h"
+#include "drivers/terminal/terminal.h"
 #include "enroll/commands.h"
 #include "enroll/report.h"
 
@@ -45,11 +47,17 @@ static enum cli_exit tell(const struct report *report, bool json)
                       report->head, "flaw_at", (json_int_t)report->flaw_at, "flaw", report->flaw));
         return written ? written : exit;
     }
-    if (report->sound) {
-        printf("records %" PRIu64 " to %" PRIu64 " are sound; head %" PRIu64 ":%s\n", report->first,
-               report->last, report->last, report->head);
+    const struct iso_terminal terminal = iso_terminal_of(stdout);
+    fputs(iso_terminal_paint(&terminal, report->sound ? ISO_PAINT_GOOD : ISO_PAINT_BAD), stdout);
+    if (report->sound && report->first == report->last) {
+        printf("record %" PRIu64 " is sound%s; head %" PRIu64 ":%s\n", report->first,
+               iso_terminal_paint(&terminal, ISO_PAINT_PLAIN), report->last, report->head);
+    } else if (report->sound) {
+        printf("records %" PRIu64 " to %" PRIu64 " are sound%s; head %" PRIu64 ":%s\n",
+               report->first, report->last, iso_terminal_paint(&terminal, ISO_PAINT_PLAIN),
+               report->last, report->head);
     } else {
-        printf("not sound: %s\n", report->flaw);
+        printf("not sound%s: %s\n", iso_terminal_paint(&terminal, ISO_PAINT_PLAIN), report->flaw);
     }
     return exit;
 }
@@ -71,7 +79,10 @@ enum cli_exit cli_log_verify(struct cli_door *door, const struct cli_arguments *
         sd_bus_message_unref(call);
         return cli_door_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault);
     }
+    struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "verifying the log", 0,
+                                                       NULL);
     exit = cli_door_send(door, call, &reply, fault);
+    iso_progress_end(progress);
     if (exit) {
         return exit;
     }

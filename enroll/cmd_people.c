@@ -5,6 +5,7 @@
 #include <inttypes.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/columns.h"
 #include "enroll/report.h"
 #include "enroll/when.h"
 
@@ -48,23 +49,45 @@ static enum cli_exit list_json(sd_bus_message *reply, struct cli_fault *fault)
     return cli_report_json(json_pack("{s:o}", "people", people));
 }
 
+/* How many columns the names take: those of the longest, and 24 at least. */
+static int measure_names(sd_bus_message *reply, size_t *columns)
+{
+    struct person person;
+    int r;
+
+    *columns = 24;
+    while ((r = next_person(reply, &person)) > 0) {
+        const size_t own = iso_columns_of(person.name);
+        *columns = own > *columns ? own : *columns;
+    }
+    r = r < 0 ? r : sd_bus_message_rewind(reply, 1);
+    return r < 0 ? r : sd_bus_message_enter_container(reply, 'a', "(sxxxu)");
+}
+
+static void print_person(const struct person *person, size_t columns)
+{
+    char enrolled[CLI_WHEN_SIZE], from[CLI_WHEN_SIZE], until[CLI_WHEN_SIZE];
+
+    cli_when_format(person->enrolled_s, enrolled);
+    cli_when_format(person->valid_from_s, from);
+    cli_when_format(person->valid_until_s, until);
+    iso_columns_print(stdout, person->name, columns);
+    printf(" %-16s  %-16s  %-16s  %" PRIu32 "\n", enrolled, from, until, person->templates);
+}
+
 static enum cli_exit list_text(sd_bus_message *reply, struct cli_fault *fault)
 {
     struct person person;
     unsigned count = 0;
-    int r;
+    size_t columns;
+    int r = measure_names(reply, &columns);
 
-    while ((r = next_person(reply, &person)) > 0) {
-        char enrolled[CLI_WHEN_SIZE], from[CLI_WHEN_SIZE], until[CLI_WHEN_SIZE];
-        cli_when_format(person.enrolled_s, enrolled);
-        cli_when_format(person.valid_from_s, from);
-        cli_when_format(person.valid_until_s, until);
+    while (r >= 0 && (r = next_person(reply, &person)) > 0) {
         if (count++ == 0) {
-            printf("%-24s %-16s  %-16s  %-16s  %s\n", "person", "enrolled", "valid from",
-                   "valid until", "templates");
+            printf("%-*s %-16s  %-16s  %-16s  %s\n", (int)columns, "person", "enrolled",
+                   "valid from", "valid until", "templates");
         }
-        printf("%-24s %-16s  %-16s  %-16s  %" PRIu32 "\n", person.name, enrolled, from, until,
-               person.templates);
+        print_person(&person, columns);
     }
     if (r < 0) {
         return cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/terminal.h"
 #include "enroll/action.h"
 #include "enroll/hint.h"
 #include "enroll/report.h"
@@ -27,7 +28,7 @@ static int append_person(sd_bus_message *call, const void *context)
     return sd_bus_message_append(call, "s", recognition->arguments->person);
 }
 
-static void on_started(const void *context)
+static void on_started(void *context)
 {
     const struct recognition *recognition = context;
 
@@ -71,20 +72,32 @@ static enum cli_exit report_json(struct recognition *recognition, bool scored)
                   cli_hints_take(&recognition->hints)));
 }
 
+/* A verdict in its colour, the rest of the line without. */
+static void print_verdict(bool good, const char *verdict, const char *name)
+{
+    const struct iso_terminal terminal = iso_terminal_of(stdout);
+
+    printf("%s%s%s%s", iso_terminal_paint(&terminal, good ? ISO_PAINT_GOOD : ISO_PAINT_BAD),
+           verdict, name, iso_terminal_paint(&terminal, ISO_PAINT_PLAIN));
+}
+
 static void report_text(const struct recognition *recognition, enum cli_exit exit, bool scored)
 {
     const char *asked = recognition->arguments->person;
 
     if (exit == CLI_EXIT_OK) {
-        printf("%s (score %.2f, threshold %.2f)\n", recognition->person, recognition->score,
-               recognition->threshold);
+        print_verdict(true, "", recognition->person);
+        printf(" (score %.2f, threshold %.2f)\n", recognition->score, recognition->threshold);
     } else if (exit == CLI_EXIT_NO && !scored) {
-        puts("refused: this looks like a picture, a screen or a mask");
-    } else if (scored && !isfinite(recognition->score)) {
-        printf("%s%s\n", asked ? "this is not " : "not known", asked ? asked : "");
+        print_verdict(false, "refused", "");
+        puts(": this looks like a picture, a screen or a mask");
     } else if (scored) {
-        printf("%s%s (best score %.2f, threshold %.2f)\n", asked ? "this is not " : "not known",
-               asked ? asked : "", recognition->score, recognition->threshold);
+        print_verdict(false, asked ? "this is not " : "not known", asked ? asked : "");
+        if (isfinite(recognition->score)) {
+            printf(" (best score %.2f, threshold %.2f)", recognition->score,
+                   recognition->threshold);
+        }
+        putchar('\n');
     } else if (exit == CLI_EXIT_TIMED_OUT) {
         fputs("no usable face in time\n", stderr);
     } else {

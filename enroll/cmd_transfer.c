@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/progress.h"
+#include "drivers/terminal/words.h"
 #include "enroll/commands.h"
 #include "enroll/passphrase.h"
 #include "enroll/report.h"
@@ -75,7 +77,10 @@ static enum cli_exit call_export(struct cli_door *door, const struct cli_argumen
         sd_bus_message_unref(call);
         return cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
+    struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "exporting people", 0,
+                                                       NULL);
     exit = cli_door_send(door, call, &reply, fault);
+    iso_progress_end(progress);
     if (!exit && (r = sd_bus_message_read(reply, "u", n)) < 0) {
         exit = cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
@@ -111,7 +116,8 @@ enum cli_exit cli_export(struct cli_door *door, const struct cli_arguments *argu
         return cli_report_json(
             json_pack("{s:s, s:I}", "file", arguments->word, "people", (json_int_t)n));
     }
-    printf("%s holds %" PRIu32 " people, sealed.\n", arguments->word, n);
+    printf("%s holds %" PRIu32 " %s, sealed.\n", arguments->word, n,
+           iso_plural(n, "person", "people"));
     return CLI_EXIT_OK;
 }
 
@@ -156,7 +162,10 @@ static enum cli_exit call_import(struct cli_door *door, const struct cli_argumen
         sd_bus_message_unref(call);
         return cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }
+    struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "importing people", 0,
+                                                       NULL);
     exit = cli_door_send(door, call, &reply, fault);
+    iso_progress_end(progress);
     if (!exit && (r = sd_bus_message_read(reply, "uu", &count[0], &count[1])) < 0) {
         exit = cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }
@@ -189,7 +198,8 @@ enum cli_exit cli_import(struct cli_door *door, const struct cli_arguments *argu
         return cli_report_json(
             json_pack("{s:I, s:I}", "added", (json_int_t)count[0], "known", (json_int_t)count[1]));
     }
-    printf("%" PRIu32 " people added, %" PRIu32 " were known and stay as they are.\n", count[0],
-           count[1]);
+    printf("%" PRIu32 " %s added, %" PRIu32 " %s.\n", count[0],
+           iso_plural(count[0], "person", "people"), count[1],
+           iso_plural(count[1], "was known and stays as is", "were known and stay as they are"));
     return CLI_EXIT_OK;
 }

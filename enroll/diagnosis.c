@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/terminal/terminal.h"
+#include "drivers/terminal/words.h"
 #include "enroll/state.h"
 
 static const char *const check_names[] = {
@@ -258,8 +260,9 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
         return;
     }
     (void)snprintf(found, sizeof found,
-                   "%" JSON_INTEGER_FORMAT " people, %" JSON_INTEGER_FORMAT " usable templates",
-                   people, templates);
+                   "%" JSON_INTEGER_FORMAT " %s, %" JSON_INTEGER_FORMAT " usable %s", people,
+                   iso_plural((uint64_t)people, "person", "people"), templates,
+                   iso_plural((uint64_t)templates, "template", "templates"));
     if (people == 0) {
         cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, found,
                           "the door opens to nobody yet: isotherm enroll NAME");
@@ -321,10 +324,19 @@ enum cli_exit cli_diagnosis_exit(const struct cli_diagnosis *diagnosis)
 
 void cli_diagnosis_print(const struct cli_diagnosis *diagnosis, FILE *out)
 {
+    static const enum iso_paint paints[] = {
+        [CLI_CHECK_GOOD] = ISO_PAINT_GOOD,
+        [CLI_CHECK_ODD] = ISO_PAINT_WARNING,
+        [CLI_CHECK_DENIED] = ISO_PAINT_BAD,
+        [CLI_CHECK_BAD] = ISO_PAINT_BAD,
+    };
+    const struct iso_terminal terminal = iso_terminal_of(out);
+
     for (size_t i = 0; i < diagnosis->n_findings; i++) {
         const struct cli_finding *finding = &diagnosis->findings[i];
-        fprintf(out, "%-8s %-11s %s\n", check_names[finding->check], finding->subject,
-                finding->found);
+        fprintf(out, "%s%-8s%s %-11s %s\n", iso_terminal_paint(&terminal, paints[finding->check]),
+                check_names[finding->check], iso_terminal_paint(&terminal, ISO_PAINT_PLAIN),
+                finding->subject, finding->found);
         if (finding->remedy) {
             fprintf(out, "%-8s %-11s -> %s\n", "", "", finding->remedy);
         }

@@ -1,6 +1,7 @@
 /* isotherm: the command line client of the appliance. */
 #include <stdio.h>
 
+#include "drivers/terminal/output.h"
 #include "enroll/arguments.h"
 #include "enroll/commands.h"
 #include "enroll/report.h"
@@ -49,5 +50,5 @@ int main(int argc, char **argv)
     if (fault.text[0]) {
         cli_report_fault(&fault, exit, arguments.json);
     }
-    return (int)exit;
+    return iso_output_end("isotherm") && exit == CLI_EXIT_OK ? CLI_EXIT_FAULT : (int)exit;
 }

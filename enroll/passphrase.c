@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/progress.h"
 
 enum { LONGEST = 1024, SHORTEST_FRESH = 12 };
 
@@ -69,6 +70,22 @@ static enum cli_exit ask(bool fresh, char line[LONGEST], struct cli_fault *fault
     return exit;
 }
 
+static enum cli_exit derive(const char *line, const uint8_t salt[CLI_SALT_BYTES],
+                            uint8_t key[CLI_KEY_BYTES], struct cli_fault *fault)
+{
+    struct iso_progress *progress = iso_progress_start(stderr, "isotherm",
+                                                       "making the key of the passphrase", 0, NULL);
+    const int failed = crypto_pwhash(key, CLI_KEY_BYTES, line, strlen(line), salt,
+                                     ISO_CONTRACT_PEOPLE_PASSES, ISO_CONTRACT_PEOPLE_MEMORY_BYTES,
+                                     crypto_pwhash_ALG_ARGON2ID13);
+
+    iso_progress_end(progress);
+    return failed ? cli_fault_set(fault, CLI_EXIT_FAULT, "internal",
+                                  "out of memory: a passphrase takes %d MiB",
+                                  ISO_CONTRACT_PEOPLE_MEMORY_BYTES >> 20)
+                  : CLI_EXIT_OK;
+}
+
 enum cli_exit cli_passphrase_key(const char *file, bool fresh, const uint8_t salt[CLI_SALT_BYTES],
                                  uint8_t key[CLI_KEY_BYTES], struct cli_fault *fault)
 {
@@ -78,13 +95,7 @@ enum cli_exit cli_passphrase_key(const char *file, bool fresh, const uint8_t sal
         exit = cli_fault_set(fault, CLI_EXIT_USAGE, "passphrase",
                              "a passphrase has at least %d bytes", SHORTEST_FRESH);
     }
-    if (!exit &&
-        crypto_pwhash(key, CLI_KEY_BYTES, line, strlen(line), salt, ISO_CONTRACT_PEOPLE_PASSES,
-                      ISO_CONTRACT_PEOPLE_MEMORY_BYTES, crypto_pwhash_ALG_ARGON2ID13)) {
-        exit = cli_fault_set(fault, CLI_EXIT_FAULT, "internal",
-                             "out of memory: a passphrase takes %d MiB",
-                             ISO_CONTRACT_PEOPLE_MEMORY_BYTES >> 20);
-    }
+    exit = exit ? exit : derive(line, salt, key, fault);
     sodium_memzero(line, sizeof line);
     return exit;
 }

@@ -7,10 +7,11 @@ enum cli_exit cli_report_json(json_t *document)
     const int r = document ? json_dumpf(document, stdout, JSON_INDENT(2)) : -1;
 
     json_decref(document);
-    if (r < 0 || putchar('\n') == EOF || fflush(stdout) == EOF) {
-        fputs("isotherm: cannot write the result\n", stderr);
+    if (r < 0 && !ferror(stdout)) {
+        fputs("isotherm: out of memory for the result\n", stderr);
         return CLI_EXIT_FAULT;
     }
+    (void)putchar('\n'); /* main() looks whether it was written */
     return CLI_EXIT_OK;
 }
 

@@ -8,8 +8,8 @@
 
 #include "enroll/fault.h"
 
-/* Prints the document on stdout and releases it. CLI_EXIT_FAULT if it is NULL (out of memory) or
- * cannot be written; the fault is then on stderr. */
+/* Prints the document on stdout and releases it. CLI_EXIT_FAULT, with a line on stderr, if it is
+ * NULL or for want of memory. Whether it could be written is for main() to see. */
 enum cli_exit cli_report_json(json_t *document);
 
 void cli_report_fault(const struct cli_fault *fault, enum cli_exit exit, bool json);

@@ -63,6 +63,55 @@ bool cli_when_parse(const char *text, bool end_of_day, int64_t *unix_s)
     return false;
 }
 
+/* The first second of a day; days beyond the end of a month are those of the next one. */
+static bool first_second(int year, int month, int day, int64_t *unix_s)
+{
+    struct tm fields = {.tm_year = year, .tm_mon = month, .tm_mday = day, .tm_isdst = -1};
+    const time_t value = mktime(&fields);
+
+    *unix_s = value;
+    return value > 0;
+}
+
+bool cli_when_parse_day(const char *text, int64_t now_s, int64_t *begins_s, int64_t *ends_s)
+{
+    const bool today = strcmp(text, "today") == 0;
+    const time_t now = (time_t)now_s;
+    struct tm day = {0};
+    int64_t begins, ends;
+
+    if (today || strcmp(text, "yesterday") == 0) {
+        if (!localtime_r(&now, &day)) {
+            return false;
+        }
+        day.tm_mday -= today ? 0 : 1;
+    } else {
+        const char *rest = strptime(text, "%Y-%m-%d", &day);
+        int64_t sound; /* 30 February is none */
+        if (!rest || *rest || !cli_when_parse(text, false, &sound)) {
+            return false;
+        }
+    }
+    if (!first_second(day.tm_year, day.tm_mon, day.tm_mday, &begins) ||
+        !first_second(day.tm_year, day.tm_mon, day.tm_mday + 1, &ends)) {
+        return false;
+    }
+    *begins_s = begins;
+    *ends_s = ends;
+    return true;
+}
+
+void cli_when_format_second(int64_t unix_s, char text[CLI_WHEN_SIZE])
+{
+    const time_t seconds = (time_t)unix_s;
+    struct tm fields;
+
+    if (!localtime_r(&seconds, &fields) ||
+        strftime(text, CLI_WHEN_SIZE, "%Y-%m-%d %H:%M:%S", &fields) == 0) {
+        (void)snprintf(text, CLI_WHEN_SIZE, "-");
+    }
+}
+
 void cli_when_format(int64_t unix_s, char text[CLI_WHEN_SIZE])
 {
     const time_t seconds = (time_t)unix_s;

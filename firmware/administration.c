@@ -8,6 +8,7 @@
 #include <syslog.h>
 #include <unistd.h>
 
+#include "drivers/terminal/words.h"
 #include "firmware/appliance_state.h"
 
 static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
@@ -126,7 +127,7 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
         return error;
     }
     error = export_to(appliance, fd, people, lock, &count, &own);
-    (void)snprintf(note, sizeof note, "%zu people", count);
+    (void)snprintf(note, sizeof note, "%zu %s", count, iso_plural(count, "person", "people"));
     conclude(appliance, "export", error, &own, note);
     if (error) {
         return iso_fault_set(fault, error, "%s", own.text);

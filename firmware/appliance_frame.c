@@ -5,6 +5,7 @@
 #include <string.h>
 #include <syslog.h>
 
+#include "drivers/terminal/words.h"
 #include "firmware/appliance_state.h"
 
 /* As often as somebody who turns a camera can follow. */
@@ -40,8 +41,9 @@ static void record_attack(struct iso_appliance *appliance, const struct iso_atta
                    (double)attempt->duration_ns / (double)ISO_NS_PER_S);
     record.note = note;
     (void)iso__appliance_record(appliance, &record);
-    iso__appliance_say(appliance, LOG_WARNING, "attack: %s, %d frames %s", record.reason,
-                       attempt->frames, note);
+    iso__appliance_say(appliance, LOG_WARNING, "attack: %s, %d %s %s", record.reason,
+                       attempt->frames, iso_plural((uint64_t)attempt->frames, "frame", "frames"),
+                       note);
 }
 
 void iso__appliance_end_attack(struct iso_appliance *appliance)

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <syslog.h>
 
+#include "drivers/terminal/words.h"
 #include "firmware/appliance_state.h"
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config)
@@ -153,8 +154,9 @@ static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *
                    verdict_word(verdict), *visit->person ? " " : "", visit->person,
                    stuck ? ", door not-unlocked" : "");
     iso__appliance_say(appliance, stuck ? LOG_WARNING : LOG_INFO,
-                       "visit: %s (%s, %d frames, %lld ms)%s%s%s%s", verdict_word(verdict),
+                       "visit: %s (%s, %d %s, %lld ms)%s%s%s%s", verdict_word(verdict),
                        iso_reason_name(verdict->reason), verdict->frames,
+                       iso_plural((uint64_t)verdict->frames, "frame", "frames"),
                        (long long)(visit->latency_ns / ISO_NS_PER_MS), *answer ? ", door " : "",
                        answer, *visit->door_fault ? ": " : "", visit->door_fault);
     appliance->parts.events.visit(appliance->parts.events.context, visit);

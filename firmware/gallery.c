@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/terminal/words.h"
 #include "firmware/gallery_state.h"
 
 /* ---- opening ---- */
@@ -46,8 +47,9 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     if (!person && gallery->memory.n_people >= gallery->capacity) {
-        return iso_fault_set(fault, -EDQUOT, "the gallery is full: %zu people",
-                             gallery->memory.n_people);
+        return iso_fault_set(fault, -EDQUOT, "the gallery is full: %zu %s",
+                             gallery->memory.n_people,
+                             iso_plural(gallery->memory.n_people, "person", "people"));
     }
     if (person && person->templates >= ISO_GALLERY_TEMPLATES_MAX) {
         return iso_fault_set(fault, -EDQUOT,

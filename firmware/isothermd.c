@@ -7,6 +7,7 @@
 #include <string.h>
 #include <syslog.h>
 
+#include "drivers/terminal/output.h"
 #include "drivers/vision/face_detector.h"
 #include "firmware/config.h"
 #include "firmware/daemon.h"
@@ -15,21 +16,6 @@
 
 /* As of every program of the project; see isothermd(8). */
 enum { EXIT_OK = 0, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
-
-static const char usage[] =
-    "Usage: isothermd [OPTION...]\n"
-    "The face recognition appliance: watches the door, and serves isotherm(1).\n\n"
-    "  --config FILE    read this configuration (default: " ISOTHERM_CONFIG ")\n"
-    "  --bus ADDRESS    serve on this bus: system, session or a D-Bus address\n"
-    "  --check-config   say whether the configuration is sound, and end\n"
-    "  --rest-door      take power from all lines of the door, and end: after a crash\n"
-    "  --print-log      print the audit log, if it is sound, and end: when no daemon runs\n"
-    "  --list-devices   print the sensors that the drivers find, one JSON object a line\n"
-    "  --help-config    print a configuration that names and explains every key\n"
-    "  --help           show this help\n"
-    "  --version        show the version\n\n"
-    "Exit status: 0 ended by SIGTERM or SIGINT, 2 usage or configuration, 3 a file or\n"
-    "driver that is named does not exist, 4 device, data or bus fault.\n";
 
 enum option_id {
     OPTION_CONFIG = 256,
@@ -43,18 +29,53 @@ enum option_id {
     OPTION_VERSION,
 };
 
-static const struct option options[] = {
-    {"config", required_argument, NULL, OPTION_CONFIG},
-    {"bus", required_argument, NULL, OPTION_BUS},
-    {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
-    {"rest-door", no_argument, NULL, OPTION_REST_DOOR},
-    {"print-log", no_argument, NULL, OPTION_PRINT_LOG},
-    {"list-devices", no_argument, NULL, OPTION_LIST_DEVICES},
-    {"help-config", no_argument, NULL, OPTION_HELP_CONFIG},
-    {"help", no_argument, NULL, OPTION_HELP},
-    {"version", no_argument, NULL, OPTION_VERSION},
-    {NULL, 0, NULL, 0},
+/* Every option: what it is called, what it takes (NULL: nothing), what it does. */
+static const struct choice {
+    const char *name, *argument;
+    enum option_id id;
+    const char *help;
+} choices[] = {
+    {"config", "FILE", OPTION_CONFIG, "read this configuration (default: " ISOTHERM_CONFIG ")"},
+    {"bus", "ADDRESS", OPTION_BUS, "serve on this bus: system, session or a D-Bus address"},
+    {"check-config", NULL, OPTION_CHECK_CONFIG, "say whether the configuration is sound, and end"},
+    {"rest-door", NULL, OPTION_REST_DOOR,
+     "take power from all lines of the door, and end: after a crash"},
+    {"print-log", NULL, OPTION_PRINT_LOG,
+     "print the audit log, if it is sound, and end: when no daemon runs"},
+    {"list-devices", NULL, OPTION_LIST_DEVICES,
+     "print the sensors that the drivers find, one JSON object a line"},
+    {"help-config", NULL, OPTION_HELP_CONFIG,
+     "print a configuration that names and explains every key"},
+    {"help", NULL, OPTION_HELP, "show this help"},
+    {"version", NULL, OPTION_VERSION, "show the version"},
 };
+
+enum { CHOICES = sizeof choices / sizeof *choices };
+
+static void print_help(void)
+{
+    fputs("Usage: isothermd [OPTION...]\n"
+          "The face recognition appliance: watches the door, and serves isotherm(1).\n\n",
+          stdout);
+    for (size_t i = 0; i < CHOICES; i++) {
+        char left[32];
+        (void)snprintf(left, sizeof left, "--%s %s", choices[i].name,
+                       choices[i].argument ? choices[i].argument : "");
+        printf("  %-16s %s\n", left, choices[i].help);
+    }
+    fputs("\nExit status: 0 ended by SIGTERM or SIGINT, 2 usage or configuration, 3 a file or\n"
+          "driver that is named does not exist, 4 device, data or bus fault.\n",
+          stdout);
+}
+
+static void make_getopt_table(struct option table[CHOICES + 1])
+{
+    for (size_t i = 0; i < CHOICES; i++) {
+        table[i] = (struct option){choices[i].name, choices[i].argument != NULL, NULL,
+                                   (int)choices[i].id};
+    }
+    table[CHOICES] = (struct option){0};
+}
 
 struct arguments {
     const char *config;
@@ -150,11 +171,14 @@ static void say_version(void)
     printf("isothermd " ISOTHERM_VERSION "\nimage check: %s\n", *engine ? engine : "not installed");
 }
 
-int main(int argc, char **argv)
+/* Does what the options ask for. */
+static int obey(int argc, char **argv)
 {
     struct arguments arguments = {.config = ISOTHERM_CONFIG};
+    struct option table[CHOICES + 1];
     int id;
-    while ((id = getopt_long(argc, argv, "", options, NULL)) != -1) {
+    make_getopt_table(table);
+    while ((id = getopt_long(argc, argv, "", table, NULL)) != -1) {
         switch (id) {
         case OPTION_CONFIG:
             arguments.config = optarg;
@@ -177,7 +201,7 @@ int main(int argc, char **argv)
             iso_config_print_sample(stdout);
             return EXIT_OK;
         case OPTION_HELP:
-            fputs(usage, stdout);
+            print_help();
             return EXIT_OK;
         case OPTION_VERSION:
             say_version();
@@ -192,4 +216,10 @@ int main(int argc, char **argv)
         return EXIT_USAGE;
     }
     return run(&arguments);
+}
+
+int main(int argc, char **argv)
+{
+    const int code = obey(argc, argv);
+    return iso_output_end("isothermd") && code == EXIT_OK ? EXIT_FAULT : code;
 }

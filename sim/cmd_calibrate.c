@@ -14,8 +14,10 @@
 #include "drivers/image/png.h"
 #include "drivers/path.h"
 #include "drivers/stereo/board.h"
+#include "drivers/terminal/words.h"
 #include "sim/commands.h"
 #include "sim/options.h"
+#include "sim/progress.h"
 #include "sim/stereo/board_picture.h"
 #include "sim/stereo/lens_calibration.h"
 #include "sim/stereo/rig.h"
@@ -123,14 +125,18 @@ static int render(const struct arguments *a, struct iso_fault *fault)
     for (int eye = 0; !error && eye < ISO_EYES; eye++) {
         error = make_directory(a->render, eye_names[eye], fault);
     }
+    const bool shown = sim_progress_begin("rendering pictures", a->pairs);
     for (size_t i = 0; !error && i < a->pairs; i++) {
         error = render_pair(a, &rig, lenses, i, &image, fault);
+        sim_progress_step(1);
     }
+    sim_progress_end(shown);
     free(image.samples);
     sim_lens_free(lenses[ISO_EYE_LEFT]);
     sim_lens_free(lenses[ISO_EYE_RIGHT]);
     if (!error) {
-        printf("%zu pairs of pictures in %s\n", a->pairs, a->render);
+        printf("%zu %s of pictures in %s\n", a->pairs, iso_plural(a->pairs, "pair", "pairs"),
+               a->render);
     }
     return error;
 }
@@ -172,7 +178,10 @@ static int add_pair(const struct arguments *a, const char *name, struct iso_imag
     }
     error = iso_board_views_add(*views, images[0].samples, images[1].samples);
     if (error == -ENOENT) {
+        sim_progress_pause();
         printf("%s: the whole board is not seen in both\n", name);
+        (void)fflush(stdout);
+        sim_progress_resume();
         return 0;
     }
     return error ? iso_fault_set(fault, error, "%s: %s", name, strerror(-error)) : 0;
@@ -196,9 +205,12 @@ static int gather(const struct arguments *a, struct iso_board_views **views,
         error = iso_fault_set(fault, -ENODATA, "%s: %d pictures, not 1 to %d", left, n,
                               PICTURES_MAX);
     }
+    const bool shown = sim_progress_begin("looking for the board in pictures", (uint64_t)n);
     for (int i = 0; !error && i < n; i++) {
         error = add_pair(a, entries[i]->d_name, images, views, fault);
+        sim_progress_step(1);
     }
+    sim_progress_end(shown);
     for (int i = 0; i < n; i++) {
         free(entries[i]);
     }
@@ -243,7 +255,9 @@ static int calibrate(const struct arguments *a, struct iso_fault *fault)
     struct iso_stereo_calibration calibration;
     int error = gather(a, &views, fault);
     if (!error) {
+        const bool shown = sim_progress_begin("calibrating", 0);
         error = iso_board_calibrate(views, &calibration, fault);
+        sim_progress_end(shown);
     }
     if (!error) {
         error = iso_stereo_calibration_write(a->out, &calibration, fault);

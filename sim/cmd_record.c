@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "drivers/sensor/sensor.h"
+#include "drivers/terminal/words.h"
 #include "sim/commands.h"
 #include "sim/options.h"
 #include "sim/record/record.h"
@@ -89,9 +90,10 @@ static int list(const char *type)
 static void print_result(const struct sim_record_result *result)
 {
     const struct iso_sensor_health *health = &result->health;
-    printf("%zu frames in %.3f s; %llu lost, %llu of them dropped here, %zu damaged\n",
-           result->frames, (double)result->span_ns * 1e-9, (unsigned long long)health->lost,
-           (unsigned long long)health->device.dropped, result->damaged);
+    printf("%zu %s in %.3f s; %llu lost, %llu of them dropped here, %zu damaged\n", result->frames,
+           iso_plural(result->frames, "frame", "frames"), (double)result->span_ns * 1e-9,
+           (unsigned long long)health->lost, (unsigned long long)health->device.dropped,
+           result->damaged);
 }
 
 static int record(const struct arguments *arguments, struct sim_sensor_word *word,

@@ -10,6 +10,7 @@
 #include "sim/options.h"
 #include "sim/picture/depth.h"
 #include "sim/picture/depth_error.h"
+#include "sim/progress.h"
 #include "sim/sensor/depth_error.h"
 
 struct arguments {
@@ -67,7 +68,9 @@ static int measure_all(const struct arguments *a, const struct sim_depth_error_o
         struct sim_depth_error e;
         pictures->distance_mm = (int)at_mm;
         pictures->drawn = false;
+        const bool shown = sim_progress_begin("rendering faces", 0);
         int error = sim_depth_error_measure(measure, at_mm, &e, fault);
+        sim_progress_end(shown);
         error = error ? error : pictures->error;
         if (error) {
             return error;

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <stdio.h>
 
+#include "drivers/terminal/words.h"
 #include "sim/command.h"
 #include "sim/commands.h"
 #include "sim/eval/extract_options.h"
@@ -110,7 +111,8 @@ static int run_generate(void *target, struct iso_fault *fault)
     arguments->generate.threads = arguments->threads;
     int error = sim_shapes_generate(&arguments->generate, &n, fault);
     if (!error) {
-        printf("%d shapes in %s\n", n, arguments->generate.out);
+        printf("%d %s in %s\n", n, iso_plural((uint64_t)n, "shape", "shapes"),
+               arguments->generate.out);
     }
     return error;
 }
@@ -146,8 +148,8 @@ static int run_crops(void *target, struct iso_fault *fault)
     }
     int error = sim_crops_write(&arguments->crops, &n, &n_empty, fault);
     if (!error) {
-        printf("%d shapes in %s; %d frames with too little in them\n", n, arguments->crops.out,
-               n_empty);
+        printf("%d shapes in %s; %d %s with too little in them\n", n, arguments->crops.out, n_empty,
+               iso_plural((uint64_t)n_empty, "frame", "frames"));
     }
     return error;
 }

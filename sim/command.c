@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "drivers/terminal/words.h"
 #include "sim/commands.h"
 
 static int complain(const struct sim_command *command, const struct iso_fault *fault, int exit_code)
@@ -52,6 +53,18 @@ static const char *word_of(const char *group, const struct sim_subcommand *subco
     return subcommand->command.name + strlen(group) + 1;
 }
 
+struct group {
+    const char *name;
+    const struct sim_subcommand *list;
+    size_t n;
+};
+
+static const char *next_word(size_t index, const void *context)
+{
+    const struct group *group = context;
+    return index < group->n ? word_of(group->name, &group->list[index]) : NULL;
+}
+
 int sim_subcommand_run(const char *group, const struct sim_subcommand *list, size_t n,
                        void *arguments, int argc, char **argv)
 {
@@ -68,6 +81,9 @@ int sim_subcommand_run(const char *group, const struct sim_subcommand *list, siz
     for (size_t i = 0; i < n; i++) {
         fprintf(out, "%s%s", i ? "|" : "", word_of(group, &list[i]));
     }
-    fputs(" [OPTION...]\n", out);
+    const struct group all = {group, list, n};
+    const char *meant = help ? NULL : iso_words_nearest(word, next_word, &all);
+    fprintf(out, " [OPTION...]%s%s%s\n", meant ? "; did you mean '" : "", meant ? meant : "",
+            meant ? "'?" : "");
     return help ? SIM_EXIT_OK : SIM_EXIT_USAGE;
 }

@@ -2,7 +2,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "drivers/terminal/output.h"
+#include "drivers/terminal/words.h"
 #include "sim/commands.h"
+#include "sim/progress.h"
 
 static const struct command {
     const char *name, *summary;
@@ -34,7 +37,13 @@ static void print_help(FILE *out)
     fputs("\n`isotherm-sim COMMAND --help` lists a command's options.\n", out);
 }
 
-int main(int argc, char **argv)
+static const char *next_command(size_t index, const void *context)
+{
+    (void)context;
+    return index < sizeof commands / sizeof *commands ? commands[index].name : NULL;
+}
+
+static int run(int argc, char **argv)
 {
     if (argc < 2) {
         print_help(stderr);
@@ -53,6 +62,18 @@ int main(int argc, char **argv)
             return commands[i].run(argc - 1, argv + 1);
         }
     }
-    fprintf(stderr, "isotherm-sim: unknown command '%s' (see isotherm-sim --help)\n", argv[1]);
+    const char *meant = iso_words_nearest(argv[1], next_command, NULL);
+    if (meant) {
+        fprintf(stderr, "isotherm-sim: unknown command '%s': did you mean '%s'?\n", argv[1], meant);
+    } else {
+        fprintf(stderr, "isotherm-sim: unknown command '%s' (see isotherm-sim --help)\n", argv[1]);
+    }
     return SIM_EXIT_USAGE;
+}
+
+int main(int argc, char **argv)
+{
+    sim_progress_to(stderr);
+    const int exit_code = run(argc, argv);
+    return iso_output_end("isotherm-sim") && exit_code == SIM_EXIT_OK ? SIM_EXIT_FAULT : exit_code;
 }

@@ -15,10 +15,11 @@ sim_option_parser sim_option_count;   /* size_t */
 sim_option_parser sim_option_int;     /* int, >= 0 */
 sim_option_parser sim_option_number;  /* double */
 sim_option_parser sim_option_degrees; /* double, radians */
+sim_option_parser sim_option_flag;    /* bool, made true: for options that take no value */
 
 struct sim_option {
     const char *name;  /* without the dashes */
-    const char *value; /* what to call its value in the help */
+    const char *value; /* what to call its value in the help; NULL: it takes none */
     const char *help;  /* one line */
     sim_option_parser *parse;
     size_t offset; /* of the field in the target */
@@ -37,7 +38,8 @@ enum sim_options_outcome {
     SIM_OPTIONS_REFUSED /* with a fault that names the option */
 };
 
-/* Reads `--name VALUE` and `--name=VALUE` from argv[1] on; anything else is refused. */
+/* Reads `--name VALUE`, `--name=VALUE` and flags from argv[1] on; anything else is refused, of an
+ * unknown option with the one that may have been meant. */
 enum sim_options_outcome sim_options_parse(int argc, char **argv, const struct sim_option_set *sets,
                                            size_t n_sets, struct iso_fault *fault);
 

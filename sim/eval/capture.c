@@ -161,7 +161,8 @@ int sim_capture_all(const char *directory, const struct sim_corpus *corpus,
     if (error) {
         goto out;
     }
-    error = sim_parallel(options->threads, corpus->n_rows, capture_row, &work);
+    error = sim_parallel(options->threads, "looking for faces in recordings", corpus->n_rows,
+                         capture_row, &work);
     if (error) {
         (void)iso_fault_set(fault, error, "%s: %s", directory, strerror(-error));
         first_fault(&work, options->threads, fault);

@@ -212,7 +212,7 @@ int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisiti
         work.enrolled = calloc(n_people + 1, sizeof *work.enrolled);
         error = work.enrolled ? enrol(&work) : -ENOMEM;
         if (!error) {
-            error = sim_parallel(threads, m->n_probes, match_probe, &work);
+            error = sim_parallel(threads, "searching", m->n_probes, match_probe, &work);
         }
         if (work.enrolled) {
             explicit_bzero(work.enrolled, (n_people + 1) * sizeof *work.enrolled);

@@ -3,6 +3,9 @@
 #include <errno.h>
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdbool.h>
+
+#include "sim/progress.h"
 
 enum { THREADS_MAX = 64 };
 
@@ -12,6 +15,7 @@ struct work {
     size_t n_jobs;
     atomic_size_t next;
     atomic_int error;
+    bool shown; /* its progress */
 };
 
 struct worker {
@@ -33,11 +37,14 @@ static void *work_on(void *argument)
         if (error) {
             atomic_store(&work->error, error);
         }
+        if (work->shown) {
+            sim_progress_step(1);
+        }
     }
     return NULL;
 }
 
-int sim_parallel(int threads, size_t n_jobs, sim_job *job, void *context)
+int sim_parallel(int threads, const char *what, size_t n_jobs, sim_job *job, void *context)
 {
     if (threads < 1 || threads > THREADS_MAX) {
         return -EINVAL;
@@ -45,6 +52,7 @@ int sim_parallel(int threads, size_t n_jobs, sim_job *job, void *context)
     struct work work = {.job = job, .context = context, .n_jobs = n_jobs};
     struct worker workers[THREADS_MAX];
     int started = 0;
+    work.shown = sim_progress_begin(what, n_jobs);
     for (; started < threads; started++) {
         workers[started] = (struct worker){.work = &work, .number = started};
         if (pthread_create(&workers[started].thread, NULL, work_on, &workers[started])) {
@@ -54,5 +62,6 @@ int sim_parallel(int threads, size_t n_jobs, sim_job *job, void *context)
     for (int i = 0; i < started; i++) {
         (void)pthread_join(workers[i].thread, NULL);
     }
+    sim_progress_end(work.shown);
     return started > 0 ? atomic_load(&work.error) : -EAGAIN;
 }

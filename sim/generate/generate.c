@@ -10,6 +10,7 @@
 #include "sim/generate/not_faces.h"
 #include "sim/generate/session.h"
 #include "sim/generate/stored.h"
+#include "sim/progress.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
@@ -349,6 +350,22 @@ static int record_stored(struct job *job, struct iso_fault *fault)
     return sim_stored_record(job->studio, job->ict, job->sensor, job->options->seed, fault);
 }
 
+/* How many recordings a preset makes; 0: it says so only by making them. */
+static uint64_t count_recordings(const struct job *job)
+{
+    const struct sim_generate_options *o = job->options;
+    const struct preset *preset = job->preset;
+    const int people = count_or(o->n_people, preset->n_people);
+    int n = 0;
+    if (preset->record == record_visits || preset->record == record_pairs) {
+        n = people + count_or(o->n_strangers, preset->n_strangers) +
+            count_or(o->n_probes, preset->n_probes);
+    } else if (preset->record == record_repeats) {
+        n = people * count_or(o->n_sessions, preset->n_sessions);
+    }
+    return (uint64_t)n;
+}
+
 static const struct preset *find_preset(const char *name)
 {
     for (size_t i = 0; i < sizeof presets / sizeof *presets; i++) {
@@ -425,7 +442,9 @@ int sim_generate(const struct sim_generate_options *options, struct iso_fault *f
         error = sim_studio_new(&studio, &job.studio, fault);
     }
     if (error == 0) {
+        const bool shown = sim_progress_begin("rendering recordings", count_recordings(&job));
         error = job.preset->record(&job, fault);
+        sim_progress_end(shown);
     }
     if (error == 0) {
         error = sim_studio_finish(job.studio, fault);

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "sim/methods/anthroface.h"
+#include "sim/progress.h"
 #include "sim/recording/recording_writer.h"
 
 static const int64_t frame_period_ns = 33333333;
@@ -178,6 +179,7 @@ static int record(struct sim_studio *studio, const struct sim_corpus_row *row, s
         error = add_row(studio, row);
     }
     sim_recording_writer_free(writer);
+    sim_progress_step(1);
     return error;
 }
 

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "drivers/path.h"
+#include "sim/progress.h"
 #include "sim/recording/recording_writer.h"
 
 enum { PNG_LEVEL = 4 };
@@ -129,12 +130,16 @@ static int record_scans(const struct sim_import_options *o, struct scans *scans,
 {
     size_t kept = 0;
     int error = 0;
+    const bool shown = sim_progress_begin("reading scans", scans->n);
     for (size_t i = 0; i < scans->n && !error; i++) {
         struct scan *scan = &scans->items[i];
+        sim_progress_step(1);
         struct iso_frame *frame = NULL;
         struct iso_fault damage = {""};
         if (o->database->read(scan->path, &o->database_options, &frame, &damage)) {
+            sim_progress_pause();
             fprintf(stderr, "isotherm-sim: scan left out: %s\n", damage.text);
+            sim_progress_resume();
             report->refused++;
             continue;
         }
@@ -144,6 +149,7 @@ static int record_scans(const struct sim_import_options *o, struct scans *scans,
         scans->items[kept++] = *scan;
         *scan = swap;
     }
+    sim_progress_end(shown);
     report->scans = kept;
     return error || kept > 0 ? error
                              : iso_fault_set(fault, -ENOENT, "%s: no scan of %s can be read",

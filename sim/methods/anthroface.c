@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/terminal/words.h"
 #include "sim/methods/geodesic.h"
 #include "sim/methods/method.h"
 #include "sim/methods/subspace.h"
@@ -185,8 +186,10 @@ static int train(const struct sim_training *training, bool marked, void **knowle
     int error = learn(training, k);
     if (error) {
         forget(k);
-        return iso_fault_set(fault, error, "%s: %zu faces of %u people cannot teach it: %s", name,
-                             training->n, (unsigned)training->n_people, strerror(-error));
+        return iso_fault_set(fault, error, "%s: %zu faces of %u %s cannot teach it: %s", name,
+                             training->n, (unsigned)training->n_people,
+                             iso_plural((uint64_t)training->n_people, "person", "people"),
+                             strerror(-error));
     }
     *knowledge = k;
     return 0;

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/terminal/words.h"
 #include "sim/methods/method.h"
 #include "sim/methods/subspace.h"
 
@@ -84,9 +85,10 @@ static int train(const struct sim_training *training, bool fisher, void **knowle
     int error = !k ? -ENOMEM : training->n < 2 ? -EINVAL : learn(training, fisher, k);
     if (error) {
         forget(k);
-        return iso_fault_set(fault, error, "%s: %zu faces of %u people cannot teach it: %s",
-                             fisher ? "fishersurfaces" : "eigensurfaces", training->n,
-                             (unsigned)training->n_people, strerror(-error));
+        return iso_fault_set(
+            fault, error, "%s: %zu faces of %u %s cannot teach it: %s",
+            fisher ? "fishersurfaces" : "eigensurfaces", training->n, (unsigned)training->n_people,
+            iso_plural((uint64_t)training->n_people, "person", "people"), strerror(-error));
     }
     *knowledge = k;
     return 0;

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "sim/progress.h"
 #include "sim/record/tape.h"
 #include "sim/recording/recording_writer.h"
 
@@ -95,6 +96,7 @@ int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
 {
     struct output output = {NULL, NULL, 0};
     int error = 0;
+    const bool shown = sim_progress_begin("recording frames", options->frames);
     memset(result, 0, sizeof *result);
     while (!error && result->frames < options->frames) {
         const struct iso_frame *frame = NULL;
@@ -104,8 +106,10 @@ int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
             error = 0;
         } else if (!error) {
             error = put(&output, sensor, options->directory, frame, result, fault);
+            sim_progress_step(1);
         }
     }
+    sim_progress_end(shown);
     result->health = iso_sensor_health(sensor);
     const int finished = finish(&output, error ? NULL : fault);
     return error ? error : finished;

@@ -154,7 +154,8 @@ int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
     }
     int error = allocate(options, &work.bank);
     error = error ? error
-                  : sim_parallel(options->threads, (size_t)work.bank->n, describe_one, &work);
+                  : sim_parallel(options->threads, "describing shapes", (size_t)work.bank->n,
+                                 describe_one, &work);
     if (error) {
         if (fault && fault->text[0] == '\0') {
             (void)iso_fault_set(fault, error, "%s: %s", options->corpus, strerror(-error));

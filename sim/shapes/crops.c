@@ -12,6 +12,7 @@
 #include "core/surface/clean.h"
 #include "core/surface/triangulate.h"
 #include "sim/eval/capture.h"
+#include "sim/progress.h"
 #include "sim/shapes/manifest.h"
 #include "sim/shapes/mesh_writer.h"
 
@@ -150,9 +151,12 @@ static int cut_corpus(struct cutter *cutter, size_t number, struct iso_fault *fa
     } else {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", cutter->options->corpus[number]);
     }
+    const bool shown = sim_progress_begin("cutting out faces and things", wanted);
     for (size_t i = 0; !error && i < wanted; i++) {
         error = cut_row(cutter, number, &corpus->rows[i * n / wanted], fault);
+        sim_progress_step(1);
     }
+    sim_progress_end(shown);
     sim_corpus_free(corpus);
     return error;
 }

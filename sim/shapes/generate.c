@@ -270,7 +270,7 @@ int sim_shapes_generate(const struct sim_shapes_options *given, int32_t *n_writt
     } else {
         plan_plain(&options, &kitchen);
     }
-    error = sim_parallel(options.threads, (size_t)kitchen.n, serve, &kitchen);
+    error = sim_parallel(options.threads, "making shapes", (size_t)kitchen.n, serve, &kitchen);
     if (error && fault && fault->text[0] == '\0') {
         (void)iso_fault_set(fault, error, "--threads: %s", strerror(-error));
     }

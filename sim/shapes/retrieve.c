@@ -150,7 +150,8 @@ int sim_features_rank(const struct sim_features *features, const struct iso_clas
     int error = iso_classifier_new(ops, &items, &classifier);
     if (!error) {
         struct ranking ranking = {features, classifier, distance};
-        error = sim_parallel(threads, (size_t)features->queries->n, rank_one, &ranking);
+        error = sim_parallel(threads, "comparing shapes", (size_t)features->queries->n, rank_one,
+                             &ranking);
     }
     iso_classifier_free(classifier);
     return error;
@@ -227,7 +228,8 @@ int sim_features_classify(const struct sim_features *features, const struct iso_
         error = iso_cross_validate(ops, &items, FOLDS < items.n ? FOLDS : items.n, seed, score);
     } else {
         struct classification classification = {features, ops, score};
-        error = sim_parallel(threads, (size_t)n_queries, classify_one, &classification);
+        error = sim_parallel(threads, "classifying shapes", (size_t)n_queries, classify_one,
+                             &classification);
     }
     error = error ? error
                   : iso_confusion_measure(score, features->query_class, n_queries, items.n_classes,

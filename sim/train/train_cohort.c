@@ -8,6 +8,7 @@
 #include "core/match/cohort.h"
 #include "sim/face/expression.h"
 #include "sim/generate/room.h"
+#include "sim/progress.h"
 #include "sim/render/sitter.h"
 
 enum { DAYS = 3 /* on which a person may come */, PEOPLE_PER_TEMPLATE_MAX = 2 };
@@ -128,6 +129,7 @@ static int run(const struct sim_train_cohort_options *options, struct booth *boo
     struct iso_extraction extraction;
     uint32_t n = 0, n_frames = 0;
     int error = 0;
+    const bool shown = sim_progress_begin("rendering the cohort", options->n_people);
     for (uint32_t person = 0;
          !error && n < options->n_people && person < PEOPLE_PER_TEMPLATE_MAX * options->n_people;
          person++) {
@@ -135,8 +137,10 @@ static int run(const struct sim_train_cohort_options *options, struct booth *boo
         error = enrol(booth, options, person, &n_frames, &extraction);
         if (!error && extraction.outcome == ISO_CAPTURE_OK) {
             templates[n++] = extraction.tmpl;
+            sim_progress_step(1);
         }
     }
+    sim_progress_end(shown);
     explicit_bzero(&extraction, sizeof extraction);
     if (!error && n < options->n_people) {
         error = -ENODATA;

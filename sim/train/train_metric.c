@@ -9,6 +9,7 @@
 #include "core/match/rerank.h"
 #include "sim/eval/capture.h"
 #include "sim/eval/parallel.h"
+#include "sim/progress.h"
 #include "sim/train/metric_learn.h"
 #include "sim/train/rerank_learn.h"
 
@@ -399,9 +400,11 @@ static int learn_rerank(const struct training *t, struct held_out *held, struct 
 {
     struct pairs *other = &held->other;
     thin(other, other->n / OTHERS_FITTED + 1);
-    int error = sim_parallel(t->options->threads, held->mated.n, fit_upper_faces, held->mated.list);
+    int error = sim_parallel(t->options->threads, "fitting faces of one person", held->mated.n,
+                             fit_upper_faces, held->mated.list);
     error = error ? error
-                  : sim_parallel(t->options->threads, other->n, fit_upper_faces, other->list);
+                  : sim_parallel(t->options->threads, "fitting faces of two people", other->n,
+                                 fit_upper_faces, other->list);
     double *score = calloc(other->n + 1, sizeof *score), *fit = calloc(other->n + 1, sizeof *fit);
     error = score && fit ? error : -ENOMEM;
     for (size_t i = 0; !error && i < other->n; i++) {
@@ -492,11 +495,13 @@ static int learn(struct training *t, struct iso_metric *shape, struct iso_metric
     compact(t);
     choose_nodes(t, shape);
     int error = iso_metric_new(shape, &metric);
+    const bool shown = sim_progress_begin("learning the metric", 0);
     error = error ? error : learn_curves(t, metric);
     if (!error) {
         learn_heights(t, metric);
     }
     error = error ? error : learn_axes(t, metric, report);
+    sim_progress_end(shown);
     error = error ? error : learn_scores(t, metric, report);
     if (error) {
         iso_metric_free(metric);

@@ -7,6 +7,7 @@
 
 #include "core/contract.h"
 #include "firmware/parts.h"
+#include "sim/progress.h"
 #include "sim/virtual_clock.h"
 #include "sim/visit/slot.h"
 #include "sim/visit/trace.h"
@@ -275,9 +276,11 @@ static int play(struct rehearsal *r, const struct sim_corpus *corpus, sim_visit_
 {
     size_t count = 0;
     int error = 0;
+    const bool shown = sim_progress_begin("playing recordings to the appliance", corpus->n_rows);
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         if (corpus->rows[i].role == SIM_ROLE_GALLERY) {
             error = enrol(r, &corpus->rows[i]);
+            sim_progress_step(1);
         }
     }
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
@@ -287,9 +290,13 @@ static int play(struct rehearsal *r, const struct sim_corpus *corpus, sim_visit_
         }
         error = r->trace ? visit_and_draw(r, row, &visits[count]) : visit(r, row, &visits[count]);
         if (!error) {
+            sim_progress_pause();
             listener(&visits[count++], context);
+            sim_progress_resume();
         }
+        sim_progress_step(1);
     }
+    sim_progress_end(shown);
     if (!error && r->options->visit && count == 0) {
         error = iso_fault_set(r->fault, -ENOENT, "the corpus has no visit '%s'", r->options->visit);
     }

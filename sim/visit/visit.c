@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "core/contract.h"
+#include "sim/progress.h"
 #include "sim/visit/slot.h"
 
 /* Rarely enough for what a caller of the daemon is allowed (firmware/call_rate.h); signals wake
@@ -123,16 +124,21 @@ int sim_visit_play(const struct sim_visit_options *options, const struct sim_cor
 
     error = error ? error : sim_door_watch_open(options->address, &play.watch, fault);
     error = error ? error : wait_for_quiet(&play);
+    const bool shown = sim_progress_begin("playing visits to the daemon", corpus->n_rows);
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &corpus->rows[i];
+        sim_progress_step(1);
         if (!options->roles[row->role] || sim_visit_was_played(visits, count, row->recording)) {
             continue;
         }
         error = play_row(&play, row, &visits[count]);
         if (!error) {
+            sim_progress_pause();
             listener(&visits[count++], context);
+            sim_progress_resume();
         }
     }
+    sim_progress_end(shown);
     if (error) {
         (void)!sim_slot_clear(options->slot, NULL); /* the first fault is the one to tell */
     } else {

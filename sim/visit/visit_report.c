@@ -6,9 +6,18 @@
 #include <math.h>
 #include <string.h>
 
+#include "drivers/terminal/terminal.h"
+
 static const char *verdict_name(const struct sim_visit *visit)
 {
     return !visit->verdict.given ? "none" : visit->verdict.allow ? "allow" : "deny";
+}
+
+static enum iso_paint verdict_paint(const struct sim_visit *visit)
+{
+    return !visit->verdict.given  ? ISO_PAINT_WARNING
+           : visit->verdict.allow ? ISO_PAINT_GOOD
+                                  : ISO_PAINT_BAD;
 }
 
 /* What a verdict tells in numbers; NaN where nothing is known. */
@@ -58,8 +67,11 @@ void sim_visit_print(const struct sim_visit *visit, FILE *out)
     const struct figures figures = figures_of(verdict);
     const struct sim_corpus_row *row = visit->row;
 
-    fprintf(out, "%-12s %-9s %-10s %-7s %-12s", row->subject, sim_role_name(row->role),
-            row->note[0] ? row->note : row->expression, verdict_name(visit),
+    const struct iso_terminal terminal = iso_terminal_of(out);
+    fprintf(out, "%-12s %-9s %-10s %s%-7s%s %-12s", row->subject, sim_role_name(row->role),
+            row->note[0] ? row->note : row->expression,
+            iso_terminal_paint(&terminal, verdict_paint(visit)), verdict_name(visit),
+            iso_terminal_paint(&terminal, ISO_PAINT_PLAIN),
             verdict->given && verdict->person[0] ? verdict->person : "-");
     print_number(figures.score, 8, 2, out);
     print_number(figures.threshold, 9, 2, out);
@@ -70,12 +82,14 @@ void sim_visit_print(const struct sim_visit *visit, FILE *out)
 
 void sim_visit_print_summary(const struct sim_visit_summary *summary, FILE *out)
 {
+    const struct iso_terminal terminal = iso_terminal_of(out);
     fprintf(out,
             "%zu of %zu enrolled people admitted (at %zu of their %zu visits); %zu taken for "
-            "another;\n%zu of %zu visits of strangers and of what is no face let in: %s\n",
+            "another;\n%zu of %zu visits of strangers and of what is no face let in: %s%s%s\n",
             summary->people_admitted, summary->people, summary->probes_admitted, summary->probes,
             summary->misnamed, summary->impostors_let_in, summary->impostors,
-            summary->good ? "good" : "NOT GOOD");
+            iso_terminal_paint(&terminal, summary->good ? ISO_PAINT_GOOD : ISO_PAINT_BAD),
+            summary->good ? "good" : "NOT GOOD", iso_terminal_paint(&terminal, ISO_PAINT_PLAIN));
 }
 
 static void write_number(double value, int decimals, FILE *out)

@@ -7,6 +7,8 @@
 # Ends with "N passed, N failed, N skipped". Where the cross compiler or the emulator is missing, all is skipped and counted.
 set -euo pipefail
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
+# shellcheck source=tests/support/verdict.sh
+. "$source_dir/tests/support/verdict.sh"
 root=$source_dir/build/aarch64-root
 # Not those of V4L2, whose calls the emulator does not know, nor those that take it minutes.
 usual='test_firmware_config test_firmware_gallery test_firmware_audit test_firmware_decision test_firmware_track
@@ -48,5 +50,6 @@ else
     failed=$((failed + 1))
 fi
 
-echo "arm64: $passed passed, $failed failed, $skipped skipped"
+printf 'arm64: '
+say_tally "$passed" "$failed" "$skipped"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 1 ]

@@ -1,4 +1,5 @@
 #include "tests/e2e/appliance.h"
+#include "tests/support/child_end.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -135,7 +136,7 @@ static void copy_people(struct appliance *appliance)
 
     run_start(&run, argv);
     run_finish(&run);
-    assert_int_equal(run.exit, 0);
+    run_expect(&run, 0);
     run_free(&run);
 }
 
@@ -212,6 +213,7 @@ static const struct appliance_result *result_of(struct run *run)
 
     run_finish(run);
     result.exit = run->exit;
+    (void)snprintf(result.what, sizeof result.what, "%s", run->what);
     (void)snprintf(result.out, sizeof result.out, "%s", run->out);
     (void)snprintf(result.err, sizeof result.err, "%s", run->err);
     run_free(run);
@@ -241,6 +243,11 @@ const struct appliance_result *appliance_run(const struct appliance *appliance, 
     return result;
 }
 
+void appliance_expect(const struct appliance_result *result, int exit)
+{
+    child_expect_code(result->what, result->exit, exit, result->out, result->err);
+}
+
 json_t *appliance_run_json(const struct appliance *appliance, const char *words,
                            const char *recording, int exit)
 {
@@ -250,8 +257,9 @@ json_t *appliance_run_json(const struct appliance *appliance, const char *words,
     (void)snprintf(with_json, sizeof with_json, "%s --json", words);
     const struct appliance_result *result = appliance_run(appliance, with_json, recording);
     json_t *document = json_loads(result->out, 0, &error);
-    if (!document || result->exit != exit) {
-        fail_msg("%s: exit %d, not %d: %s%s", words, result->exit, exit, result->out, result->err);
+    appliance_expect(result, exit);
+    if (!document) {
+        fail_msg("%s: not JSON: %s", words, result->out);
     }
     return document;
 }

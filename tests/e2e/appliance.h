@@ -48,6 +48,7 @@ void appliance_show(const struct appliance *appliance, const char *recording);
 
 struct appliance_result {
     int exit;
+    char what[512];             /* the command line */
     char out[32768], err[4096]; /* cut to fit */
 };
 
@@ -56,6 +57,9 @@ struct appliance_result {
  * leaves with its end. The result is valid until the next run. */
 const struct appliance_result *appliance_run(const struct appliance *appliance, const char *words,
                                              const char *recording);
+
+/* Fails the test, saying what it was, how it ended and what it said, unless it ended like that. */
+void appliance_expect(const struct appliance_result *result, int exit);
 
 /* The same with --json; the caller releases the document. */
 json_t *appliance_run_json(const struct appliance *appliance, const char *words,

@@ -67,7 +67,7 @@ static void nobody_is_let_in_while_nobody_is_enrolled(void **state)
     const char *const recordings[] = {"x01-v1", NULL};
     const struct appliance_result *result = appliance_visit(*state, recordings);
 
-    assert_int_equal(result->exit, 0);
+    appliance_expect(result, 0);
     assert_null(strstr(result->out, "unlocked"));
 }
 
@@ -75,7 +75,7 @@ static void people_are_enrolled(void **state)
 {
     const struct appliance_result *result = appliance_run(*state, "enroll p01", "p01-enrol");
 
-    assert_int_equal(result->exit, 0);
+    appliance_expect(result, 0);
     assert_non_null(strstr(result->out, "\nstage 1/"));
     assert_non_null(strstr(result->out, "\np01 is enrolled.\n"));
 
@@ -85,7 +85,7 @@ static void people_are_enrolled(void **state)
     const double quality = json_real_value(json_object_get(document, "quality"));
     assert_true(quality > 0 && quality <= 1);
     json_decref(document);
-    assert_int_equal(appliance_run(*state, "enroll p03", "p03-enrol")->exit, 0);
+    appliance_expect(appliance_run(*state, "enroll p03", "p03-enrol"), 0);
     assert_int_equal(count_people(*state), 3);
 }
 
@@ -98,10 +98,9 @@ static void a_known_face_is_refused_under_another_name(void **state)
     json_decref(document);
     assert_int_equal(count_people(*state), 3);
 
-    assert_int_equal(appliance_run(*state, "enroll double --allow-duplicate", "p01-enrol")->exit,
-                     0);
+    appliance_expect(appliance_run(*state, "enroll double --allow-duplicate", "p01-enrol"), 0);
     assert_int_equal(count_people(*state), 4);
-    assert_int_equal(appliance_run(*state, "remove double", NULL)->exit, 0);
+    appliance_expect(appliance_run(*state, "remove double", NULL), 0);
     assert_int_equal(count_people(*state), 3);
 }
 
@@ -148,14 +147,14 @@ static void people_are_identified(void **state)
 
 static void people_are_verified(void **state)
 {
-    assert_int_equal(appliance_run(*state, "verify p01", "p01-v1")->exit, 0);
-    assert_int_equal(appliance_run(*state, "verify p02", "p01-v2")->exit, 1);
+    appliance_expect(appliance_run(*state, "verify p01", "p01-v1"), 0);
+    appliance_expect(appliance_run(*state, "verify p02", "p01-v2"), 1);
 }
 
 static void nobody_before_the_camera_times_out(void **state)
 {
-    assert_int_equal(appliance_run(*state, "identify --timeout 0.3", NULL)->exit, 5);
-    assert_int_equal(appliance_run(*state, "enroll zoe --timeout 0.3", "none-nobody1")->exit, 5);
+    appliance_expect(appliance_run(*state, "identify --timeout 0.3", NULL), 5);
+    appliance_expect(appliance_run(*state, "enroll zoe --timeout 0.3", "none-nobody1"), 5);
     assert_int_equal(count_people(*state), 3);
 }
 
@@ -215,7 +214,7 @@ static void the_camera_can_be_aimed(void **state)
     kill(aim.pid, SIGINT);
     run_finish(&aim);
     appliance_show(appliance, NULL);
-    assert_int_equal(aim.exit, 0);
+    run_expect(&aim, 0);
     run_free(&aim);
 
     json_t *status = appliance_run_json(appliance, "status", NULL, 0);
@@ -239,7 +238,7 @@ static void a_camera_in_use_is_refused_and_freed_by_an_interrupt(void **state)
     expect_error(appliance, "identify", 4, "already-in-use");
     kill(first.pid, SIGINT);
     run_finish(&first);
-    assert_int_equal(first.exit, 130);
+    run_expect(&first, 130);
     run_free(&first);
     json_t *status = appliance_run_json(appliance, "status", NULL, 0);
     assert_string_equal(text_of(status, "mode"), "watch");
@@ -258,7 +257,7 @@ static void a_client_that_dies_frees_the_camera(void **state)
     kill(first.pid, SIGKILL);
     run_finish(&first);
     run_free(&first);
-    assert_int_equal(appliance_run(appliance, "verify p01", "p01-v1")->exit, 0);
+    appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
     assert_int_equal(count_people(appliance), 3);
 }
 
@@ -271,9 +270,7 @@ static void the_door_opens_to_the_enrolled_and_to_nobody_else(void **state)
     const struct appliance_result *result = appliance_visit(appliance, recordings);
     size_t size;
 
-    if (result->exit != 0) {
-        fail_msg("exit %d: %s%s", result->exit, result->out, result->err);
-    }
+    appliance_expect(result, 0);
     char *csv = scratch_read(scratch_path(appliance->directory, "visits.csv"), &size);
     char *text = strndup(csv, size);
     for (size_t i = 0; i < 3; i++) {
@@ -325,13 +322,12 @@ static void who_is_removed_or_expired_is_refused(void **state)
 {
     static const char *const recordings[] = {"p03-v1", "p04-v1", NULL};
 
-    assert_int_equal(appliance_run(*state, "remove p03", NULL)->exit, 0);
+    appliance_expect(appliance_run(*state, "remove p03", NULL), 0);
     expect_error(*state, "enroll p04 --valid-until 2026-01-01", 2, "invalid-argument");
-    assert_int_equal(
-        appliance_run(*state, "enroll p04 --valid-until 2026-01-01 --expired", "p04-enrol")->exit,
-        0);
+    appliance_expect(
+        appliance_run(*state, "enroll p04 --valid-until 2026-01-01 --expired", "p04-enrol"), 0);
     const struct appliance_result *result = appliance_visit(*state, recordings);
-    assert_int_equal(result->exit, 1);
+    appliance_expect(result, 1);
     assert_non_null(strstr(result->out, "0 of 2 enrolled people admitted"));
     assert_null(strstr(result->out, "unlocked"));
 }
@@ -415,13 +411,13 @@ static void people_are_carried_in_a_sealed_file(void **state)
     char *file = scratch_read(scratch_path(appliance->directory, "people"), &size);
     assert_null(memmem(file, size, "p01", 3));
     free(file);
-    assert_int_equal(appliance_run(appliance, "remove p01", NULL)->exit, 0);
+    appliance_expect(appliance_run(appliance, "remove p01", NULL), 0);
     assert_int_equal(run_with_file(appliance, "import", "people", option), 0);
-    assert_int_equal(appliance_run(appliance, "verify p01", "p01-v1")->exit, 0);
+    appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
     (void)snprintf(option, sizeof option, " --passphrase-file %s",
                    scratch_path(appliance->directory, "wrong"));
     assert_int_equal(run_with_file(appliance, "import", "people", option), 4);
-    assert_int_equal(appliance_run(appliance, "key address", NULL)->exit, 0);
+    appliance_expect(appliance_run(appliance, "key address", NULL), 0);
 }
 
 /* The head of the log as `log verify` prints it. */
@@ -434,11 +430,11 @@ static void keys_are_rotated_and_the_log_is_sound(void **state)
     assert_true(json_is_true(json_object_get(report, "sound")));
     (void)snprintf(words, sizeof words, "log verify --head %lld:%s",
                    (long long)number_of(report, "last"), text_of(report, "head"));
-    assert_int_equal(appliance_run(appliance, "key rotate", NULL)->exit, 0);
-    assert_int_equal(appliance_run(appliance, words, NULL)->exit, 0);
+    appliance_expect(appliance_run(appliance, "key rotate", NULL), 0);
+    appliance_expect(appliance_run(appliance, words, NULL), 0);
     char *digit = strchr(words, ':') + 1;
     *digit = *digit == '0' ? '1' : '0';
-    assert_int_equal(appliance_run(appliance, words, NULL)->exit, 1);
+    appliance_expect(appliance_run(appliance, words, NULL), 1);
     json_decref(report);
 }
 
@@ -451,7 +447,7 @@ static void a_killed_daemon_forgets_nobody(void **state)
     expect_error(appliance, "list", 4, "no-daemon");
     appliance_start_daemon(appliance);
     assert_int_equal(count_people(appliance), 3); /* p01, p02, p04 */
-    assert_int_equal(appliance_run(appliance, "verify p01", "p01-v1")->exit, 0);
+    appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
 }
 
 static void an_end_by_signal_is_a_clean_one(void **state)
@@ -459,7 +455,7 @@ static void an_end_by_signal_is_a_clean_one(void **state)
     struct appliance *appliance = *state;
 
     appliance_end_daemon(appliance, SIGTERM);
-    assert_int_equal(appliance->daemon.exit, 0);
+    run_expect(&appliance->daemon, 0);
     run_free(&appliance->daemon);
     appliance_start_daemon(appliance);
 }

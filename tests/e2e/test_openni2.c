@@ -42,7 +42,7 @@ static void the_camera_is_seen_and_runs(void **state)
     expect_status(appliance, "sensor-state", "started");
     expect_status(appliance, "sensor-devices", devices);
     const struct appliance_result *doctor = appliance_run(appliance, "doctor", NULL);
-    assert_int_equal(doctor->exit, 0);
+    appliance_expect(doctor, 0);
     assert_non_null(strstr(doctor->out, devices));
 }
 
@@ -68,8 +68,8 @@ static void the_camera_is_listed_for_programs(void **state)
 
 static void people_are_enrolled(void **state)
 {
-    assert_int_equal(appliance_run(*state, "enroll p01", "p01-enrol")->exit, 0);
-    assert_int_equal(appliance_run(*state, "enroll p02", "p02-enrol")->exit, 0);
+    appliance_expect(appliance_run(*state, "enroll p01", "p01-enrol"), 0);
+    appliance_expect(appliance_run(*state, "enroll p02", "p02-enrol"), 0);
     expect_status(*state, "sensor-model", "astra");
 }
 
@@ -79,7 +79,7 @@ static void people_are_identified(void **state)
 
     assert_string_equal(text_of(document, "person"), "p02");
     json_decref(document);
-    assert_int_equal(appliance_run(*state, "identify", "x02-v1")->exit, 1);
+    appliance_expect(appliance_run(*state, "identify", "x02-v1"), 1);
 }
 
 /* One line of visits.csv: who came, the verdict, and whom the door took it for. */
@@ -104,9 +104,7 @@ static char *visit(const struct appliance *appliance, const char *const recordin
     const struct appliance_result *result = appliance_visit(appliance, recordings);
     size_t size;
 
-    if (result->exit != 0) {
-        fail_msg("exit %d: %s%s", result->exit, result->out, result->err);
-    }
+    appliance_expect(result, 0);
     char *csv = scratch_read(scratch_path(appliance->directory, "visits.csv"), &size);
     char *text = strndup(csv, size);
     free(csv);
@@ -150,10 +148,10 @@ static void a_pulled_cable_is_told_and_survived(void **state)
     camera_bench_plug(appliance->bench, false);
     await_sensor(appliance, "lost");
     const struct appliance_result *doctor = appliance_run(appliance, "doctor", NULL);
-    assert_int_equal(doctor->exit, 4);
+    appliance_expect(doctor, 4);
     assert_non_null(strstr(doctor->out, "fault    sensor"));
     assert_non_null(strstr(doctor->out, "sensor openni2: "));
-    assert_int_equal(appliance_run(appliance, "identify --timeout 0.5", NULL)->exit, 4);
+    appliance_expect(appliance_run(appliance, "identify --timeout 0.5", NULL), 4);
     camera_bench_plug(appliance->bench, true);
     await_sensor(appliance, "started");
     char *csv = visit(appliance, recordings);

@@ -11,24 +11,41 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "tests/support/child_end.h"
+#include "tests/support/pseudo_terminal.h"
+
 static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
 
 static struct private_bus bus;
 static struct run last;
+static const char *out_path; /* of the next run; NULL: a pipe */
+
+enum { WORDS_MAX = 24 };
+
+/* isotherm --bus ADDRESS WORDS; valid until the next call. */
+static void make_argv(const char *words, const char *argv[WORDS_MAX])
+{
+    static char copy[512];
+    size_t argc = 3;
+
+    memset(argv, 0, WORDS_MAX * sizeof *argv);
+    argv[0] = isotherm;
+    argv[1] = "--bus";
+    argv[2] = bus.address;
+    (void)snprintf(copy, sizeof copy, "%s", words);
+    for (char *word = strtok(copy, " "); word; word = strtok(NULL, " ")) {
+        assert_true(argc < WORDS_MAX - 1);
+        argv[argc++] = word;
+    }
+}
 
 static void start(const char *words)
 {
-    static char copy[512];
-    const char *argv[24] = {isotherm, "--bus", bus.address};
-    size_t argc = 3;
+    const char *argv[WORDS_MAX];
 
-    (void)snprintf(copy, sizeof copy, "%s", words);
-    for (char *word = strtok(copy, " "); word; word = strtok(NULL, " ")) {
-        assert_true(argc < sizeof argv / sizeof *argv - 1);
-        argv[argc++] = word;
-    }
+    make_argv(words, argv);
     run_free(&last);
-    run_start(&last, argv);
+    run_start_to(&last, argv, out_path);
 }
 
 struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
@@ -50,6 +67,7 @@ struct cli_result cli_run_interrupt(const struct fake_script *script, const char
         result.calls = fake_door_stop(&door);
     }
     result.exit = last.exit;
+    result.what = last.what;
     result.out = last.out;
     result.err = last.err;
     return result;
@@ -58,6 +76,36 @@ struct cli_result cli_run_interrupt(const struct fake_script *script, const char
 struct cli_result cli_run(const struct fake_script *script, const char *words)
 {
     return cli_run_interrupt(script, words, NULL);
+}
+
+struct cli_result cli_run_to(const char *path, const struct fake_script *script, const char *words)
+{
+    out_path = path;
+    const struct cli_result result = cli_run(script, words);
+    out_path = NULL;
+    return result;
+}
+
+struct cli_result cli_run_on_terminal(const struct fake_script *script, const char *words,
+                                      const char *environment)
+{
+    struct cli_result result = {.err = ""};
+    struct fake_door door;
+    const char *argv[WORDS_MAX];
+    int status = 0;
+
+    fake_door_start(&door, bus.address, script);
+    make_argv(words, argv);
+    result.out = pseudo_terminal_run(argv, 80, environment, &status);
+    result.calls = fake_door_stop(&door);
+    result.exit = child_code(status);
+    result.what = words;
+    return result;
+}
+
+void cli_expect_exit(const struct cli_result *result, int exit)
+{
+    child_expect_code(result->what, result->exit, exit, result->out, result->err);
 }
 
 json_t *cli_json(const struct cli_result *result)
@@ -79,7 +127,7 @@ void cli_expect_error(const struct cli_result *result, int exit, const char *cod
     assert_string_equal(json_string_value(json_object_get(error, "code")), code);
     assert_int_equal(json_integer_value(json_object_get(error, "exit_code")), exit);
     assert_true(strlen(json_string_value(json_object_get(error, "message"))) > 0);
-    assert_int_equal(result->exit, exit);
+    cli_expect_exit(result, exit);
     json_decref(document);
 }
 

@@ -19,10 +19,12 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <systemd/sd-bus.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "core/contract.h"
 
+enum { RECORD_SIZE = 256 };
 enum { LOG_RECORDS_MAX = 100 }; /* that are handed out at once: fewer than may be asked for */
 
 struct service {
@@ -357,7 +359,8 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
         templates += script->people[i].templates;
     }
     return sd_bus_reply_method_return(
-        call, "a{sv}", 16, "sensor-devices", "s",
+        call, "a{sv}", 19, "uptime-ms", "x", (int64_t)7530000, "distance-mm", "d", 612.4,
+        "fit-coverage", "d", 0.934, "sensor-devices", "s",
         script->sensor_devices ? script->sensor_devices : "", "sensor-fault", "s",
         script->sensor_fault ? script->sensor_fault : "", "sensor-calibration", "s",
         script->sensor_calibration ? script->sensor_calibration : "", "door-lines", "s",
@@ -443,6 +446,29 @@ static int on_picture(sd_bus_message *call, void *context, sd_bus_error *error)
     return r;
 }
 
+/* Ten minutes lie between two records, every fifth is of the door and not of a visit. */
+static void write_record(uint64_t i, char line[RECORD_SIZE])
+{
+    const time_t time_s = 1795249215 + (time_t)i * 600; /* 1: 2026-11-21T08:30:15Z */
+    char time[32];
+    struct tm utc;
+
+    (void)strftime(time, sizeof time, "%Y-%m-%dT%H:%M:%S", gmtime_r(&time_s, &utc));
+    (void)snprintf(line, RECORD_SIZE,
+                   "{\"sequence\": %" PRIu64 ", \"time\": \"%s.042Z\", \"monotonic_ns\": 1234567, ",
+                   i, time);
+    const size_t length = strlen(line);
+    if (i % 5 == 0) {
+        (void)snprintf(line + length, RECORD_SIZE - length,
+                       "\"event\": \"door\", \"note\": \"locked, by \\\"time\\\"\"}");
+    } else {
+        (void)snprintf(line + length, RECORD_SIZE - length,
+                       "\"event\": \"visit\", \"person\": \"%s\", \"verdict\": \"%s\", \"score\": "
+                       "2.345678, \"frames\": 3, \"novelty\": true}",
+                       i % 2 ? "anna" : "Bo Ek", i % 2 ? "allow" : "deny");
+    }
+}
+
 static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     struct service *service = context;
@@ -467,11 +493,8 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
     r = r < 0 ? r : sd_bus_message_new_method_return(call, &reply);
     r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
     for (uint64_t i = from; r >= 0 && i <= last && i - from < max; i++) {
-        char line[128];
-        (void)snprintf(line, sizeof line,
-                       "{\"sequence\": %" PRIu64 ", \"time\": \"2026-11-21T08:30:15Z\", \"event\": "
-                       "\"visit\", \"verdict\": \"deny\", \"frames\": 3}",
-                       i);
+        char line[RECORD_SIZE];
+        write_record(i, line);
         r = sd_bus_message_append_basic(reply, 's', line);
     }
     r = r < 0 ? r : sd_bus_message_close_container(reply);

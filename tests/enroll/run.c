@@ -7,21 +7,35 @@
 
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/child_end.h"
+
 enum { SILENCE_MS = 60 * 1000 };
 
 void run_start(struct run *run, const char *const argv[])
 {
+    run_start_to(run, argv, NULL);
+}
+
+void run_start_to(struct run *run, const char *const argv[], const char *out_path)
+{
     int out[2], err[2];
 
     *run = (struct run){.out = calloc(1, RUN_OUTPUT_SIZE), .err = calloc(1, RUN_OUTPUT_SIZE)};
+    for (size_t i = 0; argv[i]; i++) {
+        const size_t length = strlen(run->what);
+        (void)snprintf(run->what + length, sizeof run->what - length, "%s%s", i ? " " : "",
+                       argv[i]);
+    }
     assert_non_null(run->out);
     assert_non_null(run->err);
     assert_int_equal(pipe(out), 0);
@@ -30,7 +44,7 @@ void run_start(struct run *run, const char *const argv[])
     assert_true(run->pid >= 0);
     if (run->pid == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
-        dup2(out[1], STDOUT_FILENO);
+        dup2(out_path ? open(out_path, O_WRONLY | O_CLOEXEC) : out[1], STDOUT_FILENO);
         dup2(err[1], STDERR_FILENO);
         close(out[0]), close(out[1]), close(err[0]), close(err[1]);
         execv(argv[0], (char *const *)(uintptr_t)argv);
@@ -95,7 +109,12 @@ void run_finish(struct run *run)
     }
     assert_int_equal(waitpid(run->pid, &status, 0), run->pid);
     run->pid = 0;
-    run->exit = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+    run->exit = child_code(status);
+}
+
+void run_expect(const struct run *run, int exit)
+{
+    child_expect_code(run->what, run->exit, exit, run->out, run->err);
 }
 
 void run_free(struct run *run)

@@ -11,6 +11,7 @@ struct run {
     pid_t pid;          /* 0 after run_finish() */
     int out_fd, err_fd; /* -1 at their end */
     int exit;           /* after run_finish(): the exit code, or 1000 + the signal */
+    char what[512];     /* the command line */
     char *out, *err;    /* what came so far, terminated */
     size_t out_size, err_size;
 };
@@ -18,11 +19,17 @@ struct run {
 /* argv ends with NULL; argv[0] is a path. Output beyond RUN_OUTPUT_SIZE fails the test. */
 void run_start(struct run *run, const char *const argv[]);
 
+/* The same, with standard output to the file at `out_path`; NULL: caught. */
+void run_start_to(struct run *run, const char *const argv[], const char *out_path);
+
 /* Waits until `text` stands in what the program prints; that it ends before fails the test. */
 void run_until(struct run *run, const char *text);
 
 /* Waits for the end. */
 void run_finish(struct run *run);
+
+/* Fails the test, saying what it was, how it ended and what it said, unless it ended like that. */
+void run_expect(const struct run *run, int exit);
 
 void run_free(struct run *run);
 

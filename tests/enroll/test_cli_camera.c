@@ -45,7 +45,7 @@ static void enrolling_guides_the_person(void **state)
                                     "stage 2/2 done (quality 0.75)\n"
                                     "anna is enrolled.\n");
     assert_string_equal(result.err, "");
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_string_equal(result.calls, "Claim;EnrollStart anna;EnrollStop;Release");
 }
 
@@ -68,7 +68,7 @@ static void enrolling_hands_the_options_on(void **state)
     assert_true(json_real_value(json_object_get(document, "quality")) == 0.5);
     json_decref(document);
     assert_string_equal(result.err, "Enrolling anna: look straight at the camera.\n");
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(cli_run(&script, "enroll anna --valid-until none --expired").calls,
                            "EnrollStart anna valid-until=0 expired=1;"));
 }
@@ -153,7 +153,7 @@ static void every_ending_has_its_words_and_exit_code(void **state)
         const struct fake_status status = {endings[i].result, true, 1, 4, 3.5, "bob", 2.25};
         const struct fake_script script = {.statuses = &status, .n_statuses = 1};
         struct cli_result result = cli_run(&script, endings[i].words);
-        assert_int_equal(result.exit, endings[i].exit);
+        cli_expect_exit(&result, endings[i].exit);
         if (!strstr(result.out, endings[i].text) && !strstr(result.err, endings[i].text)) {
             fail_msg("%s: '%s' is not in '%s%s'", endings[i].result, endings[i].text, result.out,
                      result.err);
@@ -162,7 +162,7 @@ static void every_ending_has_its_words_and_exit_code(void **state)
         char words[64];
         (void)snprintf(words, sizeof words, "%s --json", endings[i].words);
         result = cli_run(&script, words);
-        assert_int_equal(result.exit, endings[i].exit);
+        cli_expect_exit(&result, endings[i].exit);
         json_t *document = cli_json(&result);
         assert_string_equal(json_string_value(json_object_get(document, "result")),
                             endings[i].result);
@@ -193,7 +193,7 @@ static void a_score_that_is_no_number_is_left_out(void **state)
 
     (void)state;
     assert_string_equal(result.out, "Look straight at the camera.\nnot known\n");
-    assert_int_equal(result.exit, 1);
+    cli_expect_exit(&result, 1);
     result = cli_run(&script, "identify --json");
     json_t *document = cli_json(&result);
     assert_true(json_is_null(json_object_get(document, "score")));
@@ -260,7 +260,7 @@ static void aim_shows_what_is_seen(void **state)
     struct cli_result result = cli_run_interrupt(&script, "aim", "too-far");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "\nno-face               -     -     -    -     -    -"));
     assert_non_null(strstr(result.out, "  no face to be seen: stand in front of the camera\n"));
     assert_non_null(strstr(result.out, "\ntoo-far            1813     -     -  -12     -"));
@@ -268,7 +268,7 @@ static void aim_shows_what_is_seen(void **state)
     assert_string_equal(result.calls, "AimStart;AimStop"); /* no claim: the door stays in service */
 
     result = cli_run(&script, "aim --json --timeout 0.2");
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_string_equal(result.out, "{\"capture\":\"no-face\"}\n"
                                     "{\"capture\":\"too-far\",\"distance-mm\":1812.5999999999999,"
                                     "\"yaw-deg\":-12.4}\n");
@@ -363,7 +363,7 @@ static void aim_ends_with_the_daemon(void **state)
     const struct cli_result result = cli_run(&script, "aim");
 
     (void)state;
-    assert_int_equal(result.exit, 4);
+    cli_expect_exit(&result, 4);
     assert_non_null(strstr(result.err, "the daemon has gone away"));
 }
 
@@ -379,7 +379,7 @@ static void a_silent_door_times_out_and_is_released(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT(words); i++) {
         const struct cli_result result = cli_run(&script, words[i]);
-        assert_int_equal(result.exit, 5);
+        cli_expect_exit(&result, 5);
         assert_non_null(strstr(result.err, "no usable face in time"));
         assert_string_equal(result.calls, calls[i]);
     }
@@ -394,12 +394,12 @@ static void an_interrupt_releases_the_camera(void **state)
     struct cli_result result = cli_run_interrupt(&enrolling, "enroll anna", "step back");
 
     (void)state;
-    assert_int_equal(result.exit, 130);
+    cli_expect_exit(&result, 130);
     assert_string_equal(result.err, "anna is not enrolled: interrupted.\n");
     assert_string_equal(result.calls, "Claim;EnrollStart anna;EnrollStop;Release");
 
     result = cli_run_interrupt(&identifying, "identify", "picture");
-    assert_int_equal(result.exit, 130);
+    cli_expect_exit(&result, 130);
     assert_string_equal(result.calls, "Claim;IdentifyStart;IdentifyStop;Release");
 }
 
@@ -443,7 +443,7 @@ static void a_strangers_signal_is_not_believed(void **state)
     const struct cli_result result = cli_run(&script, "identify");
 
     (void)state;
-    assert_int_equal(result.exit, 1);
+    cli_expect_exit(&result, 1);
 }
 
 static void an_unknown_ending_is_a_fault(void **state)

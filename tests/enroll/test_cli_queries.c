@@ -29,11 +29,56 @@ static void list_shows_everybody(void **state)
     const struct cli_result result = cli_run(&two_people, "list");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "\nanna                     2026-11-21 08:00  -          "
                                        "       2026-12-30 23:59  2\n"));
     assert_non_null(strstr(result.out, "\nBo Ek                    2026-11-21 08:01  2026-11-21 "
                                        "22:26  -                 1\n"));
+}
+
+/* Chinese letters take two columns, a combining accent none: the dates stand below each other. */
+static void list_aligns_wide_letters(void **state)
+{
+    static const struct fake_person abroad[] = {
+        {"\u5f20\u4f1f", 1795248000, 0, 0, 1},
+        {"Jose\u0301", 1795248000, 0, 0, 1},
+        {"Anna Margareta Wilhelmina Ek", 1795248000, 0, 0, 1},
+    };
+    const struct fake_script script = {.people = abroad, .n_people = COUNT(abroad)};
+    const struct cli_result result = cli_run(&script, "list");
+
+    (void)state;
+    assert_non_null(strstr(result.out, "\n\u5f20\u4f1f                         2026-11-21"));
+    assert_non_null(strstr(result.out, "\nJose\u0301                         2026-11-21"));
+    assert_non_null(strstr(result.out, "\nAnna Margareta Wilhelmina Ek 2026-11-21"));
+}
+
+static void what_cannot_be_written_is_a_fault(void **state)
+{
+    static const char *const words[] = {"list",   "list --json", "status",   "log",
+                                        "doctor", "--help",      "--version"};
+    const struct fake_script script = {.people = people, .n_people = 2, .n_records = 3};
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(words); i++) {
+        const struct cli_result result = cli_run_to("/dev/full", &script, words[i]);
+        const char *end = strchr(result.err, '\n');
+        if (result.exit != 4 || strncmp(result.err, "isotherm: standard output: ", 27) != 0 ||
+            !end || end[1]) {
+            fail_msg("%s: exit code %d, %s", words[i], result.exit, result.err);
+        }
+    }
+}
+
+static void one_person_is_no_people(void **state)
+{
+    const struct fake_script script = {.people = people, .n_people = 1};
+    const struct fake_person single = {"anna", 1795248000, 0, 0, 1};
+    const struct fake_script one = {.people = &single, .n_people = 1};
+
+    (void)state;
+    assert_non_null(strstr(cli_run(&script, "doctor").out, " 1 person, 2 usable templates\n"));
+    assert_non_null(strstr(cli_run(&one, "doctor").out, " 1 person, 1 usable template\n"));
 }
 
 static void list_of_nobody(void **state)
@@ -136,7 +181,7 @@ static void rename_says_what_is_left_to_do(void **state)
 
 static void status_keeps_names_and_types(void **state)
 {
-    struct cli_result result = cli_run(&two_people, "status --json");
+    const struct cli_result result = cli_run(&two_people, "status --json");
     json_t *document = cli_json(&result);
 
     (void)state;
@@ -145,9 +190,24 @@ static void status_keeps_names_and_types(void **state)
     assert_int_equal(json_integer_value(json_object_get(document, "frames")), 1099511627776);
     assert_true(json_real_value(json_object_get(document, "threshold")) == 1.25);
     json_decref(document);
-    result = cli_run(&two_people, "status");
-    assert_non_null(strstr(result.out, "door-state         locked\n"));
-    assert_non_null(strstr(result.out, "threshold          1.25\n"));
+}
+
+/* In sections, with plain names and units; the names of the bus are for programs. */
+static void status_is_for_people(void **state)
+{
+    const struct cli_result result = cli_run(&two_people, "status");
+
+    (void)state;
+    cli_expect_exit(&result, 0);
+    assert_non_null(strstr(result.out, "\nDoor\n  state                  locked\n"));
+    assert_non_null(strstr(result.out, "  running for            2 h 5 min\n"));
+    assert_non_null(strstr(result.out, "  distance               612.4 mm\n"));
+    assert_non_null(strstr(result.out, "  score needed           1.25\n"));
+    assert_non_null(strstr(result.out, "  measured of the head   93 %\n"));
+    static const char *const raw[] = {"door-state", "uptime-ms", "distance-mm", "00c0ffee"};
+    for (size_t i = 0; i < COUNT(raw); i++) {
+        assert_null(strstr(result.out, raw[i]));
+    }
 }
 
 /* The numbers of the records that a document holds, first and last. */
@@ -208,13 +268,78 @@ static void log_shows_the_last_or_those_from_a_number_on(void **state)
     expect_records("log --json --from 1", 20, 1, 20);
 }
 
+/* Local time, two digits of a score, nothing that only programs want. */
 static void log_is_one_line_a_record(void **state)
 {
-    const struct fake_script script = {.n_records = 1};
+    const struct fake_script script = {.n_records = 2};
 
     (void)state;
+    setenv("TZ", "CET-1", 1);
     assert_string_equal(cli_run(&script, "log").out,
-                        "1 2026-11-21T08:30:15Z visit verdict=deny frames=3\n");
+                        "1 2026-11-21 09:30:15 visit verdict=allow person=anna score=2.35 frames=3 "
+                        "novelty=true\n"
+                        "2 2026-11-21 09:40:15 visit verdict=deny person=\"Bo Ek\" score=2.35 "
+                        "frames=3 novelty=true\n");
+    setenv("TZ", "UTC", 1);
+    assert_string_equal(cli_run(&script, "log --full -n 1").out,
+                        "2 2026-11-21 08:40:15 visit verdict=deny person=\"Bo Ek\" "
+                        "score=2.3456779999999999 frames=3 monotonic_ns=1234567 novelty=true\n");
+}
+
+static void log_shows_what_was_asked_for(void **state)
+{
+    (void)state;
+    expect_records("log --json --person anna", 20, 551, 599);
+    expect_records("log --json --person anna --person carl -n 3", 3, 593, 599);
+    expect_records("log --json --event door -n 2", 2, 595, 600);
+    expect_records("log --json --event alarm,door -n 2", 2, 595, 600);
+    expect_records("log --json --from 7 --event door -n 3", 3, 10, 20);
+    expect_records("log --json --day 2026-11-21", 93, 1, 93);
+    expect_records("log --json --day 2026-11-22", 144, 94, 237);
+    expect_records("log --json --day 2026-11-22 --event door", 29, 95, 235);
+    expect_records("log --json --day 2026-11-22 --person anna --from 200 -n 2", 2, 201, 203);
+}
+
+static void log_of_what_never_happened(void **state)
+{
+    static const char *const words[] = {"log --person carl", "log --event alarm",
+                                        "log --day 2026-01-01"};
+    const struct fake_script script = {.n_records = 600};
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(words); i++) {
+        const struct cli_result result = cli_run(&script, words[i]);
+        cli_expect_exit(&result, 0);
+        assert_string_equal(result.out, "");
+    }
+}
+
+static void log_as_csv(void **state)
+{
+    const struct fake_script script = {.n_records = 5};
+
+    (void)state;
+    assert_string_equal(
+        cli_run(&script, "log --csv --from 4").out,
+        "sequence,time,event,verdict,person,reason,score,threshold,frames,attack_frames,sensor,"
+        "gallery,note\n"
+        "4,2026-11-21 09:00:15,visit,deny,Bo Ek,,2.35,,3,,,,\n"
+        "5,2026-11-21 09:10:15,door,,,,,,,,,,\"locked, by \"\"time\"\"\"\n");
+    assert_non_null(strstr(cli_run(&script, "log --csv --full").out, ",note,monotonic_ns\n"));
+    const struct cli_result result = cli_run(&script, "log --csv --json");
+    cli_expect_error(&result, 2, "usage");
+}
+
+static void log_from_a_record_that_is_not_there(void **state)
+{
+    const struct fake_script script = {.n_records = 5};
+    struct cli_result result = cli_run(&script, "log --from 6 --json");
+
+    (void)state;
+    cli_expect_error(&result, 3, "no-such-record");
+    result = cli_run(&script, "log --from 6");
+    cli_expect_exit(&result, 3);
+    assert_string_equal(result.err, "isotherm: there is no record 6: the log ends with 5\n");
 }
 
 static void log_of_nothing(void **state)
@@ -235,7 +360,7 @@ static void following_the_log_ends_with_an_interrupt(void **state)
                                                        "\"sequence\":4");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_null(strstr(result.out, "\"sequence\":2"));
     assert_non_null(strstr(result.out, "{\"sequence\":3,"));
 }
@@ -247,7 +372,7 @@ static void doctor_finds_nothing_wrong(void **state)
     size_t i;
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_true(json_is_true(json_object_get(document, "healthy")));
     assert_int_equal(json_array_size(json_object_get(document, "checks")), 9);
     json_array_foreach(json_object_get(document, "checks"), i, check)
@@ -267,7 +392,7 @@ static void doctor_lists_the_devices_that_the_driver_sees(void **state)
     const struct cli_result result = cli_run(&script, "doctor");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "ok       devices     1d27/0600@1/4 (Maker Eye)\n"));
     assert_non_null(strstr(result.out, "ok       calibration 60.0 mm apart, 0.21 px rms of 24 "
                                        "pairs\n"));
@@ -350,7 +475,7 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
         if (!found) {
             fail_msg("'%s' is not in:\n%s", cases[i].text, result.out);
         }
-        assert_int_equal(result.exit, cases[i].exit);
+        cli_expect_exit(&result, cases[i].exit);
         assert_non_null(strstr(found, "-> "));
     }
 }
@@ -360,7 +485,7 @@ static void doctor_without_a_daemon(void **state)
     const struct cli_result result = cli_run(NULL, "doctor");
 
     (void)state;
-    assert_int_equal(result.exit, 4);
+    cli_expect_exit(&result, 4);
     assert_non_null(strstr(result.out, "fault    daemon      isothermd is not on the bus\n"));
 }
 
@@ -374,7 +499,7 @@ static void every_command_fails_clearly_without_a_daemon(void **state)
         struct cli_result result = cli_run(NULL, words);
         cli_expect_error(&result, 4, "no-daemon");
         result = cli_run(NULL, commands[i]);
-        assert_int_equal(result.exit, 4);
+        cli_expect_exit(&result, 4);
         assert_non_null(strstr(result.err, "isotherm: isothermd is not running on this bus"));
     }
 }
@@ -390,7 +515,7 @@ static void every_command_fails_clearly_without_a_bus(void **state)
         cli_expect_error(&result, 4, "no-bus");
     }
     const struct cli_result result = cli_run(NULL, "doctor --bus unix:path=/nowhere/bus");
-    assert_int_equal(result.exit, 4);
+    cli_expect_exit(&result, 4);
     assert_non_null(strstr(result.out, "fault    bus "));
 }
 
@@ -433,7 +558,7 @@ static void usage_errors_are_told_in_the_form_asked_for(void **state)
     (void)state;
     cli_expect_error(&result, 2, "usage");
     result = cli_run(NULL, "list --bogus");
-    assert_int_equal(result.exit, 2);
+    cli_expect_exit(&result, 2);
     assert_string_equal(result.out, "");
     assert_non_null(strstr(result.err, "--bogus"));
 }
@@ -443,7 +568,7 @@ static void help_and_version_need_no_daemon(void **state)
     struct cli_result result = cli_run(NULL, "--help");
 
     (void)state;
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     for (size_t i = 0; i < COUNT(commands); i++) {
         char name[16] = "  ";
         strncat(name, commands[i], strcspn(commands[i], " "));
@@ -452,7 +577,7 @@ static void help_and_version_need_no_daemon(void **state)
     result = cli_run(NULL, "--version");
     assert_string_equal(result.out, "isotherm " ISOTHERM_VERSION "\n");
     result = cli_run(NULL, "enroll --help");
-    assert_int_equal(result.exit, 0);
+    cli_expect_exit(&result, 0);
     assert_non_null(strstr(result.out, "--allow-duplicate"));
 }
 
@@ -460,6 +585,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(list_shows_everybody),
+        cmocka_unit_test(list_aligns_wide_letters),
+        cmocka_unit_test(what_cannot_be_written_is_a_fault),
+        cmocka_unit_test(one_person_is_no_people),
         cmocka_unit_test(list_of_nobody),
         cmocka_unit_test(list_as_json),
         cmocka_unit_test(remove_says_whom),
@@ -467,10 +595,15 @@ int main(void)
         cmocka_unit_test(validity_says_what_is_stored),
         cmocka_unit_test(rename_says_what_is_left_to_do),
         cmocka_unit_test(status_keeps_names_and_types),
+        cmocka_unit_test(status_is_for_people),
         cmocka_unit_test(log_of_a_busy_door_has_an_end),
         cmocka_unit_test(log_waits_until_it_may_call_again),
         cmocka_unit_test(log_shows_the_last_or_those_from_a_number_on),
         cmocka_unit_test(log_is_one_line_a_record),
+        cmocka_unit_test(log_shows_what_was_asked_for),
+        cmocka_unit_test(log_of_what_never_happened),
+        cmocka_unit_test(log_as_csv),
+        cmocka_unit_test(log_from_a_record_that_is_not_there),
         cmocka_unit_test(log_of_nothing),
         cmocka_unit_test(following_the_log_ends_with_an_interrupt),
         cmocka_unit_test(doctor_finds_nothing_wrong),

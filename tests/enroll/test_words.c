@@ -97,11 +97,42 @@ static void what_is_no_date_is_refused(void **state)
     }
 }
 
+/* An hour east of Greenwich: the day begins an hour before it does there. */
+static void days_are_read(void **state)
+{
+    static const struct {
+        const char *text;
+        int64_t now_s, begins_s, ends_s;
+    } cases[] = {
+        {"2026-11-22", 0, 1795302000, 1795388400},
+        {"today", 1795302000, 1795302000, 1795388400},
+        {"today", 1795388399, 1795302000, 1795388400},
+        {"yesterday", 1795388400, 1795302000, 1795388400},
+        {"yesterday", 1796079600, 1795993200, 1796079600}, /* 1 December: 30 November */
+    };
+    static const char *const none[] = {"", "tomorrow", "2026-11-22x", "2026-02-30",
+                                       "2026-11-22T10:00"};
+    int64_t begins_s = 7, ends_s = 8;
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(none); i++) {
+        assert_false(cli_when_parse_day(none[i], 1795302000, &begins_s, &ends_s));
+        assert_true(begins_s == 7 && ends_s == 8);
+    }
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        assert_true(cli_when_parse_day(cases[i].text, cases[i].now_s, &begins_s, &ends_s));
+        assert_int_equal(begins_s, cases[i].begins_s);
+        assert_int_equal(ends_s, cases[i].ends_s);
+    }
+}
+
 static void dates_are_written(void **state)
 {
     char text[CLI_WHEN_SIZE];
 
     (void)state;
+    cli_when_format_second(1795249815, text);
+    assert_string_equal(text, "2026-11-21 09:30:15");
     cli_when_format(1795249815, text);
     assert_string_equal(text, "2026-11-21 09:30");
     cli_when_format(0, text);
@@ -184,6 +215,15 @@ static void what_is_wrong_on_the_command_line_is_named(void **state)
         {"enroll a --valid-from 2026-02-30", "--valid-from: bad value '2026-02-30'"},
         {"enroll a --valid-from 2026-12-02 --valid-until 2026-12-01", "--valid-until is not after"},
         {"list --session --bus x", "--bus or --session"},
+        {"lsit", "unknown command 'lsit': did you mean 'list'?"},
+        {"identfy", "did you mean 'identify'?"},
+        {"log --folow", "unknown option '--folow': did you mean '--follow'?"},
+        {"enroll a --valid-form 2026-12-01", "did you mean '--valid-from'?"},
+        {"enroll a --valid-from tomorrow", "a time looks like 2026-12-31, 2026-12-31T18:00"},
+        {"enroll a --valid-until 31.12.2026",
+         "--valid-until: bad value '31.12.2026'; a time looks"},
+        {"log --day monday", "--day: bad value 'monday'; a day looks like 2026-12-31, today"},
+        {"log --csv --json", "--csv or --json"},
     };
     struct cli_arguments arguments;
     struct cli_fault fault;
@@ -205,6 +245,7 @@ int main(void)
         cmocka_unit_test(a_retry_is_recognised_by_its_prefix),
         cmocka_unit_test(dates_are_read),
         cmocka_unit_test(what_is_no_date_is_refused),
+        cmocka_unit_test(days_are_read),
         cmocka_unit_test(dates_are_written),
         cmocka_unit_test(options_stand_anywhere),
         cmocka_unit_test(what_is_wrong_on_the_command_line_is_named),

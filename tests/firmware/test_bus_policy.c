@@ -16,6 +16,7 @@
 
 #include "core/contract.h"
 #include "tests/enroll/private_bus.h"
+#include "tests/support/child_end.h"
 #include "tests/support/scratch.h"
 
 #define POLICY ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Isotherm.conf"
@@ -173,10 +174,13 @@ static void ask_all(enum rank group, uint8_t verdicts[RULES])
     gid_t gid = NOBODY_UID;
     const struct group *entry = group < NO_GROUP ? getgrnam(groups[group][1]) : NULL;
     if (group < NO_GROUP && !entry) {
+        fprintf(stderr, "there is no group %s on this machine\n", groups[group][1]);
         _exit(1);
     }
     gid = entry ? entry->gr_gid : gid;
     if (setgroups(1, &gid) || setgid(NOBODY_UID) || setuid(NOBODY_UID) || !(bus = connect_bus())) {
+        fprintf(stderr, "cannot become a user of group %u on the bus: %s\n", (unsigned)gid,
+                strerror(errno));
         _exit(1);
     }
     for (int i = 0; i < RULES; i++) {
@@ -196,17 +200,15 @@ static void ask_all(enum rank group, uint8_t verdicts[RULES])
 static void expect_rights(enum rank group)
 {
     uint8_t verdicts[RULES];
-    int status = 0, out[2];
+    struct child child;
+    int out[2];
     assert_int_equal(pipe(out), 0);
-    const pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
+    if (child_fork(&child, "a client that calls every method") == 0) {
         ask_all(group, verdicts);
         _exit(write(out[1], verdicts, sizeof verdicts) != (ssize_t)sizeof verdicts);
     }
     close(out[1]);
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_int_equal(status, 0);
+    child_expect(&child, 0);
     assert_int_equal(read(out[0], verdicts, sizeof verdicts), sizeof verdicts);
     close(out[0]);
     for (int i = 0; i < RULES; i++) {

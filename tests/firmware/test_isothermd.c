@@ -51,8 +51,9 @@ static const char *write_configuration(const char *directory, const char *bus, c
 static void expect_end(const struct run *run, int exit, const char *line)
 {
     const char *newline = strchr(run->err, '\n');
-    if (run->exit != exit || !strstr(run->err, line)) {
-        fail_msg("exit %d, and said: %s", run->exit, run->err);
+    run_expect(run, exit);
+    if (!strstr(run->err, line)) {
+        fail_msg("'%s' is not in: %s", line, run->err);
     }
     if (exit != 0) {
         assert_non_null(newline);
@@ -66,15 +67,15 @@ static void explains_itself(void **state)
 {
     (void)state;
     const struct run *run = run_program("--help", NULL);
-    assert_int_equal(run->exit, 0);
+    run_expect(run, 0);
     assert_memory_equal(run->out, "Usage: isothermd", 16);
     run = run_program("--version", NULL);
-    assert_int_equal(run->exit, 0);
+    run_expect(run, 0);
     assert_memory_equal(run->out, "isothermd " ISOTHERM_VERSION "\nimage check: ",
                         strlen("isothermd " ISOTHERM_VERSION "\nimage check: "));
     assert_true(strstr(run->out, ": OpenCV ") || strstr(run->out, ": not installed\n"));
     run = run_program("--help-config", NULL);
-    assert_int_equal(run->exit, 0);
+    run_expect(run, 0);
     assert_non_null(strstr(run->out, "\n[decision]\n"));
 }
 
@@ -105,8 +106,8 @@ static void the_manual_has_its_options(void **state)
 static void refuses_a_wrong_command_line(void **state)
 {
     (void)state;
-    assert_int_equal(run_program("--colour", NULL)->exit, 2);
-    assert_int_equal(run_program("--config", NULL)->exit, 2);
+    run_expect(run_program("--colour", NULL), 2);
+    run_expect(run_program("--config", NULL), 2);
     const struct run *run = run_program("start", NULL);
     expect_end(run, 2, "isothermd: superfluous word 'start'");
 }
@@ -118,7 +119,7 @@ static void checks_a_configuration(void **state)
     struct run run;
     run_start(&run, argv);
     run_finish(&run);
-    assert_int_equal(run.exit, 0);
+    run_expect(&run, 0);
     assert_non_null(strstr(run.out, "/c.conf: sound\n"));
     assert_false(scratch_exists(scratch_path(*state, "g.db")));
     run_free(&run);
@@ -224,7 +225,7 @@ static void skip_without_gpiod(const struct run *run)
 /* Touches nothing but the lines. */
 static void puts_the_door_to_rest(void **state)
 {
-    assert_int_equal(rest_door(write_configuration(*state, "system", ""))->exit, 0);
+    run_expect(rest_door(write_configuration(*state, "system", "")), 0);
     assert_false(scratch_exists(scratch_path(*state, "g.db")));
     assert_false(scratch_exists(scratch_path(*state, "a.log")));
     const char *path = write_configuration(*state, "system", "[door]\nbackend = gate\n");
@@ -254,7 +255,7 @@ static void starts_without_its_lines(void **state)
     expect_notification(&run, fd, "READY=1");
     assert_int_equal(kill(run.pid, SIGTERM), 0);
     run_finish(&run);
-    assert_int_equal(run.exit, 0);
+    run_expect(&run, 0);
     assert_non_null(strstr(run.err, "door fault (start): door gpiod: relay: line gpiochip4711:17: "
                                     "no such GPIO chip"));
     run_free(&run);
@@ -283,7 +284,7 @@ static void lives_and_dies(void **state)
     assert_int_equal(kill(run.pid, SIGTERM), 0);
     expect_notification(&run, fd, "STOPPING=1");
     run_finish(&run);
-    assert_int_equal(run.exit, 0);
+    run_expect(&run, 0);
     run_free(&run);
     (void)unsetenv("WATCHDOG_USEC");
 
@@ -296,7 +297,7 @@ static void lives_and_dies(void **state)
     expect_notification(&run, fd, "WATCHDOG=1");
     assert_int_equal(kill(run.pid, SIGTERM), 0);
     run_finish(&run);
-    assert_int_equal(run.exit, 0);
+    run_expect(&run, 0);
     assert_non_null(strstr(run.err, "the bus is gone"));
     run_free(&run);
     (void)unsetenv("WATCHDOG_USEC");
@@ -306,9 +307,24 @@ static void lives_and_dies(void **state)
     const char *const print[] = {PROGRAM, "--config", path, "--print-log", NULL};
     run_start(&run, print);
     run_finish(&run);
-    assert_int_equal(run.exit, 0);
+    run_expect(&run, 0);
     assert_non_null(strstr(run.out, "\"event\":\"stop\""));
     run_free(&run);
+}
+
+/* What cannot be written is a fault, told in a line. */
+static void says_that_it_cannot_be_read(void **state)
+{
+    static const char *const options[] = {"--help", "--help-config", "--version"};
+    (void)state;
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        const char *const argv[] = {PROGRAM, options[i], NULL};
+        struct run run;
+        run_start_to(&run, argv, "/dev/full");
+        run_finish(&run);
+        expect_end(&run, 4, "isothermd: standard output: No space left on device\n");
+        run_free(&run);
+    }
 }
 
 int main(void)
@@ -317,6 +333,7 @@ int main(void)
         cmocka_unit_test(explains_itself),
         cmocka_unit_test(the_manual_has_its_options),
         cmocka_unit_test(refuses_a_wrong_command_line),
+        cmocka_unit_test(says_that_it_cannot_be_read),
         cmocka_unit_test_setup_teardown(checks_a_configuration, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(says_why_it_does_not_start, scratch_setup,
                                         scratch_teardown),

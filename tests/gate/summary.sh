@@ -3,6 +3,8 @@
 # counts, and each other test is one.
 # usage: summary.sh BUILD
 set -eu
+# shellcheck source=tests/support/verdict.sh
+. "$(dirname "$0")/../support/verdict.sh"
 logs=$1/Testing/Temporary
 skipped=$logs/LastTestsDisabled.log # ctest's list of tests that said "skip" as a whole
 [ -f "$skipped" ] || skipped=/dev/null
@@ -26,5 +28,8 @@ cases && /^\[  FAILED  \] [0-9]+ test\(s\)/ { failed += $4; failed_here = $4 }
 /^Test Passed\.$/ && !cases { passed++ }
 /^Test (Failed|Timeout)/ && !failed_here { failed++ }
 END {
-    printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped
-}' "$logs/LastTest.log"
+    print passed + 0, failed + 0, skipped + 0
+}' "$logs/LastTest.log" | {
+    read -r passed failed skipped
+    say_tally "$passed" "$failed" "$skipped"
+}

@@ -2,31 +2,50 @@
 # Exit codes and complaints of isotherm-sim's commands: commands.sh PROGRAM SOURCE_DIRECTORY
 set -u
 simulator=$1 source=$2
+# shellcheck source=tests/support/verdict.sh
+. "$source/tests/support/verdict.sh"
 model=$source/core/data/head.model
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-failures=0
+failures=0 why='something that a command made is not as it should be'
 
 # expect CODE WORDS COMMAND...: the exit code, and words in one line on stderr ("" for none at all)
 expect() {
     code=$1 words=$2
     shift 2
-    "$simulator" "$@" >"$work/stdout" 2>"$work/stderr"
+    "$simulator" "$@" >"$work/stdout" 2>"$work/said"
     got=$?
+    # What says how far a long command is, is no complaint.
+    grep -vE '^isotherm-sim: [a-z ]+: ([0-9]+ of [0-9]+|.* so far$|ended after )' "$work/said" >"$work/stderr"
     lines=$(wc -l <"$work/stderr")
     if [ "$got" -ne "$code" ]; then
-        echo "isotherm-sim $*: exit code $got, not $code"
+        why="isotherm-sim $*: exit code $got, not $code; last it said: $(tail -n 1 "$work/said")"
+        echo "$why"
     elif [ -n "$words" ] && { [ "$lines" -ne 1 ] || ! grep -qF -- "$words" "$work/stderr"; }; then
-        echo "isotherm-sim $*: stderr is not one line with '$words':"
+        why="isotherm-sim $*: stderr is not one line with '$words'"
+        echo "$why:"
         cat "$work/stderr"
     elif [ -z "$words" ] && [ "$lines" -ne 0 ]; then
-        echo "isotherm-sim $*: complains:"
+        why="isotherm-sim $*: complains"
+        echo "$why:"
         cat "$work/stderr"
     else
         return
     fi
     failures=$((failures + 1))
 }
+
+# What cannot be written is a fault, whatever was to be printed.
+for words in --help --version 'eval --help' 'generate --help' 'train --help'; do
+    # shellcheck disable=SC2086
+    "$simulator" $words >/dev/full 2>"$work/said"
+    got=$?
+    if [ "$got" -ne 4 ] || ! grep -q '^isotherm-sim: standard output: ' "$work/said"; then
+        why="isotherm-sim $words >/dev/full: exit code $got, not 4"
+        echo "$why"
+        failures=$((failures + 1))
+    fi
+done
 
 expect 0 '' eval --help
 expect 0 '' show --help
@@ -95,7 +114,10 @@ expect 3 'nowhere/manifest.csv' shapes eval --corpus "$work/nowhere" --out "$wor
 expect 3 'nowhere/manifest.csv' shapes tables --corpus "$work/nowhere" --out "$work/s"
 expect 0 '' train --help
 expect 0 '' train metric --help
-expect 2 'Usage: isotherm-sim train head|cohort|metric' train heads
+expect 2 'Usage: isotherm-sim train head|cohort|metric' train dance
+expect 2 "head|cohort|metric [OPTION...]; did you mean 'head'?" train heads
+expect 2 "unknown command 'genrate': did you mean 'generate'?" genrate
+expect 2 "unknown command 'dance' (see isotherm-sim --help)" dance
 expect 2 'isotherm-sim train head: --ict and --out are needed' train head --ict x
 expect 2 '--corpora and --out are needed' train metric
 expect 3 'nowhere' train head --ict "$work/nowhere" --out "$work/head.model"
@@ -145,4 +167,8 @@ if ! [ -e /usr/local/share/isotherm/head.model ]; then
     expect 3 '/share/isotherm/head.model: No such file' show --recording "$face" --out "$work/x.png"
 fi
 
-[ "$failures" -eq 0 ]
+[ "$failures" -eq 0 ] || {
+    paint bad "$failures failed; the last: $why"
+    echo
+    exit 1
+}

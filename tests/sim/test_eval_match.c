@@ -291,14 +291,14 @@ static void test_parallel(void **state)
 {
     (void)state;
     int marks[50] = {0};
-    assert_int_equal(sim_parallel(3, 50, mark, marks), 0);
+    assert_int_equal(sim_parallel(3, "test", 50, mark, marks), 0);
     for (int i = 0; i < 50; i++) {
         assert_int_equal(marks[i], 1);
     }
-    assert_int_equal(sim_parallel(2, 0, mark, marks), 0);
-    assert_int_equal(sim_parallel(2, 50, refuse_seventh, NULL), -EDOM);
-    assert_int_equal(sim_parallel(0, 50, mark, marks), -EINVAL);
-    assert_int_equal(sim_parallel(65, 50, mark, marks), -EINVAL);
+    assert_int_equal(sim_parallel(2, "test", 0, mark, marks), 0);
+    assert_int_equal(sim_parallel(2, "test", 50, refuse_seventh, NULL), -EDOM);
+    assert_int_equal(sim_parallel(0, "test", 50, mark, marks), -EINVAL);
+    assert_int_equal(sim_parallel(65, "test", 50, mark, marks), -EINVAL);
 }
 
 int main(void)

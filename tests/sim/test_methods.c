@@ -435,8 +435,8 @@ static void test_refuses_to_learn(void **state)
     const uint32_t alone[LEARNED * TAKES] = {0};
     training.person = alone;
     training.n_people = 1;
-    expect_untaught(&sim_method_fishersurfaces, &training, "fishersurfaces: 40 faces of 1 people");
-    expect_untaught(&sim_method_anthroface_10, &training, "anthroface-10: 40 faces of 1 people");
+    expect_untaught(&sim_method_fishersurfaces, &training, "fishersurfaces: 40 faces of 1 person");
+    expect_untaught(&sim_method_anthroface_10, &training, "anthroface-10: 40 faces of 1 person");
     training = training_of(*state);
     const bool marks[SIM_MARKS] = {true, true};
     training.marks = marks;

@@ -16,6 +16,7 @@ struct target {
     const char *text;
     size_t count;
     double angle_rad;
+    bool flag;
     struct iso_extract_options extract;
     struct iso_match_options match;
 };
@@ -27,6 +28,7 @@ static const struct sim_option options[] = {
     {"text", "WORD", "a text", sim_option_text, offsetof(struct target, text)},
     {"count", "N", "a count", sim_option_count, offsetof(struct target, count)},
     {"angle", "DEGREES", "an angle", sim_option_degrees, offsetof(struct target, angle_rad)},
+    {"flag", NULL, "a flag", sim_option_flag, offsetof(struct target, flag)},
 };
 
 static int setup(void **state)
@@ -40,7 +42,7 @@ static int setup(void **state)
 
 static enum sim_options_outcome parse(int argc, char **argv)
 {
-    const struct sim_option_set sets[] = {{options, 3, &target},
+    const struct sim_option_set sets[] = {{options, 4, &target},
                                           sim_extract_option_set(&target.extract),
                                           sim_match_option_set(&target.match)};
     return sim_options_parse(argc, argv, sets, 3, &fault);
@@ -49,8 +51,10 @@ static enum sim_options_outcome parse(int argc, char **argv)
 static void test_both_forms(void **state)
 {
     (void)state;
-    char *argv[] = {"eval", "--text=a=b", "--count", "12", "--angle", "-90"};
-    assert_int_equal(parse(6, argv), SIM_OPTIONS_READ);
+    char *argv[] = {"eval", "--text=a=b", "--flag", "--count", "12", "--angle", "-90"};
+    assert_false(target.flag);
+    assert_int_equal(parse(7, argv), SIM_OPTIONS_READ);
+    assert_true(target.flag);
     assert_string_equal(target.text, "a=b");
     assert_int_equal(target.count, 12);
     assert_float_equal(target.angle_rad, -M_PI_2, 1e-12);
@@ -107,7 +111,10 @@ static void test_refusals_name_the_option(void **state)
         const char *fault;
     } bad[] = {
         {{"--nonsense"}, 1, "--nonsense: unknown option"},
-        {{"--coun", "3"}, 2, "--coun: unknown option"},
+        {{"--coun", "3"}, 2, "--coun: unknown option; did you mean --count?"},
+        {{"--tetx=a"}, 1, "--tetx=a: unknown option; did you mean --text?"},
+        {{"--hel"}, 1, "--hel: unknown option; did you mean --help?"},
+        {{"--flag=yes"}, 1, "--flag=yes: takes no value"},
         {{"word"}, 1, "word: not an option"},
         {{"--count"}, 1, "--count: a value must follow"},
         {{"--count", "-3"}, 2, "--count: '-3' is no N"},

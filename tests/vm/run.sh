@@ -7,6 +7,8 @@
 # As many at a time as there are processors. Ends with "N passed, N failed, N skipped"; non-zero if one failed. Where there is no QEMU, all are skipped.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=tests/support/verdict.sh
+. "$here/../support/verdict.sh"
 source_dir=$(cd "$here/../.." && pwd)
 [ $# -ge 2 ] || {
     echo "usage: $0 BUILD CACHE [TEST...]" >&2
@@ -94,7 +96,14 @@ run_one() {
     77) result=skipped ;;
     *) result="FAILED ($code)" ;;
     esac
-    printf '%-20s %-13s %3d s\n' "$name" "$result" $(($(date +%s) - begin))
+    case $code in
+    0) colour=good ;;
+    77) colour=warning ;;
+    *) colour=bad ;;
+    esac
+    printf '%-20s ' "$name"
+    paint $colour "$(printf '%-13s' "$result")"
+    printf ' %3d s\n' $(($(date +%s) - begin))
     [ "$code" -ne 77 ] || grep '^skipped: ' "$build/vm/$name.log" || true
     case $code in
     0 | 77) ;;
@@ -132,5 +141,5 @@ tally() {
     done | grep -c "^$1" || true
 }
 failed=$(tally FAILED)
-echo "$(tally passed) passed, $failed failed, $(tally skipped) skipped"
+say_tally "$(tally passed)" "$failed" "$(tally skipped)"
 [ "$failed" -eq 0 ]

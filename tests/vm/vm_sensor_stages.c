@@ -19,6 +19,7 @@
 #include "drivers/stereo/stereo.h"
 #include "tests/drivers/sensor_contract.h"
 #include "tests/support/camera_bench.h"
+#include "tests/support/child_end.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stereo_wall.h"
 #include "tests/support/stored_frames.h"
@@ -309,7 +310,7 @@ static void settle(void)
         (void)poll(NULL, 0, tries ? 500 : 0);
         status = system("udevadm settle --timeout=60");
     }
-    assert_int_equal(status, 0);
+    child_expect_code("udevadm settle", child_code(status), 0, NULL, NULL);
 }
 
 static void plug_settled(struct sensor_scene *scene, bool in)

@@ -1,0 +1,30 @@
+/* What a program may print on a stream: whether it is a terminal, how wide, and with colours. */
+#ifndef ISO_DRIVERS_TERMINAL_H
+#define ISO_DRIVERS_TERMINAL_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+struct iso_terminal {
+    FILE *out;
+    bool is_terminal;
+    bool colour;      /* a terminal that knows colours, and NO_COLOR is unset or empty */
+    unsigned columns; /* 80 where nobody knows */
+};
+
+/* What the colours mean, not which they are. */
+enum iso_paint {
+    ISO_PAINT_PLAIN, /* ends another */
+    ISO_PAINT_GOOD,
+    ISO_PAINT_WARNING,
+    ISO_PAINT_BAD,
+    ISO_PAINT_HEADING,
+};
+
+/* Asks the stream and the environment (TERM and NO_COLOR, see https://no-color.org). */
+struct iso_terminal iso_terminal_of(FILE *out);
+
+/* The sequence that begins a colour, or ends it; "" where there are no colours. A literal. */
+const char *iso_terminal_paint(const struct iso_terminal *terminal, enum iso_paint paint);
+
+#endif

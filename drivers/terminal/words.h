@@ -1,0 +1,23 @@
+/* Small things that programs say: one person or two people, how long, and what was meant. */
+#ifndef ISO_DRIVERS_TERMINAL_WORDS_H
+#define ISO_DRIVERS_TERMINAL_WORDS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* `one` for 1, else `many`. */
+const char *iso_plural(uint64_t n, const char *one, const char *many);
+
+enum { ISO_DURATION_SIZE = 32 };
+
+/* The two largest units: "12 s", "2 min 5 s", "3 h 20 min", "4 d 1 h". Less than 0 counts as 0. */
+void iso_duration_text(int64_t seconds, char text[ISO_DURATION_SIZE]);
+
+/* The known word that somebody may have meant, or NULL. `next` gives the known words one by one,
+ * from index 0 on, and then NULL. A word is near if no more than a third of its letters (of short
+ * words one) is missing, superfluous, another or swapped with its neighbour; or if it begins with
+ * what was typed, which has at least three letters. */
+typedef const char *iso_words_fn(size_t index, const void *context);
+const char *iso_words_nearest(const char *typed, iso_words_fn *next, const void *context);
+
+#endif

@@ -1,0 +1,248 @@
+#include "enroll/log_read.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <string.h>
+
+#include "core/contract.h"
+#include "drivers/terminal/progress.h"
+#include "enroll/log_record.h"
+#include "enroll/state.h"
+
+/* A client may call 20 times a second, which a long log at a busy door takes more of: what is
+ * refused is asked for again, for a while. */
+enum { TRIES = 60 };
+static const double refused_wait_s = 0.25;
+
+/* A clock may be set back: records that are older than the day by no more than this are no reason
+ * to stop looking. */
+static const int64_t clock_set_back_s = 7 * 86400;
+
+/* Asks once. */
+static enum cli_exit ask(struct cli_door *door, uint64_t from, unsigned max, sd_bus_message **reply,
+                         struct cli_fault *fault)
+{
+    sd_bus_message *call = NULL;
+    const enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_READ_LOG, &call, fault);
+
+    if (exit) {
+        return exit;
+    }
+    const int r = sd_bus_message_append(call, "tu", from, max);
+    if (r < 0) {
+        sd_bus_message_unref(call);
+        return cli_door_bad_reply(r, ISO_CONTRACT_READ_LOG, fault);
+    }
+    return cli_door_send(door, call, reply, fault);
+}
+
+/* Asks until the daemon answers, or the person interrupts. */
+static enum cli_exit ask_patiently(struct cli_door *door, uint64_t from, unsigned max,
+                                   sd_bus_message **reply, struct cli_fault *fault)
+{
+    enum cli_exit exit = ask(door, from, max, reply, fault);
+
+    for (int i = 1; exit && i < TRIES && strcmp(fault->code, "too-many-calls") == 0; i++) {
+        const enum cli_exit pause = cli_door_wait(door, refused_wait_s, fault);
+        if (pause != CLI_EXIT_OK && pause != CLI_EXIT_TIMED_OUT) {
+            return pause;
+        }
+        *fault = (struct cli_fault){0};
+        exit = ask(door, from, max, reply, fault);
+    }
+    return exit;
+}
+
+/* Reads at most `max` records from number `from` on and appends them to `records`. */
+static enum cli_exit read_batch(struct cli_door *door, uint64_t from, unsigned max, json_t *records,
+                                struct cli_fault *fault)
+{
+    sd_bus_message *reply = NULL;
+    const char *line;
+    const enum cli_exit exit = ask_patiently(door, from, max, &reply, fault);
+
+    if (exit) {
+        return exit;
+    }
+    int r = sd_bus_message_enter_container(reply, 'a', "s");
+    while (r >= 0 && (r = sd_bus_message_read_basic(reply, 's', &line)) > 0) {
+        json_t *record = json_loads(line, JSON_REJECT_DUPLICATES, NULL);
+        r = json_array_append_new(records, record) < 0 ? -EBADMSG : 1;
+    }
+    sd_bus_message_unref(reply);
+    return r < 0 ? cli_door_bad_reply(r, ISO_CONTRACT_READ_LOG, fault) : CLI_EXIT_OK;
+}
+
+/* Reads at most `max` records from number *from on, keeps those that match; *from is then the
+ * number that comes next. *n_read is how many came, those that the log has dropped are passed over.
+ */
+static enum cli_exit read_matching(struct cli_door *door, const struct cli_arguments *arguments,
+                                   uint64_t *from, unsigned max, json_t *records, size_t *n_read,
+                                   struct cli_fault *fault)
+{
+    json_t *batch = json_array(), *record;
+    size_t i;
+    enum cli_exit exit = batch ? read_batch(door, *from, max, batch, fault)
+                               : cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
+
+    *n_read = json_array_size(batch);
+    json_array_foreach(batch, i, record)
+    {
+        *from = cli_log_sequence(record) + 1;
+        if (cli_log_matches(record, arguments)) {
+            (void)json_array_append(records, record);
+        }
+    }
+    json_decref(batch);
+    return exit;
+}
+
+/* Those from *from to `until`, at most `count`. */
+static enum cli_exit read_forwards(struct cli_door *door, const struct cli_arguments *arguments,
+                                   size_t count, uint64_t *from, uint64_t until, json_t *records,
+                                   struct iso_progress *progress, struct cli_fault *fault)
+{
+    const uint64_t begin = *from;
+    size_t n_read = 1;
+
+    while (*from <= until && n_read > 0 && json_array_size(records) < count) {
+        const uint64_t left = until - *from + 1, wanted = count - json_array_size(records);
+        uint64_t max = left < CLI_LOG_BATCH ? left : CLI_LOG_BATCH;
+        if (!cli_log_chooses(arguments) && wanted < max) {
+            max = wanted;
+        }
+        const enum cli_exit exit = read_matching(door, arguments, from, (unsigned)max, records,
+                                                 &n_read, fault);
+        if (exit) {
+            return exit;
+        }
+        iso_progress_set(progress, *from - begin, until - begin + 1);
+    }
+    while (json_array_size(records) > count) {
+        *from = cli_log_sequence(json_array_get(records, json_array_size(records) - 1));
+        (void)json_array_remove(records, json_array_size(records) - 1);
+    }
+    return CLI_EXIT_OK;
+}
+
+/* Whether the record is too old for the day that was asked for, and so are all before it. */
+static bool is_before_the_day(const json_t *record, const struct cli_arguments *arguments)
+{
+    return record && arguments->day_ends_s &&
+           cli_log_time_s(record) < arguments->day_begins_s - clock_set_back_s;
+}
+
+/* Reads all records from `first` to `last` that there still are. */
+static enum cli_exit read_all(struct cli_door *door, uint64_t first, uint64_t last, json_t *records,
+                              struct cli_fault *fault)
+{
+    size_t before = 0;
+    enum cli_exit exit = CLI_EXIT_OK;
+
+    do {
+        before = json_array_size(records);
+        exit = read_batch(door, first, (unsigned)(last - first + 1), records, fault);
+        first = cli_log_sequence(json_array_get(records, json_array_size(records) - 1)) + 1;
+    } while (!exit && json_array_size(records) > before && first <= last);
+    return exit;
+}
+
+/* Puts the matching ones of a window, up to number `last`, before the records that there are. */
+static int prepend_matching(const json_t *window, uint64_t last,
+                            const struct cli_arguments *arguments, json_t *records)
+{
+    json_t *all = json_array(), *record;
+    size_t i;
+    int r = all ? 0 : -1;
+
+    json_array_foreach(window, i, record)
+    {
+        if (!r && cli_log_sequence(record) <= last && cli_log_matches(record, arguments)) {
+            r = json_array_append(all, record);
+        }
+    }
+    r = r ? r : json_array_extend(all, records);
+    r = r ? r : json_array_clear(records);
+    r = r ? r : json_array_extend(records, all);
+    json_decref(all);
+    return r;
+}
+
+/* Puts the matching records from `first` to `last` before those that there are. *more: there are
+ * older ones, which may match. */
+static enum cli_exit read_window(struct cli_door *door, const struct cli_arguments *arguments,
+                                 uint64_t first, uint64_t last, json_t *records, bool *more,
+                                 struct cli_fault *fault)
+{
+    json_t *window = json_array();
+    enum cli_exit exit = window ? read_all(door, first, last, window, fault)
+                                : cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
+    const json_t *oldest = json_array_get(window, 0);
+
+    *more = first > 1 && oldest && cli_log_sequence(oldest) == first &&
+            !is_before_the_day(oldest, arguments);
+    if (!exit && prepend_matching(window, last, arguments, records)) {
+        exit = cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
+    }
+    json_decref(window);
+    return exit;
+}
+
+/* The last `count` up to `until`: from the end to the beginning, as the last ones are wanted. */
+static enum cli_exit read_backwards(struct cli_door *door, const struct cli_arguments *arguments,
+                                    size_t count, uint64_t until, json_t *records,
+                                    struct iso_progress *progress, struct cli_fault *fault)
+{
+    const uint64_t size = cli_log_chooses(arguments) || count > CLI_LOG_BATCH ? CLI_LOG_BATCH
+                                                                              : count;
+    bool more = until > 0;
+
+    for (uint64_t last = until; more && json_array_size(records) < count; last -= size) {
+        const uint64_t first = last > size ? last - size + 1 : 1;
+        const enum cli_exit exit = read_window(door, arguments, first, last, records, &more, fault);
+        if (exit) {
+            return exit;
+        }
+        iso_progress_set(progress, until - first + 1, until);
+    }
+    while (json_array_size(records) > count) {
+        (void)json_array_remove(records, 0);
+    }
+    return CLI_EXIT_OK;
+}
+
+enum cli_exit cli_log_read(struct cli_door *door, const struct cli_arguments *arguments,
+                           size_t count, uint64_t *from, json_t *records, struct cli_fault *fault)
+{
+    json_t *state = NULL;
+    enum cli_exit exit = cli_state_fetch(door, &state, fault);
+
+    if (exit) {
+        return exit;
+    }
+    const uint64_t until = (uint64_t)cli_state_number(state, "log-sequence", 0);
+    json_decref(state);
+    if (*from > until) {
+        return cli_fault_set(fault, CLI_EXIT_NOT_FOUND, "no-such-record",
+                             "there is no record %" PRIu64 ": the log ends with %" PRIu64, *from,
+                             until);
+    }
+    struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "reading the log", until,
+                                                       NULL);
+    if (*from > 0) {
+        exit = read_forwards(door, arguments, count, from, until, records, progress, fault);
+    } else {
+        exit = read_backwards(door, arguments, count, until, records, progress, fault);
+        *from = until + 1;
+    }
+    iso_progress_end(progress);
+    return exit;
+}
+
+enum cli_exit cli_log_read_new(struct cli_door *door, const struct cli_arguments *arguments,
+                               uint64_t *from, json_t *records, struct cli_fault *fault)
+{
+    size_t n_read = 0;
+
+    return read_matching(door, arguments, from, CLI_LOG_BATCH, records, &n_read, fault);
+}

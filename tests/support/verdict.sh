@@ -1,0 +1,35 @@
+# shellcheck shell=sh
+# Verdicts of scripts in colour, where standard output is a terminal that knows colours and NO_COLOR is unset or empty
+# (https://no-color.org); elsewhere the plain text. To be sourced.
+
+# paint good|warning|bad TEXT: the text without a line end
+paint() {
+    if [ -t 1 ] && [ -z "${NO_COLOR:-}" ] && [ -n "${TERM:-}" ] && [ "$TERM" != dumb ]; then
+        case $1 in
+        good) printf '\033[32m%s\033[0m' "$2" ;;
+        warning) printf '\033[33m%s\033[0m' "$2" ;;
+        *) printf '\033[31m%s\033[0m' "$2" ;;
+        esac
+    else
+        printf '%s' "$2"
+    fi
+}
+
+# count good|warning|bad NUMBER WORD
+count() {
+    if [ "$2" -eq 0 ]; then
+        printf '%s %s' "$2" "$3"
+    else
+        paint "$1" "$2 $3"
+    fi
+}
+
+# say_tally PASSED FAILED SKIPPED: "3 passed, 0 failed, 1 skipped"; what there is none of has no colour
+say_tally() {
+    count good "$1" passed
+    printf ', '
+    count bad "$2" failed
+    printf ', '
+    count warning "$3" skipped
+    printf '\n'
+}
