@@ -1,4 +1,4 @@
-/* list, remove, status, log, doctor, and how every command fails, against a scripted door. */
+/* list, remove, status, doctor, and how every command fails, against a scripted door. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -208,161 +208,6 @@ static void status_is_for_people(void **state)
     for (size_t i = 0; i < COUNT(raw); i++) {
         assert_null(strstr(result.out, raw[i]));
     }
-}
-
-/* The numbers of the records that a document holds, first and last. */
-static void expect_records_of(const struct fake_script *script, const char *words, size_t n,
-                              json_int_t first, json_int_t last)
-{
-    const struct cli_result result = cli_run(script, words);
-    json_t *document = cli_json(&result);
-    const json_t *records = json_object_get(document, "records");
-
-    assert_int_equal(json_array_size(records), n);
-    assert_int_equal(json_integer_value(json_object_get(json_array_get(records, 0), "sequence")),
-                     first);
-    assert_int_equal(
-        json_integer_value(json_object_get(json_array_get(records, n - 1), "sequence")), last);
-    json_decref(document);
-}
-
-static void expect_records(const char *words, size_t n, json_int_t first, json_int_t last)
-{
-    const struct fake_script script = {.n_records = 600};
-    expect_records_of(&script, words, n, first, last);
-}
-
-/* Records come with every call: those that there were when it began are shown, and that has an end.
- * Some go: those that are left are. */
-static void log_of_a_busy_door_has_an_end(void **state)
-{
-    const struct fake_script comes = {.n_records = 300, .records_come = 70};
-    const struct fake_script goes = {.n_records = 300, .records_come = 70, .records_go = 30};
-
-    (void)state;
-    expect_records_of(&comes, "log --json", 20, 281, 300);
-    expect_records_of(&comes, "log --json --count 100000", 300, 1, 300);
-    expect_records_of(&comes, "log --json --from 290 --count 50", 11, 290, 300);
-    expect_records_of(&goes, "log --json --count 100000", 270, 31, 300);
-    expect_records_of(&goes, "log --json --from 1", 20, 31, 50);
-}
-
-/* A long log takes more calls than a client has at once. */
-static void log_waits_until_it_may_call_again(void **state)
-{
-    const struct fake_script script = {.n_records = 30, .refused = 2};
-
-    (void)state;
-    expect_records_of(&script, "log --json", 20, 11, 30);
-}
-
-static void log_shows_the_last_or_those_from_a_number_on(void **state)
-{
-    (void)state;
-    expect_records("log --json", 20, 581, 600);
-    expect_records("log --json -n 3", 3, 598, 600);
-    expect_records("log --json --count 600", 600, 1, 600);
-    expect_records("log --json --from 7 --count 2", 2, 7, 8);
-    expect_records("log --json --from 100 --count 400", 400, 100, 499);
-    expect_records("log --json --from 599", 2, 599, 600);
-    expect_records("log --json --from 1", 20, 1, 20);
-}
-
-/* Local time, two digits of a score, nothing that only programs want. */
-static void log_is_one_line_a_record(void **state)
-{
-    const struct fake_script script = {.n_records = 2};
-
-    (void)state;
-    setenv("TZ", "CET-1", 1);
-    assert_string_equal(cli_run(&script, "log").out,
-                        "1 2026-11-21 09:30:15 visit verdict=allow person=anna score=2.35 frames=3 "
-                        "novelty=true\n"
-                        "2 2026-11-21 09:40:15 visit verdict=deny person=\"Bo Ek\" score=2.35 "
-                        "frames=3 novelty=true\n");
-    setenv("TZ", "UTC", 1);
-    assert_string_equal(cli_run(&script, "log --full -n 1").out,
-                        "2 2026-11-21 08:40:15 visit verdict=deny person=\"Bo Ek\" "
-                        "score=2.3456779999999999 frames=3 monotonic_ns=1234567 novelty=true\n");
-}
-
-static void log_shows_what_was_asked_for(void **state)
-{
-    (void)state;
-    expect_records("log --json --person anna", 20, 551, 599);
-    expect_records("log --json --person anna --person carl -n 3", 3, 593, 599);
-    expect_records("log --json --event door -n 2", 2, 595, 600);
-    expect_records("log --json --event alarm,door -n 2", 2, 595, 600);
-    expect_records("log --json --from 7 --event door -n 3", 3, 10, 20);
-    expect_records("log --json --day 2026-11-21", 93, 1, 93);
-    expect_records("log --json --day 2026-11-22", 144, 94, 237);
-    expect_records("log --json --day 2026-11-22 --event door", 29, 95, 235);
-    expect_records("log --json --day 2026-11-22 --person anna --from 200 -n 2", 2, 201, 203);
-}
-
-static void log_of_what_never_happened(void **state)
-{
-    static const char *const words[] = {"log --person carl", "log --event alarm",
-                                        "log --day 2026-01-01"};
-    const struct fake_script script = {.n_records = 600};
-
-    (void)state;
-    for (size_t i = 0; i < COUNT(words); i++) {
-        const struct cli_result result = cli_run(&script, words[i]);
-        cli_expect_exit(&result, 0);
-        assert_string_equal(result.out, "");
-    }
-}
-
-static void log_as_csv(void **state)
-{
-    const struct fake_script script = {.n_records = 5};
-
-    (void)state;
-    assert_string_equal(
-        cli_run(&script, "log --csv --from 4").out,
-        "sequence,time,event,verdict,person,reason,score,threshold,frames,attack_frames,sensor,"
-        "gallery,note\n"
-        "4,2026-11-21 09:00:15,visit,deny,Bo Ek,,2.35,,3,,,,\n"
-        "5,2026-11-21 09:10:15,door,,,,,,,,,,\"locked, by \"\"time\"\"\"\n");
-    assert_non_null(strstr(cli_run(&script, "log --csv --full").out, ",note,monotonic_ns\n"));
-    const struct cli_result result = cli_run(&script, "log --csv --json");
-    cli_expect_error(&result, 2, "usage");
-}
-
-static void log_from_a_record_that_is_not_there(void **state)
-{
-    const struct fake_script script = {.n_records = 5};
-    struct cli_result result = cli_run(&script, "log --from 6 --json");
-
-    (void)state;
-    cli_expect_error(&result, 3, "no-such-record");
-    result = cli_run(&script, "log --from 6");
-    cli_expect_exit(&result, 3);
-    assert_string_equal(result.err, "isotherm: there is no record 6: the log ends with 5\n");
-}
-
-static void log_of_nothing(void **state)
-{
-    const struct fake_script script = {0};
-    const struct cli_result result = cli_run(&script, "log --json");
-    json_t *document = cli_json(&result);
-
-    (void)state;
-    assert_int_equal(json_array_size(json_object_get(document, "records")), 0);
-    json_decref(document);
-}
-
-static void following_the_log_ends_with_an_interrupt(void **state)
-{
-    const struct fake_script script = {.n_records = 4};
-    const struct cli_result result = cli_run_interrupt(&script, "log --follow --json -n 2",
-                                                       "\"sequence\":4");
-
-    (void)state;
-    cli_expect_exit(&result, 0);
-    assert_null(strstr(result.out, "\"sequence\":2"));
-    assert_non_null(strstr(result.out, "{\"sequence\":3,"));
 }
 
 static void doctor_finds_nothing_wrong(void **state)
@@ -596,16 +441,6 @@ int main(void)
         cmocka_unit_test(rename_says_what_is_left_to_do),
         cmocka_unit_test(status_keeps_names_and_types),
         cmocka_unit_test(status_is_for_people),
-        cmocka_unit_test(log_of_a_busy_door_has_an_end),
-        cmocka_unit_test(log_waits_until_it_may_call_again),
-        cmocka_unit_test(log_shows_the_last_or_those_from_a_number_on),
-        cmocka_unit_test(log_is_one_line_a_record),
-        cmocka_unit_test(log_shows_what_was_asked_for),
-        cmocka_unit_test(log_of_what_never_happened),
-        cmocka_unit_test(log_as_csv),
-        cmocka_unit_test(log_from_a_record_that_is_not_there),
-        cmocka_unit_test(log_of_nothing),
-        cmocka_unit_test(following_the_log_ends_with_an_interrupt),
         cmocka_unit_test(doctor_finds_nothing_wrong),
         cmocka_unit_test(doctor_lists_the_devices_that_the_driver_sees),
         cmocka_unit_test(doctor_names_each_fault_and_its_remedy),

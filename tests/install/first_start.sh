@@ -17,30 +17,7 @@ install='apt-get install -q -y --no-install-recommends'
 installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb'
 . "$here/container.sh"
 . "$here/story.sh"
-
-say() {
-    printf '%5d s  %s\n' $(($(date +%s) - began)) "$1"
-}
-
-die() {
-    echo "FAILED: $1" >&2
-    [ -z "$container_nspawn" ] || {
-        inside systemctl --no-pager --full status isothermd || true
-        inside journalctl --no-pager --unit isothermd | tail -n 20 || true
-    } >&2
-    exit 1
-}
-
-finish() {
-    status=$?
-    trap - EXIT
-    container_remove
-    rm -rf "$story_scratch"
-    exit $status
-}
-trap finish EXIT
-trap 'exit 130' INT TERM
-began=$(date +%s)
+. "$here/say.sh"
 
 # apt WHAT COMMAND...: COMMAND, whose output is shown only if it fails
 apt() {

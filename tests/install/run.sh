@@ -3,6 +3,7 @@
 #
 #   packages     installed from the packages and booted by systemd: tests/install/first_start.sh
 #   tree         the same from `make install` with its default prefix
+#   readme       the commands of the README's "A real door", until somebody is let in
 #   piuparts     the packages are installed, upgraded from a version before, removed and purged, and leave nothing
 #   autopkgtest  the demo, with the installed programs
 #
@@ -21,7 +22,7 @@ build=$(cd "$2" && pwd)
 mkdir -p "$3"
 cache=$(cd "$3" && pwd)
 shift 3
-tests=${*:-packages tree piuparts autopkgtest}
+tests=${*:-packages tree readme piuparts autopkgtest}
 architecture=$(dpkg --print-architecture)
 base=$cache/base.tar
 "$here/root.sh" "$base"
@@ -68,6 +69,7 @@ run_one() {
     case $1 in
     packages) first_start packages "$packages" ;;
     tree) first_start tree "$build" ;;
+    readme) "$here/readme.sh" "$packages" "$base" ;;
     piuparts) check_piuparts ;;
     autopkgtest) check_autopkgtest ;;
     *)

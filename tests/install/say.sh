@@ -1,0 +1,26 @@
+# For scripts of tests in a container: `. tests/install/say.sh`, after container.sh and story_scratch. What is said, how a test
+# fails, and that nothing stays behind.
+
+say() {
+    printf '%5d s  %s\n' $(($(date +%s) - began)) "$1"
+}
+
+die() {
+    echo "FAILED: $1" >&2
+    [ -z "$container_nspawn" ] || {
+        inside systemctl --no-pager --full status isothermd || true
+        inside journalctl --no-pager --unit isothermd | tail -n 20 || true
+    } >&2
+    exit 1
+}
+
+finish() {
+    status=$?
+    trap - EXIT
+    container_remove
+    rm -rf "$story_scratch"
+    exit $status
+}
+trap finish EXIT
+trap 'exit 130' INT TERM
+began=$(date +%s)
