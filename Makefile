@@ -35,8 +35,8 @@ check:
 	cmake --build --preset dev
 	ctest --preset dev -j $(JOBS)
 
-vm-check:
-	cmake/install_packages.sh build test vm
+vm-check: packages
+	cmake/install_packages.sh build test vm install
 	cmake --preset dev
 	cmake --build --preset dev
 	cmake --preset asan-ubsan
