@@ -208,11 +208,15 @@ static const char *remark_of_rename(const struct iso_appliance *appliance, const
                                     const char *after)
 {
     const struct iso_cards *cards = appliance->parts.cards;
-    return cards && iso_cards_find(cards, before) && !iso_cards_find(cards, after)
-               ? "the file of card numbers ([door] cards) has the old name: change it there too "
-                 "and "
-                 "restart the daemon, or no card number is sent"
-               : "";
+    const struct iso_card *old = cards ? iso_cards_find(cards, before) : NULL;
+    const struct iso_card *renamed = cards ? iso_cards_find(cards, after) : NULL;
+    if (old == renamed) {
+        return "";
+    }
+    return renamed ? "the file of card numbers ([door] cards) has a number for the new name, which "
+                     "is sent from now on: see that it is the right one"
+                   : "the file of card numbers ([door] cards) has the old name: change it there "
+                     "too and restart the daemon, or no card number is sent";
 }
 
 int iso_appliance_rename(struct iso_appliance *appliance, const char *person, const char *name,
@@ -283,7 +287,6 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
 
 static int may_test_door(const struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const struct iso_config_door *config = &appliance->parts.config->door;
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         return iso_fault_set(fault, -EBUSY, "the camera is claimed, the door is not watched");
     }
@@ -291,7 +294,7 @@ static int may_test_door(const struct iso_appliance *appliance, struct iso_fault
         return iso_fault_set(fault, -EPERM, "%s: nobody is let in",
                              appliance->lockout.lockdown ? "lockdown" : "locked out");
     }
-    if (*config->wiegand_d0 && !*config->relay) {
+    if (!iso_config_has_relay(appliance->parts.config)) {
         return iso_fault_set(fault, -ENODEV, "the door has no relay: [door] relay is empty");
     }
     return iso_door_control_may_test(&appliance->door, fault);

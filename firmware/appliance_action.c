@@ -84,6 +84,7 @@ static void begin(struct iso_appliance *appliance, enum iso_appliance_mode mode,
 {
     iso_decision_reset(&appliance->decision);
     iso_hint_filter_reset(&appliance->hints);
+    iso__appliance_picture_drop(appliance); /* who is enrolled now is not shown */
     appliance->mode = mode;
     appliance->ended = ISO_APPLIANCE_CLAIMED;
     appliance->deadline_ns = now_ns(appliance) + duration_ms * ISO_NS_PER_MS;
@@ -263,6 +264,9 @@ static int record_completion(struct iso_appliance *appliance)
     struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);
     const struct iso_person *known = iso_gallery_find_id(appliance->parts.gallery,
                                                          appliance->person.id);
+    if (appliance->person.id != 0 && !known) {
+        return -ENOENT; /* removed meanwhile: limits that were not named are not known any more */
+    }
     const struct iso_validity before = validity_of(known);
     const struct iso_validity after = iso_validity_after(&before, &appliance->validity);
     char before_text[ISO_VALIDITY_TEXT_SIZE], after_text[ISO_VALIDITY_TEXT_SIZE];

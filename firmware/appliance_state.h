@@ -37,6 +37,7 @@ struct iso_appliance {
     struct iso_decision decision;
     int64_t arrival_ns;           /* of the first usable frame */
     struct iso_image_tally image; /* of the visit */
+    struct iso_fault card_fault;  /* why the last card number was not sent */
     char last_outcome[48 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
     struct iso_lockout lockout;

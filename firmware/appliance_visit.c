@@ -1,5 +1,7 @@
 /* WATCH: what becomes of a visit. */
+#include <errno.h>
 #include <stdio.h>
+#include <string.h>
 #include <syslog.h>
 
 #include "drivers/terminal/words.h"
@@ -99,6 +101,41 @@ static const char *door_fault_of(const struct iso_appliance *appliance, enum iso
                                              : "the door is at fault";
 }
 
+/* The card of the person who is let in, whatever spelling of the name the file has. Of an old
+ * gallery with two spellings of one name, the file's spelling says who of the two is meant. */
+static const struct iso_card *card_of(const struct iso_appliance *appliance, const char *person)
+{
+    const struct iso_card *card = iso_cards_find(appliance->parts.cards, person);
+    const struct iso_person *owner = card ? iso_gallery_find(appliance->parts.gallery, card->person)
+                                          : NULL;
+    return owner && strcmp(owner->name, person) == 0 ? card : NULL;
+}
+
+/* The controller has locks of its own. What it cannot be told does not change what this door's lock
+ * does; a door without a lock of its own did not unlock then. */
+static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
+{
+    struct iso_fault *fault = &appliance->card_fault;
+    const struct iso_card *card = card_of(appliance, visit->person);
+    int error = -ENOENT;
+    if (appliance->door.door.state != ISO_DOOR_UNLOCKED) {
+        return; /* a fault lasts: nobody is let in, here or there */
+    }
+    if (card) {
+        error = iso_door_io_send_card(appliance->parts.door_io, &card->number, fault);
+    } else {
+        (void)iso_fault_set(fault, error, "the admitted person has no card number");
+    }
+    if (!error) {
+        return;
+    }
+    iso__appliance_say(appliance, card ? LOG_ERR : LOG_WARNING, "%s", fault->text);
+    if (!iso_config_has_relay(appliance->parts.config)) {
+        visit->door = ISO_DOOR_DID_NOT_UNLOCK;
+        visit->door_fault = fault->text;
+    }
+}
+
 /* Nobody is let in without a record on the disk, and what the door did is known only afterwards:
  * the record "grant" is written before the lock is switched, and "visit", which repeats it and says
  * what the door did, after that. A crash in between leaves a grant without a visit. */
@@ -116,6 +153,9 @@ static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
     visit->door = iso_door_control_grant(&appliance->door,
                                          iso_times_now_ns(&appliance->parts.times));
     visit->door_fault = door_fault_of(appliance, visit->door);
+    if (appliance->parts.cards) {
+        send_card(appliance, visit);
+    }
     record.event = "visit";
     record.door = iso_door_answer_name(visit->door);
     record.door_fault = *visit->door_fault ? visit->door_fault : NULL;
@@ -127,22 +167,6 @@ static void count(struct iso_appliance_counts *counts, const struct iso_verdict 
     counts->allowed += verdict->allow;
     counts->denied += !verdict->allow;
     counts->attacks += verdict->reason == ISO_REASON_ATTACK;
-}
-
-/* The controller has locks of its own; what it cannot be told does not change what this door does.
- */
-static void send_card(struct iso_appliance *appliance, const char *person)
-{
-    const struct iso_wiegand_card *card = iso_cards_find(appliance->parts.cards, person);
-    struct iso_fault fault = {""};
-    if (appliance->door.door.state != ISO_DOOR_UNLOCKED) {
-        return; /* a fault lasts: nobody is let in, here or there */
-    }
-    if (!card) {
-        iso__appliance_say(appliance, LOG_WARNING, "who was let in has no card number");
-    } else if (iso_door_io_send_card(appliance->parts.door_io, card, &fault)) {
-        iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
-    }
 }
 
 static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *visit)
@@ -178,9 +202,6 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
         refuse(appliance, &visit);
     }
     count(&appliance->counts, &visit.verdict);
-    if (visit.verdict.allow && appliance->parts.cards) {
-        send_card(appliance, visit.person);
-    }
     tell_visit(appliance, &visit);
     iso__appliance_learn(appliance, &visit.verdict);
 }

@@ -28,7 +28,9 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-EBADMSG, ISO_CONTRACT_ERROR_REJECTED},
         {-EPERM, ISO_CONTRACT_ERROR_LOCKED_OUT},
     };
-    const char *text = fault->text[0] ? fault->text : strerror(-error);
+    /* A fault may be cut within a character, and the bus takes valid UTF-8 only. */
+    char text[sizeof fault->text];
+    iso__bus_clean_text(text, sizeof text, fault->text[0] ? fault->text : strerror(-error));
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         if (names[i].error == error) {
             return sd_bus_error_set(out, names[i].name, text);

@@ -13,7 +13,7 @@ struct iso_cards {
     char *text; /* the file, cut up */
     size_t n;
     struct row {
-        struct iso_wiegand_card card;
+        struct iso_card card;
         struct iso_person_name_key key;
     } rows[];
 };
@@ -38,9 +38,11 @@ static const char *parse_row(char *line, struct row *row)
     }
     *number++ = '\0';
     *person++ = '\0';
-    if (parse_count(line, &row->card.facility) || parse_count(number, &row->card.number)) {
+    if (parse_count(line, &row->card.number.facility) ||
+        parse_count(number, &row->card.number.number)) {
         return "facility and number are 0 to 65535";
     }
+    row->card.person = person;
     const char *flaw = iso_person_name_flaw(person);
     return flaw ? flaw : iso_person_name_key(person, &row->key) ? "out of memory" : NULL;
 }
@@ -48,11 +50,12 @@ static const char *parse_row(char *line, struct row *row)
 static const char *find_double(const struct iso_cards *cards, const struct row *row)
 {
     for (size_t i = 0; i < cards->n; i++) {
-        const struct row *other = &cards->rows[i];
-        if (iso_person_name_key_is_same(&other->key, &row->key)) {
+        const struct iso_card *other = &cards->rows[i].card;
+        if (strcmp(other->person, row->card.person) == 0) {
             return "this person has a card already";
         }
-        if (other->card.facility == row->card.facility && other->card.number == row->card.number) {
+        if (other->number.facility == row->card.number.facility &&
+            other->number.number == row->card.number.number) {
             return "somebody has this card already";
         }
     }
@@ -108,16 +111,30 @@ void iso_cards_free(struct iso_cards *cards)
     }
 }
 
-const struct iso_wiegand_card *iso_cards_find(const struct iso_cards *cards, const char *person)
+static const struct iso_card *find_spelling(const struct iso_cards *cards, const char *person)
 {
-    struct iso_person_name_key key;
-    if (iso_person_name_key(person, &key)) {
-        return NULL;
-    }
     for (size_t i = 0; i < cards->n; i++) {
-        if (iso_person_name_key_is_same(&cards->rows[i].key, &key)) {
+        if (strcmp(cards->rows[i].card.person, person) == 0) {
             return &cards->rows[i].card;
         }
     }
     return NULL;
+}
+
+const struct iso_card *iso_cards_find(const struct iso_cards *cards, const char *person)
+{
+    struct iso_person_name_key key;
+    const struct iso_card *found = find_spelling(cards, person);
+    if (found || iso_person_name_key(person, &key)) {
+        return found;
+    }
+    for (size_t i = 0; i < cards->n; i++) {
+        if (iso_person_name_key_is_same(&cards->rows[i].key, &key)) {
+            if (found) {
+                return NULL; /* two spellings: neither is sure to be this person's */
+            }
+            found = &cards->rows[i].card;
+        }
+    }
+    return found;
 }

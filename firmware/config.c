@@ -256,6 +256,11 @@ static const char *find_conflict(const struct iso_config *config)
     return NULL;
 }
 
+bool iso_config_has_relay(const struct iso_config *config)
+{
+    return *config->door.relay || !*config->door.wiegand_d0;
+}
+
 double iso_config_threshold(const struct iso_config *config)
 {
     static const double of_level[] = {

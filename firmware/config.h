@@ -175,6 +175,10 @@ struct iso_config_key {
 extern const struct iso_config_key iso_config_keys[];
 extern const size_t iso_config_n_keys;
 
+/* Whether the door has a lock of its own; false if it only sends card numbers to an access
+ * controller, which has one. */
+bool iso_config_has_relay(const struct iso_config *config);
+
 /* The score from which on a face is taken for a person's: the threshold if one is set, else the
  * level's. By metric, a score of s is as rare as 10^-s among strangers who are alike (metric.h). */
 double iso_config_threshold(const struct iso_config *config);

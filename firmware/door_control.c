@@ -212,7 +212,7 @@ static enum iso_door_answer answer_of(const struct iso_door_control *control)
 {
     switch (control->door.state) {
     case ISO_DOOR_UNLOCKED:
-        return control->relay_failed ? ISO_DOOR_DID_NOT_UNLOCK : ISO_DOOR_DID_UNLOCK;
+        return ISO_DOOR_DID_UNLOCK;
     case ISO_DOOR_OPENED:
     case ISO_DOOR_HELD_OPEN:
     case ISO_DOOR_FORCED:
@@ -222,24 +222,37 @@ static enum iso_door_answer answer_of(const struct iso_door_control *control)
     }
 }
 
-/* The lock is switched first, and what is told of it is then what it did. */
-enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, int64_t now_ns)
+/* Unlocks by an event. The lock is switched first, and what is told of it is then what it did. If
+ * the relay did not follow, or its line is gone, the event is withdrawn: the lock does not unlock
+ * later, when the line is back. */
+static enum iso_door_answer unlock(struct iso_door_control *control, enum iso_door_event event,
+                                   int64_t now_ns)
 {
     struct iso_fault fault = {""};
-    const bool unlocks = iso_door_handle(&control->door, ISO_DOOR_ON_GRANT, now_ns);
-    const bool lost = iso_door_io_is_lost(control->io);
-    const bool fine = !lost && switch_outputs(control, &fault);
-    if (unlocks && control->relay_failed) {
+    const bool unlocks = iso_door_handle(&control->door, event, now_ns);
+    const bool had_lines = !iso_door_io_is_lost(control->io);
+    const bool fine = had_lines && switch_outputs(control, &fault);
+    const bool failed = control->relay_failed || iso_door_io_is_lost(control->io);
+    if (failed && unlocks) {
         (void)iso_door_handle(&control->door, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
+    } else if (failed && control->door.state == ISO_DOOR_UNLOCKED) {
+        tell(control, ISO_DOOR_ON_NOT_SWITCHED, now_ns); /* somebody was told that it is unlocked */
     } else if (unlocks) {
-        control->changed(control->context, ISO_DOOR_ON_GRANT);
+        control->changed(control->context, event);
     }
-    if (!fine && !lost) {
+    if (had_lines && !fine) {
         note_lines(control, &fault, true, now_ns);
         note_loss(control, true, now_ns);
+    }
+    if (failed) {
         apply(control, now_ns); /* the lock goes back to rest, if it can */
     }
     return answer_of(control);
+}
+
+enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, int64_t now_ns)
+{
+    return unlock(control, ISO_DOOR_ON_GRANT, now_ns);
 }
 
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns)
@@ -271,9 +284,9 @@ int iso_door_control_test(struct iso_door_control *control, int64_t now_ns, stru
     if (error) {
         return error;
     }
-    tell(control, ISO_DOOR_ON_TEST, now_ns);
-    apply(control, now_ns);
-    return control->broken ? lines_at_fault(control, fault) : 0;
+    return unlock(control, ISO_DOOR_ON_TEST, now_ns) == ISO_DOOR_DID_UNLOCK
+               ? 0
+               : lines_at_fault(control, fault);
 }
 
 void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns)

@@ -371,6 +371,7 @@ static void limits_and_names_are_changed_on_record(void **state)
     expect_error(appliance, "rename p04 P01", 1, "name-in-use");
     assert_int_equal(appliance_run(appliance, "rename p04 Zoe", NULL)->exit, 0);
     appliance_end_daemon(appliance, SIGTERM);
+    run_free(&appliance->daemon);
     appliance_start_daemon(appliance);
     assert_int_equal(appliance_run(appliance, "verify zoe", "p04-v1")->exit, 0);
     expect_error(appliance, "verify p04", 3, "no-such-person");

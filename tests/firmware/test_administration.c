@@ -173,7 +173,7 @@ static void a_rename_reminds_of_the_cards(void **state)
     assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "eve", &remark, NULL), 0);
     assert_non_null(strstr(remark, "the file of card numbers"));
     assert_int_equal(iso_appliance_rename(rig->appliance, "eve", "carl", &remark, NULL), 0);
-    assert_string_equal(remark, "");
+    assert_non_null(strstr(remark, "has a number for the new name"));
     iso_cards_free(cards);
 }
 

@@ -411,6 +411,24 @@ static void tests_the_relay(void **state)
     assert_int_equal(iso_door_control_test(&control, now_ns, &fault), -ENODEV);
     assert_string_equal(fault.text, "the door's lines are at fault: the wire is cut");
     assert_int_equal(iso_door_control_may_test(&control, &fault), -ENODEV);
+    assert_int_not_equal(control.door.state, ISO_DOOR_UNLOCKED); /* nor does it click later */
+}
+
+/* A pulse relay has dropped already when the grant is renewed, and then its line fails. */
+static void a_renewal_that_fails_is_withdrawn(void **state)
+{
+    (void)state;
+    control.door.options.pulse_ns = 100 * MS;
+    iso_door_control_start(&control, now_ns);
+    assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_UNLOCK);
+    now_ns += 200 * MS;
+    iso_door_control_step(&control, false, now_ns);
+    failing = -EIO;
+    assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_NOT_UNLOCK);
+    failing = 0;
+    now_ns += 10 * MS;
+    iso_door_control_step(&control, true, now_ns);
+    assert_false(iso_door_outputs_of(&control.door).active[ISO_DOOR_RELAY]);
 }
 
 int main(void)
@@ -419,6 +437,7 @@ int main(void)
 #define WEAK(f) cmocka_unit_test_setup_teardown(f, setup_weak, teardown)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(tests_the_relay, setup_weak, teardown),
+        WEAK(a_renewal_that_fails_is_withdrawn),
         TEST(lets_in_and_locks_again),
         TEST(switches_only_what_differs),
         TEST(reads_inputs_when_it_is_time),

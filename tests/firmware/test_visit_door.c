@@ -9,8 +9,10 @@
 #include "tests/firmware/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
+#include "firmware/cards.h"
 #include "tests/firmware/rig.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/scratch.h"
 
 static struct rig *the_rig;
 static bool stuck[ISO_DOOR_OUTPUTS], contact, disk_fills, blind;
@@ -98,6 +100,27 @@ static void a_grant_is_on_record_before_the_lock_and_its_outcome_after(void **st
     assert_null(strstr(visit, "door_fault"));
     assert_int_equal(number_in(visit, "grant"), number_in(at_relay, "sequence"));
     assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "allow anna");
+}
+
+/* Such a door unlocks by the controller, which has to be told a card number. */
+static void a_door_without_a_relay_does_what_its_controller_is_told(void **state)
+{
+    struct rig *rig = *state;
+    const char *path = scratch_path(rig->directory, "cards");
+    struct iso_cards *cards = NULL;
+    scratch_write_text(path, "17 4711 bob\n");
+    assert_int_equal(iso_cards_load(path, &cards, NULL), 0);
+    rig->parts.cards = cards;
+    (void)snprintf(rig->config.door.wiegand_d0, sizeof rig->config.door.wiegand_d0, "D0");
+    iso_appliance_free(rig->appliance);
+    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    rig_start(rig);
+    come(rig);
+    assert_non_null(strstr(rig_record(rig, "visit"),
+                           "\"verdict\":\"allow\",\"door\":\"not-unlocked\","
+                           "\"door_fault\":\"the admitted person has no card number\""));
+    rig->parts.cards = NULL;
+    iso_cards_free(cards);
 }
 
 static void a_refusal_asks_nothing_of_the_door(void **state)
@@ -205,6 +228,7 @@ int main(void)
         TEST(a_refusal_asks_nothing_of_the_door),
         TEST(an_allow_whose_lock_is_stuck_is_no_entry),
         TEST(a_door_whose_lamp_is_stuck_unlocks_all_the_same),
+        TEST(a_door_without_a_relay_does_what_its_controller_is_told),
         TEST(a_door_that_is_at_fault_already_says_why),
         TEST(a_door_that_stands_open_is_not_unlocked_again),
         TEST(a_disk_that_fills_behind_the_grant_keeps_nobody_out),
