@@ -20,11 +20,11 @@ static const struct member {
     const char *name;
     enum form form;
 } members[] = {
-    {"verdict", FORM_AS_IT_IS},       {"person", FORM_AS_IT_IS},
-    {"reason", FORM_AS_IT_IS},        {"score", FORM_SCORE},
-    {"threshold", FORM_SCORE},        {"frames", FORM_AS_IT_IS},
-    {"attack_frames", FORM_AS_IT_IS}, {"sensor", FORM_AS_IT_IS},
-    {"gallery", FORM_AS_IT_IS},       {"note", FORM_AS_IT_IS},
+    {"verdict", FORM_AS_IT_IS},     {"person", FORM_AS_IT_IS},     {"reason", FORM_AS_IT_IS},
+    {"door", FORM_AS_IT_IS},        {"door_fault", FORM_AS_IT_IS}, {"score", FORM_SCORE},
+    {"threshold", FORM_SCORE},      {"frames", FORM_AS_IT_IS},     {"attack_frames", FORM_AS_IT_IS},
+    {"sensor", FORM_AS_IT_IS},      {"gallery", FORM_AS_IT_IS},    {"before", FORM_AS_IT_IS},
+    {"after", FORM_AS_IT_IS},       {"note", FORM_AS_IT_IS},       {"grant", FORM_AS_IT_IS},
     {"monotonic_ns", FORM_PROGRAM},
 };
 

@@ -24,7 +24,7 @@
 
 #include "core/contract.h"
 
-enum { RECORD_SIZE = 256 };
+enum { RECORD_SIZE = 512 };
 enum { LOG_RECORDS_MAX = 100 }; /* that are handed out at once: fewer than may be asked for */
 
 struct service {
@@ -447,7 +447,7 @@ static int on_picture(sd_bus_message *call, void *context, sd_bus_error *error)
 }
 
 /* Ten minutes lie between two records, every fifth is of the door and not of a visit. */
-static void write_record(uint64_t i, char line[RECORD_SIZE])
+static void write_record(const struct fake_script *script, uint64_t i, char line[RECORD_SIZE])
 {
     const time_t time_s = 1795249215 + (time_t)i * 600; /* 1: 2026-11-21T08:30:15Z */
     char time[32];
@@ -458,7 +458,9 @@ static void write_record(uint64_t i, char line[RECORD_SIZE])
                    "{\"sequence\": %" PRIu64 ", \"time\": \"%s.042Z\", \"monotonic_ns\": 1234567, ",
                    i, time);
     const size_t length = strlen(line);
-    if (i % 5 == 0) {
+    if (script->last_record && i == script->n_records) {
+        (void)snprintf(line + length, RECORD_SIZE - length, "%s}", script->last_record);
+    } else if (i % 5 == 0) {
         (void)snprintf(line + length, RECORD_SIZE - length,
                        "\"event\": \"door\", \"note\": \"locked, by \\\"time\\\"\"}");
     } else {
@@ -494,7 +496,7 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
     r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
     for (uint64_t i = from; r >= 0 && i <= last && i - from < max; i++) {
         char line[RECORD_SIZE];
-        write_record(i, line);
+        write_record(script, i, line);
         r = sd_bus_message_append_basic(reply, 's', line);
     }
     r = r < 0 ? r : sd_bus_message_close_container(reply);

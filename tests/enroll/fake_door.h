@@ -48,6 +48,7 @@ struct fake_script {
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
     const char *door, *door_fault;                              /* back end and its lines, so too */
     unsigned n_records;                                         /* in the log, numbered from 1 */
+    const char *last_record; /* its members from "event" on; NULL: like the others */
     /* With every ReadLog so many more come, and so many of the oldest go. */
     unsigned records_come, records_go;
     const char *picture; /* the bytes of the file that Picture gives, up to a NUL; NULL: "PNG" */

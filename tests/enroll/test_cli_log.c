@@ -6,10 +6,13 @@
 
 #include <cmocka.h>
 
+#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "tests/enroll/cli.h"
+#include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -124,13 +127,74 @@ static void log_as_csv(void **state)
     (void)state;
     assert_string_equal(
         cli_run(&script, "log --csv --from 4").out,
-        "sequence,time,event,verdict,person,reason,score,threshold,frames,attack_frames,sensor,"
-        "gallery,note\n"
-        "4,2026-11-21 09:00:15,visit,deny,Bo Ek,,2.35,,3,,,,\n"
-        "5,2026-11-21 09:10:15,door,,,,,,,,,,\"locked, by \"\"time\"\"\"\n");
-    assert_non_null(strstr(cli_run(&script, "log --csv --full").out, ",note,monotonic_ns\n"));
+        "sequence,time,event,verdict,person,reason,door,door_fault,score,threshold,frames,"
+        "attack_frames,sensor,gallery,before,after,note,grant\n"
+        "4,2026-11-21 09:00:15,visit,deny,Bo Ek,,,,2.35,,3,,,,,,,\n"
+        "5,2026-11-21 09:10:15,door,,,,,,,,,,,,,,\"locked, by \"\"time\"\"\",\n");
+    assert_non_null(strstr(cli_run(&script, "log --csv --full").out, ",note,grant,monotonic_ns\n"));
     const struct cli_result result = cli_run(&script, "log --csv --json");
     cli_expect_error(&result, 2, "usage");
+}
+
+/* What the door did for a visitor, and what an administrator changed, stand in every form. */
+static void log_shows_every_member(void **state)
+{
+    const struct fake_script visit = {
+        .n_records = 1,
+        .last_record = "\"event\": \"visit\", \"verdict\": \"allow\", \"person\": \"anna\", "
+                       "\"door\": \"not-unlocked\", \"door_fault\": \"line busy\", \"grant\": 41"};
+    const struct fake_script rename = {
+        .n_records = 1,
+        .last_record = "\"event\": \"rename\", \"person\": \"anna\", \"before\": \"anna\", "
+                       "\"after\": \"Anna Ek\""};
+
+    (void)state;
+    assert_string_equal(cli_run(&visit, "log").out,
+                        "1 2026-11-21 08:30:15 visit verdict=allow person=anna door=not-unlocked "
+                        "door_fault=\"line busy\" grant=41\n");
+    assert_non_null(
+        strstr(cli_run(&visit, "log --csv").out,
+               "\n1,2026-11-21 08:30:15,visit,allow,anna,,not-unlocked,line busy,,,,,,,,,,"
+               "41\n"));
+    assert_non_null(strstr(cli_run(&rename, "log --csv --full").out,
+                           ",rename,,anna,,,,,,,,,,anna,Anna Ek,,,1234567\n"));
+}
+
+/* Whether a name stands between two separators of a line of names. */
+static bool has_column(const char *names, const char *name)
+{
+    const size_t length = strlen(name);
+
+    for (const char *at = names; *at && *at != '\n'; at += *at == ',') {
+        if (strcspn(at, ",\n") == length && strncmp(at, name, length) == 0) {
+            return true;
+        }
+        at += strcspn(at, ",\n");
+    }
+    return false;
+}
+
+/* The daemon writes no member that a table of values would leave out. */
+static void csv_has_a_column_for_every_member_that_the_daemon_writes(void **state)
+{
+    static const char call[] = "(line, \"";
+    const struct fake_script script = {.n_records = 1};
+    size_t size, n = 0;
+    char *bytes = scratch_read(ISOTHERM_SOURCE_DIR "/firmware/audit.c", &size);
+    char *source = strndup(bytes, size), name[64];
+    const struct cli_result result = cli_run(&script, "log --csv --full");
+
+    (void)state;
+    for (const char *at = source; (at = strstr(at, call)); n++) {
+        at += strlen(call);
+        (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(at, "\""), at);
+        if (!has_column(result.out, name)) {
+            fail_msg("log --csv --full has no column for %s", name);
+        }
+    }
+    assert_true(n >= 18);
+    free(source);
+    free(bytes);
 }
 
 static void log_from_a_record_that_is_not_there(void **state)
@@ -178,6 +242,8 @@ int main(void)
         cmocka_unit_test(log_shows_what_was_asked_for),
         cmocka_unit_test(log_of_what_never_happened),
         cmocka_unit_test(log_as_csv),
+        cmocka_unit_test(log_shows_every_member),
+        cmocka_unit_test(csv_has_a_column_for_every_member_that_the_daemon_writes),
         cmocka_unit_test(log_from_a_record_that_is_not_there),
         cmocka_unit_test(log_of_nothing),
         cmocka_unit_test(following_the_log_ends_with_an_interrupt),
