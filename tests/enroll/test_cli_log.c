@@ -197,6 +197,30 @@ static void csv_has_a_column_for_every_member_that_the_daemon_writes(void **stat
     free(bytes);
 }
 
+/* A name is found in any spelling that the daemon takes for the same: in another case, of other
+ * characters of the same letters; and who was renamed, by both names. */
+static void log_finds_a_person_by_any_spelling(void **state)
+{
+    const struct fake_script visits = {.n_records = 4};
+    const struct fake_script rename = {
+        .n_records = 1,
+        .last_record = "\"event\": \"rename\", \"person\": \"p01\", \"before\": \"p01\", "
+                       "\"after\": \"Zo\u00eb \u3392\""};
+    static const char *const found[] = {"log --person P01", "log --person \uff3001",
+                                        "log --person ZO\u00cb\u00a0mhz",
+                                        "log --person zoe\u0308\u00a0MHz"};
+
+    (void)state;
+    expect_records_of(&visits, "log --json --person ANNA", 2, 1, 3);
+    for (size_t i = 0; i < COUNT(found); i++) {
+        if (!strstr(cli_run(&rename, found[i]).out, " rename ")) {
+            fail_msg("%s does not find the rename", found[i]);
+        }
+    }
+    assert_string_equal(cli_run(&rename, "log --person p02").out, "");
+    assert_string_equal(cli_run(&visits, "log --person ann").out, "");
+}
+
 static void log_from_a_record_that_is_not_there(void **state)
 {
     const struct fake_script script = {.n_records = 5};
@@ -244,6 +268,7 @@ int main(void)
         cmocka_unit_test(log_as_csv),
         cmocka_unit_test(log_shows_every_member),
         cmocka_unit_test(csv_has_a_column_for_every_member_that_the_daemon_writes),
+        cmocka_unit_test(log_finds_a_person_by_any_spelling),
         cmocka_unit_test(log_from_a_record_that_is_not_there),
         cmocka_unit_test(log_of_nothing),
         cmocka_unit_test(following_the_log_ends_with_an_interrupt),
