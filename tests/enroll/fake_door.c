@@ -53,7 +53,8 @@ static bool fails(const struct service *service, sd_bus_message *call, sd_bus_er
     if (!script->fail_method || strcmp(method, script->fail_method) != 0) {
         return false;
     }
-    sd_bus_error_set(error, script->fail_error, "the fake says so");
+    sd_bus_error_set(error, script->fail_error,
+                     script->fail_text ? script->fail_text : "the fake says so");
     return true;
 }
 

@@ -38,8 +38,9 @@ struct fake_script {
     size_t n_statuses;
     const struct fake_view *views;
     size_t n_views;
-    bool vanish;          /* leave the bus after the last status */
-    const char *stranger; /* another connection sends this result, as done, before the statuses */
+    const char *fail_text; /* what the error says; NULL: "the fake says so" */
+    bool vanish;           /* leave the bus after the last status */
+    const char *stranger;  /* another connection sends this result, as done, before the statuses */
     const struct fake_person *people;
     size_t n_people;
     const char *remark;                                         /* of RenamePerson; NULL: "" */
