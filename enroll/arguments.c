@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "drivers/terminal/words.h"
+#include "enroll/log_event.h"
 #include "enroll/value.h"
 #include "enroll/when.h"
 
@@ -456,7 +457,7 @@ static enum cli_exit check_options(const struct cli_arguments *arguments, uint64
     if (arguments->bus.address && arguments->bus.session) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "give --bus or --session, not both");
     }
-    return CLI_EXIT_OK;
+    return cli_log_events_check(arguments->events, fault);
 }
 
 enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *out,
