@@ -8,7 +8,9 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "enroll/setup/places.h"
 #include "tests/enroll/cli.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -426,9 +428,30 @@ static void help_and_version_need_no_daemon(void **state)
     assert_non_null(strstr(result.out, "--allow-duplicate"));
 }
 
+/* A unit without its configuration does not start; what helps is setup. */
+static void a_daemon_that_is_not_configured_is_told_of(void **state)
+{
+    static const char *const words[] = {"status", "list", "log", "identify", "doctor"};
+    const bool configured = access(cli_setup_installed.config, F_OK) == 0;
+    const char *expected = configured ? "systemctl start isothermd"
+                                      : "isothermd is not configured yet: run isotherm setup";
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(words); i++) {
+        const struct cli_result result = cli_run_on_system_bus(words[i]);
+        cli_expect_exit(&result, 4);
+        if (!strstr(result.out, expected) && !strstr(result.err, expected)) {
+            fail_msg("%s says: %s%s", words[i], result.out, result.err);
+        }
+    }
+    /* The configuration of the installed daemon says nothing about another bus. */
+    assert_non_null(strstr(cli_run(NULL, "status").err, "systemctl start isothermd"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_daemon_that_is_not_configured_is_told_of),
         cmocka_unit_test(list_shows_everybody),
         cmocka_unit_test(list_aligns_wide_letters),
         cmocka_unit_test(what_cannot_be_written_is_a_fault),
