@@ -112,7 +112,7 @@ static const struct choice {
     {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
     {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
     {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
-    {"help", NULL, OPTION_HELP, 0, "show this help (after a command: its own)"},
+    {"help", NULL, OPTION_HELP, 0, "also -h: show this help (after a command: its own)"},
     {"version", NULL, OPTION_VERSION, 0, "show the version"},
 };
 
@@ -349,14 +349,16 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
     make_getopt_table(table);
     opterr = 0;
     optind = 0; /* GNU: begin anew, also after an earlier call */
-    while ((id = getopt_long(argc, argv, ":n:", table, NULL)) != -1) {
+    while ((id = getopt_long(argc, argv, ":hn:", table, NULL)) != -1) {
         if (id == '?') {
             return unknown_option(fault, argv[optind - 1]);
         }
         if (id == ':') {
             return usage(fault, "a value is missing after", argv[optind - 1]);
         }
-        const struct choice *choice = find_choice(id == 'n' ? OPTION_COUNT : id);
+        const struct choice *choice = find_choice(id == 'n'   ? OPTION_COUNT
+                                                  : id == 'h' ? OPTION_HELP
+                                                              : id);
         if (!take(out, choice->id, optarg)) {
             return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--%s: bad value '%s'%s",
                                  choice->name, optarg, example_of(choice->argument));
@@ -364,6 +366,21 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
         *given |= UINT64_C(1) << (choice - choices);
     }
     return CLI_EXIT_OK;
+}
+
+/* A command's fixed words, "on|off", as they are read out: "on or off". */
+static enum cli_exit missing_word(const struct verb *verb, const char *after,
+                                  struct cli_fault *fault)
+{
+    const char *takes = verb->words, *bar = strchr(takes, '|');
+
+    if (strpbrk(takes, "ABCDEFGHIJKLMNOPQRSTUVWXYZ")) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "a %s is missing after '%s' (see isotherm --help)",
+                             strchr(takes, ' ') ? "word" : takes, after);
+    }
+    return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "'%s' needs a word: %.*s%s%s", verb->name,
+                         (int)strcspn(takes, "|"), takes, bar ? " or " : "", bar ? bar + 1 : "");
 }
 
 static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments *out,
@@ -385,9 +402,7 @@ static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments
     const int most = 1 + (*takes != '\0') + (strchr(takes, ' ') != NULL);
     const int least = *takes == '[' ? 1 : most;
     if (n_words < least && !out->help) {
-        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
-                             "a %s is missing after '%s' (see isotherm --help)",
-                             strpbrk(takes, "| ") ? "word" : takes, words[n_words - 1]);
+        return missing_word(&verbs[out->verb], words[n_words - 1], fault);
     }
     if (n_words > most) {
         return usage(fault, "superfluous word", words[most]);
@@ -468,10 +483,17 @@ enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *o
 
     *out = (struct cli_arguments){.verb = CLI_VERBS, .json = wants_json(argc, argv)};
     exit = parse_options(argc, argv, out, &given, fault);
-    if (exit || out->version || (out->help && optind == argc)) {
+    int n_words = argc - optind;
+    char **words = argv + optind;
+    if (!exit && n_words > 0 && strcmp(words[0], "help") == 0) { /* as the option */
+        out->help = true;
+        n_words--;
+        words++;
+    }
+    if (exit || out->version || (out->help && n_words == 0)) {
         return exit;
     }
-    exit = parse_words(argc - optind, argv + optind, out, fault);
+    exit = parse_words(n_words, words, out, fault);
     exit = exit ? exit : check_options(out, given, fault);
     exit = exit ? exit : parse_from(out, fault);
     return exit ? exit : check_limits(out, fault);

@@ -448,9 +448,32 @@ static void a_daemon_that_is_not_configured_is_told_of(void **state)
     assert_non_null(strstr(cli_run(NULL, "status").err, "systemctl start isothermd"));
 }
 
+/* --help, -h and the word help are the same, of the program and of a command. */
+static void help_is_shown_however_it_is_asked_for(void **state)
+{
+    static const char *const same[][3] = {
+        {"--help", "-h", "help"},
+        {"lockout --help", "lockout -h", "help lockout"},
+        {"log --help", "-h log", "help log"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(same); i++) {
+        char *help = strdup(cli_run(NULL, same[i][0]).out);
+        assert_int_equal(strncmp(help, "Usage: isotherm ", 16), 0);
+        for (size_t j = 1; j < COUNT(same[i]); j++) {
+            const struct cli_result result = cli_run(NULL, same[i][j]);
+            cli_expect_exit(&result, 0);
+            assert_string_equal(result.out, help);
+        }
+        free(help);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(help_is_shown_however_it_is_asked_for),
         cmocka_unit_test(a_daemon_that_is_not_configured_is_told_of),
         cmocka_unit_test(list_shows_everybody),
         cmocka_unit_test(list_aligns_wide_letters),
