@@ -506,6 +506,14 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
     return r;
 }
 
+/* Two people came, none of them was known. */
+static int on_import(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+
+    return fails(service, call, error) ? -EIO : sd_bus_reply_method_return(call, "uu", 2, 0);
+}
+
 static const sd_bus_vtable vtable[] = {
     SD_BUS_VTABLE_START(0),
     SD_BUS_METHOD("Claim", "", "", on_claim, SD_BUS_VTABLE_UNPRIVILEGED),
@@ -520,6 +528,7 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_METHOD("DeletePerson", "s", "", on_delete, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("SetValidity", "sa{sv}", "sxx", on_set_validity, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("RenamePerson", "ss", "s", on_rename, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("ImportPeople", "ha{sv}", "uu", on_import, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("GetStatus", "", "a{sv}", on_status, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStart", "", "", on_aim_start, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStop", "", "", on_aim_stop, SD_BUS_VTABLE_UNPRIVILEGED),

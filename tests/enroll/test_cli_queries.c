@@ -10,8 +10,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "core/contract.h"
 #include "enroll/setup/places.h"
 #include "tests/enroll/cli.h"
+#include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -470,9 +472,27 @@ static void help_is_shown_however_it_is_asked_for(void **state)
     }
 }
 
+/* With --replace nobody stays as is. A file for an appliance needs no passphrase. */
+static void import_says_whether_people_were_replaced(void **state)
+{
+    static const char sealed[32] = ISO_CONTRACT_PEOPLE_MAGIC "\002";
+    const struct fake_script script = {.n_people = 0};
+    char words[512], path[256];
+
+    (void)snprintf(path, sizeof path, "%s", scratch_path(*state, "people"));
+    scratch_write(path, sealed, sizeof sealed);
+    (void)snprintf(words, sizeof words, "import %s", path);
+    assert_string_equal(cli_run(&script, words).out,
+                        "2 people added, 0 were known and stay as they are.\n");
+    (void)snprintf(words, sizeof words, "import --replace %s", path);
+    assert_string_equal(cli_run(&script, words).out, "2 people added or replaced.\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(import_says_whether_people_were_replaced, scratch_setup,
+                                        scratch_teardown),
         cmocka_unit_test(help_is_shown_however_it_is_asked_for),
         cmocka_unit_test(a_daemon_that_is_not_configured_is_told_of),
         cmocka_unit_test(list_shows_everybody),
