@@ -8,6 +8,7 @@
 #include "enroll/log_event.h"
 #include "enroll/value.h"
 #include "enroll/when.h"
+#include "enroll/wrap.h"
 
 #define FOR(verb) (1u << (verb))
 
@@ -70,12 +71,13 @@ static const struct choice {
     const char *name;
     const char *argument; /* NULL: it takes none */
     enum option_id id;
-    unsigned verbs; /* of FOR(); 0: common to all, and to none */
-    const char *help;
+    unsigned verbs;   /* of FOR(); 0: common to all, and to none */
+    const char *help; /* "log: ...; validity: ..." where it differs between commands */
 } choices[] = {
     {"timeout", "S", OPTION_TIMEOUT,
      FOR(CLI_ENROLL) | FOR(CLI_IDENTIFY) | FOR(CLI_VERIFY) | FOR(CLI_AIM),
-     "give up after S seconds (enroll: 60, aim: never, else 30)"},
+     "enroll: give up after S seconds (60); identify: give up after S seconds (30); "
+     "verify: give up after S seconds (30); aim: end after S seconds (never)"},
     {"allow-duplicate", NULL, OPTION_ALLOW_DUPLICATE, FOR(CLI_ENROLL),
      "enrol even if this face is known under another name"},
     {"valid-from", "T", OPTION_VALID_FROM, FOR(CLI_ENROLL), "the door opens to NAME from T on"},
@@ -103,7 +105,8 @@ static const struct choice {
     {"full", NULL, OPTION_FULL, FOR(CLI_LOG), "every member of a record, and every digit"},
     {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
     {"picture", "FILE", OPTION_PICTURE, FOR(CLI_AIM) | FOR(CLI_SETUP),
-     "write one picture of what the camera sees, as PNG (aim: and end)"},
+     "aim: write one picture of what the camera sees, as PNG, and end; "
+     "setup: write one picture of what the camera sees, as PNG"},
     {"sensor", "WORD", OPTION_SENSOR, FOR(CLI_SETUP),
      "the sensor: openni2, v4l2:/dev/video0, replay:/DIRECTORY, ..."},
     {"board", "NAME", OPTION_BOARD, FOR(CLI_SETUP), "the board that has the door's lines"},
@@ -115,6 +118,8 @@ static const struct choice {
     {"help", NULL, OPTION_HELP, 0, "also -h: show this help (after a command: its own)"},
     {"version", NULL, OPTION_VERSION, 0, "show the version"},
 };
+
+enum { HELP_SIZE = 256 };
 
 enum { CHOICES = sizeof choices / sizeof *choices };
 
@@ -499,13 +504,33 @@ enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *o
     return exit ? exit : check_limits(out, fault);
 }
 
-static void help_option(const struct choice *choice, FILE *out)
+/* The part of an option's help that is about this command; all of it if none is. */
+static void choose_part(const char *help, enum cli_verb verb, char *part, size_t size)
 {
-    char left[40];
+    char prefix[16];
+
+    (void)snprintf(prefix, sizeof prefix, "%s: ", verb < CLI_VERBS ? verbs[verb].name : "");
+    (void)snprintf(part, size, "%s", help);
+    for (const char *at = help; verb < CLI_VERBS && at; at = strstr(at, "; ")) {
+        at += at > help ? 2 : 0;
+        if (strncmp(at, prefix, strlen(prefix)) == 0) {
+            at += strlen(prefix);
+            const char *end = strstr(at, "; ");
+            (void)snprintf(part, size, "%.*s", (int)(end ? end - at : (long)strlen(at)), at);
+            return;
+        }
+    }
+}
+
+static void help_option(const struct choice *choice, enum cli_verb verb, FILE *out)
+{
+    char left[40], part[HELP_SIZE];
 
     (void)snprintf(left, sizeof left, "--%s%s%s", choice->name, choice->argument ? " " : "",
                    choice->argument ? choice->argument : "");
-    fprintf(out, "  %-18s %s\n", left, choice->help);
+    const int column = fprintf(out, "  %-19s ", left);
+    choose_part(choice->help, verb, part, sizeof part);
+    cli_wrap(part, column, out);
 }
 
 void cli_arguments_help(enum cli_verb verb, FILE *out)
@@ -515,7 +540,8 @@ void cli_arguments_help(enum cli_verb verb, FILE *out)
               "A client of the face recognition appliance isothermd.\n\nCommands:\n",
               out);
         for (size_t i = 0; i < CLI_VERBS; i++) {
-            fprintf(out, "  %-8s %-14s %s\n", verbs[i].name, verbs[i].words, verbs[i].summary);
+            const int column = fprintf(out, "  %-8s %-14s ", verbs[i].name, verbs[i].words);
+            cli_wrap(verbs[i].summary, column, out);
         }
     } else {
         fprintf(out, "Usage: isotherm %s%s%s [OPTION...]\n%c%s.\n", verbs[verb].name,
@@ -525,7 +551,7 @@ void cli_arguments_help(enum cli_verb verb, FILE *out)
     fputs("\nOptions:\n", out);
     for (size_t i = 0; i < CHOICES; i++) {
         if (choices[i].verbs == 0 || (verb < CLI_VERBS && (choices[i].verbs & FOR(verb)))) {
-            help_option(&choices[i], out);
+            help_option(&choices[i], verb, out);
         }
     }
     if (verb == CLI_VERBS) {
