@@ -5,8 +5,10 @@
 #include <time.h>
 
 #include "drivers/terminal/words.h"
+#include "enroll/log_event.h"
 #include "enroll/value.h"
 #include "enroll/when.h"
+#include "enroll/wrap.h"
 
 #define FOR(verb) (1u << (verb))
 
@@ -69,12 +71,13 @@ static const struct choice {
     const char *name;
     const char *argument; /* NULL: it takes none */
     enum option_id id;
-    unsigned verbs; /* of FOR(); 0: common to all, and to none */
-    const char *help;
+    unsigned verbs;   /* of FOR(); 0: common to all, and to none */
+    const char *help; /* "log: ...; validity: ..." where it differs between commands */
 } choices[] = {
     {"timeout", "S", OPTION_TIMEOUT,
      FOR(CLI_ENROLL) | FOR(CLI_IDENTIFY) | FOR(CLI_VERIFY) | FOR(CLI_AIM),
-     "give up after S seconds (enroll: 60, aim: never, else 30)"},
+     "enroll: give up after S seconds (60); identify: give up after S seconds (30); "
+     "verify: give up after S seconds (30); aim: end after S seconds (never)"},
     {"allow-duplicate", NULL, OPTION_ALLOW_DUPLICATE, FOR(CLI_ENROLL),
      "enrol even if this face is known under another name"},
     {"valid-from", "T", OPTION_VALID_FROM, FOR(CLI_ENROLL), "the door opens to NAME from T on"},
@@ -102,7 +105,8 @@ static const struct choice {
     {"full", NULL, OPTION_FULL, FOR(CLI_LOG), "every member of a record, and every digit"},
     {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
     {"picture", "FILE", OPTION_PICTURE, FOR(CLI_AIM) | FOR(CLI_SETUP),
-     "write one picture of what the camera sees, as PNG (aim: and end)"},
+     "aim: write one picture of what the camera sees, as PNG, and end; "
+     "setup: write one picture of what the camera sees, as PNG"},
     {"sensor", "WORD", OPTION_SENSOR, FOR(CLI_SETUP),
      "the sensor: openni2, v4l2:/dev/video0, replay:/DIRECTORY, ..."},
     {"board", "NAME", OPTION_BOARD, FOR(CLI_SETUP), "the board that has the door's lines"},
@@ -111,9 +115,11 @@ static const struct choice {
     {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
     {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
     {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
-    {"help", NULL, OPTION_HELP, 0, "show this help (after a command: its own)"},
+    {"help", NULL, OPTION_HELP, 0, "also -h: show this help (after a command: its own)"},
     {"version", NULL, OPTION_VERSION, 0, "show the version"},
 };
+
+enum { HELP_SIZE = 256 };
 
 enum { CHOICES = sizeof choices / sizeof *choices };
 
@@ -348,14 +354,16 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
     make_getopt_table(table);
     opterr = 0;
     optind = 0; /* GNU: begin anew, also after an earlier call */
-    while ((id = getopt_long(argc, argv, ":n:", table, NULL)) != -1) {
+    while ((id = getopt_long(argc, argv, ":hn:", table, NULL)) != -1) {
         if (id == '?') {
             return unknown_option(fault, argv[optind - 1]);
         }
         if (id == ':') {
             return usage(fault, "a value is missing after", argv[optind - 1]);
         }
-        const struct choice *choice = find_choice(id == 'n' ? OPTION_COUNT : id);
+        const struct choice *choice = find_choice(id == 'n'   ? OPTION_COUNT
+                                                  : id == 'h' ? OPTION_HELP
+                                                              : id);
         if (!take(out, choice->id, optarg)) {
             return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--%s: bad value '%s'%s",
                                  choice->name, optarg, example_of(choice->argument));
@@ -363,6 +371,21 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
         *given |= UINT64_C(1) << (choice - choices);
     }
     return CLI_EXIT_OK;
+}
+
+/* A command's fixed words, "on|off", as they are read out: "on or off". */
+static enum cli_exit missing_word(const struct verb *verb, const char *after,
+                                  struct cli_fault *fault)
+{
+    const char *takes = verb->words, *bar = strchr(takes, '|');
+
+    if (strpbrk(takes, "ABCDEFGHIJKLMNOPQRSTUVWXYZ")) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "a %s is missing after '%s' (see isotherm --help)",
+                             strchr(takes, ' ') ? "word" : takes, after);
+    }
+    return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "'%s' needs a word: %.*s%s%s", verb->name,
+                         (int)strcspn(takes, "|"), takes, bar ? " or " : "", bar ? bar + 1 : "");
 }
 
 static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments *out,
@@ -384,9 +407,7 @@ static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments
     const int most = 1 + (*takes != '\0') + (strchr(takes, ' ') != NULL);
     const int least = *takes == '[' ? 1 : most;
     if (n_words < least && !out->help) {
-        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
-                             "a %s is missing after '%s' (see isotherm --help)",
-                             strpbrk(takes, "| ") ? "word" : takes, words[n_words - 1]);
+        return missing_word(&verbs[out->verb], words[n_words - 1], fault);
     }
     if (n_words > most) {
         return usage(fault, "superfluous word", words[most]);
@@ -456,7 +477,7 @@ static enum cli_exit check_options(const struct cli_arguments *arguments, uint64
     if (arguments->bus.address && arguments->bus.session) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "give --bus or --session, not both");
     }
-    return CLI_EXIT_OK;
+    return cli_log_events_check(arguments->events, fault);
 }
 
 enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *out,
@@ -467,22 +488,49 @@ enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *o
 
     *out = (struct cli_arguments){.verb = CLI_VERBS, .json = wants_json(argc, argv)};
     exit = parse_options(argc, argv, out, &given, fault);
-    if (exit || out->version || (out->help && optind == argc)) {
+    int n_words = argc - optind;
+    char **words = argv + optind;
+    if (!exit && n_words > 0 && strcmp(words[0], "help") == 0) { /* as the option */
+        out->help = true;
+        n_words--;
+        words++;
+    }
+    if (exit || out->version || (out->help && n_words == 0)) {
         return exit;
     }
-    exit = parse_words(argc - optind, argv + optind, out, fault);
+    exit = parse_words(n_words, words, out, fault);
     exit = exit ? exit : check_options(out, given, fault);
     exit = exit ? exit : parse_from(out, fault);
     return exit ? exit : check_limits(out, fault);
 }
 
-static void help_option(const struct choice *choice, FILE *out)
+/* The part of an option's help that is about this command; all of it if none is. */
+static void choose_part(const char *help, enum cli_verb verb, char *part, size_t size)
 {
-    char left[40];
+    char prefix[16];
+
+    (void)snprintf(prefix, sizeof prefix, "%s: ", verb < CLI_VERBS ? verbs[verb].name : "");
+    (void)snprintf(part, size, "%s", help);
+    for (const char *at = help; verb < CLI_VERBS && at; at = strstr(at, "; ")) {
+        at += at > help ? 2 : 0;
+        if (strncmp(at, prefix, strlen(prefix)) == 0) {
+            at += strlen(prefix);
+            const char *end = strstr(at, "; ");
+            (void)snprintf(part, size, "%.*s", (int)(end ? end - at : (long)strlen(at)), at);
+            return;
+        }
+    }
+}
+
+static void help_option(const struct choice *choice, enum cli_verb verb, FILE *out)
+{
+    char left[40], part[HELP_SIZE];
 
     (void)snprintf(left, sizeof left, "--%s%s%s", choice->name, choice->argument ? " " : "",
                    choice->argument ? choice->argument : "");
-    fprintf(out, "  %-18s %s\n", left, choice->help);
+    const int column = fprintf(out, "  %-19s ", left);
+    choose_part(choice->help, verb, part, sizeof part);
+    cli_wrap(part, column, out);
 }
 
 void cli_arguments_help(enum cli_verb verb, FILE *out)
@@ -492,7 +540,8 @@ void cli_arguments_help(enum cli_verb verb, FILE *out)
               "A client of the face recognition appliance isothermd.\n\nCommands:\n",
               out);
         for (size_t i = 0; i < CLI_VERBS; i++) {
-            fprintf(out, "  %-8s %-14s %s\n", verbs[i].name, verbs[i].words, verbs[i].summary);
+            const int column = fprintf(out, "  %-8s %-14s ", verbs[i].name, verbs[i].words);
+            cli_wrap(verbs[i].summary, column, out);
         }
     } else {
         fprintf(out, "Usage: isotherm %s%s%s [OPTION...]\n%c%s.\n", verbs[verb].name,
@@ -502,7 +551,7 @@ void cli_arguments_help(enum cli_verb verb, FILE *out)
     fputs("\nOptions:\n", out);
     for (size_t i = 0; i < CHOICES; i++) {
         if (choices[i].verbs == 0 || (verb < CLI_VERBS && (choices[i].verbs & FOR(verb)))) {
-            help_option(&choices[i], out);
+            help_option(&choices[i], verb, out);
         }
     }
     if (verb == CLI_VERBS) {

@@ -13,11 +13,15 @@
 #include "enroll/report.h"
 #include "enroll/state.h"
 
+/* The daemon shows some ten frames a second: a camera that is silent for so long has a fault. */
+static const double silence_s = 2;
+
 struct aim {
     bool json;
-    bool rewrite;  /* on a terminal two lines are enough */
-    char hint[32]; /* the word whose hint was printed last */
-    int error;     /* of a signal that could not be read, or of the output */
+    bool rewrite;     /* on a terminal two lines are enough */
+    char hint[32];    /* the word whose hint was printed last */
+    uint64_t n_views; /* that have come */
+    int error;        /* of a signal that could not be read, or of the output */
 };
 
 /* At most 79 columns, so that no terminal breaks a line. */
@@ -80,6 +84,7 @@ static bool on_view(sd_bus_message *signal, void *context)
     struct aim *aim = context;
     json_t *view = NULL;
 
+    aim->n_views++;
     aim->error = cli_state_read(signal, &view);
     if (aim->error) {
         return true;
@@ -92,6 +97,37 @@ static bool on_view(sd_bus_message *signal, void *context)
     }
     json_decref(view);
     return fflush(stdout) == EOF;
+}
+
+static void say_silence(const struct aim *aim)
+{
+    if (aim->rewrite && aim->n_views > 0) {
+        fputs("\n\n", stdout); /* below both lines */
+        fflush(stdout);
+    }
+    fputs("No frames arrive from the camera; isotherm doctor may say why.\n", stderr);
+}
+
+/* Waits as cli_door_wait() does, and says once if nothing comes for a while. */
+static enum cli_exit wait_for_views(struct cli_door *door, double timeout_s, const struct aim *aim,
+                                    struct cli_fault *fault)
+{
+    const bool forever = timeout_s <= 0;
+    bool said = false;
+
+    for (double left_s = timeout_s; forever || left_s > 0; left_s -= silence_s) {
+        const uint64_t before = aim->n_views;
+        const bool whole = forever || left_s >= silence_s;
+        const enum cli_exit exit = cli_door_wait(door, whole ? silence_s : left_s, fault);
+        if (exit != CLI_EXIT_TIMED_OUT || fault->text[0]) {
+            return exit;
+        }
+        if (whole && !said && aim->n_views == before) {
+            say_silence(aim);
+            said = true;
+        }
+    }
+    return CLI_EXIT_TIMED_OUT;
 }
 
 /* To be interrupted is how it is meant to end. */
@@ -107,7 +143,7 @@ static enum cli_exit watch(struct cli_door *door, const struct cli_arguments *ar
     if (!aim->json) {
         fputs(head, stdout);
     }
-    exit = cli_door_wait(door, arguments->timeout_s, fault);
+    exit = wait_for_views(door, arguments->timeout_s, aim, fault);
     if (aim->rewrite) {
         fputs("\n\n", stdout); /* below both lines */
     }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "core/contract.h"
+#include "enroll/configured.h"
 #include "enroll/diagnosis.h"
 #include "enroll/report.h"
 #include "enroll/state.h"
@@ -26,15 +27,18 @@ static void check_permission(struct cli_door *door, struct cli_diagnosis *diagno
 }
 
 /* False if it makes no sense to go on: there is nobody to ask. */
-static bool check_daemon(struct cli_door *door, struct cli_diagnosis *diagnosis, json_t **state)
+static bool check_daemon(const struct cli_bus *bus, struct cli_door *door,
+                         struct cli_diagnosis *diagnosis, json_t **state)
 {
     struct cli_fault fault = {0};
     bool running = false;
 
     if (cli_door_has_daemon(door, &running, &fault) || !running) {
         cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_BAD, "isothermd is not on the bus",
-                          "systemctl start isothermd; if it does not stay up: "
-                          "journalctl --unit=isothermd");
+                          cli_is_configured(bus)
+                              ? "systemctl start isothermd; if it does not stay up: "
+                                "journalctl --unit=isothermd"
+                              : "isothermd is not configured yet: run isotherm setup");
         return false;
     }
     cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_GOOD, "running", NULL);
@@ -60,7 +64,7 @@ void cli_doctor_examine(const struct cli_bus *bus, struct cli_diagnosis *diagnos
         return;
     }
     cli_diagnosis_add(diagnosis, "bus", CLI_CHECK_GOOD, "reachable", NULL);
-    if (check_daemon(door, diagnosis, &state)) {
+    if (check_daemon(bus, door, diagnosis, &state)) {
         cli_diagnosis_judge(diagnosis, state);
         check_permission(door, diagnosis);
     }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/contract.h"
+#include "drivers/terminal/progress.h"
 #include "drivers/terminal/terminal.h"
 #include "enroll/action.h"
 #include "enroll/hint.h"
@@ -14,8 +15,9 @@ enum { DEFAULT_TIMEOUT_S = 30, WORD_SIZE = 64, NAME_SIZE = 256 };
 
 struct recognition {
     const struct cli_arguments *arguments;
-    const char *prefix;     /* of the result words: "identify" or "verify" */
-    struct cli_hints hints; /* to stdout, or beside a JSON document to stderr */
+    const char *prefix;            /* of the result words: "identify" or "verify" */
+    struct cli_hints hints;        /* to stdout, or beside a JSON document to stderr */
+    struct iso_progress *progress; /* on stderr: for how long the camera has been looking */
     char result[WORD_SIZE];
     char person[NAME_SIZE]; /* as the daemon says */
     double score, threshold;
@@ -30,14 +32,15 @@ static int append_person(sd_bus_message *call, const void *context)
 
 static void on_started(void *context)
 {
-    const struct recognition *recognition = context;
+    struct recognition *recognition = context;
 
     fputs("Look straight at the camera.\n", recognition->hints.out);
+    recognition->progress = iso_progress_start(stderr, "isotherm", "looking for a face", 0, NULL);
 }
 
-static bool on_status(sd_bus_message *signal, void *context)
+/* Takes a status and says what it means; the line of the progress is not there meanwhile. */
+static bool take_status(sd_bus_message *signal, struct recognition *recognition)
 {
-    struct recognition *recognition = context;
     const char *result, *person, *word;
     double score, threshold;
     int done;
@@ -53,6 +56,17 @@ static bool on_status(sd_bus_message *signal, void *context)
     (void)snprintf(recognition->person, sizeof recognition->person, "%s", person);
     recognition->score = score;
     recognition->threshold = threshold;
+    return done;
+}
+
+static bool on_status(sd_bus_message *signal, void *context)
+{
+    struct recognition *recognition = context;
+
+    iso_progress_pause(recognition->progress);
+    const bool done = take_status(signal, recognition);
+    fflush(recognition->hints.out);
+    iso_progress_resume(recognition->progress);
     return done;
 }
 
@@ -152,6 +166,7 @@ static enum cli_exit recognise(struct cli_door *door, struct recognition *recogn
     action->timeout_s = timeout_s > 0 ? timeout_s : DEFAULT_TIMEOUT_S;
 
     enum cli_exit exit = cli_action_run(door, action, fault);
+    iso_progress_end(recognition->progress);
     if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
         ending = ISO_CONTRACT_RESULT_TIMED_OUT;
     } else if (exit == CLI_EXIT_INTERRUPTED) {

@@ -198,6 +198,11 @@ enum cli_exit cli_import(struct cli_door *door, const struct cli_arguments *argu
         return cli_report_json(
             json_pack("{s:I, s:I}", "added", (json_int_t)count[0], "known", (json_int_t)count[1]));
     }
+    if (arguments->replace) { /* the daemon counts both as one */
+        printf("%" PRIu32 " %s added or replaced.\n", count[0],
+               iso_plural(count[0], "person", "people"));
+        return CLI_EXIT_OK;
+    }
     printf("%" PRIu32 " %s added, %" PRIu32 " %s.\n", count[0],
            iso_plural(count[0], "person", "people"), count[1],
            iso_plural(count[1], "was known and stays as is", "were known and stay as they are"));

@@ -4,6 +4,7 @@
 #include "drivers/terminal/output.h"
 #include "enroll/arguments.h"
 #include "enroll/commands.h"
+#include "enroll/configured.h"
 #include "enroll/report.h"
 
 static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault *fault)
@@ -46,6 +47,7 @@ int main(int argc, char **argv)
     } else if (exit == CLI_EXIT_OK) {
         setvbuf(stdout, NULL, _IOLBF, 0); /* hints and followed records are read as they come */
         exit = run(&arguments, &fault);
+        cli_explain_no_daemon(&arguments.bus, exit, &fault);
     }
     if (fault.text[0]) {
         cli_report_fault(&fault, exit, arguments.json);

@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "drivers/terminal/terminal.h"
+#include "enroll/name.h"
 #include "enroll/when.h"
 
 enum { VALUE_SIZE = 1024 };
@@ -20,11 +21,11 @@ static const struct member {
     const char *name;
     enum form form;
 } members[] = {
-    {"verdict", FORM_AS_IT_IS},       {"person", FORM_AS_IT_IS},
-    {"reason", FORM_AS_IT_IS},        {"score", FORM_SCORE},
-    {"threshold", FORM_SCORE},        {"frames", FORM_AS_IT_IS},
-    {"attack_frames", FORM_AS_IT_IS}, {"sensor", FORM_AS_IT_IS},
-    {"gallery", FORM_AS_IT_IS},       {"note", FORM_AS_IT_IS},
+    {"verdict", FORM_AS_IT_IS},     {"person", FORM_AS_IT_IS},     {"reason", FORM_AS_IT_IS},
+    {"door", FORM_AS_IT_IS},        {"door_fault", FORM_AS_IT_IS}, {"score", FORM_SCORE},
+    {"threshold", FORM_SCORE},      {"frames", FORM_AS_IT_IS},     {"attack_frames", FORM_AS_IT_IS},
+    {"sensor", FORM_AS_IT_IS},      {"gallery", FORM_AS_IT_IS},    {"before", FORM_AS_IT_IS},
+    {"after", FORM_AS_IT_IS},       {"note", FORM_AS_IT_IS},       {"grant", FORM_AS_IT_IS},
     {"monotonic_ns", FORM_PROGRAM},
 };
 
@@ -66,16 +67,28 @@ static bool has_word(const char *list, const char *word)
     return false;
 }
 
-bool cli_log_matches(const json_t *record, const struct cli_arguments *arguments)
+/* Whether the record is about one of the people. Who was renamed has had two names. */
+static bool is_about(const json_t *record, const char *const *people, size_t n)
 {
     const char *event = text_of(record, "event"), *person = text_of(record, "person");
-    const int64_t time_s = cli_log_time_s(record);
-    bool known = arguments->n_people == 0;
+    const char *renamed = event && strcmp(event, "rename") == 0 ? text_of(record, "after") : NULL;
 
-    for (size_t i = 0; person && i < arguments->n_people; i++) {
-        known |= strcmp(person, arguments->people[i]) == 0;
+    for (size_t i = 0; i < n; i++) {
+        if ((person && cli_name_is_same(person, people[i])) ||
+            (renamed && cli_name_is_same(renamed, people[i]))) {
+            return true;
+        }
     }
-    return known && (!arguments->events || (event && has_word(arguments->events, event))) &&
+    return n == 0;
+}
+
+bool cli_log_matches(const json_t *record, const struct cli_arguments *arguments)
+{
+    const char *event = text_of(record, "event");
+    const int64_t time_s = cli_log_time_s(record);
+
+    return is_about(record, arguments->people, arguments->n_people) &&
+           (!arguments->events || (event && has_word(arguments->events, event))) &&
            (!arguments->day_ends_s ||
             (time_s >= arguments->day_begins_s && time_s < arguments->day_ends_s));
 }

@@ -18,7 +18,9 @@ int64_t cli_log_time_s(const json_t *record);
 /* Whether options ask for some of the records only. */
 bool cli_log_chooses(const struct cli_arguments *arguments);
 
-/* Whether the record is of the people, the day and the events that were asked for. */
+/* Whether the record is of the people, the day and the events that were asked for. People are
+ * compared as the daemon does it (enroll/name.h); a rename is of its old name and of its new one.
+ */
 bool cli_log_matches(const json_t *record, const struct cli_arguments *arguments);
 
 /* "17 2026-11-21 09:30:15 visit verdict=allow person=anna score=4.12 ...": local time, scores with

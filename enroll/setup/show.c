@@ -16,6 +16,14 @@ struct png {
     size_t size;
 };
 
+/* Whether it may be another in a moment: another program has the camera, or the daemon is not on
+ * the bus yet. What the daemon says of the camera is not: it has waited for a frame itself, and
+ * writes a record each time. */
+static bool may_pass(const struct cli_fault *fault)
+{
+    return strcmp(fault->code, "already-in-use") == 0 || strcmp(fault->code, "no-daemon") == 0;
+}
+
 static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cli_fault *fault)
 {
     struct cli_door *door = NULL;
@@ -23,7 +31,7 @@ static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cl
 
     for (int i = 0; !exit && i < ATTEMPTS; i++) {
         exit = cli_picture_take(door, &out->bytes, &out->size, fault);
-        if (!exit || i == ATTEMPTS - 1 || cli_interrupted()) {
+        if (!exit || !may_pass(fault) || i == ATTEMPTS - 1 || cli_interrupted()) {
             break;
         }
         (void)nanosleep(&(struct timespec){.tv_sec = 1}, NULL);
@@ -31,6 +39,15 @@ static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cl
     }
     cli_door_close(door);
     return exit;
+}
+
+/* What the daemon says without the words that the line begins with anyway. */
+static const char *reason_of(const struct cli_fault *fault)
+{
+    static const char prefix[] = "no picture: ";
+    const size_t length = sizeof prefix - 1;
+
+    return strncmp(fault->text, prefix, length) == 0 ? fault->text + length : fault->text;
 }
 
 static void show(const struct png *png, const struct cli_dialogue *dialogue)
@@ -50,14 +67,17 @@ bool cli_setup_show_picture(const struct cli_setup_wish *wish, const struct cli_
 {
     struct png png = {0};
     struct cli_fault fault = {0};
-    enum cli_exit exit = fetch(&wish->bus, &png, &fault);
 
+    fputs("waiting for a picture ...\n", dialogue->out);
+    fflush(dialogue->out);
+    enum cli_exit exit = fetch(&wish->bus, &png, &fault);
     if (!exit && dialogue->terminal) {
         show(&png, dialogue);
     }
     exit = exit ? exit : cli_picture_save(wish->picture, png.bytes, png.size, &fault);
     if (exit) {
-        fprintf(dialogue->out, "There is no picture of what the camera sees: %s.\n", fault.text);
+        fprintf(dialogue->out, "There is no picture of what the camera sees: %s.\n",
+                reason_of(&fault));
     } else {
         fprintf(dialogue->out, "%s: what the camera sees; delete it after use.\n", wish->picture);
     }

@@ -9,6 +9,7 @@
 
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "tests/support/child_end.h"
@@ -76,6 +77,21 @@ struct cli_result cli_run_interrupt(const struct fake_script *script, const char
 struct cli_result cli_run(const struct fake_script *script, const char *words)
 {
     return cli_run_interrupt(script, words, NULL);
+}
+
+struct cli_result cli_run_on_system_bus(const char *words)
+{
+    const char *argv[WORDS_MAX];
+
+    make_argv(words, argv);
+    memmove(argv + 1, argv + 3, (WORDS_MAX - 3) * sizeof *argv); /* without --bus ADDRESS */
+    run_free(&last);
+    setenv("DBUS_SYSTEM_BUS_ADDRESS", bus.address, 1);
+    run_start(&last, argv);
+    unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
+    run_finish(&last);
+    return (struct cli_result){
+        .exit = last.exit, .what = last.what, .out = last.out, .err = last.err, .calls = ""};
 }
 
 struct cli_result cli_run_to(const char *path, const struct fake_script *script, const char *words)

@@ -25,6 +25,9 @@ struct cli_result {
  * is at the other end. */
 struct cli_result cli_run(const struct fake_script *script, const char *words);
 
+/* isotherm WORDS with nobody on the bus, which is the system's for this run. */
+struct cli_result cli_run_on_system_bus(const char *words);
+
 /* The same with standard output to a file, such as /dev/full; result.out is "". */
 struct cli_result cli_run_to(const char *path, const struct fake_script *script, const char *words);
 

@@ -24,7 +24,7 @@
 
 #include "core/contract.h"
 
-enum { RECORD_SIZE = 256 };
+enum { RECORD_SIZE = 512 };
 enum { LOG_RECORDS_MAX = 100 }; /* that are handed out at once: fewer than may be asked for */
 
 struct service {
@@ -53,7 +53,8 @@ static bool fails(const struct service *service, sd_bus_message *call, sd_bus_er
     if (!script->fail_method || strcmp(method, script->fail_method) != 0) {
         return false;
     }
-    sd_bus_error_set(error, script->fail_error, "the fake says so");
+    sd_bus_error_set(error, script->fail_error,
+                     script->fail_text ? script->fail_text : "the fake says so");
     return true;
 }
 
@@ -447,7 +448,7 @@ static int on_picture(sd_bus_message *call, void *context, sd_bus_error *error)
 }
 
 /* Ten minutes lie between two records, every fifth is of the door and not of a visit. */
-static void write_record(uint64_t i, char line[RECORD_SIZE])
+static void write_record(const struct fake_script *script, uint64_t i, char line[RECORD_SIZE])
 {
     const time_t time_s = 1795249215 + (time_t)i * 600; /* 1: 2026-11-21T08:30:15Z */
     char time[32];
@@ -458,7 +459,9 @@ static void write_record(uint64_t i, char line[RECORD_SIZE])
                    "{\"sequence\": %" PRIu64 ", \"time\": \"%s.042Z\", \"monotonic_ns\": 1234567, ",
                    i, time);
     const size_t length = strlen(line);
-    if (i % 5 == 0) {
+    if (script->last_record && i == script->n_records) {
+        (void)snprintf(line + length, RECORD_SIZE - length, "%s}", script->last_record);
+    } else if (i % 5 == 0) {
         (void)snprintf(line + length, RECORD_SIZE - length,
                        "\"event\": \"door\", \"note\": \"locked, by \\\"time\\\"\"}");
     } else {
@@ -494,13 +497,21 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
     r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
     for (uint64_t i = from; r >= 0 && i <= last && i - from < max; i++) {
         char line[RECORD_SIZE];
-        write_record(i, line);
+        write_record(script, i, line);
         r = sd_bus_message_append_basic(reply, 's', line);
     }
     r = r < 0 ? r : sd_bus_message_close_container(reply);
     r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
     sd_bus_message_unref(reply);
     return r;
+}
+
+/* Two people came, none of them was known. */
+static int on_import(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    struct service *service = context;
+
+    return fails(service, call, error) ? -EIO : sd_bus_reply_method_return(call, "uu", 2, 0);
 }
 
 static const sd_bus_vtable vtable[] = {
@@ -517,6 +528,7 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_METHOD("DeletePerson", "s", "", on_delete, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("SetValidity", "sa{sv}", "sxx", on_set_validity, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("RenamePerson", "ss", "s", on_rename, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("ImportPeople", "ha{sv}", "uu", on_import, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("GetStatus", "", "a{sv}", on_status, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStart", "", "", on_aim_start, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStop", "", "", on_aim_stop, SD_BUS_VTABLE_UNPRIVILEGED),

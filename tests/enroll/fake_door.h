@@ -38,8 +38,9 @@ struct fake_script {
     size_t n_statuses;
     const struct fake_view *views;
     size_t n_views;
-    bool vanish;          /* leave the bus after the last status */
-    const char *stranger; /* another connection sends this result, as done, before the statuses */
+    const char *fail_text; /* what the error says; NULL: "the fake says so" */
+    bool vanish;           /* leave the bus after the last status */
+    const char *stranger;  /* another connection sends this result, as done, before the statuses */
     const struct fake_person *people;
     size_t n_people;
     const char *remark;                                         /* of RenamePerson; NULL: "" */
@@ -48,6 +49,7 @@ struct fake_script {
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
     const char *door, *door_fault;                              /* back end and its lines, so too */
     unsigned n_records;                                         /* in the log, numbered from 1 */
+    const char *last_record; /* its members from "event" on; NULL: like the others */
     /* With every ReadLog so many more come, and so many of the oldest go. */
     unsigned records_come, records_go;
     const char *picture; /* the bytes of the file that Picture gives, up to a NUL; NULL: "PNG" */

@@ -123,9 +123,7 @@ void setup_rig_begin(struct setup_rig *at, const struct fake_manager_script *man
 
 void setup_rig_end(struct setup_rig *at)
 {
-    if (at->has_door) {
-        (void)fake_door_stop(&at->door);
-    }
+    at->door_calls = at->has_door ? fake_door_stop(&at->door) : "";
     at->calls = at->has_manager ? fake_manager_stop(&at->manager) : "";
     at->has_manager = at->has_door = false;
 }

@@ -15,6 +15,7 @@ struct setup_rig {
     struct cli_fault fault; /* of the last run */
     char *said;             /* what the last run said */
     const char *calls;      /* of the service manager */
+    const char *door_calls; /* of the door */
 };
 
 /* Starts the bus that all tests of a program share; false if the program is to be skipped. */
@@ -36,7 +37,8 @@ void setup_rig_set_devices(const char *lines);
 void setup_rig_begin(struct setup_rig *rig, const struct fake_manager_script *manager,
                      const struct fake_script *door);
 
-/* Takes both from the bus again; rig->calls are the manager's. */
+/* Takes both from the bus again; rig->calls are the manager's, rig->door_calls the
+ * door's. */
 void setup_rig_end(struct setup_rig *rig);
 
 /* Does what the program does between these two, without a terminal. */

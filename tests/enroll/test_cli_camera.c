@@ -275,6 +275,21 @@ static void aim_shows_what_is_seen(void **state)
 }
 
 /* Whatever is seen: also what is not a number of a face. */
+/* A camera that is silent is told of once, one that shows something is not. */
+static void aim_says_that_no_frames_arrive(void **state)
+{
+    static const struct fake_view view = {"too-far", 1200, NAN};
+    static const char says[] = "No frames arrive from the camera; isotherm doctor may say why.\n";
+    const struct fake_script silent = {.n_views = 0}, works = {.views = &view, .n_views = 1};
+
+    (void)state;
+    struct cli_result result = cli_run(&silent, "aim --timeout 4.5");
+    cli_expect_exit(&result, 0);
+    assert_string_equal(result.err, says);
+    result = cli_run(&works, "aim --timeout 2.2");
+    assert_string_equal(result.err, "");
+}
+
 static void aim_fits_80_columns(void **state)
 {
     static const struct fake_view views[] = {
@@ -469,6 +484,7 @@ int main(void)
         cmocka_unit_test(verify_says_hints_and_asks_for_the_person),
         cmocka_unit_test(hints_are_in_the_document),
         cmocka_unit_test(aim_shows_what_is_seen),
+        cmocka_unit_test(aim_says_that_no_frames_arrive),
         cmocka_unit_test(aim_fits_80_columns),
         cmocka_unit_test_setup_teardown(aim_writes_a_picture, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(aim_says_why_there_is_no_picture, scratch_setup,

@@ -8,8 +8,12 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "core/contract.h"
+#include "enroll/setup/places.h"
 #include "tests/enroll/cli.h"
+#include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -426,9 +430,71 @@ static void help_and_version_need_no_daemon(void **state)
     assert_non_null(strstr(result.out, "--allow-duplicate"));
 }
 
+/* A unit without its configuration does not start; what helps is setup. */
+static void a_daemon_that_is_not_configured_is_told_of(void **state)
+{
+    static const char *const words[] = {"status", "list", "log", "identify", "doctor"};
+    const bool configured = access(cli_setup_installed.config, F_OK) == 0;
+    const char *expected = configured ? "systemctl start isothermd"
+                                      : "isothermd is not configured yet: run isotherm setup";
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(words); i++) {
+        const struct cli_result result = cli_run_on_system_bus(words[i]);
+        cli_expect_exit(&result, 4);
+        if (!strstr(result.out, expected) && !strstr(result.err, expected)) {
+            fail_msg("%s says: %s%s", words[i], result.out, result.err);
+        }
+    }
+    /* The configuration of the installed daemon says nothing about another bus. */
+    assert_non_null(strstr(cli_run(NULL, "status").err, "systemctl start isothermd"));
+}
+
+/* --help, -h and the word help are the same, of the program and of a command. */
+static void help_is_shown_however_it_is_asked_for(void **state)
+{
+    static const char *const same[][3] = {
+        {"--help", "-h", "help"},
+        {"lockout --help", "lockout -h", "help lockout"},
+        {"log --help", "-h log", "help log"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < COUNT(same); i++) {
+        char *help = strdup(cli_run(NULL, same[i][0]).out);
+        assert_int_equal(strncmp(help, "Usage: isotherm ", 16), 0);
+        for (size_t j = 1; j < COUNT(same[i]); j++) {
+            const struct cli_result result = cli_run(NULL, same[i][j]);
+            cli_expect_exit(&result, 0);
+            assert_string_equal(result.out, help);
+        }
+        free(help);
+    }
+}
+
+/* With --replace nobody stays as is. A file for an appliance needs no passphrase. */
+static void import_says_whether_people_were_replaced(void **state)
+{
+    static const char sealed[32] = ISO_CONTRACT_PEOPLE_MAGIC "\002";
+    const struct fake_script script = {.n_people = 0};
+    char words[512], path[256];
+
+    (void)snprintf(path, sizeof path, "%s", scratch_path(*state, "people"));
+    scratch_write(path, sealed, sizeof sealed);
+    (void)snprintf(words, sizeof words, "import %s", path);
+    assert_string_equal(cli_run(&script, words).out,
+                        "2 people added, 0 were known and stay as they are.\n");
+    (void)snprintf(words, sizeof words, "import --replace %s", path);
+    assert_string_equal(cli_run(&script, words).out, "2 people added or replaced.\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(import_says_whether_people_were_replaced, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test(help_is_shown_however_it_is_asked_for),
+        cmocka_unit_test(a_daemon_that_is_not_configured_is_told_of),
         cmocka_unit_test(list_shows_everybody),
         cmocka_unit_test(list_aligns_wide_letters),
         cmocka_unit_test(what_cannot_be_written_is_a_fault),

@@ -52,7 +52,8 @@ static void verdicts_have_colours(void **state)
     (void)state;
     expect(&match, "identify", NULL, "\033[32manna\033[0m (score 3.25", false);
     expect(&stranger, "identify", NULL, "\033[31mnot known\033[0m (best", false);
-    expect(&match, "identify", "NO_COLOR=1", "\033", true);
+    expect(&match, "identify", "NO_COLOR=1", "\033[3", true); /* the progress has \033[K */
+    expect(&match, "identify", "NO_COLOR=1", "\033[0m", true);
     expect(&healthy, "log", NULL, "visit \033[32mverdict=allow\033[0m person=anna", false);
 }
 
@@ -74,6 +75,22 @@ static void an_enrolment_shows_its_stages(void **state)
     expect(&script, "enroll anna", NULL, "\033[32manna is enrolled.\033[0m", false);
 }
 
+static void a_recognition_shows_that_it_goes_on(void **state)
+{
+    static const struct fake_status statuses[] = {
+        {"identify-retry-too-far", false, 0, 0, 0, NULL, 0},
+        {"identify-match", true, 0, 0, 3.25, "anna", 3.0},
+    };
+    static const struct fake_status verified = {"verify-match", true, 0, 0, 3.25, "anna", 3.0};
+    const struct fake_script script = {.statuses = statuses, .n_statuses = COUNT(statuses)};
+    const struct fake_script verifying = {.statuses = &verified, .n_statuses = 1};
+
+    (void)state;
+    expect(&script, "identify", NULL, "\r\033[Klooking for a face", false);
+    expect(&script, "identify", NULL, "\r\033[K  come closer\r\n", false);
+    expect(&verifying, "verify anna", NULL, "\r\033[Klooking for a face", false);
+}
+
 static void reading_the_log_shows_how_far_it_is(void **state)
 {
     const struct fake_script script = {.n_records = 3};
@@ -88,6 +105,7 @@ int main(void)
         cmocka_unit_test(findings_have_colours),
         cmocka_unit_test(verdicts_have_colours),
         cmocka_unit_test(an_enrolment_shows_its_stages),
+        cmocka_unit_test(a_recognition_shows_that_it_goes_on),
         cmocka_unit_test(reading_the_log_shows_how_far_it_is),
     };
 

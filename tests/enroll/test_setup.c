@@ -276,6 +276,46 @@ static void a_picture_that_does_not_come_is_said_and_no_failure(void **state)
     assert_false(scratch_exists(setup_rig_path("picture.png")));
 }
 
+static size_t count_calls(const char *calls, const char *method)
+{
+    size_t n = 0;
+
+    for (const char *at = calls; (at = strstr(at, method)); at += strlen(method)) {
+        n++;
+    }
+    return n;
+}
+
+/* The daemon has waited for a frame itself, and each question is on record. */
+static void a_camera_that_shows_nothing_is_asked_once(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
+    const struct fake_manager_script manager = {.enabled = true};
+    const struct fake_script door = {.fail_method = "Picture",
+                                     .fail_error = "org.isotherm.Error.DeviceFault",
+                                     .fail_text = "no picture: the camera shows nothing"};
+    struct setup_rig *rig = *state;
+
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    expect_in(rig->said,
+              "waiting for a picture ...\n"
+              "There is no picture of what the camera sees: the camera shows nothing.\n");
+    assert_int_equal(count_calls(rig->door_calls, "Picture"), 1);
+}
+
+/* Another program gives the camera back, perhaps. */
+static void a_camera_in_use_is_asked_for_again(void **state)
+{
+    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
+    const struct fake_manager_script manager = {.enabled = true};
+    const struct fake_script door = {.fail_method = "Claim",
+                                     .fail_error = "org.isotherm.Error.AlreadyInUse"};
+    struct setup_rig *rig = *state;
+
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    assert_int_equal(count_calls(rig->door_calls, "Claim"), 4);
+}
+
 /* ---- at a terminal ---- */
 
 static void a_person_is_asked_what_is_not_known(void **state)
@@ -480,6 +520,8 @@ int main(void)
         ON_A_RIG(a_file_that_cannot_be_written_starts_nothing),
         ON_A_RIG(only_root_may_write_but_everybody_look),
         ON_A_RIG(a_picture_that_does_not_come_is_said_and_no_failure),
+        ON_A_RIG(a_camera_that_shows_nothing_is_asked_once),
+        ON_A_RIG(a_camera_in_use_is_asked_for_again),
         ON_A_RIG(a_person_is_asked_what_is_not_known),
         ON_A_RIG(a_recording_can_be_tried_and_the_lens_file_is_asked_for),
         ON_A_RIG(no_and_an_interrupt_change_nothing),

@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -188,6 +189,11 @@ static void what_is_wrong_on_the_command_line_is_named(void **state)
         {"", "no command"},
         {"dance", "unknown command 'dance'"},
         {"enroll", "a NAME is missing after 'enroll'"},
+        {"lockout", "'lockout' needs a word: clear"},
+        {"door", "'door' needs a word: test"},
+        {"lockdown", "'lockdown' needs a word: on or off"},
+        {"key", "'key' needs a word: rotate or address"},
+        {"help lgo", "unknown command 'lgo': did you mean 'log'?"},
         {"rename", "a word is missing after 'rename'"},
         {"rename anna", "a word is missing after 'anna'"},
         {"rename anna bob carl", "superfluous word 'carl'"},
@@ -238,9 +244,36 @@ static void what_is_wrong_on_the_command_line_is_named(void **state)
     }
 }
 
+/* The help of every command, and of the program, fits a terminal; and the help of an option speaks
+ * of this command only. */
+static void help_fits_a_terminal(void **state)
+{
+    (void)state;
+    for (int verb = 0; verb <= CLI_VERBS; verb++) {
+        char *text = NULL;
+        size_t size = 0;
+        FILE *out = open_memstream(&text, &size);
+        assert_non_null(out);
+        cli_arguments_help((enum cli_verb)verb, out);
+        assert_int_equal(fclose(out), 0);
+        for (const char *line = text; *line; line += strcspn(line, "\n") + 1) {
+            const int length = (int)strcspn(line, "\n");
+            if (length > 80) {
+                fail_msg("%d columns: %.*s", length, length, line);
+            }
+        }
+        assert_null(strstr(text, " validity: "));
+        assert_null(strstr(text, " aim: "));
+        assert_null(strstr(text, " import: "));
+        assert_true((verb == CLI_LOG) == (strstr(text, "begin at record N") != NULL));
+        free(text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(help_fits_a_terminal),
         cmocka_unit_test(every_capture_word_has_a_hint_of_its_own),
         cmocka_unit_test(a_retry_is_recognised_by_its_prefix),
         cmocka_unit_test(dates_are_read),
