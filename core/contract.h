@@ -67,6 +67,12 @@
  * Sent to those who called AimStart:
  *   View(a{sv})                          what the sensor sees, some ten times a second: the keys
  *                                        marked + below
+ * Sent to the caller of ExportPeople, ImportPeople, RotateKeys or VerifyLog while the call goes on:
+ *   Progress(t done, t total)            how much of the work is done: people of an export or an
+ *                                        import (put in, then everybody read back), records of a
+ *                                        rotation (people and templates) or of the log. At most two
+ *                                        a second, none in the first half second; done does not
+ *                                        fall and is at most total, which is above 0 and may fall
  * Sent to all:
  *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason, s door,
  *         s door_fault)
@@ -190,6 +196,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_HINT            "Hint"
 #define ISO_CONTRACT_VIEW            "View"
 #define ISO_CONTRACT_DOOR_CHANGED    "DoorChanged"
+#define ISO_CONTRACT_PROGRESS        "Progress"
 
 /* Result words after the prefix of the action. */
 #define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll; it goes on */

@@ -2,30 +2,25 @@
 #include <string.h>
 
 #include "core/contract.h"
-#include "drivers/terminal/progress.h"
 #include "enroll/commands.h"
+#include "enroll/long_call.h"
 #include "enroll/report.h"
 
-/* Calls a method that returns one text. The text is valid until *reply is released. */
-static enum cli_exit ask(struct cli_door *door, const char *method, sd_bus_message **reply,
-                         const char **text, struct cli_fault *fault)
+/* The one text of a reply; it is valid until the reply is released. */
+static enum cli_exit read_text(sd_bus_message *reply, const char *method, const char **text,
+                               struct cli_fault *fault)
 {
-    enum cli_exit exit = cli_door_call(door, method, reply, fault);
-    if (exit) {
-        return exit;
-    }
-    const int r = sd_bus_message_read(*reply, "s", text);
+    const int r = sd_bus_message_read(reply, "s", text);
     return r < 0 ? cli_door_bad_reply(r, method, fault) : CLI_EXIT_OK;
 }
 
 static enum cli_exit rotate(struct cli_door *door, bool json, struct cli_fault *fault)
 {
-    sd_bus_message *reply = NULL;
+    sd_bus_message *call = NULL, *reply = NULL;
     const char *remark = "";
-    struct iso_progress *progress = iso_progress_start(stderr, "isotherm",
-                                                       "sealing gallery and log anew", 0, NULL);
-    enum cli_exit exit = ask(door, ISO_CONTRACT_ROTATE_KEYS, &reply, &remark, fault);
-    iso_progress_end(progress);
+    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_ROTATE_KEYS, &call, fault);
+    exit = exit ? exit : cli_long_call(door, call, "sealing gallery and log anew", &reply, fault);
+    exit = exit ? exit : read_text(reply, ISO_CONTRACT_ROTATE_KEYS, &remark, fault);
     if (!exit && json) {
         exit = cli_report_json(json_pack("{s:b, s:s}", "rotated", 1, "remark", remark));
     } else if (!exit) {
@@ -39,7 +34,8 @@ static enum cli_exit show_address(struct cli_door *door, bool json, struct cli_f
 {
     sd_bus_message *reply = NULL;
     const char *address = "";
-    enum cli_exit exit = ask(door, ISO_CONTRACT_GET_ADDRESS, &reply, &address, fault);
+    enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_GET_ADDRESS, &reply, fault);
+    exit = exit ? exit : read_text(reply, ISO_CONTRACT_GET_ADDRESS, &address, fault);
     if (!exit && json) {
         exit = cli_report_json(json_pack("{s:s}", "address", address));
     } else if (!exit) {

@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "core/contract.h"
-#include "drivers/terminal/progress.h"
 #include "drivers/terminal/terminal.h"
 #include "enroll/commands.h"
+#include "enroll/long_call.h"
 #include "enroll/report.h"
 
 struct report {
@@ -79,10 +79,7 @@ enum cli_exit cli_log_verify(struct cli_door *door, const struct cli_arguments *
         sd_bus_message_unref(call);
         return cli_door_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault);
     }
-    struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "verifying the log", 0,
-                                                       NULL);
-    exit = cli_door_send(door, call, &reply, fault);
-    iso_progress_end(progress);
+    exit = cli_long_call(door, call, "verifying the log", &reply, fault);
     if (exit) {
         return exit;
     }

@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "core/contract.h"
-#include "drivers/terminal/progress.h"
 #include "drivers/terminal/words.h"
 #include "enroll/commands.h"
+#include "enroll/long_call.h"
 #include "enroll/passphrase.h"
 #include "enroll/report.h"
 
@@ -77,10 +77,7 @@ static enum cli_exit call_export(struct cli_door *door, const struct cli_argumen
         sd_bus_message_unref(call);
         return cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
-    struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "exporting people", 0,
-                                                       NULL);
-    exit = cli_door_send(door, call, &reply, fault);
-    iso_progress_end(progress);
+    exit = cli_long_call(door, call, "exporting people", &reply, fault);
     if (!exit && (r = sd_bus_message_read(reply, "u", n)) < 0) {
         exit = cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
@@ -162,10 +159,7 @@ static enum cli_exit call_import(struct cli_door *door, const struct cli_argumen
         sd_bus_message_unref(call);
         return cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }
-    struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "importing people", 0,
-                                                       NULL);
-    exit = cli_door_send(door, call, &reply, fault);
-    iso_progress_end(progress);
+    exit = cli_long_call(door, call, "importing people", &reply, fault);
     if (!exit && (r = sd_bus_message_read(reply, "uu", &count[0], &count[1])) < 0) {
         exit = cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }

@@ -22,6 +22,7 @@ struct cli_door {
     cli_door_signal_fn handler;
     void *context;
     bool done, interrupted, gone; /* why a wait ended */
+    uint64_t heard;               /* how many signals the handler was called for */
 };
 
 static enum cli_exit no_bus(int error, const struct cli_bus *bus, struct cli_fault *fault)
@@ -211,6 +212,7 @@ static int on_signal(sd_bus_message *signal, void *context, sd_bus_error *error)
     struct cli_door *door = context;
 
     (void)error;
+    door->heard++;
     if (!door->done && door->handler(signal, door->context)) {
         door->done = true;
     }
@@ -291,6 +293,59 @@ static uint64_t now_us(void)
 
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+}
+
+static int on_reply(sd_bus_message *reply, void *context, sd_bus_error *error)
+{
+    (void)error;
+    *(sd_bus_message **)context = sd_bus_message_ref(reply);
+    return 0;
+}
+
+/* Dispatches what comes until the reply is there, or nothing has come for CALL_TIMEOUT_US. */
+static int await_reply(struct cli_door *door, sd_bus_message **reply)
+{
+    uint64_t heard = door->heard, deadline_us = now_us() + CALL_TIMEOUT_US;
+
+    while (!*reply) {
+        const uint64_t now = now_us();
+        const int r = now < deadline_us ? sd_event_run(door->event, deadline_us - now) : -ETIMEDOUT;
+        if (r < 0 && r != -EINTR) {
+            return r;
+        }
+        if (door->heard != heard) {
+            heard = door->heard;
+            deadline_us = now_us() + CALL_TIMEOUT_US;
+        }
+    }
+    return sd_bus_is_open(door->bus) > 0 ? 0 : -ECONNRESET;
+}
+
+enum cli_exit cli_door_send_and_listen(struct cli_door *door, sd_bus_message *call,
+                                       sd_bus_message **reply, struct cli_fault *fault)
+{
+    const char *method = sd_bus_message_get_member(call);
+    sd_bus_error error = SD_BUS_ERROR_NULL;
+    sd_bus_message *answer = NULL;
+    sd_bus_slot *slot = NULL;
+    enum cli_exit exit = CLI_EXIT_OK;
+    int r;
+
+    door->done = false;
+    r = sd_bus_call_async(door->bus, &slot, call, on_reply, &answer, UINT64_MAX);
+    r = r < 0 ? r : await_reply(door, &answer);
+    r = r < 0 ? sd_bus_error_set_errno(&error, r)
+              : sd_bus_error_copy(&error, sd_bus_message_get_error(answer));
+    if (r < 0) {
+        exit = cli_door_error(&error, r, method, fault);
+    } else if (reply) {
+        *reply = sd_bus_message_ref(answer);
+    }
+    sd_bus_message_unref(answer);
+    sd_bus_error_free(&error);
+    sd_bus_slot_unref(slot);
+    sd_bus_message_unref(call);
+    return exit;
 }
 
 enum cli_exit cli_door_wait(struct cli_door *door, double timeout_s, struct cli_fault *fault)

@@ -53,10 +53,17 @@ enum cli_exit cli_door_has_daemon(struct cli_door *door, bool *has, struct cli_f
 /* Called for a signal; returns true to end the wait. */
 typedef bool (*cli_door_signal_fn)(sd_bus_message *signal, void *context);
 
-/* Has `handler` called, during cli_door_wait(), for every signal of the door named `member` (NULL:
- * all of them) from here on. At most one subscription a door. */
+/* Has `handler` called, during cli_door_wait() and cli_door_send_and_listen(), for every signal of
+ * the door named `member` (NULL: all of them) from here on. At most one subscription a door. */
 enum cli_exit cli_door_subscribe(struct cli_door *door, const char *member,
                                  cli_door_signal_fn handler, void *context, struct cli_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* As cli_door_send, for a call that may take long and tells meanwhile how far it is: the handler of
+ * the subscription is called for its signals, whatever it returns, and each signal gives the daemon
+ * another 10 s to answer. */
+enum cli_exit cli_door_send_and_listen(struct cli_door *door, sd_bus_message *call,
+                                       sd_bus_message **reply, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
 /* From here on SIGINT and SIGTERM end a wait instead of the program. */

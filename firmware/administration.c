@@ -95,7 +95,8 @@ static int read_file(int fd, uint8_t **bytes, size_t *size, struct iso_fault *fa
 /* ---- people ---- */
 
 static int export_to(struct iso_appliance *appliance, int fd, const char *const *people,
-                     const struct iso_transfer_lock *lock, size_t *n, struct iso_fault *fault)
+                     const struct iso_transfer_lock *lock, const struct iso_work_listener *listener,
+                     size_t *n, struct iso_fault *fault)
 {
     uint8_t *bytes = NULL;
     size_t size = 0;
@@ -106,7 +107,7 @@ static int export_to(struct iso_appliance *appliance, int fd, const char *const 
     }
     error = error ? error
                   : iso_transfer_write(appliance->parts.gallery, people, appliance->parts.ring,
-                                       lock, &bytes, &size, n, fault);
+                                       lock, listener, &bytes, &size, n, fault);
     if (!error) {
         error = write_file(fd, bytes, size, fault);
         iso_transfer_free(bytes, size);
@@ -115,7 +116,9 @@ static int export_to(struct iso_appliance *appliance, int fd, const char *const 
 }
 
 int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *const *people,
-                         const struct iso_transfer_lock *lock, size_t *n, struct iso_fault *fault)
+                         const struct iso_transfer_lock *lock,
+                         const struct iso_work_listener *listener, size_t *n,
+                         struct iso_fault *fault)
 {
     char note[96];
     size_t count = 0;
@@ -126,7 +129,7 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
     if (error) {
         return error;
     }
-    error = export_to(appliance, fd, people, lock, &count, &own);
+    error = export_to(appliance, fd, people, lock, listener, &count, &own);
     (void)snprintf(note, sizeof note, "%zu %s", count, iso_plural(count, "person", "people"));
     conclude(appliance, "export", error, &own, note);
     if (error) {
@@ -149,8 +152,8 @@ static int import_from(struct iso_appliance *appliance, const struct iso_import_
     free(bytes);
     if (!error) {
         const struct iso_gallery_item *items = iso_transfer_items(transfer, n);
-        error = iso_gallery_import(appliance->parts.gallery, items, *n, request->replace, added,
-                                   fault);
+        error = iso_gallery_import(appliance->parts.gallery, items, *n, request->replace,
+                                   request->listener, added, fault);
     }
     iso_transfer_done(transfer);
     return error;
@@ -316,11 +319,12 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
 
 /* ---- keys ---- */
 
-static int rotate_stores(struct iso_appliance *appliance, struct iso_fault *fault)
+static int rotate_stores(struct iso_appliance *appliance, const struct iso_work_listener *listener,
+                         struct iso_fault *fault)
 {
     struct iso_appliance_parts *parts = &appliance->parts;
     uint32_t anchor = 0;
-    int error = iso_gallery_rotate(parts->gallery, fault);
+    int error = iso_gallery_rotate(parts->gallery, listener, fault);
     error = error ? error : iso_audit_rotate_key(parts->audit, fault);
     error = error ? error : iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, fault);
     error = error ? error : iso_gallery_renew_anchor(parts->gallery, fault);
@@ -328,7 +332,8 @@ static int rotate_stores(struct iso_appliance *appliance, struct iso_fault *faul
     return error ? error : iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, fault);
 }
 
-int iso_appliance_rotate_keys(struct iso_appliance *appliance, const char **remark,
+int iso_appliance_rotate_keys(struct iso_appliance *appliance,
+                              const struct iso_work_listener *listener, const char **remark,
                               struct iso_fault *fault)
 {
     struct iso_fault own = {""};
@@ -337,7 +342,7 @@ int iso_appliance_rotate_keys(struct iso_appliance *appliance, const char **rema
     if (error) {
         return error;
     }
-    error = rotate_stores(appliance, &own);
+    error = rotate_stores(appliance, listener, &own);
     if (!error && iso_key_ring_has_credential(appliance->parts.ring)) {
         said = "the appliance's key is a credential of the system, and is changed there";
     } else if (!error) {

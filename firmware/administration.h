@@ -23,14 +23,16 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
 /* Writes people (NULL, or an empty list: all; NULL ends it) to an open, empty file. -EINVAL it is
  * not a file, or not empty; the errors of iso_transfer_write and of writing. */
 int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *const *people,
-                         const struct iso_transfer_lock *lock, size_t *n, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+                         const struct iso_transfer_lock *lock,
+                         const struct iso_work_listener *listener, size_t *n,
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
 struct iso_import_request {
     int fd;                         /* an open file */
     const struct iso_seal_key *key; /* of the passphrase; NULL: there is none */
     const char *sender;             /* address that has to have signed it; NULL: any */
     bool replace;                   /* people who are known here */
+    const struct iso_work_listener *listener;
 };
 
 /* Takes people over; known: those who are known here, and stay as they are. Errors of
@@ -55,7 +57,8 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
 
 /* Seals gallery, log and anchors with new keys and drops the old ones; then gives the ring another
  * key of the appliance, if that is not a credential of the system (*remark says so; else ""). */
-int iso_appliance_rotate_keys(struct iso_appliance *appliance, const char **remark,
+int iso_appliance_rotate_keys(struct iso_appliance *appliance,
+                              const struct iso_work_listener *listener, const char **remark,
                               struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

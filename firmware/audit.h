@@ -28,6 +28,7 @@
 #include "core/fault.h"
 #include "firmware/key_ring.h"
 #include "firmware/times.h"
+#include "firmware/work_listener.h"
 
 /* What the caller has to say; members that are NULL, NaN or negative are left out. */
 struct iso_audit_record {
@@ -115,10 +116,10 @@ struct iso_audit_report {
 };
 
 /* Looks at every record of every segment. known_head (not NULL): what was noted as the head behind
- * record known_sequence; a log that does not have it is another one, or an old one. 0 also for a
- * log that is not sound; -ENOMEM, -EIO. */
+ * record known_sequence; a log that does not have it is another one, or an old one. The listener is
+ * told of records. 0 also for a log that is not sound; -ENOMEM, -EIO. */
 int iso_audit_verify(struct iso_audit *audit, uint64_t known_sequence, const char *known_head,
-                     struct iso_audit_report *out, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+                     const struct iso_work_listener *listener, struct iso_audit_report *out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

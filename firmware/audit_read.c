@@ -97,6 +97,7 @@ struct verifying {
     bool has_link;
     uint64_t known_sequence;
     const char *known_head; /* NULL: none */
+    const struct iso_work_listener *listener;
     struct iso_audit_report *report;
 };
 
@@ -120,6 +121,16 @@ static void check_known(struct verifying *verifying)
             flawed(verifying, verifying->known_sequence,
                    "is another one than the head that is known");
         }
+    }
+}
+
+/* The segment that is written may hold records behind the last one that is known, by a fault. */
+static void tell_record(const struct verifying *verifying)
+{
+    const struct iso_audit_report *report = verifying->report;
+    if (verifying->next <= report->last + 1) {
+        iso_work_step(verifying->listener, verifying->next - report->first,
+                      report->last + 1 - report->first);
     }
 }
 
@@ -152,6 +163,7 @@ static int verify_segment(struct verifying *verifying, const char *path)
         verifying->link = reader->link;
         verifying->next = reader->next;
         check_known(verifying);
+        tell_record(verifying);
     }
     if (more == -EBADMSG) {
         flawed(verifying, reader->next, reader->flaw);
@@ -191,7 +203,8 @@ static void check_end(struct verifying *verifying)
 }
 
 int iso_audit_verify(struct iso_audit *audit, uint64_t known_sequence, const char *known_head,
-                     struct iso_audit_report *out, struct iso_fault *fault)
+                     const struct iso_work_listener *listener, struct iso_audit_report *out,
+                     struct iso_fault *fault)
 {
     struct iso_audit_report report = {.first = audit->first, .last = audit->last, .sound = true};
     struct verifying *verifying = malloc(sizeof *verifying);
@@ -202,6 +215,7 @@ int iso_audit_verify(struct iso_audit *audit, uint64_t known_sequence, const cha
                                     .next = audit->first,
                                     .known_sequence = known_sequence,
                                     .known_head = known_head,
+                                    .listener = listener,
                                     .report = &report};
     (void)sodium_bin2hex(report.head, sizeof report.head, audit->link.bytes,
                          sizeof audit->link.bytes);

@@ -93,9 +93,11 @@ int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out)
     }
     if (r >= 0) {
         struct iso_transfer_lock lock = {.address = options.to, .key = options.key};
+        struct iso__bus_progress progress;
+        const struct iso_work_listener listener = iso__bus_report_progress(&progress, bus, call);
         memcpy(lock.salt, options.salt, sizeof lock.salt);
-        r = iso_appliance_export(bus->appliance, fd, (const char *const *)people, &lock, &n,
-                                 &fault);
+        r = iso_appliance_export(bus->appliance, fd, (const char *const *)people, &lock, &listener,
+                                 &n, &fault);
         r = r < 0 ? iso__bus_refuse(out, r, &fault)
                   : sd_bus_reply_method_return(call, "u", (uint32_t)n);
         sodium_memzero(&lock, sizeof lock);
@@ -119,10 +121,13 @@ int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out)
     int r = sd_bus_message_read(call, "h", &fd);
     r = r < 0 ? r : read_options(call, &options, out);
     if (r >= 0) {
+        struct iso__bus_progress progress;
+        const struct iso_work_listener listener = iso__bus_report_progress(&progress, bus, call);
         const struct iso_import_request request = {.fd = fd,
                                                    .key = options.has_key ? &options.key : NULL,
                                                    .sender = options.from,
-                                                   .replace = options.replace};
+                                                   .replace = options.replace,
+                                                   .listener = &listener};
         r = iso_appliance_import(bus->appliance, &request, &added, &known, &fault);
         r = r < 0 ? iso__bus_refuse(out, r, &fault)
                   : sd_bus_reply_method_return(call, "uu", (uint32_t)added, (uint32_t)known);
@@ -136,7 +141,9 @@ int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out)
     const struct iso_bus *bus = context;
     struct iso_fault fault = {""};
     const char *remark = "";
-    const int r = iso_appliance_rotate_keys(bus->appliance, &remark, &fault);
+    struct iso__bus_progress progress;
+    const struct iso_work_listener listener = iso__bus_report_progress(&progress, bus, call);
+    const int r = iso_appliance_rotate_keys(bus->appliance, &listener, &remark, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, "s", remark);
 }
 
@@ -164,9 +171,12 @@ int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out)
     struct iso_fault fault = {""};
     uint64_t sequence;
     const char *head;
+    struct iso__bus_progress progress;
+    const struct iso_work_listener listener = iso__bus_report_progress(&progress, bus, call);
     int r = sd_bus_message_read(call, "ts", &sequence, &head);
     r = r < 0 ? r
-              : iso_audit_verify(bus->parts->audit, sequence, *head ? head : NULL, &report, &fault);
+              : iso_audit_verify(bus->parts->audit, sequence, *head ? head : NULL, &listener,
+                                 &report, &fault);
     if (r < 0) {
         return iso__bus_refuse(out, r, &fault);
     }

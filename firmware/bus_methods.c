@@ -367,5 +367,6 @@ const sd_bus_vtable iso__bus_vtable[] = {
     SIGNAL(ISO_CONTRACT_HINT, "s", "word\0"),
     SIGNAL(ISO_CONTRACT_VIEW, "a{sv}", "view\0"),
     SIGNAL(ISO_CONTRACT_DOOR_CHANGED, "ss", "state\0cause\0"),
+    SIGNAL(ISO_CONTRACT_PROGRESS, "tt", "done\0total\0"),
     SD_BUS_VTABLE_END,
 };

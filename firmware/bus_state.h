@@ -6,6 +6,7 @@
 
 #include "firmware/bus.h"
 #include "firmware/call_rate.h"
+#include "firmware/work_listener.h"
 
 struct iso_bus {
     char address[256];
@@ -50,6 +51,18 @@ int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_b
 
 /* The error of the contract for an errno of the appliance; what a method returns then. */
 int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault);
+
+/* A long call that is being served, and when its caller was told last how far it is. */
+struct iso__bus_progress {
+    const struct iso_bus *bus;
+    const char *caller; /* unique name, in the call */
+    int64_t sent_ns;    /* at first: when the call began */
+};
+
+/* A listener that sends Progress signals to the caller, at most two a second and none in the first
+ * half second. `progress` and the call have to outlive it. (bus_progress.c) */
+struct iso_work_listener iso__bus_report_progress(struct iso__bus_progress *progress,
+                                                  const struct iso_bus *bus, sd_bus_message *call);
 
 /* The methods of an administrator (bus_admin.c). */
 int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out);

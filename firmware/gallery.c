@@ -21,7 +21,7 @@ int iso_gallery_open(const struct iso_gallery_options *options, struct iso_galle
     gallery->capacity = (size_t)options->capacity;
     int error = iso_gallery_db_open(options, &gallery->db, fault);
     if (!error) {
-        error = iso_gallery_memory_load(gallery->db, options->algorithm, options->metric,
+        error = iso_gallery_memory_load(gallery->db, options->algorithm, options->metric, NULL,
                                         &gallery->memory, fault);
     }
     if (error) {
@@ -189,13 +189,28 @@ static int put_item(struct iso_gallery *gallery, const struct iso_gallery_item *
     return error;
 }
 
+/* An import of n people: first they are put in, then everybody is read back. */
+struct importing {
+    const struct iso_work_listener *listener;
+    size_t n;
+};
+
+static void tell_reread(void *context, uint64_t done, uint64_t total)
+{
+    const struct importing *importing = context;
+    iso_work_step(importing->listener, importing->n + done, importing->n + total);
+}
+
 /* Within a transaction. */
 static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
-                     bool replace, size_t *added, struct iso_fault *fault)
+                     bool replace, const struct iso_work_listener *listener, size_t *added,
+                     struct iso_fault *fault)
 {
+    const size_t most = n + gallery->memory.n_people + n; /* if nobody is known */
     int error = 0;
     for (size_t i = 0; !error && i < n; i++) {
         const struct iso_person *known = iso_gallery_find(gallery, items[i].person.name);
+        iso_work_step(listener, i, most);
         if (known && !replace) {
             continue;
         }
@@ -210,11 +225,12 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
 
 /* What the database holds now, read back before the transaction ends. Two of one name are found
  * here, when they have come with one import. */
-static int reread(const struct iso_gallery *gallery, struct iso_gallery_memory *out,
-                  struct iso_fault *fault)
+static int reread(const struct iso_gallery *gallery, struct importing *importing,
+                  struct iso_gallery_memory *out, struct iso_fault *fault)
 {
+    const struct iso_work_listener listener = {tell_reread, importing};
     const int error = iso_gallery_memory_load(gallery->db, gallery->memory.algorithm,
-                                              gallery->memory.metric, out, fault);
+                                              gallery->memory.metric, &listener, out, fault);
     return !error && out->n_people > gallery->capacity
                ? iso_fault_set(fault, -EDQUOT, "the gallery is full: it holds %zu people, not %zu",
                                gallery->capacity, out->n_people)
@@ -234,8 +250,10 @@ static int check_items(const struct iso_gallery *gallery, const struct iso_galle
 }
 
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
-                       bool replace, size_t *added, struct iso_fault *fault)
+                       bool replace, const struct iso_work_listener *listener, size_t *added,
+                       struct iso_fault *fault)
 {
+    struct importing importing = {listener, n};
     struct iso_gallery_memory now = {0};
     size_t count = 0;
     int error = check_items(gallery, items, n, fault);
@@ -243,8 +261,8 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
     if (error) {
         return error;
     }
-    error = put_items(gallery, items, n, replace, &count, fault);
-    error = error ? error : reread(gallery, &now, fault);
+    error = put_items(gallery, items, n, replace, listener, &count, fault);
+    error = error ? error : reread(gallery, &importing, &now, fault);
     error = iso_gallery_db_end(gallery->db, error, fault);
     if (error) {
         iso_gallery_memory_done(&now);
@@ -336,9 +354,10 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
 
 /* ---- keys ---- */
 
-int iso_gallery_rotate(struct iso_gallery *gallery, struct iso_fault *fault)
+int iso_gallery_rotate(struct iso_gallery *gallery, const struct iso_work_listener *listener,
+                       struct iso_fault *fault)
 {
-    return iso_gallery_db_rotate(gallery->db, fault);
+    return iso_gallery_db_rotate(gallery->db, listener, fault);
 }
 
 int iso_gallery_renew_anchor(struct iso_gallery *gallery, struct iso_fault *fault)

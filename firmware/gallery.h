@@ -37,6 +37,7 @@
 #include "firmware/key_ring.h"
 #include "firmware/person_name.h"
 #include "firmware/validity.h"
+#include "firmware/work_listener.h"
 
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* "ISOT" */
@@ -120,10 +121,11 @@ struct iso_gallery_item {
 /* Takes people over, all of them or none, in one transaction. One whose name is known takes the
  * place of the one here if `replace`, else stays away; *added is how many came. -EINVAL a name,
  * template or repetition that cannot be, -EDQUOT the gallery would be too full; else as
- * iso_gallery_add. */
+ * iso_gallery_add. The listener is told of people: those who are put in, then everybody, who is
+ * read back. */
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
-                       bool replace, size_t *added, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+                       bool replace, const struct iso_work_listener *listener, size_t *added,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Calls `each` for people (all, or the one of this name if it is not NULL) with all templates, also
  * those that cannot be used here; the bytes are wiped after it. Returns what `each` returned if
@@ -136,9 +138,10 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
 /* ---- keys, and which gallery it is ---- */
 
 /* Seals everything with a new key and drops the old one; after a kill at any moment all records are
- * sealed with one of the two, and the ring has it. */
-int iso_gallery_rotate(struct iso_gallery *gallery, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+ * sealed with one of the two, and the ring has it. The listener is told of records: those of people
+ * and of templates. */
+int iso_gallery_rotate(struct iso_gallery *gallery, const struct iso_work_listener *listener,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Seals the anchor with the newest key of the ring, so that older ones can be dropped. */
 int iso_gallery_renew_anchor(struct iso_gallery *gallery, struct iso_fault *fault)

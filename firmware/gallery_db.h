@@ -70,9 +70,10 @@ int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso
 
 /* ---- the rest ---- */
 
-/* Seals everything with a new key, in one transaction, and drops the old one. */
-int iso_gallery_db_rotate(struct iso_gallery_db *db, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* Seals everything with a new key, in one transaction, and drops the old one. The listener is told
+ * of records. */
+int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_listener *listener,
+                          struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Writes the anchor anew, with the newest key of its kind. */
 int iso_gallery_db_renew_anchor(struct iso_gallery_db *db, struct iso_fault *fault)

@@ -97,7 +97,7 @@ static int import(struct iso_gallery *gallery, const struct restoring *restoring
     for (size_t i = 0; i < restoring->n; i++) {
         items[i] = restoring->people[i].item;
     }
-    const int error = iso_gallery_import(gallery, items, restoring->n, true, &added, fault);
+    const int error = iso_gallery_import(gallery, items, restoring->n, true, NULL, &added, fault);
     sodium_memzero(items, restoring->n * sizeof *items);
     free(items);
     return error;

@@ -220,6 +220,7 @@ void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person
 
 struct loading {
     struct iso_gallery_db *db;
+    const struct iso_work_listener *listener;
     struct iso_gallery_memory memory;
 };
 
@@ -273,6 +274,8 @@ static int load_template(void *context, int64_t person_id, uint32_t algorithm, c
         return iso_gallery_db_damaged(loading->db, "a template belongs to nobody", fault);
     }
     person->templates++;
+    iso_work_step(loading->listener, (uint64_t)(person - loading->memory.people) + 1,
+                  loading->memory.n_people);
     const int error = algorithm == loading->memory.algorithm
                           ? load_usable(&loading->memory, person, bytes, size)
                           : check_unusable(bytes, size, algorithm);
@@ -319,10 +322,12 @@ static int check_names(struct loading *loading, struct iso_fault *fault)
 }
 
 int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
-                            const struct iso_metric *metric, struct iso_gallery_memory *out,
-                            struct iso_fault *fault)
+                            const struct iso_metric *metric,
+                            const struct iso_work_listener *listener,
+                            struct iso_gallery_memory *out, struct iso_fault *fault)
 {
-    struct loading loading = {.db = db, .memory = {.algorithm = algorithm, .metric = metric}};
+    struct loading loading = {
+        .db = db, .listener = listener, .memory = {.algorithm = algorithm, .metric = metric}};
     const struct iso_gallery_visitor visitor = {load_person, load_template, &loading};
     int error = 0;
     if (metric && iso_index_new(metric, &loading.memory.index)) {

@@ -20,10 +20,13 @@ struct iso_gallery_memory {
     size_t n_entries, entries_capacity;
 };
 
-/* All of the database, within a transaction or not. `out` is written on success; done frees it. */
+/* All of the database, within a transaction or not. `out` is written on success; done frees it. The
+ * listener is told of people. */
 int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
-                            const struct iso_metric *metric, struct iso_gallery_memory *out,
-                            struct iso_fault *fault) __attribute__((warn_unused_result));
+                            const struct iso_metric *metric,
+                            const struct iso_work_listener *listener,
+                            struct iso_gallery_memory *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Wipes and frees everything. */
 void iso_gallery_memory_done(struct iso_gallery_memory *memory);

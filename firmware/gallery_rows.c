@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "firmware/gallery_db_state.h"
@@ -281,8 +282,19 @@ static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal 
     return error ? error : 1;
 }
 
+/* How many records there are to seal, those of people and of templates. */
+static int count_records(const struct iso_gallery_db *db, uint64_t *n, struct iso_fault *fault)
+{
+    char answer[32];
+    const int error = iso__gallery_ask(
+        db, "SELECT (SELECT count(*) FROM person) + (SELECT count(*) FROM template)", answer,
+        sizeof answer, fault);
+    *n = error ? 0 : strtoull(answer, NULL, 10);
+    return error;
+}
+
 static int reseal_rows(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
-                       struct iso_fault *fault)
+                       const struct iso_work_listener *listener, struct iso_fault *fault)
 {
     static const struct {
         const char *select, *update;
@@ -292,18 +304,23 @@ static int reseal_rows(struct iso_gallery_db *db, const struct iso_gallery_seal 
         {"SELECT id, person_id, algorithm, record FROM template WHERE id > ?1 ORDER BY id LIMIT 1",
          "UPDATE template SET record = ?4 WHERE id = ?1 AND person_id = ?2 AND algorithm = ?3"},
     };
-    int more = 0;
+    uint64_t done = 0, total = 0;
+    int more = count_records(db, &total, fault);
     for (size_t i = 0; more >= 0 && i < sizeof tables / sizeof *tables; i++) {
         int64_t after = 0;
         do {
             more = reseal_next(db, old, tables[i].select, tables[i].update, &after, fault);
+            if (more > 0) {
+                iso_work_step(listener, ++done, total);
+            }
         } while (more > 0);
     }
     sodium_memzero(db->plain, sizeof db->plain);
     return more;
 }
 
-int iso_gallery_db_rotate(struct iso_gallery_db *db, struct iso_fault *fault)
+int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_listener *listener,
+                          struct iso_fault *fault)
 {
     uint32_t number = 0;
     int error = iso_key_ring_add(db->ring, ISO_KEY_GALLERY, &number, fault);
@@ -315,7 +332,7 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, struct iso_fault *fault)
     db->seal = iso_gallery_seal_of(old.gallery, number,
                                    iso_key_ring_find(db->ring, ISO_KEY_GALLERY, number));
     memset(db->draft.digest, 0, sizeof db->draft.digest);
-    error = iso_gallery_db_end(db, reseal_rows(db, &old, fault), fault);
+    error = iso_gallery_db_end(db, reseal_rows(db, &old, listener, fault), fault);
     if (error) {
         iso_gallery_seal_wipe(&db->seal);
         db->seal = old;

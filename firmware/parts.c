@@ -302,7 +302,7 @@ static int print_line(void *context, const char *line)
 static int print_log(struct iso_parts *parts, FILE *out, struct iso_fault *fault)
 {
     struct iso_audit_report report;
-    int error = iso_audit_verify(parts->audit, 0, NULL, &report, fault);
+    int error = iso_audit_verify(parts->audit, 0, NULL, NULL, &report, fault);
     if (!error && !report.sound) {
         error = iso_fault_set(fault, -EBADMSG, "%s: %s", parts->config.log.path, report.flaw);
     }

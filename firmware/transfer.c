@@ -79,10 +79,11 @@ static int parse_address(const char *address, uint8_t halves[2][PUBLIC_BYTES],
 
 /* ---- writing ---- */
 
-/* A buffer that grows, and is wiped where it was. */
+/* A buffer that grows, and is wiped where it was; it takes n people up to now, of n_people. */
 struct buffer {
     uint8_t *bytes;
-    size_t size, capacity, n;
+    size_t size, capacity, n, n_people;
+    const struct iso_work_listener *listener;
 };
 
 static int reserve(struct buffer *buffer, size_t more)
@@ -132,7 +133,21 @@ static int put_item(void *context, const struct iso_gallery_item *item, struct i
     }
     buffer->size += size;
     buffer->n++;
+    iso_work_step(buffer->listener, buffer->n, buffer->n_people);
     return 0;
+}
+
+/* How many people will be written. */
+static size_t count_people(const struct iso_gallery *gallery, const char *const *people)
+{
+    size_t n = 0;
+    if (!people || !*people) {
+        (void)iso_gallery_people(gallery, &n);
+    }
+    while (people && people[n]) {
+        n++;
+    }
+    return n;
 }
 
 static int gather(struct iso_gallery *gallery, const char *const *people, struct buffer *out,
@@ -143,6 +158,7 @@ static int gather(struct iso_gallery *gallery, const char *const *people, struct
         return iso_fault_set(fault, error, "export: %s", strerror(-error));
     }
     out->size = 4;
+    out->n_people = count_people(gallery, people);
     if (!people || !*people) {
         error = iso_gallery_export(gallery, NULL, put_item, out, fault);
     }
@@ -221,9 +237,10 @@ static int seal_file(const struct buffer *people, const struct iso_key_ring *rin
 
 int iso_transfer_write(struct iso_gallery *gallery, const char *const *people,
                        const struct iso_key_ring *ring, const struct iso_transfer_lock *lock,
-                       uint8_t **bytes, size_t *size, size_t *n, struct iso_fault *fault)
+                       const struct iso_work_listener *listener, uint8_t **bytes, size_t *size,
+                       size_t *n, struct iso_fault *fault)
 {
-    struct buffer buffer = {.n = 0};
+    struct buffer buffer = {.listener = listener};
     int error = gather(gallery, people, &buffer, fault);
     error = error ? error : seal_file(&buffer, ring, lock, bytes, size, fault);
     if (!error) {

@@ -44,12 +44,12 @@ struct iso_transfer_lock {
 void iso_transfer_address(const struct iso_key_ring *ring, char address[ISO_TRANSFER_ADDRESS_SIZE]);
 
 /* Writes people (NULL: all; else a list that NULL ends) into memory, to be released with
- * iso_transfer_free. -EINVAL the address is none, -ENOENT a name is nobody's, -EFBIG, -ENOMEM, or
- * an error of the gallery. */
+ * iso_transfer_free. The listener is told of people. -EINVAL the address is none, -ENOENT a name is
+ * nobody's, -EFBIG, -ENOMEM, or an error of the gallery. */
 int iso_transfer_write(struct iso_gallery *gallery, const char *const *people,
                        const struct iso_key_ring *ring, const struct iso_transfer_lock *lock,
-                       uint8_t **bytes, size_t *size, size_t *n, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+                       const struct iso_work_listener *listener, uint8_t **bytes, size_t *size,
+                       size_t *n, struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_transfer_free(uint8_t *bytes, size_t size);
 
 struct iso_transfer; /* people that were read */

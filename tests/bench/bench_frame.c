@@ -140,7 +140,7 @@ static int enrol(struct bench *bench, struct batch *batch, size_t first, size_t 
         item->templates[0].bytes = batch->bytes[i];
         item->templates[0].size = (size_t)size;
     }
-    return iso_gallery_import(bench->gallery, batch->items, n, false, &added, fault);
+    return iso_gallery_import(bench->gallery, batch->items, n, false, NULL, &added, fault);
 }
 
 /* Makes the gallery, closes it and opens it again, as a daemon that starts. */

@@ -139,7 +139,8 @@ static int fill(struct bench *bench, struct iso_fault *fault)
             error = make_item(bench, first + n, batch, n);
         }
         error = error ? error
-                      : iso_gallery_import(bench->gallery, batch->items, n, false, &added, fault);
+                      : iso_gallery_import(bench->gallery, batch->items, n, false, NULL, &added,
+                                           fault);
     }
     free(batch);
     return error;

@@ -26,6 +26,13 @@ struct fake_view {
     double distance_mm, yaw_deg; /* NAN: left out */
 };
 
+/* One Progress signal, sent to the caller of a long method before its answer, `after_ms` after the
+ * call or the signal before it. */
+struct fake_progress {
+    uint64_t done, total;
+    unsigned after_ms;
+};
+
 struct fake_person {
     const char *name;
     int64_t enrolled, valid_from, valid_until;
@@ -41,6 +48,9 @@ struct fake_script {
     const char *fail_text; /* what the error says; NULL: "the fake says so" */
     bool vanish;           /* leave the bus after the last status */
     const char *stranger;  /* another connection sends this result, as done, before the statuses */
+    const struct fake_progress *progress; /* of ExportPeople, ImportPeople, RotateKeys, VerifyLog */
+    size_t n_progress;
+    unsigned answer_ms; /* how long after the last of them these methods answer */
     const struct fake_person *people;
     size_t n_people;
     const char *remark;                                         /* of RenamePerson; NULL: "" */

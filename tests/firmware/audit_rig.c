@@ -72,7 +72,7 @@ struct iso_audit_report audit_rig_verify(struct iso_audit *audit)
 {
     struct iso_audit_report report;
     struct iso_fault fault = {""};
-    if (iso_audit_verify(audit, 0, NULL, &report, &fault)) {
+    if (iso_audit_verify(audit, 0, NULL, NULL, &report, &fault)) {
         fail_msg("%s", fault.text);
     }
     return report;

@@ -133,7 +133,7 @@ static int act(struct stores *stores, const struct message *message, struct iso_
     case DELETE:
         return delete_person(stores, message->person, fault);
     case ROTATE_GALLERY:
-        return iso_gallery_rotate(stores->gallery, fault);
+        return iso_gallery_rotate(stores->gallery, NULL, fault);
     case ROTATE_LOG:
         return iso_audit_rotate_key(stores->audit, fault);
     case CHANGE_KEY:
@@ -288,7 +288,7 @@ static void check_log(const struct stores *stores, const struct tally *tally)
 {
     struct iso_audit_report report;
     struct iso_fault fault = {""};
-    if (iso_audit_verify(stores->audit, 0, NULL, &report, &fault)) {
+    if (iso_audit_verify(stores->audit, 0, NULL, NULL, &report, &fault)) {
         give_up("the log", fault.text);
     }
     if (!report.sound) {

@@ -91,6 +91,8 @@ static void on_message(void *context, int priority, const char *text)
 
 /* ---- set-up ---- */
 
+int rig_capacity;
+
 static void open_parts(struct rig *rig)
 {
     const struct iso_clock clock = manual_clock(&rig->now_ns);
@@ -105,7 +107,8 @@ static void open_parts(struct rig *rig)
                    on_door_changed, on_claim_lost, on_message, rig},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
-    const struct iso_gallery_options gallery = stores_gallery(rig->directory);
+    struct iso_gallery_options gallery = stores_gallery(rig->directory);
+    gallery.capacity = rig_capacity ? rig_capacity : gallery.capacity;
     struct iso_audit_options audit = stores_audit(rig->directory);
     audit.sync = false;
     assert_int_equal(iso_gallery_open(&gallery, &rig->gallery, NULL), 0);

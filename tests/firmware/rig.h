@@ -21,6 +21,9 @@ struct rig {
     char told[4096];  /* what it has reported: "door locked start; visit allow anna 2; ..." */
 };
 
+/* How many people the gallery of a rig holds that is set up from here on; 0: as in stores.h. */
+extern int rig_capacity;
+
 /* cmocka set-up and tear-down: *state is a struct rig, not started. Time is 100 s, the date
  * 2026-11-21T08:33:20Z. */
 int rig_setup(void **state);

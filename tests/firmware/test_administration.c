@@ -33,7 +33,7 @@ static void carries_people_on_record(void **state)
     rig_enrol(rig, "bob", 80);
     rig_start(rig);
     const int fd = make_file(rig, "people");
-    assert_int_equal(iso_appliance_export(rig->appliance, fd, NULL, &lock, &n, NULL), 0);
+    assert_int_equal(iso_appliance_export(rig->appliance, fd, NULL, &lock, NULL, &n, NULL), 0);
     assert_int_equal(n, 2);
     assert_non_null(strstr(rig_record(rig, "export"), "\"reason\":\"done\",\"note\":\"2 people\""));
     assert_int_equal(iso_appliance_remove(rig->appliance, "anna", NULL), 0);
@@ -58,12 +58,13 @@ static void refuses_what_is_no_fresh_file(void **state)
     int fds[2];
     rig_start(rig);
     assert_int_equal(pipe(fds), 0);
-    assert_int_equal(iso_appliance_export(rig->appliance, fds[1], NULL, &lock, &n, &fault),
+    assert_int_equal(iso_appliance_export(rig->appliance, fds[1], NULL, &lock, NULL, &n, &fault),
                      -EINVAL);
     assert_string_equal(fault.text, "this is not a file");
     const int fd = make_file(rig, "full");
     assert_int_equal(write(fd, "x", 1), 1);
-    assert_int_equal(iso_appliance_export(rig->appliance, fd, NULL, &lock, &n, &fault), -EINVAL);
+    assert_int_equal(iso_appliance_export(rig->appliance, fd, NULL, &lock, NULL, &n, &fault),
+                     -EINVAL);
     assert_string_equal(fault.text, "the file is not empty");
     const struct iso_import_request request = {.fd = fd, .key = &lock.key};
     assert_int_equal(iso_appliance_import(rig->appliance, &request, &added, &known, &fault),
@@ -83,7 +84,7 @@ static void waits_for_the_end_of_an_action(void **state)
     rig_start(rig);
     assert_int_equal(iso_appliance_claim(rig->appliance), 0);
     assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
-    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, &remark, &fault), -EBUSY);
+    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, NULL, &remark, &fault), -EBUSY);
     assert_string_equal(fault.text, "enroll goes on, stop it first");
 }
 
@@ -102,7 +103,7 @@ static void rotates_every_key(void **state)
     for (int i = 0; i < 2; i++) {
         before[i] = iso_key_ring_newest(ring, uses[i]);
     }
-    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, &remark, NULL), 0);
+    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, NULL, &remark, NULL), 0);
     assert_string_equal(remark, "");
     for (int i = 0; i < 2; i++) {
         assert_true(iso_key_ring_newest(ring, uses[i]) > before[i]);
@@ -112,7 +113,7 @@ static void rotates_every_key(void **state)
     assert_memory_not_equal(key, now, size);
     free(key);
     free(now);
-    assert_int_equal(iso_audit_verify(rig->audit, 0, NULL, &report, NULL), 0);
+    assert_int_equal(iso_audit_verify(rig->audit, 0, NULL, NULL, &report, NULL), 0);
     assert_true(report.sound);
     assert_non_null(strstr(rig_record(rig, "rotate-keys"), "\"reason\":\"done\""));
     rig_show(rig, 50, 2);
@@ -127,7 +128,7 @@ static void what_cannot_be_put_on_record_is_not_done(void **state)
     const uint32_t before = iso_key_ring_newest(rig->parts.ring, ISO_KEY_GALLERY);
     rig_start(rig);
     rig_fill_disk();
-    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, &remark, NULL), -ENOSPC);
+    assert_int_equal(iso_appliance_rotate_keys(rig->appliance, NULL, &remark, NULL), -ENOSPC);
     rig_free_disk();
     assert_int_equal(iso_key_ring_newest(rig->parts.ring, ISO_KEY_GALLERY), before);
 }

@@ -302,7 +302,7 @@ static void a_known_head_convicts_a_log_that_was_begun_anew(void **state)
     assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
     const struct iso_audit_report then = audit_rig_verify(audit);
     assert_int_equal(audit_rig_append(audit, "two", NULL), 0);
-    assert_int_equal(iso_audit_verify(audit, then.last, then.head, &report, NULL), 0);
+    assert_int_equal(iso_audit_verify(audit, then.last, then.head, NULL, &report, NULL), 0);
     assert_true(report.sound);
     iso_audit_close(audit);
 
@@ -310,10 +310,10 @@ static void a_known_head_convicts_a_log_that_was_begun_anew(void **state)
     (void)unlink(scratch_path(*state, "a.log.anchor"));
     audit = audit_rig_open(*state);
     assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
-    assert_int_equal(iso_audit_verify(audit, then.last, then.head, &report, NULL), 0);
+    assert_int_equal(iso_audit_verify(audit, then.last, then.head, NULL, &report, NULL), 0);
     assert_false(report.sound);
     assert_non_null(strstr(report.flaw, "record 1 is another one than the head that is known"));
-    assert_int_equal(iso_audit_verify(audit, 7, then.head, &report, NULL), 0);
+    assert_int_equal(iso_audit_verify(audit, 7, then.head, NULL, &report, NULL), 0);
     assert_non_null(strstr(report.flaw, "record 7 is known and missing"));
     iso_audit_close(audit);
 }

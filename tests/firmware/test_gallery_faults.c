@@ -404,7 +404,8 @@ static void add_whole_faces(const char *directory)
         item->templates[0].bytes = bytes[i % BATCH];
         item->templates[0].size = (size_t)size;
         if (i % BATCH == BATCH - 1) {
-            assert_int_equal(iso_gallery_import(gallery, items, BATCH, false, &added, NULL), 0);
+            assert_int_equal(iso_gallery_import(gallery, items, BATCH, false, NULL, &added, NULL),
+                             0);
             assert_int_equal(added, BATCH);
         }
     }

@@ -88,7 +88,7 @@ static void a_person_is_renamed_for_good(void **state)
         assert_int_equal(face_of(gallery, "Ada Lovelace"), 20); /* the template opens still */
         assert_int_equal(face_of(gallery, "bob"), 60);
         if (i == 1) {
-            assert_int_equal(iso_gallery_rotate(gallery, NULL), 0);
+            assert_int_equal(iso_gallery_rotate(gallery, NULL, NULL), 0);
         }
         gallery = open_again(gallery, *state);
     }
@@ -213,13 +213,13 @@ static void two_spellings_do_not_come_by_an_import(void **state)
         items[i].templates[0].bytes = bytes;
         items[i].templates[0].size = (size_t)size;
     }
-    assert_int_equal(iso_gallery_import(gallery, items, 2, true, &added, &fault), -EINVAL);
+    assert_int_equal(iso_gallery_import(gallery, items, 2, true, NULL, &added, &fault), -EINVAL);
     assert_string_equal(fault.text, "ADA and Ada are one name: rename one of them");
-    assert_int_equal(iso_gallery_import(gallery, items, 1, false, &added, NULL), 0);
+    assert_int_equal(iso_gallery_import(gallery, items, 1, false, NULL, &added, NULL), 0);
     assert_int_equal(added, 1);
-    assert_int_equal(iso_gallery_import(gallery, items + 1, 1, false, &added, NULL), 0);
+    assert_int_equal(iso_gallery_import(gallery, items + 1, 1, false, NULL, &added, NULL), 0);
     assert_int_equal(added, 0); /* known */
-    assert_int_equal(iso_gallery_import(gallery, items + 1, 1, true, &added, NULL), 0);
+    assert_int_equal(iso_gallery_import(gallery, items + 1, 1, true, NULL, &added, NULL), 0);
     assert_string_equal(iso_gallery_find(gallery, "ada")->name, "ADA");
     iso_gallery_close(gallery);
 }

@@ -265,7 +265,7 @@ static void an_old_gallery_is_unreadable_after_a_rotation(void **state)
     copy_file(*state, "g.db", "old");
     copy_file(*state, "g.db.anchor", "old.anchor");
     struct iso_gallery *gallery = open_gallery(*state);
-    assert_int_equal(iso_gallery_rotate(gallery, NULL), 0);
+    assert_int_equal(iso_gallery_rotate(gallery, NULL, NULL), 0);
     add(gallery, "after", 80);
     iso_gallery_close(gallery);
     gallery = open_gallery(*state);

@@ -83,7 +83,8 @@ static uint8_t *write_file(struct door *door, const char *const *people,
     uint8_t *bytes = NULL;
     size_t n = 99;
     struct iso_fault fault = {""};
-    if (iso_transfer_write(door->gallery, people, door->ring, lock, &bytes, size, &n, &fault)) {
+    if (iso_transfer_write(door->gallery, people, door->ring, lock, NULL, &bytes, size, &n,
+                           &fault)) {
         fail_msg("%s", fault.text);
     }
     assert_int_equal(n, wanted);
@@ -100,7 +101,7 @@ static int take(struct door *door, const uint8_t *bytes, size_t size,
     int error = iso_transfer_read(bytes, size, door->ring, key, sender, &transfer, fault);
     if (!error) {
         const struct iso_gallery_item *items = iso_transfer_items(transfer, &n);
-        error = iso_gallery_import(door->gallery, items, n, replace, added, fault);
+        error = iso_gallery_import(door->gallery, items, n, replace, NULL, added, fault);
     }
     iso_transfer_done(transfer);
     return error;
@@ -152,8 +153,8 @@ static void carries_one_person_to_one_appliance(void **state)
     uint8_t *file = NULL;
     add(&doors->here, "anna", 20);
     add(&doors->here, "bob", 60);
-    assert_int_equal(iso_transfer_write(doors->here.gallery, eve, doors->here.ring, &lock, &file,
-                                        &size, &n, NULL),
+    assert_int_equal(iso_transfer_write(doors->here.gallery, eve, doors->here.ring, &lock, NULL,
+                                        &file, &size, &n, NULL),
                      -ENOENT);
     file = write_file(&doors->here, bob, &lock, &size, 1);
     assert_int_equal(take(&doors->there, file, size, NULL, NULL, false, &added, &fault), -EINVAL);
@@ -251,7 +252,7 @@ static void refuses_what_is_no_address(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const struct iso_transfer_lock lock = {.address = bad[i]};
         assert_int_equal(iso_transfer_write(doors->here.gallery, NULL, doors->here.ring, &lock,
-                                            &file, &size, &n, NULL),
+                                            NULL, &file, &size, &n, NULL),
                          -EINVAL);
     }
     assert_null(file);

@@ -1,0 +1,16 @@
+/* A call of the daemon that may take long: people written to a file or read from one, keys rotated,
+ * the log verified. */
+#ifndef CLI_LONG_CALL_H
+#define CLI_LONG_CALL_H
+
+#include "enroll/door.h"
+
+/* As cli_door_send, and shows on standard error how far the daemon is with it: `what` it does, the
+ * share that is done and the time that is left, from the Progress signals that it sends meanwhile.
+ * Without such a signal (the call is short, or the daemon is of a version that sends none) only the
+ * time that has passed is shown. Each signal gives the daemon another 10 s to answer. */
+enum cli_exit cli_long_call(struct cli_door *door, sd_bus_message *call, const char *what,
+                            sd_bus_message **reply, struct cli_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,15 @@
+/* What the fake door does when it is called for work that takes long: ExportPeople, ImportPeople,
+ * RotateKeys, VerifyLog. */
+#ifndef TEST_FAKE_WORK_H
+#define TEST_FAKE_WORK_H
+
+#include <systemd/sd-bus.h>
+
+#include "tests/enroll/fake_door.h"
+
+/* Sends the Progress signals of the script and answers the call: 2 people are exported, 1 is added
+ * and 1 known, the keys are rotated without a remark, records 1 to 100 are sound. A negative errno
+ * of the bus. */
+int fake_work(sd_bus_message *call, const struct fake_script *script);
+
+#endif
