@@ -1,6 +1,7 @@
 /* isotherm-sim sensor: how wrong a sensor model is on faces, by distance. */
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -68,19 +69,26 @@ static int measure_all(const struct arguments *a, const struct sim_depth_error_o
         struct sim_depth_error e;
         pictures->distance_mm = (int)at_mm;
         pictures->drawn = false;
-        const bool shown = sim_progress_begin("rendering faces", 0);
         int error = sim_depth_error_measure(measure, at_mm, &e, fault);
-        sim_progress_end(shown);
         error = error ? error : pictures->error;
         if (error) {
             return error;
         }
+        sim_progress_pause();
         printf("%5.0f mm  %7zu %5.1f %%  %+6.2f  %6.2f  %6.2f  %6.2f %6.2f %%\n", e.distance_mm,
                e.pixels, 100.0 * (double)e.holes / (double)e.pixels, e.bias_mm, e.rms_mm,
                e.median_mm, e.p95_mm, 100.0 * e.gross);
         (void)fflush(stdout);
+        sim_progress_resume();
     }
     return 0;
+}
+
+static uint64_t count_faces(const struct arguments *a,
+                            const struct sim_depth_error_options *measure)
+{
+    const double distances = floor((a->to_mm - a->from_mm + 1e-6) / a->step_mm) + 1.0;
+    return (uint64_t)fmax(distances, 0.0) * measure->faces;
 }
 
 static int run(const struct arguments *a, struct iso_fault *fault)
@@ -105,7 +113,9 @@ static int run(const struct arguments *a, struct iso_fault *fault)
         printf("%s: %s\nFaces: skin within %.0f mm of the nose tip, %zu at each distance; errors "
                "in mm\n",
                measure.sensor->name, measure.sensor->summary, SIM_DEPTH_ERROR_RADIUS_MM, a->faces);
+        const bool shown = sim_progress_begin("rendering faces", count_faces(a, &measure));
         error = measure_all(a, &measure, &pictures, fault);
+        sim_progress_end(shown);
     }
     sim_ict_free(ict);
     return error;

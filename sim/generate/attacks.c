@@ -112,6 +112,13 @@ static int record_attack(const struct stage *stage, const struct sim_staged_kind
     return sim_staging_record(stage->studio, &staging, kind, number, &target, stage->fault);
 }
 
+int sim_attacks_count(const struct sim_attacks_plan *plan)
+{
+    /* Everybody enrolled; of each kind, among them living people twice and frozen ones. */
+    const int n_kinds = (int)(sizeof kinds / sizeof *kinds) + 3;
+    return plan->n_people + n_kinds * plan->per_kind;
+}
+
 int sim_attacks_record(struct sim_studio *studio, const struct sim_ict *ict,
                        const struct sim_sensor *sensor, const struct sim_attacks_plan *plan,
                        struct iso_fault *fault)

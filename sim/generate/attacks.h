@@ -28,6 +28,9 @@ struct sim_attacks_plan {
     int frames;             /* F, at least 2 */
 };
 
+/* How many recordings a plan makes. */
+int sim_attacks_count(const struct sim_attacks_plan *plan);
+
 /* Errors of sim_studio_record. */
 int sim_attacks_record(struct sim_studio *studio, const struct sim_ict *ict,
                        const struct sim_sensor *sensor, const struct sim_attacks_plan *plan,

@@ -324,10 +324,10 @@ static int record_repeats(struct job *job, struct iso_fault *fault)
     return error;
 }
 
-static int record_attacks(struct job *job, struct iso_fault *fault)
+static struct sim_attacks_plan plan_attacks(const struct job *job)
 {
     const struct sim_generate_options *o = job->options;
-    struct sim_attacks_plan plan = {
+    return (struct sim_attacks_plan){
         .population = o->population,
         .seed = o->seed,
         .identity_variance = variance_of(job),
@@ -335,14 +335,23 @@ static int record_attacks(struct job *job, struct iso_fault *fault)
         .per_kind = count_or(o->n_per_kind, job->preset->n_per_kind),
         .frames = frames_of(job),
     };
+}
+
+static int record_attacks(struct job *job, struct iso_fault *fault)
+{
+    const struct sim_attacks_plan plan = plan_attacks(job);
     return sim_attacks_record(job->studio, job->ict, job->sensor, &plan, fault);
+}
+
+static int per_kind_of(const struct job *job)
+{
+    return count_or(job->options->n_per_kind, job->preset->n_per_kind);
 }
 
 static int record_not_faces(struct job *job, struct iso_fault *fault)
 {
-    int per_kind = count_or(job->options->n_per_kind, job->preset->n_per_kind);
-    return sim_not_faces_record(job->studio, job->ict, job->sensor, job->options->seed, per_kind,
-                                fault);
+    return sim_not_faces_record(job->studio, job->ict, job->sensor, job->options->seed,
+                                per_kind_of(job), fault);
 }
 
 static int record_stored(struct job *job, struct iso_fault *fault)
@@ -350,7 +359,7 @@ static int record_stored(struct job *job, struct iso_fault *fault)
     return sim_stored_record(job->studio, job->ict, job->sensor, job->options->seed, fault);
 }
 
-/* How many recordings a preset makes; 0: it says so only by making them. */
+/* How many recordings a preset makes. */
 static uint64_t count_recordings(const struct job *job)
 {
     const struct sim_generate_options *o = job->options;
@@ -362,6 +371,13 @@ static uint64_t count_recordings(const struct job *job)
             count_or(o->n_probes, preset->n_probes);
     } else if (preset->record == record_repeats) {
         n = people * count_or(o->n_sessions, preset->n_sessions);
+    } else if (preset->record == record_attacks) {
+        const struct sim_attacks_plan plan = plan_attacks(job);
+        n = sim_attacks_count(&plan);
+    } else if (preset->record == record_not_faces) {
+        n = sim_not_faces_count(per_kind_of(job));
+    } else if (preset->record == record_stored) {
+        n = sim_stored_count();
     }
     return (uint64_t)n;
 }

@@ -16,6 +16,11 @@ static const struct sim_staged_kind kinds[] = {
     {"cushion", sim_not_face_cushion, false, false},
 };
 
+int sim_not_faces_count(int per_kind)
+{
+    return (int)(sizeof kinds / sizeof *kinds) * per_kind;
+}
+
 int sim_not_faces_record(struct sim_studio *studio, const struct sim_ict *ict,
                          const struct sim_sensor *sensor, uint64_t seed, int per_kind,
                          struct iso_fault *fault)

@@ -9,6 +9,9 @@
 
 #include "sim/generate/studio.h"
 
+/* How many recordings are made. */
+int sim_not_faces_count(int per_kind);
+
 /* per_kind at least 1. Errors of sim_studio_record. */
 int sim_not_faces_record(struct sim_studio *studio, const struct sim_ict *ict,
                          const struct sim_sensor *sensor, uint64_t seed, int per_kind,

@@ -5,6 +5,9 @@
 
 #include "sim/generate/studio.h"
 
+/* How many recordings are made. */
+int sim_stored_count(void);
+
 /* 24 people to enrol (a gallery session of 5 frames and two visits of 3 each), 12 strangers (two
  * visits of 3), and what is no usable face: an empty room, furniture, the back of a head, a face
  * cut by the image border, and a photograph held up flat and bent. Errors of sim_studio_record. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "sim/generate/room.h"
+#include "sim/progress.h"
 #include "sim/render/sitter.h"
 
 static const double gross_mm = 5.0, pose_rad = 0.1745, sideways_mm = 30.0;
@@ -140,7 +141,7 @@ int sim_depth_error_measure(const struct sim_depth_error_options *options, doubl
     struct bench bench = {.options = options,
                           .sum = {.distance_mm = distance_mm, .faces = options->faces}};
     int error = set_up(&bench);
-    for (size_t i = 0; !error && i < options->faces; i++) {
+    for (size_t i = 0; !error && i < options->faces; i++, sim_progress_step(1)) {
         struct sim_random random = sim_random_seeded(options->seed, (uint64_t)distance_mm, i);
         struct sim_stance stance;
         draw_stance(distance_mm, &random, &stance);

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "drivers/recording/recording.h"
+#include "sim/generate/attacks.h"
 #include "tests/sim/generated.h"
 #include "tests/support/scratch.h"
 
@@ -58,7 +59,9 @@ static int tear_down(void **state)
 static void rows_are_as_documented(void **state)
 {
     const struct sim_corpus *c = corpus(state);
+    const struct sim_attacks_plan plan = {.n_people = PEOPLE, .per_kind = PER_KIND};
     int n[INSTRUMENTS] = {0}, gallery = 0, glances = 0, visits = 0;
+    assert_int_equal(c->n_rows, sim_attacks_count(&plan));
     for (size_t i = 0; i < c->n_rows; i++) {
         const struct sim_corpus_row *row = &c->rows[i];
         assert_int_equal(row->first, 0);

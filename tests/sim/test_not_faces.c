@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "sim/generate/not_faces.h"
 #include "tests/sim/generated.h"
 #include "tests/support/scratch.h"
 
@@ -44,6 +45,7 @@ static void rows_are_as_documented(void **state)
 {
     const struct sim_corpus *c = corpus(state);
     assert_int_equal(c->n_rows, KINDS * PER_KIND);
+    assert_int_equal(c->n_rows, sim_not_faces_count(PER_KIND));
     for (size_t i = 0; i < c->n_rows; i++) {
         const struct sim_corpus_row *row = &c->rows[i];
         assert_string_equal(row->note, kinds[i / PER_KIND]);

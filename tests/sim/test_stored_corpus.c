@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "drivers/recording/recording.h"
+#include "sim/generate/stored.h"
 #include "sim/recording/corpus.h"
 #include "tests/support/scratch.h"
 
@@ -64,6 +65,7 @@ static void everybody_is_there(void **state)
     assert_int_equal(rows_of(corpus, "none", SIM_ROLE_IMPOSTOR, "back", 3), 3);
     assert_int_equal(rows_of(corpus, "none", SIM_ROLE_IMPOSTOR, "cut", 3), 2);
     assert_int_equal(rows_of(corpus, "none", SIM_ROLE_IMPOSTOR, "photo", 3), 3);
+    assert_int_equal(corpus->n_rows, sim_stored_count());
     assert_int_equal(corpus->n_rows, 24 * 3 + 12 * 2 + 10);
     sim_corpus_free(corpus);
 }
