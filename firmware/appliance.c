@@ -364,6 +364,8 @@ uint64_t iso_appliance_progress(const struct iso_appliance *appliance)
 void iso_appliance_aim(struct iso_appliance *appliance, bool on)
 {
     appliance->aimed = on;
+    /* Whoever begins to aim sees the next frame at once, however short ago another one was told. */
+    appliance->view_told_ns = iso_times_now_ns(&appliance->parts.times) - ISO_NS_PER_S;
 }
 
 bool iso_appliance_is_aimed(const struct iso_appliance *appliance)

@@ -235,6 +235,13 @@ static void tells_what_it_sees_to_who_aims(void **state)
     rig_show_at(rig, 50, 32, 200);
     rig_run(rig, 250);
     assert_string_equal(rig_news(rig), "");
+    for (int i = 0; i < 2; i++) { /* whoever begins to aim need not wait for those 100 ms */
+        iso_appliance_aim(rig->appliance, true);
+        rig_show_at(rig, 50, 32, 10);
+        rig_run(rig, 20);
+        assert_non_null(strstr(rig_news(rig), "view ok"));
+        iso_appliance_aim(rig->appliance, false);
+    }
 }
 
 /* ---- more visits ---- */
