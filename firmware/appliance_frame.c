@@ -236,6 +236,21 @@ static void give_hint(struct iso_appliance *appliance, enum iso_capture capture)
     }
 }
 
+/* How long a scene that moved counts as one with somebody in it. */
+static const int64_t scene_quiet_ns = 2 * ISO_NS_PER_S;
+
+/* What is told of a frame. Something within reach that is not a face and does not move is
+ * furniture: nobody is there. The decision does not depend on this. */
+static enum iso_capture tell_of(struct iso_appliance *appliance, const struct iso_frame *frame,
+                                enum iso_capture capture)
+{
+    const bool moves = iso_scene_motion_feed(&appliance->scene_motion, frame,
+                                             appliance->parts.config->sensor.distance_max_mm,
+                                             scene_quiet_ns);
+
+    return capture == ISO_CAPTURE_NOT_A_FACE && !moves ? ISO_CAPTURE_NOBODY : capture;
+}
+
 /* Keeps what was seen for who asks, and tells it to who listens. */
 static void show(struct iso_appliance *appliance, enum iso_capture capture)
 {
@@ -305,6 +320,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
         take_attack(appliance, capture, frame->t_ns, arrival_ns);
     }
     iso_template_wipe(&appliance->extraction.tmpl);
+    capture = tell_of(appliance, frame, capture);
     show(appliance, capture);
     give_hint(appliance, capture);
 }

@@ -2,6 +2,7 @@
 #ifndef ISO_FIRMWARE_APPLIANCE_STATE_H
 #define ISO_FIRMWARE_APPLIANCE_STATE_H
 
+#include "core/find/scene_motion.h"
 #include "core/presentation/liveness.h"
 #include "firmware/appliance.h"
 #include "firmware/attack_tally.h"
@@ -26,6 +27,7 @@ struct iso_appliance {
     struct iso_liveness liveness;
     uint64_t liveness_track;        /* of motion.track, whose frames it holds */
     struct iso_track_motion motion; /* of the frame worked on; all zero without a fitted face */
+    struct iso_scene_motion scene_motion;
     struct iso_hint_filter hints;
     struct iso_attack_tally attacks;
     bool aimed;

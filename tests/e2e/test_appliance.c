@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "tests/e2e/appliance.h"
 #include "tests/support/scratch.h"
@@ -198,6 +199,30 @@ static void an_empty_room_is_told_nothing(void **state)
     appliance_show(appliance, NULL);
     assert_null(strstr(aim.out, "look straight"));
     run_free(&aim);
+}
+
+/* A chair within reach looks like a visitor without a face to one frame; but it does not move. The
+ * recording is short: it is played until whoever was there before is forgotten. */
+static void a_room_with_a_chair_is_told_nothing(void **state)
+{
+    static const struct timespec half_a_second = {0, 500000000};
+    bool empty = false;
+
+    for (int i = 0; i < 60 && !empty; i++) {
+        appliance_show(*state, "none-nobody2");
+        nanosleep(&half_a_second, NULL);
+        json_t *status = appliance_run_json(*state, "status", NULL, 0);
+        empty = strcmp(text_of(status, "capture"), "nobody") == 0;
+        json_decref(status);
+    }
+    assert_true(empty);
+    json_t *document = appliance_run_json(*state, "identify --timeout 3", "none-nobody2", 5);
+    assert_string_equal(text_of(document, "result"), "identify-timed-out");
+    assert_int_equal(json_array_size(json_object_get(document, "hints")), 0);
+    json_decref(document);
+    document = appliance_run_json(*state, "status", NULL, 0);
+    assert_string_equal(text_of(document, "capture"), "nobody");
+    json_decref(document);
 }
 
 /* Placing the camera while the door is in service: what it sees, and no more than that. */
@@ -475,6 +500,7 @@ int main(void)
         cmocka_unit_test(nobody_before_the_camera_times_out),
         cmocka_unit_test(who_stands_badly_is_told_so),
         cmocka_unit_test(an_empty_room_is_told_nothing),
+        cmocka_unit_test(a_room_with_a_chair_is_told_nothing),
         cmocka_unit_test(the_camera_can_be_aimed),
         cmocka_unit_test(a_camera_in_use_is_refused_and_freed_by_an_interrupt),
         cmocka_unit_test(a_client_that_dies_frees_the_camera),

@@ -1,0 +1,76 @@
+#include "core/find/scene_motion.h"
+
+#include <math.h>
+
+/* More than noise does to a mean over half a second, less than a sway. */
+static const float change_mm = 100.0F;
+static const int64_t window_ns = 500000000;
+enum { CELLS_MIN = 4, FRAMES_MIN = 3, STEP_PX = 2 };
+
+/* The mean depth of the measured pixels of a cell; 0 if fewer than half of them are measured. */
+static float mean_depth_mm(const struct iso_frame *frame, int row, int column)
+{
+    const int top = row * frame->height_px / ISO_SCENE_ROWS;
+    const int bottom = (row + 1) * frame->height_px / ISO_SCENE_ROWS;
+    const int left = column * frame->width_px / ISO_SCENE_COLUMNS;
+    const int right = (column + 1) * frame->width_px / ISO_SCENE_COLUMNS;
+    float sum_mm = 0.0F;
+    int n = 0, all = 0;
+    for (int y = top; y < bottom; y += STEP_PX) {
+        for (int x = left; x < right; x += STEP_PX) {
+            const float depth_mm = iso_frame_depth_at(frame, x, y);
+            sum_mm += depth_mm;
+            n += depth_mm > 0.0F;
+            all++;
+        }
+    }
+    return 2 * n > all ? sum_mm / (float)n : 0.0F;
+}
+
+static void add_frame(struct iso_scene_motion *scene, const struct iso_frame *frame)
+{
+    for (int row = 0; row < ISO_SCENE_ROWS; row++) {
+        for (int column = 0; column < ISO_SCENE_COLUMNS; column++) {
+            const float depth_mm = mean_depth_mm(frame, row, column);
+            scene->cells[row][column].sum_mm += depth_mm;
+            scene->cells[row][column].n += depth_mm > 0.0F;
+        }
+    }
+    scene->frames++;
+    scene->latest_ns = frame->t_ns;
+}
+
+/* Ends a half second: how many cells changed that were or are within reach. */
+static int end_window(struct iso_scene_motion *scene, float reach_mm)
+{
+    int n_changed = 0;
+    for (int i = 0; i < ISO_SCENE_ROWS * ISO_SCENE_COLUMNS; i++) {
+        struct iso_scene_cell *cell = &scene->cells[i / ISO_SCENE_COLUMNS][i % ISO_SCENE_COLUMNS];
+        const float was_mm = cell->before_mm;
+        const float is_mm = 2 * cell->n > scene->frames ? cell->sum_mm / (float)cell->n : 0.0F;
+        n_changed += was_mm > 0.0F && is_mm > 0.0F && fminf(was_mm, is_mm) <= reach_mm &&
+                     fabsf(was_mm - is_mm) > change_mm;
+        *cell = (struct iso_scene_cell){.before_mm = is_mm};
+    }
+    scene->frames = 0;
+    return n_changed;
+}
+
+bool iso_scene_motion_feed(struct iso_scene_motion *scene, const struct iso_frame *frame,
+                           double reach_mm, int64_t quiet_ns)
+{
+    if (scene->width_px != frame->width_px || scene->height_px != frame->height_px ||
+        frame->t_ns < scene->latest_ns) {
+        *scene = (struct iso_scene_motion){
+            .width_px = frame->width_px, .height_px = frame->height_px, .since_ns = frame->t_ns};
+    }
+    add_frame(scene, frame);
+    if (frame->t_ns - scene->since_ns >= window_ns && scene->frames >= FRAMES_MIN) {
+        if (end_window(scene, (float)reach_mm) >= CELLS_MIN) {
+            scene->moved = true;
+            scene->moved_ns = frame->t_ns;
+        }
+        scene->since_ns = frame->t_ns;
+    }
+    return scene->moved && frame->t_ns - scene->moved_ns <= quiet_ns;
+}

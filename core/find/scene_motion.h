@@ -1,0 +1,45 @@
+/* Whether anything within reach moves. A chair or a door leaf that stands before the camera looks
+ * to one frame like a visitor without a face; but people never stand quite still (liveness.h has
+ * the figures), and furniture does.
+ *
+ * The frame is divided into a grid of cells. The mean depth of each cell over half a second is
+ * compared with that of the half second before. At a silhouette a sway of a few millimetres changes
+ * it by some hundred millimetres, because near pixels take the place of far ones. The noise of a
+ * structured-light sensor changes it by more than 100 mm in one or two cells at edges, even from
+ * one frame to the next. A scene moves from the first such change on, and for `quiet_ns`
+ * after the last one. Before the first change nothing is known to move. Pure: the time is the
+ * frames'. */
+#ifndef ISO_CORE_FIND_SCENE_MOTION_H
+#define ISO_CORE_FIND_SCENE_MOTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/frame/frame.h"
+
+enum { ISO_SCENE_COLUMNS = 40, ISO_SCENE_ROWS = 30 };
+
+/* A part of the image over a time. */
+struct iso_scene_cell {
+    float before_mm; /* its mean depth in the last half second that is over; 0: not measured */
+    float sum_mm;    /* of its mean depths in the frames of this half second */
+    int n;           /* frames of this half second in which it was measured */
+};
+
+/* All zero: nothing was seen yet. A value of its own: copied freely, nothing to be freed. */
+struct iso_scene_motion {
+    struct iso_scene_cell cells[ISO_SCENE_ROWS][ISO_SCENE_COLUMNS];
+    int width_px, height_px;     /* of the frames compared; 0: there was none */
+    int frames;                  /* of this half second */
+    int64_t since_ns, latest_ns; /* when it began, and the time of the last frame */
+    int64_t moved_ns;            /* when something moved last, if `moved` */
+    bool moved;
+};
+
+/* Takes the next frame into account: whether something moves at a depth of at most reach_mm, or
+ * moved within the last quiet_ns. A frame of another size, or an earlier one, begins anew. Some
+ * 0.1 ms a frame of 640x480. */
+bool iso_scene_motion_feed(struct iso_scene_motion *scene, const struct iso_frame *frame,
+                           double reach_mm, int64_t quiet_ns);
+
+#endif
