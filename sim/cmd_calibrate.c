@@ -249,14 +249,20 @@ static void print(const struct iso_stereo_calibration *c)
     printf("baseline %.3f mm\n", iso_stereo_baseline_mm(c));
 }
 
+static void count_solution(void *context)
+{
+    (void)context;
+    sim_progress_step(1);
+}
+
 static int calibrate(const struct arguments *a, struct iso_fault *fault)
 {
     struct iso_board_views *views = NULL;
     struct iso_stereo_calibration calibration;
     int error = gather(a, &views, fault);
     if (!error) {
-        const bool shown = sim_progress_begin("calibrating", 0);
-        error = iso_board_calibrate(views, &calibration, fault);
+        const bool shown = sim_progress_begin("solving for the cameras", ISO_BOARD_SOLUTIONS);
+        error = iso_board_calibrate(views, count_solution, NULL, &calibration, fault);
         sim_progress_end(shown);
     }
     if (!error) {

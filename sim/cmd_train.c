@@ -12,7 +12,6 @@
 #include "sim/data_file.h"
 #include "sim/eval/extract_options.h"
 #include "sim/options.h"
-#include "sim/progress.h"
 #include "sim/train/head_picture.h"
 #include "sim/train/train_cohort.h"
 #include "sim/train/train_head.h"
@@ -142,9 +141,7 @@ static int train_head(void *target, struct iso_fault *fault)
     struct sim_train_head_report report;
     int error = sim_ict_load(arguments->ict, &ict, fault);
     if (!error) {
-        const bool shown = sim_progress_begin("training the head model", 0);
         error = sim_train_head(ict, &options, &model, &report, fault);
-        sim_progress_end(shown);
     }
     if (!error) {
         error = save_head(model, arguments, &report, fault);

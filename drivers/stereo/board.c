@@ -139,10 +139,12 @@ static struct iso_board_opencv_problem problem_of(const struct iso_board_views *
     };
 }
 
-int iso_board_calibrate(const struct iso_board_views *views, struct iso_stereo_calibration *out,
-                        struct iso_fault *fault)
+int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void *context),
+                        void *context, struct iso_stereo_calibration *out, struct iso_fault *fault)
 {
-    const struct iso_board_opencv_problem problem = problem_of(views);
+    struct iso_board_opencv_problem problem = problem_of(views);
+    problem.solved = solved;
+    problem.context = context;
     struct iso_board_opencv_solution found;
     struct iso_stereo_calibration calibration;
     const char *what = "";

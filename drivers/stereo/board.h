@@ -33,11 +33,16 @@ int iso_board_views_add(struct iso_board_views *views, const uint8_t *left, cons
 /* How many pairs there are. */
 int iso_board_views_count(const struct iso_board_views *views);
 
-/* Solves. Radial distortion is k1 and k2; k3 is 0. -ENODATA with *fault for fewer than
+/* The parts of solving for a pair of cameras: the left one, the right one, both together. */
+enum { ISO_BOARD_SOLUTIONS = 3 };
+
+/* Solves. `solved`, unless it is NULL, is called with `context` after each part, by the calling
+ * thread. Radial distortion is k1 and k2; k3 is 0. -ENODATA with *fault for fewer than
  * ISO_BOARD_PAIRS_MIN pairs, or when what comes out cannot be a pair of cameras (too few
  * directions, left and right swapped, another board); -ENOMEM, -EIO. */
-int iso_board_calibrate(const struct iso_board_views *views, struct iso_stereo_calibration *out,
-                        struct iso_fault *fault) __attribute__((warn_unused_result));
+int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void *context),
+                        void *context, struct iso_stereo_calibration *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* ---- one camera ---- */
 

@@ -97,6 +97,13 @@ void solve_single(const problem &p, iso_board_opencv_single &out, double (*norma
     }
 }
 
+void tell_solved(const problem &p)
+{
+    if (p.solved) {
+        p.solved(p.context);
+    }
+}
+
 void solve(const problem &p, solution &out)
 {
     cv::setNumThreads(0);
@@ -110,11 +117,13 @@ void solve(const problem &p, solution &out)
         seen[eye] = picture_points(p, eye);
         cv::calibrateCamera(board, seen[eye], size, matrix[eye], distortion[eye], turns, shifts,
                             cv::CALIB_FIX_K3, until);
+        tell_solved(p);
     }
     out.rms_px = cv::stereoCalibrate(board, seen[0], seen[1], matrix[0], distortion[0], matrix[1],
                                      distortion[1], size, rotation, translation, essential,
                                      fundamental, cv::CALIB_USE_INTRINSIC_GUESS | cv::CALIB_FIX_K3,
                                      until);
+    tell_solved(p);
     for (int eye = 0; eye < 2; eye++) {
         out.camera[eye] = camera_of(matrix[eye], distortion[eye]);
     }

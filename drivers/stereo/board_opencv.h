@@ -19,6 +19,8 @@ struct iso_board_opencv_problem {
     int columns, rows, n_pairs, width_px, height_px;
     double square_mm;
     const float (*corners_px[2])[2]; /* of each eye: [n_pairs * columns * rows] */
+    void (*solved)(void *context);   /* after each of the three solutions; NULL: nobody is told */
+    void *context;
 };
 
 struct iso_board_opencv_camera {

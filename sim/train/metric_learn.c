@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/progress.h"
 #include "sim/random.h"
 #include "sim/train/principal.h"
 
@@ -28,6 +29,7 @@ static void apply_covariance(const float *rows, size_t n, size_t width, size_t k
 {
     memset(next, 0, width * k * sizeof *next);
     for (size_t i = 0; i < n; i++) {
+        sim_progress_step(1);
         const float *row = &rows[i * width];
         float y[ISO_METRIC_DIMENSIONS_MAX + SPARE] = {0};
         for (size_t v = 0; v < width; v++) {
@@ -141,11 +143,13 @@ static int find_principal(const float *rows, size_t n, size_t width, size_t k_ke
     for (size_t i = 0; !error && i < width * k; i++) {
         basis[i] = (float)sim_random_normal(&random);
     }
+    const bool shown = sim_progress_begin("finding the principal directions", ITERATIONS * n);
     for (int i = 0; !error && i < ITERATIONS; i++) {
         apply_covariance(rows, n, width, k, basis, next);
         orthonormalise(next, width, k);
         memcpy(basis, next, width * k * sizeof *basis);
     }
+    sim_progress_end(shown);
     double kept = 0.0, all = 0.0;
     if (!error) {
         project(rows, n, width, k, basis, y);

@@ -6,6 +6,7 @@
 
 #include "sim/face/expression.h"
 #include "sim/face/person.h"
+#include "sim/progress.h"
 #include "sim/train/decimate.h"
 #include "sim/train/head_exposure.h"
 #include "sim/train/head_region.h"
@@ -261,12 +262,16 @@ static void fill_in_mesh(const struct training *t)
     }
 }
 
+/* Five parts, which progress counts. */
+enum { PARTS = 5 };
+
 static int run(struct training *t, struct iso_fault *fault)
 {
     int error = make_surfaces(t, fault);
     if (error) {
         return error;
     }
+    sim_progress_step(1);
     error = allocate(t);
     if (error) {
         return iso_fault_set(fault, error, "head model: out of memory");
@@ -279,9 +284,13 @@ static int run(struct training *t, struct iso_fault *fault)
     carry_fields(t, t->ict->identity_mm, t->ict->n_identity, t->identity_mm);
     carry_fields(t, t->ict->expression_mm, t->ict->n_expression, t->expression_mm);
     draw_expressions(t);
+    sim_progress_step(1);
     error = mark_regions(t);
+    sim_progress_step(1);
     error = error ? error : find_modes(t);
+    sim_progress_step(1);
     error = error ? error : measure_modes(t);
+    sim_progress_step(1);
     if (error) {
         return iso_fault_set(fault, error, "head model: modes cannot be computed");
     }
@@ -303,7 +312,9 @@ int sim_train_head(const struct sim_ict *ict, const struct sim_train_head_option
     }
     t->ict = ict;
     t->options = options;
+    const bool shown = sim_progress_begin("training the head model", PARTS);
     int error = run(t, fault);
+    sim_progress_end(shown);
     if (error) {
         iso_head_model_free(t->model);
     } else {

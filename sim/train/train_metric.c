@@ -173,9 +173,11 @@ static int learn_curves(const struct training *t, struct iso_metric *metric)
     float *residual_mm = calloc((size_t)metric->n_values, sizeof *residual_mm);
     double *sum = calloc(2 * width, sizeof *sum);
     int error = residual_mm && sum ? 0 : -ENOMEM;
+    const bool shown = sim_progress_begin("averaging the curves", (REGISTRATIONS + 1) * t->n);
     for (int pass = 0; pass <= REGISTRATIONS && !error; pass++) {
         memset(sum, 0, 2 * width * sizeof *sum);
         for (size_t s = 0; s < t->n; s++) {
+            sim_progress_step(1);
             if (pass > 0 && iso_metric_residuals(metric, &t->tmpl[s], residual_mm)) {
                 continue;
             }
@@ -185,6 +187,7 @@ static int learn_curves(const struct training *t, struct iso_metric *metric)
             metric->curve_mm[v] = (float)(sum[v] / fmax(sum[width + v], 1.0));
         }
     }
+    sim_progress_end(shown);
     free(residual_mm);
     free(sum);
     return error;
@@ -233,8 +236,10 @@ static int learn_axes(const struct training *t, struct iso_metric *metric,
     size_t *number = calloc(t->n_people + 1, sizeof *number); /* 0: nothing of them yet */
     int error = residual_mm && person && number ? 0 : -ENOMEM;
     struct sim_metric_samples samples = {0};
+    const bool shown = sim_progress_begin("registering the templates", t->n);
     for (size_t s = 0; !error && s < t->n; s++) {
         const size_t who = t->person[s];
+        sim_progress_step(1);
         if (who % HELD_OUT == 0 ||
             iso_metric_residuals(metric, &t->tmpl[s], &residual_mm[samples.n * width])) {
             continue;
@@ -244,6 +249,7 @@ static int learn_axes(const struct training *t, struct iso_metric *metric,
         }
         person[samples.n++] = number[who] - 1;
     }
+    sim_progress_end(shown);
     if (!error) {
         samples.residual_mm = residual_mm;
         samples.person = person;
@@ -495,13 +501,11 @@ static int learn(struct training *t, struct iso_metric *shape, struct iso_metric
     compact(t);
     choose_nodes(t, shape);
     int error = iso_metric_new(shape, &metric);
-    const bool shown = sim_progress_begin("learning the metric", 0);
     error = error ? error : learn_curves(t, metric);
     if (!error) {
         learn_heights(t, metric);
     }
     error = error ? error : learn_axes(t, metric, report);
-    sim_progress_end(shown);
     error = error ? error : learn_scores(t, metric, report);
     if (error) {
         iso_metric_free(metric);

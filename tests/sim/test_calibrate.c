@@ -106,7 +106,7 @@ static void pictures_of_a_board_give_the_cameras(void **state)
     }
     assert_int_equal(iso_board_views_new(&board, camera->width_px, camera->height_px, &views, NULL),
                      0);
-    assert_int_equal(iso_board_calibrate(views, &found, &fault), -ENODATA);
+    assert_int_equal(iso_board_calibrate(views, NULL, NULL, &found, &fault), -ENODATA);
     assert_non_null(strstr(fault.text, "0 pairs show the whole board, 6 are needed"));
     for (uint64_t i = 0; i < 30 && iso_board_views_count(views) < 10; i++) {
         struct sim_random random = sim_random_seeded(7, 0, i);
@@ -121,7 +121,7 @@ static void pictures_of_a_board_give_the_cameras(void **state)
     memset(left, 128, n);
     assert_int_equal(iso_board_views_add(views, left, right), -ENOENT);
     assert_int_equal(iso_board_views_count(views), 10);
-    assert_int_equal(iso_board_calibrate(views, &found, &fault), 0);
+    assert_int_equal(iso_board_calibrate(views, NULL, NULL, &found, &fault), 0);
     struct verdict v = judge(&rig.built, &found, 600.0);
     print_message(
         "10 pairs: %.3f px left, focal length %.2f (true %.2f), baseline %.3f mm (%.3f)\n",
