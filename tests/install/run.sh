@@ -10,7 +10,7 @@
 #   run.sh PACKAGES BUILD CACHE [TEST...]     PACKAGES: what debian_packages.sh made; BUILD: the preset `release`, built
 #
 # Needs root, the tag `install` of cmake/packages.txt and Debian's archive. Logs are in CACHE. Ends with "N passed, N failed, N skipped";
-# non-zero if one failed.
+# skipped are checks inside a test, whose line says why. Non-zero if a test failed.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 [ $# -ge 3 ] || {
@@ -79,7 +79,7 @@ run_one() {
     esac
 }
 
-passed=0 failed=0
+passed=0 failed=0 skipped=0
 for test in $tests; do
     printf '== %s\n' "$test"
     began=$(date +%s)
@@ -90,7 +90,8 @@ for test in $tests; do
         failed=$((failed + 1)) result=FAILED
     fi
     tail -n 30 "$cache/$test.log"
+    skipped=$((skipped + $(grep -c ' skipped: ' "$cache/$test.log" || true)))
     printf '%-12s %s after %d s\n' "$test" "$result" $(($(date +%s) - began))
 done
-echo "$passed passed, $failed failed, 0 skipped"
+echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
