@@ -9,6 +9,7 @@
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
 #   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps
+#   make levels   counts who is refused and let in at each security level in 3,000 visits: an hour; ICT=DIR has the head model
 #   make packages makes the Debian packages in build/packages and checks them
 #   make packages-arm64  cross-builds those of arm64 in build/packages-arm64
 #   make install-check  installs the packages, and what `make install` installs, in a Debian of its own: needs root
@@ -19,9 +20,10 @@ PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 20
 FUZZ_SEED ?= 1
 KILLS ?= 1000
+ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills drill packages packages-arm64 install-check install clean
+.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills drill levels packages packages-arm64 install-check install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -72,6 +74,12 @@ drill:
 	cmake/install_packages.sh build test
 	cmake --preset dev
 	cmake --build --preset dev --target drill
+
+levels:
+	cmake/install_packages.sh build
+	cmake --preset release
+	cmake --build --preset release --target isotherm-sim
+	sim/visit/levels.sh build/release/sim/isotherm-sim $(ICT) core/data out/levels
 
 packages:
 	cmake/install_packages.sh build package

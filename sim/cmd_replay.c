@@ -11,6 +11,7 @@
 
 struct arguments {
     struct sim_rehearsal_options rehearsal;
+    enum iso_level level;
 };
 
 static int parse_duplicates(const char *text, void *field)
@@ -23,6 +24,19 @@ static int parse_duplicates(const char *text, void *field)
     return 0;
 }
 
+static int parse_level(const char *text, void *field)
+{
+    struct arguments *arguments = field;
+    for (int i = 0; i < SIM_LEVELS; i++) {
+        if (strcmp(text, sim_level_name((enum iso_level)i)) == 0) {
+            arguments->level = (enum iso_level)i;
+            arguments->rehearsal.level = &arguments->level;
+            return 0;
+        }
+    }
+    return -EINVAL;
+}
+
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option options[] = {
@@ -33,6 +47,8 @@ static const struct sim_option options[] = {
     {"metric", "FILE", "learned metric", sim_option_text, FIELD(rehearsal.metric)},
     {"threshold", "SCORE", "instead of the configuration's own", sim_option_number,
      FIELD(rehearsal.threshold)},
+    {"level", "NAME", "convenient, balanced or strict, instead of the configuration's own",
+     parse_level, 0},
     {"duplicates", "WORD", "people who look like somebody enrolled: allow, or refuse (default)",
      parse_duplicates, FIELD(rehearsal.allow_duplicate)},
     {"visit", "RECORDING", "play this visit alone, after the enrolments", sim_option_text,

@@ -19,6 +19,7 @@ int sim_cmd_eval(int argc, char **argv);
 int sim_cmd_landmarks(int argc, char **argv);
 int sim_cmd_shapes(int argc, char **argv);
 int sim_cmd_show(int argc, char **argv);
+int sim_cmd_levels(int argc, char **argv);
 int sim_cmd_replay(int argc, char **argv);
 int sim_cmd_record(int argc, char **argv);
 int sim_cmd_sensor(int argc, char **argv);

@@ -24,6 +24,7 @@ static const struct command {
     {"show", "draw a frame and what is made of it", sim_cmd_show},
     {"shapes", "make and retrieve non-rigid shapes", sim_cmd_shapes},
     {"replay", "play a corpus to the appliance itself, on a virtual clock", sim_cmd_replay},
+    {"levels", "count who is refused and who is let in at each security level", sim_cmd_levels},
     {"record", "record what a sensor sees", sim_cmd_record},
     {"visit", "play the people of a corpus at the door of a running daemon", sim_cmd_visit},
 };

@@ -4,21 +4,37 @@
 #ifndef SIM_VISIT_REHEARSAL_H
 #define SIM_VISIT_REHEARSAL_H
 
+#include "firmware/config.h"
 #include "sim/visit/visit.h"
 
+enum { SIM_LEVELS = ISO_LEVEL_STRICT + 1 };
+
+/* "convenient", "balanced", "strict"; NULL outside. */
+const char *sim_level_name(enum iso_level level);
+
 struct sim_rehearsal_options {
-    const char *corpus;         /* directory */
-    const char *state;          /* an empty directory for gallery, log and the sensor's slot */
-    const char *model, *metric; /* files */
-    double threshold;           /* decision.threshold; NaN: the configuration's own */
-    bool allow_duplicate;       /* people who look alike are enrolled all the same */
-    const char *visit;          /* play this recording alone, after enrolling; NULL: all */
-    const char *picture;        /* with `visit`: the PNG file that shows it; NULL: none */
+    const char *corpus;          /* directory */
+    const char *state;           /* an empty directory for gallery, log and the sensor's slot */
+    const char *model, *metric;  /* files */
+    double threshold;            /* decision.threshold; NaN: that of the level */
+    const enum iso_level *level; /* decision.level; NULL: the configuration's own */
+    bool all_levels;             /* SIM_LEVELS doors side by side instead, one of each level */
+    bool allow_duplicate;        /* people who look alike are enrolled all the same */
+    const char *visit;           /* play this recording alone, after enrolling; NULL: all */
+    const char *picture; /* with `visit` and one door: the PNG file that shows it; NULL: none */
 };
 
 /* Enrols the subjects of role gallery, in the manifest's order, then plays the other rows, each
  * recording once. *visits has room for all rows of the corpus; *n_visits of them are filled in,
- * with latency by the virtual clock. Errors of iso_parts_open, the appliance and the slot; -ENOMSG
+ * with latency by the virtual clock.
+ *
+ * With all levels everybody is enrolled at every door and every visitor stands before all of them
+ * at once: each door decides by itself, as it would alone, but the template of a frame is computed
+ * once. *visits then has room for SIM_LEVELS times the rows, and the visits of level l begin at
+ * visits[l * corpus->n_rows]; the listener is told of a visit once a level, in their order. Each
+ * door has a folder in `state` with the name of its level.
+ *
+ * Errors of iso_parts_open, the appliance and the slot; -ENOMSG
  * if somebody cannot be enrolled; -ENOENT if no row that is no enrolment has the recording
  * `visit`; errors of drawing the picture. */
 int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_corpus *corpus,

@@ -150,6 +150,18 @@ expect 0 '' replay --corpus "$work/corpus" --out "$work/replay-photo" --visit no
 expect 4 'nowhere/visit.png' replay --corpus "$work/corpus" --out "$work/replay-nowhere" --visit none-photo3 \
     --picture "$work/nowhere/visit.png"
 
+# All levels of the same visits.
+expect 0 '' levels --help
+expect 2 '--corpus or --alike, and --out are needed' levels --out "$work/levels"
+expect 2 "--level: 'safe' is no NAME" replay --level safe
+expect 3 'nowhere/manifest.csv' levels --corpus "$work/nowhere" --out "$work/levels-nowhere"
+expect 0 '' levels --corpus "$work/corpus" --out "$work/levels"
+[ "$(grep -c '^[a-z]*,strangers,0,1,0.000000,' "$work/levels/levels.csv")" -eq 3 ] || {
+    echo 'levels did not count one visit of a photograph at three levels'
+    failures=$((failures + 1))
+}
+expect 4 'levels: ' levels --corpus "$work/corpus" --out "$work/levels" # it exists
+
 # Where the shipped data files come from: the source tree for a program in a build tree, the installed ones for any other.
 expect 0 '' show --recording "$face" --what isotherms --out "$work/shipped.png"
 expect 0 '' landmarks --corpus "$work/corpus" --out "$work/landmarks-shipped"

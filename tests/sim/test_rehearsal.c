@@ -14,6 +14,7 @@
 
 #include "firmware/parts.h"
 #include "sim/virtual_clock.h"
+#include "sim/visit/level_report.h"
 #include "sim/visit/rehearsal.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"
@@ -145,6 +146,70 @@ static void the_threshold_decides(void **state)
     sim_corpus_free(corpus);
 }
 
+/* Plays the visits at one level, or at all of them side by side. */
+static void rehearse_levels(const char *directory, const char *state, const enum iso_level *level,
+                            const struct sim_corpus *corpus, struct sim_visit *visits)
+{
+    const struct sim_rehearsal_options options = {
+        .corpus = directory,
+        .state = scratch_path(directory, state),
+        .model = ISOTHERM_SOURCE_DIR "/core/data/head.model",
+        .metric = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
+        .threshold = NAN,
+        .level = level,
+        .all_levels = level == NULL,
+    };
+    struct iso_fault fault = {""};
+    size_t n_visits = 0, told = 0;
+    scratch_mkdir(options.state);
+    if (sim_rehearse(&options, corpus, count_visit, &told, visits, &n_visits, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_int_equal(n_visits, VISITS);
+    assert_int_equal(told, level ? VISITS : SIM_LEVELS * VISITS);
+}
+
+static void assert_same_visit(const struct sim_visit *a, const struct sim_visit *b)
+{
+    assert_ptr_equal(a->row, b->row);
+    assert_int_equal(a->unlocked, b->unlocked);
+    assert_int_equal(a->verdict.given, b->verdict.given);
+    assert_int_equal(a->verdict.allow, b->verdict.allow);
+    assert_string_equal(a->verdict.person, b->verdict.person);
+    assert_string_equal(a->verdict.reason, b->verdict.reason);
+    assert_int_equal(a->verdict.frames, b->verdict.frames);
+    assert_memory_equal(&a->verdict.score, &b->verdict.score, sizeof a->verdict.score);
+    assert_true(a->verdict.threshold == b->verdict.threshold);
+}
+
+/* Three doors that share the templates of what they see decide to the bit as each would alone, and
+ * so count the same visits. */
+static void every_level_decides_as_it_would_alone(void **state)
+{
+    struct sim_corpus *corpus = NULL;
+    struct sim_visit together[SIM_LEVELS * ROWS], alone[ROWS];
+    assert_int_equal(sim_corpus_read(*state, &corpus, NULL), 0);
+    rehearse_levels(*state, "together", NULL, corpus, together);
+    for (int l = 0; l < SIM_LEVELS; l++) {
+        const enum iso_level level = (enum iso_level)l;
+        const struct sim_visit *own = &together[(size_t)l * ROWS];
+        rehearse_levels(*state, sim_level_name(level), &level, corpus, alone);
+        for (int i = 0; i < VISITS; i++) {
+            assert_same_visit(&own[i], &alone[i]);
+        }
+        struct sim_level_counts a = {{0, 0}, {0, 0}, {0, 0}}, b = a;
+        sim_level_count(SIM_CROWD_PEOPLE, own, VISITS, &a);
+        sim_level_count(SIM_CROWD_PEOPLE, alone, VISITS, &b);
+        assert_memory_equal(&a, &b, sizeof a);
+        assert_int_equal(a.refused.trials, 2);
+        assert_int_equal(a.strangers.trials, 2);
+    }
+    /* They are of three levels. */
+    assert_true(together[0].verdict.threshold < together[ROWS].verdict.threshold);
+    assert_true(together[ROWS].verdict.threshold < together[2 * ROWS].verdict.threshold);
+    sim_corpus_free(corpus);
+}
+
 static void who_cannot_be_enrolled_is_a_fault(void **state)
 {
     /* The same face under two names. */
@@ -178,6 +243,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_right_people_are_let_in, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(two_runs_are_the_same_to_the_bit, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(the_threshold_decides, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(every_level_decides_as_it_would_alone, setup,
+                                        scratch_teardown),
         cmocka_unit_test_setup_teardown(who_cannot_be_enrolled_is_a_fault, setup, scratch_teardown),
         cmocka_unit_test(the_clock_moves_only_when_told),
     };

@@ -1,0 +1,177 @@
+/* isotherm-sim levels: who is refused and who is let in at each security level, visit by visit. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "drivers/path.h"
+#include "drivers/shipped.h"
+#include "sim/command.h"
+#include "sim/commands.h"
+#include "sim/visit/level_report.h"
+#include "sim/visit/visit_report.h"
+
+enum { CORPORA_MAX = 64 };
+
+/* The share of the visits of strangers that `balanced` may let in. */
+static const double strangers_max = 0.001;
+
+struct corpora {
+    size_t n;
+    const char *directory[CORPORA_MAX];
+};
+
+struct arguments {
+    struct corpora people, alike;
+    const char *out, *model, *metric;
+    struct sim_rate strangers; /* let in at `balanced`: what came of it */
+};
+
+#define FIELD(name) offsetof(struct arguments, name)
+
+static int add_corpus(const char *text, void *field)
+{
+    struct corpora *corpora = field;
+    if (corpora->n == CORPORA_MAX) {
+        return -EINVAL;
+    }
+    corpora->directory[corpora->n++] = text;
+    return 0;
+}
+
+static const struct sim_option options[] = {
+    {"corpus", "DIR", "enrolled people and strangers; may be repeated", add_corpus, FIELD(people)},
+    {"alike", "DIR", "strangers who look like those enrolled (preset hard); may be repeated",
+     add_corpus, FIELD(alike)},
+    {"out", "DIR", "where levels.csv and the visits go; made, must not exist", sim_option_text,
+     FIELD(out)},
+    {"model", "FILE", "head model", sim_option_text, FIELD(model)},
+    {"metric", "FILE", "learned metric", sim_option_text, FIELD(metric)},
+};
+
+static void ignore_visit(const struct sim_visit *visit, void *context)
+{
+    (void)visit;
+    (void)context;
+}
+
+/* Writes visits.csv of every level into the level's folder and counts. */
+static int take_visits(enum sim_level_crowd crowd, const char *state,
+                       const struct sim_visit *visits, size_t n_rows, size_t n_visits,
+                       struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
+{
+    int error = 0;
+    for (int level = 0; level < SIM_LEVELS && !error; level++) {
+        const struct sim_visit *own = &visits[(size_t)level * n_rows];
+        char folder[PATH_MAX];
+        error = iso_path_join(state, sim_level_name((enum iso_level)level), folder, fault);
+        error = error ? error : sim_visit_write_csv(folder, own, n_visits, fault);
+        sim_level_count(crowd, own, n_visits, &counts[level]);
+    }
+    return error;
+}
+
+static int play_visits(const struct sim_rehearsal_options *rehearsal, enum sim_level_crowd crowd,
+                       const struct sim_corpus *corpus, struct sim_level_counts counts[SIM_LEVELS],
+                       struct iso_fault *fault)
+{
+    size_t n_visits = 0;
+    struct sim_visit *visits = calloc(SIM_LEVELS * corpus->n_rows, sizeof *visits);
+    if (!visits) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    int error = sim_rehearse(rehearsal, corpus, ignore_visit, NULL, visits, &n_visits, fault);
+    error = error ? error
+                  : take_visits(crowd, rehearsal->state, visits, corpus->n_rows, n_visits, counts,
+                                fault);
+    free(visits);
+    return error;
+}
+
+/* Plays one corpus; its stores and visits go to a numbered folder of the output. */
+static int play_corpus(const struct arguments *arguments, enum sim_level_crowd crowd,
+                       const char *directory, size_t number,
+                       struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
+{
+    char name[32], state[PATH_MAX];
+    const struct sim_rehearsal_options rehearsal = {
+        .corpus = directory,
+        .state = state,
+        .model = arguments->model,
+        .metric = arguments->metric,
+        .threshold = NAN,
+        .all_levels = true,
+        .allow_duplicate = true, /* of many people some look alike, and are enrolled */
+    };
+    struct sim_corpus *corpus = NULL;
+    (void)snprintf(name, sizeof name, "%s-%zu", crowd == SIM_CROWD_ALIKE ? "alike" : "people",
+                   number);
+    int error = iso_path_join(arguments->out, name, state, fault);
+    error = error ? error : sim_corpus_read(directory, &corpus, fault);
+    if (!error && mkdir(state, 0777) != 0) {
+        error = iso_fault_set(fault, -errno, "%s: %s", state, strerror(errno));
+    }
+    error = error ? error : play_visits(&rehearsal, crowd, corpus, counts, fault);
+    sim_corpus_free(corpus);
+    return error;
+}
+
+static int play_corpora(const struct arguments *arguments, enum sim_level_crowd crowd,
+                        const struct corpora *corpora, struct sim_level_counts counts[SIM_LEVELS],
+                        struct iso_fault *fault)
+{
+    int error = 0;
+    for (size_t i = 0; i < corpora->n && !error; i++) {
+        error = play_corpus(arguments, crowd, corpora->directory[i], i + 1, counts, fault);
+        /* What is known so far, for who must end a long run early. */
+        error = error ? error : sim_level_write_csv(arguments->out, counts, fault);
+    }
+    return error;
+}
+
+static int run(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    struct sim_level_counts counts[SIM_LEVELS] = {0};
+    if (arguments->people.n + arguments->alike.n == 0 || !arguments->out) {
+        return iso_fault_set(fault, -EINVAL, "--corpus or --alike, and --out are needed");
+    }
+    if (mkdir(arguments->out, 0777) != 0) {
+        return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
+    }
+    int error = play_corpora(arguments, SIM_CROWD_PEOPLE, &arguments->people, counts, fault);
+    error = error ? error
+                  : play_corpora(arguments, SIM_CROWD_ALIKE, &arguments->alike, counts, fault);
+    if (error) {
+        return error;
+    }
+    sim_level_print(counts, stdout);
+    arguments->strangers = counts[ISO_LEVEL_BALANCED].strangers;
+    return 0;
+}
+
+int sim_cmd_levels(int argc, char **argv)
+{
+    struct arguments arguments = {.model = iso_shipped_model(), .metric = iso_shipped_metric()};
+    const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
+    const struct sim_command command = {
+        .name = "levels",
+        .needs = "--corpus DIR --alike DIR --out DIR",
+        .summary =
+            "Counts visit by visit who is refused and who is let in at each security level.\n"
+            "Every visitor stands before three appliances at once, one of each level, on a\n"
+            "virtual clock. Exit status 1: balanced let in more than 0.1 % of the visits of "
+            "strangers.",
+        .run = run,
+    };
+    const int exit_code = sim_command_run(&command, &set, 1, argc, argv);
+    if (exit_code != SIM_EXIT_OK || !(sim_rate_value(arguments.strangers) > strangers_max)) {
+        return exit_code;
+    }
+    fprintf(stderr,
+            "isotherm-sim levels: balanced let in %zu of %zu strangers, more than %.1f %%\n",
+            arguments.strangers.events, arguments.strangers.trials, 100.0 * strangers_max);
+    return SIM_EXIT_NO_MATCH;
+}

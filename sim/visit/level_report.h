@@ -1,0 +1,37 @@
+/* What a buyer asks of each security level: how many enrolled people are refused in a visit, and
+ * how many strangers, and strangers who look alike, are let in. */
+#ifndef SIM_VISIT_LEVEL_REPORT_H
+#define SIM_VISIT_LEVEL_REPORT_H
+
+#include <stdio.h>
+
+#include "sim/eval/rate.h"
+#include "sim/visit/rehearsal.h"
+
+/* Whom a corpus is of. */
+enum sim_level_crowd {
+    SIM_CROWD_PEOPLE = 0, /* enrolled people and strangers, as different as people are */
+    SIM_CROWD_ALIKE,      /* strangers who look like those enrolled */
+};
+
+/* Counted visits of one level. */
+struct sim_level_counts {
+    struct sim_rate refused;   /* of enrolled people: not let in, or under another's name */
+    struct sim_rate strangers; /* let in */
+    struct sim_rate alike;     /* let in */
+};
+
+/* Adds the visits of one corpus at one level. Of people who look alike only the strangers count. */
+void sim_level_count(enum sim_level_crowd crowd, const struct sim_visit *visits, size_t n_visits,
+                     struct sim_level_counts *counts);
+
+/* Prints a table in Markdown with a row for each level: rates in percent, exact 95 % intervals
+ * (sim_rate_exact_interval) and counts. */
+void sim_level_print(const struct sim_level_counts counts[SIM_LEVELS], FILE *out);
+
+/* Writes DIRECTORY/levels.csv: level,who,errors,visits,rate,low,high, where who is refused,
+ * strangers or alike and the last three are fractions. The errno of writing. */
+int sim_level_write_csv(const char *directory, const struct sim_level_counts counts[SIM_LEVELS],
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif

@@ -1,0 +1,195 @@
+#include "sim/visit/rehearsal_door.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void on_enroll(void *context, const char *result, bool done, unsigned stage, unsigned stages,
+                      double quality, const char *person)
+{
+    struct sim_rehearsal_door *door = context;
+    (void)stage;
+    (void)stages;
+    (void)quality;
+    (void)person;
+    door->enrol_done = door->enrol_done || done;
+    (void)snprintf(door->enrol_result, sizeof door->enrol_result, "%s", result);
+}
+
+static void on_recognition(void *context, enum iso_appliance_mode mode, const char *result,
+                           bool done, const char *person, double score, double threshold)
+{
+    (void)context;
+    (void)mode;
+    (void)result;
+    (void)done;
+    (void)person;
+    (void)score;
+    (void)threshold;
+}
+
+static void on_visit(void *context, const struct iso_visit *visit)
+{
+    struct sim_rehearsal_door *door = context;
+    if (door->verdict.given) {
+        return;
+    }
+    if (door->trace) {
+        sim_trace_decide(door->trace, door->clock->now_ns);
+    }
+    door->verdict = (struct sim_door_verdict){
+        .given = true,
+        .allow = visit->verdict.allow,
+        .score = visit->verdict.score,
+        .threshold = visit->threshold,
+        .frames = (uint32_t)visit->verdict.frames,
+        .latency_us = visit->latency_ns / 1000,
+    };
+    (void)snprintf(door->verdict.person, sizeof door->verdict.person, "%s", visit->person);
+    (void)snprintf(door->verdict.reason, sizeof door->verdict.reason, "%s",
+                   iso_reason_name(visit->verdict.reason));
+    (void)snprintf(door->verdict.door, sizeof door->verdict.door, "%s",
+                   iso_door_answer_name(visit->door));
+}
+
+static void on_hint(void *context, enum iso_capture capture)
+{
+    (void)context;
+    (void)capture;
+}
+
+static void on_view(void *context, const struct iso_view *view)
+{
+    (void)context;
+    (void)view;
+}
+
+static void on_picture(void *context, const struct iso_frame *frame)
+{
+    (void)context;
+    (void)frame;
+}
+
+static bool is_locked(const char *state)
+{
+    return strcmp(state, iso_door_state_name(ISO_DOOR_LOCKED)) == 0;
+}
+
+static void on_door(void *context, const char *state, const char *cause)
+{
+    struct sim_rehearsal_door *door = context;
+    (void)cause;
+    door->unlocked = door->unlocked || !is_locked(state);
+}
+
+static void on_claim_lost(void *context)
+{
+    (void)context;
+}
+
+static void on_message(void *context, int priority, const char *text)
+{
+    (void)context;
+    (void)priority;
+    (void)text;
+}
+
+static int make_config(const struct sim_rehearsal_setup *setup, struct iso_config *out,
+                       struct iso_fault *fault)
+{
+    struct iso_config *c = out;
+    const struct {
+        char *to;
+        const char *directory, *name;
+    } paths[] = {
+        {c->sensor.path, setup->slot, ""},         {c->gallery.path, setup->state, "/gallery.db"},
+        {c->log.path, setup->state, "/audit.log"}, {c->model.head, setup->model, ""},
+        {c->model.metric, setup->metric, ""},
+    };
+    *c = iso_config_default();
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+        int n = snprintf(paths[i].to, ISO_CONFIG_TEXT_SIZE, "%s%s", paths[i].directory,
+                         paths[i].name);
+        if (n < 0 || n >= ISO_CONFIG_TEXT_SIZE) {
+            return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", paths[i].directory);
+        }
+    }
+    c->log.journal = false;  /* it is no visit of today's */
+    c->lockout.failures = 0; /* a corpus has more strangers in a row than a door */
+    c->lockout.attacks = 0;
+    (void)snprintf(c->sensor.pace, sizeof c->sensor.pace, "realtime");
+    c->decision.level = setup->level;
+    c->decision.threshold = isnan(setup->threshold) ? c->decision.threshold : setup->threshold;
+    return 0;
+}
+
+static const struct iso_appliance_events all_events = {
+    .enroll_status = on_enroll,
+    .recognition_status = on_recognition,
+    .visit = on_visit,
+    .hint = on_hint,
+    .view = on_view,
+    .picture = on_picture,
+    .door_changed = on_door,
+    .claim_lost = on_claim_lost,
+    .message = on_message,
+};
+
+int sim_rehearsal_door_open(struct sim_rehearsal_door *door,
+                            const struct sim_rehearsal_setup *setup,
+                            struct sim_virtual_clock *clock, struct sim_shared_extraction *shared,
+                            struct sim_trace *trace, struct iso_fault *fault)
+{
+    struct iso_appliance_events events = all_events;
+    events.context = door;
+    door->clock = clock;
+    door->trace = trace;
+    const struct iso_times times = sim_virtual_clock_times(clock);
+    int error = make_config(setup, &door->config, fault);
+    error = error ? error : iso_parts_open(&door->config, &times, &door->parts, fault);
+    if (error) {
+        return error;
+    }
+    door->lent = iso_parts_lend(door->parts, &events);
+    door->lent.pipeline = sim_shared_pipeline_join(shared, &door->lent.pipeline, &door->pipeline);
+    if (trace) {
+        door->lent.pipeline = sim_trace_pipeline(trace, &door->lent.pipeline);
+    }
+    error = iso_appliance_new(&door->lent, &door->appliance);
+    if (error) {
+        return iso_fault_set(fault, error, "%s", strerror(-error));
+    }
+    return iso_appliance_start(door->appliance, fault);
+}
+
+void sim_rehearsal_door_close(struct sim_rehearsal_door *door)
+{
+    if (door->appliance) {
+        iso_appliance_stop(door->appliance);
+    }
+    iso_appliance_free(door->appliance);
+    iso_parts_close(door->parts);
+}
+
+int sim_rehearsal_door_enrol(struct sim_rehearsal_door *door, const char *person,
+                             bool allow_duplicate, struct iso_fault *fault)
+{
+    const struct iso_enroll_request request = {.person = person,
+                                               .allow_duplicate = allow_duplicate};
+    const int error = iso_appliance_claim(door->appliance);
+    door->enrol_done = false;
+    return error ? error : iso_appliance_enroll(door->appliance, &request, fault);
+}
+
+void sim_rehearsal_door_visit(struct sim_rehearsal_door *door, size_t n_frames)
+{
+    door->last_frame = iso_appliance_status(door->appliance).frames + n_frames;
+    door->verdict = (struct sim_door_verdict){.given = false};
+    door->unlocked = false;
+}
+
+bool sim_rehearsal_door_is_through(const struct sim_rehearsal_door *door)
+{
+    return door->verdict.given || iso_appliance_status(door->appliance).frames >= door->last_frame;
+}
