@@ -7,59 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int read_stream(const char *path, FILE *file, size_t max_bytes, char **out, size_t *out_size,
-                       struct iso_fault *fault)
-{
-    size_t capacity = 4096, size = 0;
-    char *bytes = malloc(capacity);
-    int error = 0;
-    if (!bytes) {
-        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
-    }
-    while ((size += fread(bytes + size, 1, capacity - 1 - size, file)) == capacity - 1) {
-        if (size > max_bytes) {
-            break;
-        }
-        char *grown = realloc(bytes, 2 * capacity);
-        if (!grown) {
-            error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
-            goto out;
-        }
-        bytes = grown;
-        capacity *= 2;
-    }
-    if (ferror(file)) {
-        error = iso_fault_set(fault, errno ? -errno : -EIO, "%s: %m", path);
-    } else if (size > max_bytes) {
-        error = iso_fault_set(fault, -EFBIG, "%s: longer than %zu bytes", path, max_bytes);
-    } else {
-        bytes[size] = '\0';
-        *out = bytes;
-        *out_size = size;
-        bytes = NULL;
-    }
-out:
-    free(bytes);
-    return error;
-}
-
-int iso_text_read_bytes(const char *path, size_t max_bytes, char **bytes, size_t *size,
-                        struct iso_fault *fault)
-{
-    FILE *file = fopen(path, "re");
-    if (!file) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
-    }
-    int error = read_stream(path, file, max_bytes, bytes, size, fault);
-    (void)fclose(file);
-    return error;
-}
+#include "drivers/file/file.h"
 
 int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
 {
     char *bytes = NULL;
     size_t size = 0;
-    int error = iso_text_read_bytes(path, max_bytes, &bytes, &size, fault);
+    int error = iso_file_read(path, max_bytes, &bytes, &size, fault);
     if (!error && memchr(bytes, 0, size)) {
         free(bytes);
         return iso_fault_set(fault, -EBADMSG, "%s: not a text file (it holds a NUL byte)", path);

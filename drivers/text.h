@@ -9,15 +9,10 @@
 #include "core/fault.h"
 
 /* Reads a file of at most max_bytes as a string that the caller frees with free(). -EBADMSG if it
- * holds a NUL byte, -EFBIG if it is longer, -ENOMEM, or the errno of open and read; each with a
- * fault that names the file. */
+ * holds a NUL byte, or the errors of iso_file_read (drivers/file/file.h); each with a fault that
+ * names the file. */
 int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
     __attribute__((warn_unused_result));
-
-/* The same for files that may be binary: NUL bytes are let through, `size` does not count the one
- * behind the last. */
-int iso_text_read_bytes(const char *path, size_t max_bytes, char **bytes, size_t *size,
-                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* A walk over the lines of a string, which it cuts up. */
 struct iso_text_lines {

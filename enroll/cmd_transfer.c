@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "core/contract.h"
+#include "drivers/file/file.h"
 #include "drivers/terminal/words.h"
 #include "enroll/commands.h"
 #include "enroll/long_call.h"
@@ -177,9 +178,12 @@ enum cli_exit cli_import(struct cli_door *door, const struct cli_arguments *argu
     if (exit) {
         return exit;
     }
-    const int fd = open(arguments->word, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) {
-        return file_fault(fault, arguments->word);
+    struct iso_fault why = {""};
+    int fd = -1;
+    const int error = iso_file_open(arguments->word, O_RDONLY, ISO_FILE_ANY_SIZE, &fd, &why);
+    if (error) {
+        return cli_fault_set(fault, error == -ENOENT ? CLI_EXIT_NOT_FOUND : CLI_EXIT_FAULT, "file",
+                             "%s", why.text);
     }
     exit = find_key(fd, arguments, key, &has_key, fault);
     exit = exit ? exit : call_import(door, arguments, fd, has_key ? key : NULL, count, fault);

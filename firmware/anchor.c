@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "core/math/bytes.h"
+#include "drivers/file/file.h"
 #include "firmware/data_file.h"
 
 enum {
@@ -112,9 +113,10 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
     if (error) {
         return error;
     }
-    anchor->fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (anchor->fd < 0) {
-        error = errno == ENOENT ? -ENOENT : iso_fault_set(fault, -errno, "%s: %m", path);
+    struct iso_fault why = {""};
+    error = iso_file_open(path, O_RDWR, 2 * SLOT_BYTES, &anchor->fd, &why);
+    if (error && error != -ENOENT) {
+        (void)iso_fault_set(fault, error, "%s", why.text);
     }
     error = error ? error : read_slots(anchor, fault);
     if (error) {

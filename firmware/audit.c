@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "core/math/bytes.h"
+#include "drivers/file/file.h"
 #include "firmware/audit_state.h"
 #include "firmware/directory.h"
 
@@ -294,9 +295,11 @@ static int mend(struct iso_audit *audit, size_t torn, struct iso_fault *fault)
 
 int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault *fault)
 {
-    const int opened = open(path, O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NOCTTY | flags, 0600);
-    if (opened < 0) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
+    int opened = -1;
+    const int failed = iso_file_open(path, O_RDWR | O_APPEND | O_CREAT | flags, ISO_FILE_ANY_SIZE,
+                                     &opened, fault);
+    if (failed) {
+        return failed;
     }
     if (flock(opened, LOCK_EX | LOCK_NB)) {
         const int error = errno == EWOULDBLOCK ? -EBUSY : -errno;

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/file/file.h"
 #include "firmware/audit_state.h"
 #include "firmware/data_file.h"
 #include "firmware/directory.h"
@@ -37,14 +38,15 @@ static int set_anchor(struct iso_audit *audit, struct iso_fault *fault)
                                  &state, &audit->anchor, fault);
 }
 
-/* Whether a line (with its newline) is the record that has to come next. */
+/* Whether a line is the record that has to come next, with its newline: one that is too long, or
+ * that holds a NUL, has been read without it. */
 static bool is_next(const struct iso_audit *audit, const char *line, size_t length)
 {
     char begin[40];
     const int n = snprintf(begin, sizeof begin, "{\"sequence\":%" PRIu64 ",", audit->last + 1);
     return length > (size_t)n + 2 && length <= ISO_AUDIT_TEXT_MAX &&
            memcmp(line, begin, (size_t)n) == 0 && line[length - 2] == '}' &&
-           !memchr(line, '\0', length);
+           line[length - 1] == '\n';
 }
 
 static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_t length,
@@ -70,30 +72,31 @@ static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_
 
 static int seal_lines(struct iso_audit *audit, FILE *in, FILE *out, struct iso_fault *fault)
 {
-    char *line = NULL;
-    size_t capacity = 0;
-    ssize_t length;
+    char line[ISO_AUDIT_TEXT_MAX + 2]; /* one that does not fit is no record */
     int error = 0;
-    while (!error && (length = getline(&line, &capacity, in)) > 0) {
-        if (line[length - 1] != '\n') {
+    while (!error && fgets(line, sizeof line, in)) {
+        const size_t length = strlen(line);
+        if (feof(in)) {
             break; /* cut short by a crash */
         }
-        error = seal_line(audit, out, line, (size_t)length, fault);
+        error = seal_line(audit, out, line, length, fault);
     }
     if (!error && ferror(in)) {
         error = iso_fault_set(fault, -EIO, "%s: cannot be read", audit->path);
     }
-    free(line);
     return error;
 }
 
 /* Both files as streams; `fd` stays open. */
 static int seal_file(struct iso_audit *audit, int fd, struct iso_fault *fault)
 {
-    FILE *in = fopen(audit->path, "re");
+    FILE *in = NULL;
+    int error = iso_file_stream(audit->path, ISO_FILE_ANY_SIZE, &in, fault);
     const int copy = dup(fd);
     FILE *out = copy >= 0 ? fdopen(copy, "a") : NULL;
-    int error = in && out ? 0 : iso_fault_set(fault, -ENOMEM, "%s: %m", audit->path);
+    if (!error && !out) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: %m", audit->path);
+    }
     error = error ? error : seal_lines(audit, in, out, fault);
     if (out && (fflush(out) || fsync(fd)) && !error) {
         error = iso_fault_set(fault, errno == ENOSPC || errno == EFBIG ? -ENOSPC : -EIO, "%s: %m",

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/file/file.h"
 #include "firmware/audit_state.h"
 #include "firmware/directory.h"
 
@@ -23,8 +24,9 @@ static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
         if (error) {
             return error;
         }
-        FILE *file = fopen(path, "re");
-        const bool read = file && fgets(line, sizeof line, file);
+        FILE *file = NULL;
+        const bool read = iso_file_stream(path, ISO_FILE_ANY_SIZE, &file, NULL) == 0 &&
+                          fgets(line, sizeof line, file);
         line[strcspn(line, "\n")] = '\0';
         if (file) {
             (void)fclose(file);

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
+
 enum { DIGITS = 20 };
 
 int iso_audit_segment_path(const char *path, uint64_t first, char out[PATH_MAX],
@@ -102,13 +104,29 @@ static ssize_t read_line(struct iso_audit_reader *reader)
     return -ENODATA;
 }
 
+/* What is in the place of the file; NULL: the error says something else. */
+static const char *flaw_of(int error)
+{
+    switch (error) {
+    case -EISDIR:
+        return "cannot be read: a directory is in the place of its file";
+    case -ELOOP:
+        return "cannot be read: a symbolic link is in the place of its file";
+    case -EMEDIUMTYPE:
+        return "cannot be read: a FIFO, a socket or a device is in the place of its file";
+    default:
+        return NULL;
+    }
+}
+
 int iso_audit_reader_open(struct iso_audit_reader *reader, const char *path,
                           const struct iso_key_ring *ring)
 {
     memset(reader, 0, sizeof *reader);
-    reader->file = fopen(path, "re");
-    if (!reader->file) {
-        return -errno;
+    const int error = iso_file_stream(path, ISO_FILE_ANY_SIZE, &reader->file, NULL);
+    if (error) {
+        reader->flaw = flaw_of(error);
+        return reader->flaw ? -EBADMSG : error;
     }
     const ssize_t length = read_line(reader);
     if (length == -EIO) {

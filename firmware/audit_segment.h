@@ -43,8 +43,9 @@ struct iso_audit_reader {
     const char *flaw; /* what is wrong, in words; NULL */
 };
 
-/* Opens a segment and reads its header. -EBADMSG with ->flaw set if it has none that is sound or
- * its key is not in the ring, else the errno of opening. Closed by _close in any case. */
+/* Opens a segment and reads its header. -EBADMSG with ->flaw set if it is no file, has no header
+ * that is sound, or its key is not in the ring, else the errno of opening. Closed by _close in any
+ * case. */
 int iso_audit_reader_open(struct iso_audit_reader *reader, const char *path,
                           const struct iso_key_ring *ring) __attribute__((warn_unused_result));
 void iso_audit_reader_close(struct iso_audit_reader *reader);

@@ -6,8 +6,8 @@
 
 #include "core/fault.h"
 
-/* Reads a whole file of at most max_bytes into memory that the caller frees with free(). -EFBIG,
- * -ENOMEM, or the errno of opening and reading it; each with a fault that names the file. */
+/* Reads a whole file of at most max_bytes into memory that the caller frees with free(). The
+ * errors of iso_file_read (drivers/file/file.h), each with a fault that names the file. */
 int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t *size,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/file/file.h"
 #include "firmware/directory.h"
 #include "firmware/gallery_db_state.h"
 
@@ -102,12 +103,12 @@ static int make_file(const char *path, struct iso_fault *fault)
     if (unlink(path) && errno != ENOENT) {
         return iso_fault_set(fault, -errno, "%s: %m", path);
     }
-    const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (fd < 0) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
+    int fd = -1;
+    const int error = iso_file_open(path, O_RDWR | O_CREAT | O_EXCL, ISO_FILE_ANY_SIZE, &fd, fault);
+    if (!error) {
+        (void)close(fd);
     }
-    (void)close(fd);
-    return 0;
+    return error;
 }
 
 static int new_seal(struct iso_gallery_db *db, struct iso_gallery_seal *out,
@@ -211,7 +212,7 @@ static int make(struct iso_gallery_db *db, struct iso_fault *fault)
 static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     struct stat status;
-    if (stat(db->path, &status) != 0) {
+    if (lstat(db->path, &status) != 0) {
         if (errno != ENOENT) {
             return iso_fault_set(fault, -errno, "%s: %m", db->path);
         }
@@ -221,10 +222,9 @@ static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
                                    db->path, db->anchor_path)
                    : make(db, fault);
     }
-    if (!S_ISREG(status.st_mode)) {
-        return iso_fault_set(fault, -EMEDIUMTYPE, "%s: not a file", db->path);
-    }
-    return status.st_size == 0 ? iso_gallery_db_damaged(db, "the file is empty", fault) : 0;
+    return S_ISREG(status.st_mode) && status.st_size == 0
+               ? iso_gallery_db_damaged(db, "the file is empty", fault)
+               : 0;
 }
 
 /* ---- checking ---- */

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/file/file.h"
 #include "firmware/data_file.h"
 #include "firmware/gallery_db_state.h"
 
@@ -104,7 +105,8 @@ static int exchange(struct iso_gallery_db *db, struct iso_gallery_db *beside, in
                     struct iso_fault *fault)
 {
     iso__gallery_disconnect(db);
-    const int old = open(db->path, O_RDWR | O_CLOEXEC);
+    int old = -1;
+    (void)!iso_file_open(db->path, O_RDWR, ISO_FILE_ANY_SIZE, &old, NULL);
     error = iso__gallery_move_in(db, beside, true, error, fault);
     if (old >= 0) {
         if (!error) {

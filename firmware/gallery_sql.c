@@ -1,10 +1,17 @@
 /* SQLite, with its failures in words. */
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "drivers/file/file.h"
 #include "firmware/gallery_db_state.h"
 
 enum { BUSY_MS = 1000 }; /* somebody may be making a copy */
+
+/* More than 400,000 people need: what is longer is no gallery of ours. */
+static const uint64_t bytes_max = (uint64_t)1 << 32;
 
 /* The journal goes when a change is complete; EXTRA synchronises the directory then, too. Exclusive
  * locking keeps other writers from changing what the memory holds a copy of. What is deleted is
@@ -108,9 +115,52 @@ int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *ans
     return error;
 }
 
+/* SQLite opens the database, and what lies beside it, by itself: it would wait for a FIFO. */
+static int check_files(const char *path, struct iso_fault *fault)
+{
+    static const char *const suffixes[] = {"", "-journal", "-wal"};
+    for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
+        char file[PATH_MAX];
+        struct iso_fault why = {""};
+        if (snprintf(file, sizeof file, "%s%s", path, suffixes[i]) >= PATH_MAX) {
+            return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", path);
+        }
+        const int error = iso_file_check(file, bytes_max, &why);
+        if (error && (error != -ENOENT || i == 0)) {
+            return iso_fault_set(fault, error == -EISDIR || error == -ELOOP ? -EMEDIUMTYPE : error,
+                                 "%s", why.text);
+        }
+    }
+    return 0;
+}
+
+/* The path without the symbolic links among its directories: SQLITE_OPEN_NOFOLLOW refuses those,
+ * too. */
+static int resolve_directory(const char *path, char out[PATH_MAX], struct iso_fault *fault)
+{
+    char directory[PATH_MAX], resolved[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    const char *base = slash ? slash + 1 : path;
+    (void)snprintf(directory, sizeof directory, "%.*s", slash ? (int)(base - path) : 1,
+                   slash ? path : ".");
+    if (!realpath(directory, resolved)) {
+        return iso_fault_set(fault, -errno, "%s: %m", directory);
+    }
+    return snprintf(out, PATH_MAX, "%s/%s", resolved, base) < PATH_MAX
+               ? 0
+               : iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", path);
+}
+
 int iso__gallery_connect(struct iso_gallery_db *db, const char *path, struct iso_fault *fault)
 {
-    if (sqlite3_open_v2(path, &db->sqlite, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK) {
+    char resolved[PATH_MAX];
+    int error = check_files(path, fault);
+    error = error ? error : resolve_directory(path, resolved, fault);
+    if (error) {
+        return error;
+    }
+    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOFOLLOW;
+    if (sqlite3_open_v2(resolved, &db->sqlite, flags, NULL) != SQLITE_OK) {
         return db->sqlite ? iso__gallery_fail(db, fault)
                           : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
     }

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "core/math/crc32.h"
+#include "drivers/file/file.h"
 #include "firmware/data_file.h"
 #include "firmware/directory.h"
 #include "firmware/times.h"
@@ -68,14 +69,15 @@ int iso_lockout_load(const char *path, struct iso_lockout_record *out, struct is
     return error ? iso_fault_set(fault, error, "%s: damaged", path) : 0;
 }
 
-static int write_file(const char *path, const char *text, size_t size)
+static int write_file(const char *path, const char *text, size_t size, struct iso_fault *fault)
 {
-    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (fd < 0) {
-        return -errno;
+    int fd = -1;
+    int error = iso_file_open(path, O_WRONLY | O_CREAT | O_TRUNC, ISO_FILE_ANY_SIZE, &fd, fault);
+    if (error) {
+        return error;
     }
     const ssize_t n = write(fd, text, size);
-    int error = n < 0 ? -errno : (size_t)n < size ? -ENOSPC : 0;
+    error = n < 0 ? -errno : (size_t)n < size ? -ENOSPC : 0;
     if (!error && fdatasync(fd)) {
         error = -errno;
     }
@@ -94,13 +96,15 @@ int iso_lockout_save(const char *path, const struct iso_lockout_record *record,
     if (n < 0 || (size_t)n >= sizeof beside) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", path);
     }
-    int error = write_file(beside, text, size);
+    struct iso_fault why = {""};
+    int error = write_file(beside, text, size, &why);
     if (!error && rename(beside, path)) {
         error = -errno;
     }
     if (error) {
         (void)unlink(beside);
-        return iso_fault_set(fault, error, "%s: cannot be written: %s", path, strerror(-error));
+        return iso_fault_set(fault, error, "%s: cannot be written: %s", path,
+                             why.text[0] ? why.text : strerror(-error));
     }
     return iso_directory_sync(path, fault);
 }

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/file_bytes.h"
+#include "drivers/file/file.h"
 
 static int refuse(int error, const char *path, const char *why, struct iso_fault *fault)
 {
@@ -18,7 +18,7 @@ int sim_head_model_load(const char *path, struct iso_head_model **out, struct is
     char *bytes = NULL;
     size_t size = 0;
     const char *why = "";
-    int error = sim_file_bytes(path, ISO_HEAD_BYTES_MAX, &bytes, &size, fault);
+    int error = iso_file_read(path, ISO_HEAD_BYTES_MAX, &bytes, &size, fault);
     if (!error) {
         error = refuse(iso_head_model_parse(bytes, size, out, &why), path, why, fault);
         free(bytes);
@@ -31,7 +31,7 @@ int sim_metric_load(const char *path, struct iso_metric **out, struct iso_fault 
     char *bytes = NULL;
     size_t size = 0;
     const char *why = "";
-    int error = sim_file_bytes(path, ISO_METRIC_BYTES_MAX, &bytes, &size, fault);
+    int error = iso_file_read(path, ISO_METRIC_BYTES_MAX, &bytes, &size, fault);
     if (!error) {
         error = refuse(iso_metric_parse(bytes, size, out, &why), path, why, fault);
         free(bytes);
@@ -45,7 +45,7 @@ int sim_cohort_load(const char *path, struct iso_cohort **out, struct iso_fault 
     char *bytes = NULL;
     size_t size = 0;
     const char *why = "";
-    int error = sim_file_bytes(path, BYTES_MAX, &bytes, &size, fault);
+    int error = iso_file_read(path, BYTES_MAX, &bytes, &size, fault);
     if (!error) {
         error = refuse(iso_cohort_parse(bytes, size, out, &why), path, why, fault);
         free(bytes);

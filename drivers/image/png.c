@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/file/file.h"
+
 /* One file on its way through libpng. All state lives here and not in locals, because libpng leaves
  * by longjmp: the only locals of a function that calls setjmp are its arguments, never changed. */
 struct codec {
@@ -234,11 +236,12 @@ static int read_file(const char *name, FILE *file, const struct iso_png_expectat
 int iso_png_read(const char *path, const struct iso_png_expectation *expected,
                  struct iso_image *image, struct iso_fault *fault)
 {
-    FILE *file = fopen(path, "rbe");
-    if (!file) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
+    FILE *file = NULL;
+    int error = iso_file_stream(path, ISO_PNG_BYTES_MAX, &file, fault);
+    if (error) {
+        return error;
     }
-    int error = read_file(path, file, expected, image, fault);
+    error = read_file(path, file, expected, image, fault);
     (void)fclose(file);
     return error;
 }

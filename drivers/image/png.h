@@ -19,7 +19,9 @@ enum iso_pixel {
     ISO_PIXEL_RGB16 = 8,
 };
 
-enum { ISO_PNG_SIDE_MAX = 8192 };
+/* The longer side of a picture, and the bytes of a file: the largest picture, 16-bit RGB, stored
+ * without compression, fits. */
+enum { ISO_PNG_SIDE_MAX = 8192, ISO_PNG_BYTES_MAX = 1 << 29 };
 
 /* A picture: rows from the top without padding, samples uint8_t or uint16_t of the host's order. */
 struct iso_image {
@@ -44,7 +46,7 @@ struct iso_png_expectation {
 /* Reads a file into an image that was zeroed or read before; its memory is reused. On failure the
  * samples are undefined, the rest of the image untouched but for its capacity. -EBADMSG not a sound
  * PNG, -EINVAL one that is not as expected (`expected` may be NULL) or over ISO_PNG_SIDE_MAX,
- * -ENOMEM, or the errno of open and read. */
+ * -ENOMEM, the errors of iso_file_stream, or the errno of read. */
 int iso_png_read(const char *path, const struct iso_png_expectation *expected,
                  struct iso_image *image, struct iso_fault *fault)
     __attribute__((warn_unused_result));

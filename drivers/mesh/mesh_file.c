@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "drivers/file/file.h"
 #include "drivers/mesh/mesh_build.h"
 #include "drivers/text.h"
 
@@ -83,7 +84,7 @@ int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct i
     char *bytes = NULL, *tri = NULL;
     size_t size = 0;
     int error = format_of(path, &format, fault);
-    error = error ? error : iso_text_read_bytes(path, bytes_most, &bytes, &size, fault);
+    error = error ? error : iso_file_read(path, bytes_most, &bytes, &size, fault);
     if (!error && format == ISO_MESH_FORMAT_TOSCA) {
         error = read_tri(path, &tri, fault);
     }

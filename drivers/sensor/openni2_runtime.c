@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
+
 static const char owner[] = "sensor openni2";
 
 /* ---- failures --------------------------------------------------------------- */
@@ -125,6 +127,10 @@ int iso__openni2_find_device(const char *wanted, OniDeviceInfo *out, struct iso_
 int iso__openni2_find_file(const char *path, OniDeviceInfo *out, struct iso_fault *fault)
 {
     char full[PATH_MAX];
+    const int error = iso_file_check(path, ISO_FILE_ANY_SIZE, fault);
+    if (error && error != -ENOENT && error != -EACCES) {
+        return error;
+    }
     if (!realpath(path, full)) {
         return iso_fault_set(fault, errno == EACCES ? -EACCES : -ENODEV, "%s: %s: %m", owner, path);
     }

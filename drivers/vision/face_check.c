@@ -5,8 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
 #include "drivers/vision/face_chip.h"
 #include "drivers/vision/face_detector.h"
+
+enum { CASCADE_BYTES_MAX = 1 << 25 }; /* OpenCV's largest has 1 MiB */
 
 /* Faces are 155 to 195 mm wide to the cascade. */
 static const double side_min_mm = 120.0, side_max_mm = 220.0;
@@ -52,6 +55,10 @@ int iso_face_check_new(const char *cascade_path, struct iso_face_check **out,
     const char *path = *cascade_path ? cascade_path : iso_face_detector_cascade();
     if (!*path) {
         return iso_fault_set(fault, -ENOENT, "face check: built without a cascade; name one");
+    }
+    error = iso_file_check(path, CASCADE_BYTES_MAX, fault);
+    if (error) {
+        return error;
     }
     struct iso_face_check *check = calloc(1, sizeof *check);
     if (!check) {

@@ -73,7 +73,9 @@ static void describe(const struct cli_setup_places *places, struct cli_board *bo
     char path[PATH_MAX];
 
     (void)snprintf(path, sizeof path, "%s/%s/board.json", places->boards, board->name);
-    json_t *description = json_load_file(path, 0, NULL);
+    char *text = cli_text_file_read(path, NULL);
+    json_t *description = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
     const char *title = json_string_value(json_object_get(description, "title"));
     (void)snprintf(board->title, sizeof board->title, "%s", title ? title : "");
     board->here = is_here(places, json_object_get(description, "recognise"));

@@ -44,7 +44,7 @@ void cli_cameras_list(const struct cli_setup_places *places, struct cli_cameras 
 
 static bool names_id(const char *path, const char *usb_id)
 {
-    char *text = cli_text_file_read(path);
+    char *text = cli_text_file_read(path, NULL);
     const bool found = text && strcasestr(text, usb_id);
 
     free(text);

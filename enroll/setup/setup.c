@@ -36,10 +36,10 @@ static enum cli_exit make_plan(const struct cli_setup_places *places,
     if (exit) {
         return exit;
     }
-    plan->old_text = cli_text_file_read(places->config);
+    struct iso_fault why = {""};
+    plan->old_text = cli_text_file_read(places->config, &why);
     if (!plan->old_text && errno != ENOENT) {
-        return cli_fault_set(fault, CLI_EXIT_FAULT, "no-file", "%.150s cannot be read: %s",
-                             places->config, strerror(errno));
+        return cli_fault_set(fault, CLI_EXIT_FAULT, "no-file", "%s", why.text);
     }
     plan->text = cli_compose(&(struct cli_composition){
         .board = plan->choice.board.name,

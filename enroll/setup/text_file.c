@@ -5,28 +5,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
+
 enum { LARGEST_BYTES = 1024 * 1024 };
 
-char *cli_text_file_read(const char *path)
+char *cli_text_file_read(const char *path, struct iso_fault *why)
 {
-    FILE *file = fopen(path, "re");
-    char *text = file ? malloc(LARGEST_BYTES + 1) : NULL;
-    int error = file && text ? 0 : errno;
-
-    if (!error) {
-        const size_t size = fread(text, 1, LARGEST_BYTES, file);
-        text[size] = '\0';
-        error = ferror(file)            ? errno
-                : size == LARGEST_BYTES ? EFBIG
-                : strlen(text) < size   ? EBADMSG
-                                        : 0;
-    }
-    if (file) {
-        fclose(file);
+    char *text = NULL;
+    size_t size = 0;
+    int error = iso_file_read(path, LARGEST_BYTES, &text, &size, why);
+    if (!error && strlen(text) < size) {
+        error = iso_fault_set(why, -EBADMSG, "%s: holds a zero byte", path);
     }
     if (error) {
         free(text);
-        errno = error;
+        errno = -error;
         return NULL;
     }
     return text;
@@ -34,10 +27,10 @@ char *cli_text_file_read(const char *path)
 
 void cli_text_file_line(const char *path, char *out, size_t size)
 {
-    FILE *file = fopen(path, "re");
+    FILE *file = NULL;
 
     out[0] = '\0';
-    if (file) {
+    if (iso_file_stream(path, ISO_FILE_ANY_SIZE, &file, NULL) == 0) {
         const size_t n = fread(out, 1, size - 1, file);
         out[n] = '\0';
         out[strcspn(out, "\n")] = '\0';

@@ -4,9 +4,12 @@
 
 #include <stddef.h>
 
-/* The whole file, terminated, to be freed. NULL with errno: EFBIG above 1 MiB, EBADMSG it holds
- * a zero byte, ENOMEM, and those of open() and read(). */
-char *cli_text_file_read(const char *path);
+#include "core/fault.h"
+
+/* The whole file, terminated, to be freed. NULL with errno and a line in *why (which may be NULL):
+ * EFBIG above 1 MiB, EBADMSG it holds a zero byte, and those of iso_file_read
+ * (drivers/file/file.h). */
+char *cli_text_file_read(const char *path, struct iso_fault *why);
 
 /* Its first line without the newline (or up to a zero byte), cut to fit; "" if it cannot be read.
  */

@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
 #include "sim/face/npy.h"
+
+enum { LIST_BYTES_MAX = 1 << 20 };
 
 struct source {
     const char *directory;
@@ -84,13 +87,14 @@ static int read_triangles(struct source *source, struct sim_ict *ict)
 
 static int read_names(struct source *source, struct sim_ict *ict)
 {
-    FILE *stream = fopen(path_of(source, "expression_names.txt"), "r");
-    if (!stream) {
-        int error = -errno;
-        return iso_fault_set(source->fault, error, "%s: %s", source->path, strerror(-error));
+    FILE *stream = NULL;
+    int error = iso_file_stream(path_of(source, "expression_names.txt"), LIST_BYTES_MAX, &stream,
+                                source->fault);
+    if (error) {
+        return error;
     }
     ict->expression_names = calloc(ict->n_expression, sizeof *ict->expression_names);
-    int error = ict->expression_names ? 0 : -ENOMEM;
+    error = ict->expression_names ? 0 : -ENOMEM;
     for (uint32_t i = 0; error == 0 && i < ict->n_expression; i++) {
         if (fscanf(stream, "%31s", ict->expression_names[i]) != 1) {
             error = iso_fault_set(source->fault, -EBADMSG, "%s: %u names where %u belong",
@@ -108,12 +112,9 @@ static int read_names(struct source *source, struct sim_ict *ict)
 
 static int read_landmarks(struct source *source, struct sim_ict *ict)
 {
-    FILE *stream = fopen(path_of(source, "landmarks68.txt"), "r");
-    if (!stream) {
-        int error = -errno;
-        return iso_fault_set(source->fault, error, "%s: %s", source->path, strerror(-error));
-    }
-    int error = 0;
+    FILE *stream = NULL;
+    int error = iso_file_stream(path_of(source, "landmarks68.txt"), LIST_BYTES_MAX, &stream,
+                                source->fault);
     for (int i = 0; error == 0 && i < 68; i++) {
         if (fscanf(stream, "%u", &ict->landmarks[i]) != 1 || ict->landmarks[i] >= ict->n_vertices) {
             error = iso_fault_set(source->fault, -EBADMSG, "%s: landmark %d names no vertex",

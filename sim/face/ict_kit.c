@@ -10,11 +10,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/file/file.h"
 #include "drivers/path.h"
 #include "sim/face/npy_writer.h"
 #include "sim/face/obj_points.h"
 
-enum { NAME_SIZE = 32, SHAPES_MAX = 1024 };
+enum { NAME_SIZE = 32, SHAPES_MAX = 1024, INDICES_BYTES_MAX = 1 << 24 };
 
 static const double mm_per_unit = 10.0; /* the files are in centimetres */
 
@@ -168,11 +169,14 @@ static int read_indices(struct kit *kit)
     if (error) {
         return error;
     }
-    if (access(path, R_OK) != 0) {
-        error = -errno;
-        return iso_fault_set(kit->fault, error, "%s: %s", path, strerror(-error));
+    char *text = NULL;
+    size_t size = 0;
+    error = iso_file_read(path, INDICES_BYTES_MAX, &text, &size, kit->fault);
+    if (error) {
+        return error;
     }
-    json_t *indices = json_load_file(path, 0, &flaw);
+    json_t *indices = json_loadb(text, size, 0, &flaw);
+    free(text);
     if (!indices) {
         return iso_fault_set(kit->fault, -EBADMSG, "%s:%d: %s", path, flaw.line, flaw.text);
     }

@@ -7,10 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
+
 enum { ITEMS_MAX = 1 << 28, ITEM_BYTES = 4 /* of what is handed out */ };
 
+#define FILE_BYTES_MAX (8 * (size_t)ITEMS_MAX + 65536) /* doubles, and the header */
+
 struct file {
-    unsigned char *bytes;
+    char *bytes;
     size_t n;
 };
 
@@ -32,38 +36,6 @@ float sim_npy_float_of_half(uint16_t half)
         magnitude = ldexpf((float)(mantissa + 1024), exponent - 25);
     }
     return half & 0x8000 ? -magnitude : magnitude;
-}
-
-static int read_file(const char *path, struct file *out, struct iso_fault *fault)
-{
-    int error = 0;
-    long n = 0;
-    unsigned char *bytes = NULL;
-    FILE *stream = fopen(path, "rb");
-    if (!stream) {
-        error = -errno;
-        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
-    }
-    if (fseek(stream, 0, SEEK_END) != 0 || (n = ftell(stream)) < 0 ||
-        fseek(stream, 0, SEEK_SET) != 0) {
-        error = iso_fault_set(fault, -EIO, "%s: cannot be measured", path);
-        goto out;
-    }
-    bytes = malloc((size_t)n + 1);
-    if (!bytes) {
-        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
-        goto out;
-    }
-    if (fread(bytes, 1, (size_t)n, stream) != (size_t)n) {
-        error = iso_fault_set(fault, -EIO, "%s: cannot be read", path);
-        goto out;
-    }
-    *out = (struct file){bytes, (size_t)n};
-    bytes = NULL;
-out:
-    free(bytes);
-    (void)fclose(stream);
-    return error;
 }
 
 static bool skip(const char **text, const char *word)
@@ -124,7 +96,7 @@ static int parse_header(const char *path, const struct file *file, struct header
                         struct iso_fault *fault)
 {
     struct header header = {{0}, {0}, 0, 0};
-    const unsigned char *b = file->bytes;
+    const unsigned char *b = (const unsigned char *)file->bytes;
     if (file->n < 12 || memcmp(b, "\x93NUMPY", 6) != 0) {
         return iso_fault_set(fault, -EBADMSG, "%s: not a .npy file", path);
     }
@@ -157,7 +129,7 @@ static int load(const char *path, struct file *file, struct header *header, stru
 {
     struct file loaded = {NULL, 0};
     struct header parsed;
-    int error = read_file(path, &loaded, fault);
+    int error = iso_file_read(path, FILE_BYTES_MAX, &loaded.bytes, &loaded.n, fault);
     if (error == 0) {
         error = parse_header(path, &loaded, &parsed, fault);
     }
@@ -249,7 +221,8 @@ static int read_array(const char *path, const struct item *items, size_t n_items
         goto out;
     }
     for (size_t i = 0; i < header.n_items; i++) {
-        item->take(file.bytes + header.data_offset + i * item->size, values + i * ITEM_BYTES);
+        item->take((const unsigned char *)file.bytes + header.data_offset + i * item->size,
+                   values + i * ITEM_BYTES);
     }
     *shape = header.shape;
     *out = values;

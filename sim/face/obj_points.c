@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/file_bytes.h"
+#include "drivers/file/file.h"
 
 enum { BYTES_MAX = 64 << 20, CORNERS_MAX = 16 };
 
@@ -112,7 +112,7 @@ int sim_obj_read(const char *path, struct sim_obj *out, struct iso_fault *fault)
     struct reader reader = {.path = path, .fault = fault};
     char *bytes = NULL;
     size_t size = 0;
-    int error = sim_file_bytes(path, BYTES_MAX, &bytes, &size, fault);
+    int error = iso_file_read(path, BYTES_MAX, &bytes, &size, fault);
     for (char *line = bytes, *next; !error && line; line = next) {
         next = strchr(line, '\n');
         if (next) {

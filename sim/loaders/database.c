@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
 #include "drivers/image/png.h"
-#include "sim/file_bytes.h"
 #include "sim/loaders/scan_file.h"
 #include "sim/loaders/scan_view.h"
 
@@ -30,7 +30,7 @@ static int read_scan(const char *path, scan_parser *parse, struct iso_frame **ou
     char *bytes = NULL;
     size_t size;
     struct iso_mesh *scan = NULL;
-    int error = sim_file_bytes(path, SIM_SCAN_BYTES_MAX, &bytes, &size, fault);
+    int error = iso_file_read(path, SIM_SCAN_BYTES_MAX, &bytes, &size, fault);
     error = error ? error : parse(path, bytes, size, &scan, fault);
     if (!error && sim_scan_view(scan, out)) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);

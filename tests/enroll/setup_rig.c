@@ -248,7 +248,7 @@ size_t setup_rig_count_files(void)
 
 void setup_rig_expect_config(const char *text)
 {
-    char *found = cli_text_file_read(rig.places.config);
+    char *found = cli_text_file_read(rig.places.config, NULL);
 
     if (!text) {
         assert_null(found);

@@ -174,7 +174,7 @@ static void every_composition_is_sound(void **state)
         char path[256];
         (void)snprintf(path, sizeof path, "%s/%s/isotherm.conf", places.boards,
                        boards.items[i / COUNT(sensors)].name);
-        char *board_text = cli_text_file_read(path);
+        char *board_text = cli_text_file_read(path, NULL);
         assert_non_null(board_text);
         char *text = compose(board_text, sensor, NULL), *again = compose(board_text, sensor, text);
         if (cli_setup_check(&places, beside, text, &fault)) {
@@ -225,7 +225,7 @@ static void a_change_is_shown_line_by_line(void **state)
 
 static void expect_text(const char *path, const char *expected)
 {
-    char *text = cli_text_file_read(path);
+    char *text = cli_text_file_read(path, NULL);
 
     assert_non_null(text);
     assert_string_equal(text, expected);

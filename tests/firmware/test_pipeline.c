@@ -49,7 +49,7 @@ static void names_files_that_are_not_there(void **state)
     wanted.cohort_path = "/nonexistent/cohort";
     expect_refusal(&wanted, -ENOENT, "/nonexistent/cohort: No such file or directory");
     wanted.cohort_path = "/";
-    expect_refusal(&wanted, -EINVAL, "/: not a file");
+    expect_refusal(&wanted, -EISDIR, "/: is a directory, not a file");
 }
 
 /* Writes the beginning of a file elsewhere. */

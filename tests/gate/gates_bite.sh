@@ -16,6 +16,8 @@ fresh_tree() {
     mkdir -p "$copy/core/math" "$copy/core/heat" "$copy/tests/gate"
     cp "$root/cmake/layers.txt" "$copy/cmake/"
     cp "$root/tests/gate/long_files.txt" "$copy/tests/gate/"
+    echo 'sim/writer.c 1 an output' >"$copy/tests/gate/open_files.txt"
+    printf 'void a(void) { fopen("a", "we"); }\n' >"$copy/sim/writer.c"
     cp "$root/.clang-format" "$copy/"
     printf '#include "core/math/a.h"\n' >"$copy/core/heat/a.c"
     printf 'int a(void);\n' >"$copy/core/math/a.h"
@@ -38,7 +40,18 @@ refuses() {
 fresh_tree
 passes "$root/cmake/check_layers.sh" "$copy"
 passes "$root/tests/gate/docs.sh" "$copy"
+passes "$root/tests/gate/open_files.sh" "$copy"
 
+what='a file that is opened without the helper'
+printf 'int a(void) { return open("a", 0); }\n' >"$copy/firmware/b.c"
+refuses "$root/tests/gate/open_files.sh" "$copy"
+
+fresh_tree
+what='a second call beside one that has a reason'
+printf 'void b(void) { fopen("b", "re"); }\n' >>"$copy/sim/writer.c"
+refuses "$root/tests/gate/open_files.sh" "$copy"
+
+fresh_tree
 what='a lower layer that includes a higher one'
 printf '#include "drivers/a.h"\n' >"$copy/core/math/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"

@@ -1,0 +1,150 @@
+#include "drivers/file/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { OPEN_FLAGS = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC };
+
+/* ---- what it is ---- */
+
+static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
+{
+    return iso_fault_set(fault, error, "%s: is %s, not a file", path, what);
+}
+
+static int check_status(const char *path, const struct stat *status, uint64_t max_bytes,
+                        struct iso_fault *fault)
+{
+    switch (status->st_mode & S_IFMT) {
+    case S_IFREG:
+        break;
+    case S_IFDIR:
+        return refuse(path, -EISDIR, "a directory", fault);
+    case S_IFLNK:
+        return refuse(path, -ELOOP, "a symbolic link", fault);
+    case S_IFIFO:
+        return refuse(path, -EMEDIUMTYPE, "a FIFO", fault);
+    case S_IFSOCK:
+        return refuse(path, -EMEDIUMTYPE, "a socket", fault);
+    default:
+        return refuse(path, -EMEDIUMTYPE, "a device", fault);
+    }
+    return (uint64_t)status->st_size > max_bytes
+               ? iso_fault_set(fault, -EFBIG, "%s: longer than %llu bytes", path,
+                               (unsigned long long)max_bytes)
+               : 0;
+}
+
+int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault)
+{
+    struct stat status;
+    return lstat(path, &status) ? iso_fault_set(fault, -errno, "%s: %m", path)
+                                : check_status(path, &status, max_bytes, fault);
+}
+
+/* ---- opening ---- */
+
+int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, struct iso_fault *fault)
+{
+    struct stat status;
+    const uint64_t most = flags & O_TRUNC ? ISO_FILE_ANY_SIZE : max_bytes;
+    if (lstat(path, &status) == 0) { /* else open() says why not, or makes the file */
+        const int error = check_status(path, &status, most, fault);
+        if (error) {
+            return error;
+        }
+    }
+    const int opened = open(path, flags | OPEN_FLAGS, 0600);
+    if (opened < 0) {
+        return iso_fault_set(fault, -errno, "%s: %m", path);
+    }
+    const int error = fstat(opened, &status) ? iso_fault_set(fault, -errno, "%s: %m", path)
+                                             : check_status(path, &status, max_bytes, fault);
+    if (error) {
+        (void)close(opened);
+        return error;
+    }
+    *fd = opened;
+    return 0;
+}
+
+int iso_file_stream(const char *path, uint64_t max_bytes, FILE **stream, struct iso_fault *fault)
+{
+    int fd = -1;
+    const int error = iso_file_open(path, O_RDONLY, max_bytes, &fd, fault);
+    if (error) {
+        return error;
+    }
+    FILE *opened = fdopen(fd, "rb");
+    if (!opened) {
+        (void)close(fd);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    }
+    *stream = opened;
+    return 0;
+}
+
+/* ---- reading ---- */
+
+/* A file of /proc or /sys does not know its size, and another one may grow meanwhile: what the
+ * status says is only where to begin. */
+static size_t first_capacity(int fd)
+{
+    struct stat status;
+    return fstat(fd, &status) || status.st_size < 1 ? 4096 : (size_t)status.st_size + 1;
+}
+
+/* Reads to the end or until `buffer` holds more than max_bytes. *buffer is the caller's to free,
+ * also after a failure. */
+static int read_all(int fd, size_t max_bytes, char **buffer, size_t *size)
+{
+    size_t capacity = first_capacity(fd), n = 0;
+    ssize_t got = 1;
+    *buffer = malloc(capacity + 1);
+    while (*buffer && got > 0 && n <= max_bytes) {
+        if (n == capacity) {
+            char *grown = realloc(*buffer, 2 * capacity + 1);
+            if (!grown) {
+                return -ENOMEM;
+            }
+            *buffer = grown;
+            capacity *= 2;
+        }
+        got = read(fd, *buffer + n, capacity - n);
+        n += got > 0 ? (size_t)got : 0;
+    }
+    if (!*buffer || got < 0) {
+        return *buffer ? -errno : -ENOMEM;
+    }
+    (*buffer)[n] = '\0';
+    *size = n;
+    return n > max_bytes ? -EFBIG : 0;
+}
+
+int iso_file_read(const char *path, size_t max_bytes, char **bytes, size_t *size,
+                  struct iso_fault *fault)
+{
+    char *buffer = NULL;
+    size_t n = 0;
+    int fd = -1;
+    int error = iso_file_open(path, O_RDONLY, max_bytes, &fd, fault);
+    if (error) {
+        return error;
+    }
+    error = read_all(fd, max_bytes, &buffer, &n);
+    (void)close(fd);
+    if (error) {
+        free(buffer);
+        return error == -EFBIG
+                   ? iso_fault_set(fault, error, "%s: longer than %zu bytes", path, max_bytes)
+               : error == -ENOMEM ? iso_fault_set(fault, error, "%s: out of memory", path)
+                                  : iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+    *bytes = buffer;
+    *size = n;
+    return 0;
+}

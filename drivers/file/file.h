@@ -1,0 +1,48 @@
+/* Opening files of data. Every program opens what it reads, and what it keeps, through here
+ * (tests/gate/open_files.sh).
+ *
+ * A path that the programs are given may lead to something else than a file: a FIFO waits for a
+ * writer, /dev/zero has no end, opening a device can have an effect, a symbolic link leads
+ * elsewhere, and a file may be larger than the memory. So the path is asked what it is before it is
+ * opened; it is opened with O_NOFOLLOW, O_NONBLOCK, O_NOCTTY and O_CLOEXEC; what was opened is
+ * asked again. Directories on the way may be symbolic links; the last component may not.
+ *
+ * Each function that fails leaves its outputs untouched and writes one line that names the path.
+ * Errors of all:
+ *   -EISDIR       it is a directory
+ *   -ELOOP        it is a symbolic link
+ *   -EMEDIUMTYPE  it is a FIFO, a socket or a device
+ *   -EFBIG        it is longer than max_bytes
+ *   others        the errno of open() or fstat(); -ENOENT for a file that does not exist */
+#ifndef ISO_DRIVERS_FILE_FILE_H
+#define ISO_DRIVERS_FILE_FILE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "core/fault.h"
+
+/* For max_bytes: the caller reads piece by piece and needs no bound. */
+#define ISO_FILE_ANY_SIZE UINT64_MAX
+
+/* Says whether `path` is a regular file of at most max_bytes, for a library that opens the file by
+ * itself. */
+int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Opens the file; `flags` are those of open(). A file that is made belongs to its owner alone
+ * (0600). The caller closes *fd. */
+int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Opens the file for reading. The caller closes *stream with fclose(). Also -ENOMEM. */
+int iso_file_stream(const char *path, uint64_t max_bytes, FILE **stream, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Reads the whole file into memory that the caller frees with free(). A NUL, which *size does not
+ * count, follows the last byte. Also -ENOMEM and the errno of read(). */
+int iso_file_read(const char *path, size_t max_bytes, char **bytes, size_t *size,
+                  struct iso_fault *fault) __attribute__((warn_unused_result));
+
+#endif
