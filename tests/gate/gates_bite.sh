@@ -85,3 +85,27 @@ fresh_tree
 what='a file of 601 lines'
 yes '/* */' | head -601 >"$copy/core/math/b.c"
 refuses "$root/tests/gate/docs.sh" "$copy"
+
+# SECURITY.md and the list of tests that it is held against.
+claims() {
+    fresh_tree
+    what=$1
+    printf '%s\n' "$2" >"$copy/SECURITY.md"
+    printf 'test_one\ntest_two\n' >"$copy/list"
+    printf '#!/bin/sh\n' >"$copy/tests/two.sh"
+    chmod +x "$copy/tests/two.sh"
+}
+
+claims 'sound claims' 'A door is locked (tested: `test_one`,
+`test_two`). A key is kept (`firmware/seal.h`; tested: `tests/two.sh`).'
+passes "$root/tests/gate/security.sh" "$copy" "$copy/list"
+claims 'a claim that names no test' 'A door is locked (tested).'
+refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"
+claims 'a claim beside one that names a test' 'One (tested: `test_one`). Two (tested). Three (tested: `test_two`).'
+refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"
+claims 'a test that does not exist' 'A door is locked (tested: `test_one`, `test_none`).'
+refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"
+claims 'part of the name of a test' 'A door is locked (tested: `test_on`).'
+refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"
+claims 'a script that does not exist' 'A door is locked (tested: `tests/none.sh`).'
+refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"

@@ -1,0 +1,49 @@
+#!/bin/sh
+# Gate: SECURITY.md claims nothing as tested without naming the test. Each "tested" reads
+#     tested: `NAME`      or      tested: `NAME1`, `NAME2`
+# and each NAME is a test in ctest's list or an executable script under tests/.
+# usage: security.sh ROOT TESTS      TESTS: a file with the names of the tests, one a line
+#        security.sh --ctest ROOT BUILD      the names are those that ctest lists for this build
+set -eu
+
+if [ "${1:-}" = --ctest ]; then
+    list=$(mktemp)
+    trap 'rm -f "$list"' EXIT
+    ctest --test-dir "$3" -N | sed -n 's/^ *Test *#[0-9]*: \([^ ]*\).*/\1/p' >"$list"
+    "$0" "$2" "$list"
+    exit
+fi
+
+root=$1
+tests=$2
+faults=0
+
+fault() {
+    echo "SECURITY.md: $*" >&2
+    faults=$((faults + 1))
+}
+
+exists() {
+    grep -qxF -e "$1" "$tests" && return
+    case $1 in
+    tests/*) [ -f "$root/$1" ] && [ -x "$root/$1" ] ;;
+    *) return 1 ;;
+    esac
+}
+
+# One claim a line, whatever lines it runs over: from "tested" to the next one.
+claims=$(mktemp)
+trap 'rm -f "$claims"' EXIT
+tr '\n' ' ' <"$root/SECURITY.md" | tr -s ' ' | sed 's/\<tested\>/\n&/gI' | grep -i '^tested\>' >"$claims" ||
+    fault "claims nothing as tested"
+
+while IFS= read -r claim; do
+    names=$(printf '%s\n' "$claim" | grep -oiE '^tested: `[^`]+`(, `[^`]+`)*' | grep -o '`[^`]*`' | tr -d '\140')
+    [ -n "$names" ] || fault "names no test: $(printf '%s\n' "$claim" | cut -c 1-60)"
+    for name in $names; do
+        exists "$name" || fault "names a test that does not exist: $name"
+    done
+done <"$claims"
+
+echo "$(wc -l <"$claims") statements name their tests"
+[ "$faults" -eq 0 ]
