@@ -59,7 +59,7 @@
  * Signals:
  * Sent to the claimant only:
  *   EnrollStatus(s result, b done, u stage, u stages, d quality, s person)
- *       person: whom a duplicate duplicates, else ""
+ *       person: whom a duplicate duplicates; of "enroll-not-stored" what the disk refused; else ""
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-" before one of the words
  *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/capture.h: a hint, which
@@ -87,6 +87,7 @@
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
  * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "lost"), "sensor-fault" s,
+ * "storage-fault" s (what the disk refused last, "" since it works again),
  * "sensor-health" s (what its driver says of it while it runs, "" while all is well),
  * "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with "nominal" if
  * the intrinsics are the model's and were not measured on this camera), "sensor-devices" s (what
@@ -205,6 +206,8 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_RESULT_COMPLETED "completed" /* enroll */
 #define ISO_CONTRACT_RESULT_FAILED    "failed"    /* enroll: not the same face throughout */
 #define ISO_CONTRACT_RESULT_DUPLICATE "duplicate" /* enroll: known under another name */
+#define ISO_CONTRACT_RESULT_NOT_STORED \
+    "not-stored" /* enroll: the disk refused; nobody was enrolled */
 #define ISO_CONTRACT_RESULT_OTHER_FACE \
     "other-face" /* enroll: unlike the templates enrolled under this name */
 #define ISO_CONTRACT_RESULT_MATCH        "match"    /* verify, identify */
@@ -240,6 +243,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_ERROR_LOCKED_OUT       "org.isotherm.Error.LockedOut"
 #define ISO_CONTRACT_ERROR_TOO_MANY_CALLS   "org.isotherm.Error.TooManyCalls"
 #define ISO_CONTRACT_ERROR_DEVICE_FAULT     "org.isotherm.Error.DeviceFault"
+#define ISO_CONTRACT_ERROR_STORAGE          "org.isotherm.Error.Storage" /* the disk refused */
 #define ISO_CONTRACT_ERROR_INTERNAL         "org.isotherm.Error.Internal"
 
 #endif

@@ -26,7 +26,7 @@ static int announce(struct iso_appliance *appliance, const char *event, const ch
     struct iso_audit_record record = iso_audit_record_of(event);
     const int error = may_begin(appliance, fault);
     record.note = note;
-    return error ? error : iso_audit_append(appliance->parts.audit, &record, fault);
+    return error ? error : iso__appliance_record_first(appliance, &record, fault);
 }
 
 /* What came of it. The system's log, which is not sealed, is not told whom it was about. */
@@ -37,6 +37,7 @@ static void conclude(struct iso_appliance *appliance, const char *event, int err
     record.reason = error ? "failed" : "done";
     record.note = error ? fault->text : note;
     (void)iso__appliance_record(appliance, &record);
+    iso__appliance_note_storage(appliance, error, fault);
     iso__appliance_say(appliance, error ? LOG_ERR : LOG_NOTICE, "%s %s", event, record.reason);
 }
 
@@ -190,7 +191,7 @@ static int record_change(struct iso_appliance *appliance, const struct iso_audit
                          struct iso_fault *fault)
 {
     const int error = may_begin(appliance, fault);
-    return error ? error : iso_audit_append(appliance->parts.audit, record, fault);
+    return error ? error : iso__appliance_record_first(appliance, record, fault);
 }
 
 static void conclude_change(struct iso_appliance *appliance, struct iso_audit_record *record,
@@ -200,6 +201,7 @@ static void conclude_change(struct iso_appliance *appliance, struct iso_audit_re
         record->reason = "failed";
         record->note = fault->text;
         (void)iso__appliance_record(appliance, record);
+        iso__appliance_note_storage(appliance, error, fault);
     } else {
         iso__appliance_record_gallery(appliance, "gallery", NULL);
     }
@@ -231,6 +233,9 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
     const char *flaw = iso_person_name_flaw(name);
     char before[ISO_PERSON_NAME_SIZE];
     struct iso_fault own = {""};
+    if (iso_gallery_state(gallery, fault)) {
+        return -EIO;
+    }
     if (!known || flaw) {
         return known ? iso_fault_set(fault, -EINVAL, "%s", flaw)
                      : iso_fault_set(fault, -ENOENT, "%s: no such person", person);
@@ -263,6 +268,9 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     char flaw[ISO_VALIDITY_FLAW_SIZE];
     char before_text[ISO_VALIDITY_TEXT_SIZE], after_text[ISO_VALIDITY_TEXT_SIZE];
     struct iso_fault own = {""};
+    if (iso_gallery_state(appliance->parts.gallery, fault)) {
+        return -EIO;
+    }
     if (!known) {
         return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
     }
@@ -293,7 +301,7 @@ static int may_test_door(const struct iso_appliance *appliance, struct iso_fault
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         return iso_fault_set(fault, -EBUSY, "the camera is claimed, the door is not watched");
     }
-    if (iso__appliance_is_shut(appliance)) {
+    if (iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE) {
         return iso_fault_set(fault, -EPERM, "%s: nobody is let in",
                              appliance->lockout.lockdown ? "lockdown" : "locked out");
     }

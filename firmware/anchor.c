@@ -11,6 +11,7 @@
 #include "core/math/bytes.h"
 #include "drivers/file/file.h"
 #include "firmware/data_file.h"
+#include "firmware/storage_fault.h"
 
 enum {
     PLAIN_BYTES = 8 + 8 + ISO_ANCHOR_EXTRA_BYTES, /* turn, value, extra */
@@ -78,7 +79,7 @@ static int read_slots(struct iso_anchor *anchor, struct iso_fault *fault)
         uint8_t slot[USED_BYTES];
         const ssize_t n = pread(anchor->fd, slot, sizeof slot, (off_t)i * SLOT_BYTES);
         if (n < 0) {
-            return iso_fault_set(fault, -EIO, "%s: %m", anchor->path);
+            return iso_storage_refused(anchor->path, -errno, fault);
         }
         if (n == sizeof slot) {
             try_slot(anchor, slot, &found);
@@ -117,6 +118,7 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
     error = iso_file_open(path, O_RDWR, 2 * SLOT_BYTES, &anchor->fd, &why);
     if (error && error != -ENOENT) {
         (void)iso_fault_set(fault, error, "%s", why.text);
+        error = iso_storage_reword(path, error, fault);
     }
     error = error ? error : read_slots(anchor, fault);
     if (error) {
@@ -172,8 +174,9 @@ int iso_anchor_set(struct iso_anchor *anchor, const struct iso_anchor_state *sta
     fill_slot(anchor, turn, state, slot);
     const ssize_t n = pwrite(anchor->fd, slot, sizeof slot, (off_t)(turn & 1) * SLOT_BYTES);
     if (n != sizeof slot || (anchor->sync && fdatasync(anchor->fd))) {
-        return iso_fault_set(fault, -EIO, "%s: cannot be written: %s", anchor->path,
-                             n >= 0 && n != sizeof slot ? "cut short" : strerror(errno));
+        const bool cut_short = n >= 0 && n != sizeof slot;
+        (void)iso_storage_refused(anchor->path, cut_short ? -ENOSPC : -errno, fault);
+        return -EIO;
     }
     anchor->turn = turn;
     anchor->state = *state;

@@ -28,10 +28,19 @@ void iso__appliance_say(struct iso_appliance *appliance, int priority, const cha
     appliance->parts.events.message(appliance->parts.events.context, priority, text);
 }
 
+int iso__appliance_record_first(struct iso_appliance *appliance,
+                                const struct iso_audit_record *record, struct iso_fault *fault)
+{
+    struct iso_fault own = {""};
+    const int error = iso_audit_append(appliance->parts.audit, record, &own);
+    iso__appliance_note_storage(appliance, error, &own);
+    return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
+}
+
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record)
 {
     struct iso_fault fault = {""};
-    const int error = iso_audit_append(appliance->parts.audit, record, &fault);
+    const int error = iso__appliance_record_first(appliance, record, &fault);
     if (error) {
         iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
     }
@@ -274,6 +283,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
     appliance->start_ns = now_ns;
+    appliance->gallery_retry_ns = ISO_NEVER_NS;
     init_watch(appliance);
     init_door(appliance);
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
@@ -328,6 +338,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     look_at_sensor(appliance, now_ns);
     now_ns = iso_times_now_ns(&appliance->parts.times);
     iso__appliance_lockout_time(appliance, now_ns);
+    iso__appliance_storage_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
     const int64_t lines_ns = earliest(iso_door_control_due_ns(&appliance->door),
@@ -385,6 +396,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .sensor_model = appliance->keeper.model,
         .sensor_calibration = appliance->keeper.calibration,
         .sensor_fault = appliance->keeper.fault,
+        .storage_fault = iso__appliance_storage_fault(appliance),
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,
         .counts = appliance->counts,

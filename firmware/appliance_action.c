@@ -8,6 +8,7 @@
 #include "core/contract.h"
 #include "firmware/appliance_state.h"
 #include "firmware/enroll_gate.h"
+#include "firmware/storage_fault.h"
 
 static int64_t now_ns(const struct iso_appliance *appliance)
 {
@@ -65,7 +66,7 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
     if (!appliance->keeper.sensor) {
         return iso_fault_set(fault, -ENODEV, "%s", appliance->keeper.fault);
     }
-    return 0;
+    return iso_gallery_state(appliance->parts.gallery, fault);
 }
 
 /* Whoever is locked out of the door learns nothing in another way. */
@@ -195,14 +196,13 @@ static const struct iso_person *duplicate_of(const struct iso_appliance *applian
                : NULL;
 }
 
+/* `detail`: whom it duplicates, what the disk refused, or "". */
 static void tell_enrolment(const struct iso_appliance *appliance, const char *result, bool done,
-                           double quality)
+                           double quality, const char *detail)
 {
     const struct iso_appliance_events *events = &appliance->parts.events;
-    const struct iso_person *duplicate = done ? duplicate_of(appliance) : NULL;
     events->enroll_status(events->context, result, done, (unsigned)appliance->enrolment.stage,
-                          (unsigned)appliance->enrolment.options.stages, quality,
-                          duplicate ? duplicate->name : "");
+                          (unsigned)appliance->enrolment.options.stages, quality, detail);
 }
 
 static void tell_recognition(const struct iso_appliance *appliance, const char *result, bool done,
@@ -229,7 +229,7 @@ void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture 
     if (appliance->mode == ISO_APPLIANCE_WATCH) {
         events->hint(events->context, capture);
     } else if (appliance->mode == ISO_APPLIANCE_ENROLL) {
-        tell_enrolment(appliance, word, false, 0);
+        tell_enrolment(appliance, word, false, 0, "");
     } else {
         tell_recognition(appliance, word, false, "", NAN);
     }
@@ -259,13 +259,14 @@ static int record_enrolment(struct iso_appliance *appliance, const char *reason,
 
 /* That it is complete, and which limits it changes. The person takes the limits that follow: those
  * that were not named stay as the gallery has them. */
-static int record_completion(struct iso_appliance *appliance)
+static int record_completion(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);
     const struct iso_person *known = iso_gallery_find_id(appliance->parts.gallery,
                                                          appliance->person.id);
     if (appliance->person.id != 0 && !known) {
-        return -ENOENT; /* removed meanwhile: limits that were not named are not known any more */
+        /* Removed meanwhile: limits that were not named are not known any more. */
+        return iso_fault_set(fault, -ENOENT, "%s: no such person", appliance->person.name);
     }
     const struct iso_validity before = validity_of(known);
     const struct iso_validity after = iso_validity_after(&before, &appliance->validity);
@@ -278,24 +279,26 @@ static int record_completion(struct iso_appliance *appliance)
         record.before = known ? before_text : NULL;
         record.after = after_text;
     }
-    return iso__appliance_record(appliance, &record);
+    return iso__appliance_record_first(appliance, &record, fault);
 }
 
 /* Puts the template into the gallery. What cannot be logged is not done. */
-static int keep(struct iso_appliance *appliance)
+static int keep(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    struct iso_fault fault = {""};
     appliance->person.enrolled_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
-    int error = record_completion(appliance);
-    if (error) {
-        return error;
+    int error = iso_gallery_state(appliance->parts.gallery, fault);
+    error = error ? error : record_completion(appliance, fault);
+    if (!error) {
+        error = iso_gallery_add(appliance->parts.gallery, &appliance->person,
+                                &appliance->enrolment.fused, fault);
+        if (error) {
+            (void)record_enrolment(appliance, "not-stored", fault->text);
+            iso__appliance_note_storage(appliance, error, fault);
+        }
     }
-    error = iso_gallery_add(appliance->parts.gallery, &appliance->person,
-                            &appliance->enrolment.fused, &fault);
     if (error) {
         iso__appliance_say(appliance, LOG_ERR, "an enrolment could not be stored: %s",
-                           strerror(-error));
-        (void)record_enrolment(appliance, "not-stored", fault.text);
+                           iso_storage_is_refusal(error) ? fault->text : strerror(-error));
         return error;
     }
     iso__appliance_record_gallery(appliance, "gallery", NULL);
@@ -327,17 +330,24 @@ static void finish_enrolment(struct iso_appliance *appliance)
     const enum iso_enrolment_state state = appliance->enrolment.state;
     const char *result = results[state];
     bool has_quality = state == ISO_ENROLMENT_COMPLETED || state == ISO_ENROLMENT_DUPLICATE;
+    const struct iso_person *duplicate = duplicate_of(appliance);
+    struct iso_fault fault = {""};
+    int error = 0;
     if (state == ISO_ENROLMENT_ACTIVE) {
         return;
     }
     if (state != ISO_ENROLMENT_COMPLETED) {
         (void)record_enrolment(appliance, result, enrolment_note(appliance));
-    } else if (keep(appliance)) {
-        result = ISO_CONTRACT_RESULT_FAILED;
+    } else if ((error = keep(appliance, &fault)) != 0) {
+        result = iso_storage_is_refusal(error) ? ISO_CONTRACT_RESULT_NOT_STORED
+                                               : ISO_CONTRACT_RESULT_FAILED;
         has_quality = false;
     }
     tell_enrolment(appliance, result, true,
-                   has_quality ? (double)appliance->enrolment.fused.quality : 0);
+                   has_quality ? (double)appliance->enrolment.fused.quality : 0,
+                   duplicate                       ? duplicate->name
+                   : iso_storage_is_refusal(error) ? fault.text
+                                                   : "");
     end(appliance);
 }
 
@@ -367,9 +377,10 @@ void iso__appliance_enroll_face(struct iso_appliance *appliance)
     }
     if (passed) {
         iso_hint_filter_forget(&appliance->hints);
-        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_PASSED, false, (double)tmpl->quality);
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_PASSED, false, (double)tmpl->quality,
+                       "");
     } else if (!error) {
-        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_MISFIT, false, 0);
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_MISFIT, false, 0, "");
     }
     finish_enrolment(appliance);
 }
@@ -438,22 +449,28 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of("delete");
+    struct iso_fault own = {""};
     const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
     char name[ISO_PERSON_NAME_SIZE]; /* as it is spelt; the gallery's own goes with the person */
+    if (iso_gallery_state(appliance->parts.gallery, fault)) {
+        return -EIO;
+    }
     if (!known) {
         return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
     }
     (void)snprintf(name, sizeof name, "%s", known->name);
     record.person = name;
-    int error = iso_audit_append(appliance->parts.audit, &record, fault);
+    int error = iso__appliance_record_first(appliance, &record, fault);
     if (error) {
         return error;
     }
-    error = iso_gallery_remove(appliance->parts.gallery, name, fault);
+    error = iso_gallery_remove(appliance->parts.gallery, name, &own);
     if (error) {
         record.reason = "not-deleted";
+        record.note = own.text;
         (void)iso__appliance_record(appliance, &record);
-        return error;
+        iso__appliance_note_storage(appliance, error, &own);
+        return iso_fault_set(fault, error, "%s", own.text);
     }
     iso__appliance_record_gallery(appliance, "gallery", NULL);
     return 0;

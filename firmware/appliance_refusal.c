@@ -6,6 +6,7 @@
 
 #include "firmware/appliance_state.h"
 #include "firmware/lockout_file.h"
+#include "firmware/storage_fault.h"
 
 static int64_t now_ns(const struct iso_appliance *appliance)
 {
@@ -15,20 +16,51 @@ static int64_t now_ns(const struct iso_appliance *appliance)
 static const int64_t save_again_ns = ISO_NS_PER_S;
 
 /* What cannot be kept is still true until the next restart, and tried again until it can. */
-static void save(struct iso_appliance *appliance)
+static int save(struct iso_appliance *appliance, struct iso_fault *out)
 {
     const int64_t t_ns = now_ns(appliance);
     const struct iso_lockout_record record = iso_lockout_record_of(&appliance->lockout, t_ns);
     const bool said = appliance->lockout_save_ns != ISO_NEVER_NS;
     struct iso_fault fault = {""};
     appliance->lockout_save_ns = ISO_NEVER_NS;
-    if (*appliance->parts.lockout_path &&
-        iso_lockout_save(appliance->parts.lockout_path, &record, &fault)) {
-        appliance->lockout_save_ns = t_ns + save_again_ns;
-        if (!said) {
-            iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
-        }
+    if (!*appliance->parts.lockout_path) {
+        return 0;
     }
+    const int error = iso_lockout_save(appliance->parts.lockout_path, &record, &fault);
+    if (!error) {
+        return 0;
+    }
+    appliance->lockout_save_ns = t_ns + save_again_ns;
+    if (!said) {
+        iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
+    }
+    iso__appliance_note_storage(appliance, error, &fault);
+    return iso_fault_set(out, error, "%s", fault.text);
+}
+
+/* Whether the file has come to say what is to be kept, although the disk reported an error. */
+static bool is_kept(const struct iso_appliance *appliance)
+{
+    const struct iso_lockout_record wanted = iso_lockout_record_of(&appliance->lockout,
+                                                                   now_ns(appliance));
+    struct iso_lockout_record found;
+    return iso_lockout_load(appliance->parts.lockout_path, &found, NULL) == 0 &&
+           found.lockdown == wanted.lockdown && found.failures == wanted.failures &&
+           found.attacks == wanted.attacks && found.locks == wanted.locks &&
+           found.remaining_ns == wanted.remaining_ns;
+}
+
+/* Keeps what opens the door to people again. If the disk does not keep it, all is as before: a
+ * restart would shut the door again. */
+static int save_or_undo(struct iso_appliance *appliance, const struct iso_lockout *before,
+                        struct iso_fault *fault)
+{
+    const int error = save(appliance, fault);
+    if (error && !is_kept(appliance)) {
+        appliance->lockout = *before;
+        return error;
+    }
+    return 0;
 }
 
 /* What was remembered cannot be read: it may have been the worst. */
@@ -75,27 +107,39 @@ void iso__appliance_start_lockout(struct iso_appliance *appliance)
     }
 }
 
-bool iso__appliance_is_shut(const struct iso_appliance *appliance)
+static bool is_locked(const struct iso_appliance *appliance)
 {
     return iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE;
 }
 
+static enum iso_reason refusal_of(const struct iso_appliance *appliance)
+{
+    return is_locked(appliance) ? iso_lockout_refusal(&appliance->lockout)
+           : iso_gallery_state(appliance->parts.gallery, NULL) ? ISO_REASON_NO_GALLERY
+                                                               : ISO_REASON_NONE;
+}
+
+bool iso__appliance_is_shut(const struct iso_appliance *appliance)
+{
+    return refusal_of(appliance) != ISO_REASON_NONE;
+}
+
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
 {
-    const bool was_shut = iso__appliance_is_shut(appliance);
+    const bool was_locked = is_locked(appliance);
     if (t_ns >= appliance->lockout_save_ns) {
-        save(appliance);
+        (void)!save(appliance, NULL);
     }
     if (!iso_lockout_time(&appliance->lockout, t_ns)) {
         return;
     }
-    if (was_shut && !iso__appliance_is_shut(appliance)) {
+    if (was_locked && !is_locked(appliance)) {
         struct iso_audit_record record = iso_audit_record_of("lockout");
         record.reason = "over";
         (void)iso__appliance_record(appliance, &record);
         iso_decision_reset(&appliance->decision); /* who was not compared begins anew */
     }
-    save(appliance);
+    (void)!save(appliance, NULL);
 }
 
 /* On record that it has locked, and for how long. */
@@ -121,15 +165,15 @@ void iso__appliance_count_verdict(struct iso_appliance *appliance,
     if (iso_lockout_verdict(&appliance->lockout, verdict, agree, now_ns(appliance))) {
         record_lock(appliance);
         iso_decision_reset(&appliance->decision);
-        save(appliance);
+        (void)!save(appliance, NULL);
     } else if (iso_lockout_counts(verdict, agree) || (verdict->allow && remembered)) {
-        save(appliance);
+        (void)!save(appliance, NULL);
     }
 }
 
 void iso__appliance_shut_out(const struct iso_appliance *appliance, struct iso_verdict *verdict)
 {
-    const enum iso_reason refusal = iso_lockout_refusal(&appliance->lockout);
+    const enum iso_reason refusal = refusal_of(appliance);
     if (refusal != ISO_REASON_NONE) {
         verdict->allow = false;
         verdict->reason = refusal;
@@ -145,30 +189,60 @@ static int record_act(struct iso_appliance *appliance, const char *event, const 
 {
     struct iso_audit_record record = iso_audit_record_of(event);
     record.reason = what;
-    return iso_audit_append(appliance->parts.audit, &record, fault);
+    return iso__appliance_record_first(appliance, &record, fault);
 }
 
 int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const int error = record_act(appliance, "lockout", "cleared", fault);
+    const struct iso_lockout before = appliance->lockout;
+    int error = record_act(appliance, "lockout", "cleared", fault);
     if (error) {
         return error;
     }
     iso_lockout_clear(&appliance->lockout);
     iso_decision_reset(&appliance->decision);
-    save(appliance);
-    return 0;
+    error = save_or_undo(appliance, &before, fault);
+    if (error) {
+        iso_storage_add(fault, "the lock-out is as before");
+    }
+    return error;
+}
+
+/* A lockdown begins whatever the disk says. */
+static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const int error = record_act(appliance, "lockdown", "on", fault);
+    struct iso_fault own = {""};
+    appliance->lockout.lockdown = true;
+    iso_decision_reset(&appliance->decision);
+    const int unkept = save(appliance, &own);
+    if (!unkept) {
+        return error;
+    }
+    iso_storage_add(&own, "nobody is let in from now on, but a restart may forget that");
+    return iso_fault_set(fault, unkept, "%s", own.text);
+}
+
+static int end_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const struct iso_lockout before = appliance->lockout;
+    int error = record_act(appliance, "lockdown", "off", fault);
+    if (error) {
+        return error;
+    }
+    appliance->lockout.lockdown = false;
+    iso_decision_reset(&appliance->decision);
+    error = save_or_undo(appliance, &before, fault);
+    if (error) {
+        iso_storage_add(fault, "the lockdown goes on");
+    }
+    return error;
 }
 
 int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_fault *fault)
 {
-    const int error = record_act(appliance, "lockdown", on ? "on" : "off", fault);
-    if (error && !on) {
-        return error;
-    }
-    appliance->lockout.lockdown = on;
-    iso_decision_reset(&appliance->decision);
-    iso__appliance_say(appliance, LOG_NOTICE, "lockdown %s", on ? "on" : "off");
-    save(appliance);
+    const int error = on ? begin_lockdown(appliance, fault) : end_lockdown(appliance, fault);
+    iso__appliance_say(appliance, LOG_NOTICE, "lockdown %s",
+                       appliance->lockout.lockdown ? "on" : "off");
     return error;
 }

@@ -43,7 +43,9 @@ struct iso_appliance {
     char last_outcome[48 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
     struct iso_lockout lockout;
-    int64_t lockout_save_ns; /* when to try again to keep it; ISO_NEVER_NS: it is kept */
+    int64_t lockout_save_ns;        /* when to try again to keep it; ISO_NEVER_NS: it is kept */
+    struct iso_fault storage_fault; /* what the disk refused last; "" since it works again */
+    int64_t gallery_retry_ns;       /* when to try again to read the gallery, while it is lost */
 
     /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
     int64_t deadline_ns;                 /* of the claim, or of the action */
@@ -66,10 +68,25 @@ void iso__appliance_complain(struct iso_appliance *appliance, const char *text);
 /* Writes a record; a failure is told to the system's log, and returned. */
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record);
 
+/* Writes a record of what is not done if this fails; the failure is told to the caller. */
+int iso__appliance_record_first(struct iso_appliance *appliance,
+                                const struct iso_audit_record *record, struct iso_fault *fault);
+
 /* Puts on record which gallery this is, and how often it was changed: `event` is "gallery" behind a
  * change, "start" before all. */
 void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
                                    const char *note);
+
+/* Remembers what became of a call that writes, if it is a matter of the disk: 0 or an error with
+ * its fault. (appliance_storage.c) */
+void iso__appliance_note_storage(struct iso_appliance *appliance, int error,
+                                 const struct iso_fault *fault);
+
+/* It is t_ns: tries to bring a gallery that is out of service back, once a second. */
+void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns);
+
+/* What the disk refuses now or refused last; "" since it works again. */
+const char *iso__appliance_storage_fault(const struct iso_appliance *appliance);
 
 /* "started", "silent" (it runs, but nothing is seen), "lost". */
 const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
@@ -124,7 +141,8 @@ void iso__appliance_start_lockout(struct iso_appliance *appliance);
 /* It is t_ns: a lock may be over. */
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns);
 
-/* Whether nobody is let in, or recognised for a client. */
+/* Whether nobody is let in, or recognised for a client: a lockdown, a lock-out, or a gallery that
+ * is out of service. */
 bool iso__appliance_is_shut(const struct iso_appliance *appliance);
 
 /* Has the verdict say nothing but that, if it is so. */

@@ -16,6 +16,7 @@
 #include "drivers/file/file.h"
 #include "firmware/audit_state.h"
 #include "firmware/directory.h"
+#include "firmware/storage_fault.h"
 
 struct iso_audit_record iso_audit_record_of(const char *event)
 {
@@ -83,7 +84,7 @@ int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
 {
     const struct iso_anchor_state state = iso__audit_anchor_state(audit, false);
     if (!audit->options.sync && audit->fd >= 0 && fdatasync(audit->fd)) {
-        return iso_fault_set(fault, -EIO, "%s: %m", audit->path);
+        return iso_storage_refused(audit->path, -errno, fault);
     }
     return iso_anchor_set(audit->anchor, &state, fault);
 }
@@ -181,6 +182,7 @@ static int scan(struct iso_audit *audit, const char *path, size_t *torn, struct 
                               path, reader->flaw);
     } else if (error) {
         error = iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+        error = iso_storage_reword(path, error, fault);
     } else {
         error = take_header(audit, reader, fault);
     }
@@ -233,8 +235,7 @@ int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *
     const ssize_t written = write(fd, audit->line, length);
     error = written < 0 ? -errno : (size_t)written < length ? -ENOSPC : sync_file(audit, fd);
     if (error) {
-        error = error == -EFBIG || error == -EDQUOT ? -ENOSPC : error;
-        return iso_fault_set(fault, error, "%s: %s", audit->path, strerror(-error));
+        return iso_storage_refused(audit->path, error, fault);
     }
     iso_audit_seal_wipe(&audit->seal);
     audit->seal = iso_audit_seal_of(number,
@@ -252,7 +253,7 @@ static int begin(struct iso_audit *audit, struct iso_fault *fault)
     int error = 0;
     audit->first = 1;
     if (ftruncate(audit->fd, 0)) { /* of a header that was cut short */
-        return iso_fault_set(fault, -errno, "%s: %m", audit->path);
+        return iso_storage_refused(audit->path, -errno, fault);
     }
     if (!audit->anchor && audit->closed.n > 0) {
         return stale(audit, "its anchor is gone", fault);
@@ -285,7 +286,7 @@ static int mend(struct iso_audit *audit, size_t torn, struct iso_fault *fault)
         return 0;
     }
     if (ftruncate(audit->fd, audit->size)) {
-        return iso_fault_set(fault, -errno, "%s: %m", audit->path);
+        return iso_storage_refused(audit->path, -errno, fault);
     }
     (void)snprintf(note, sizeof note, "%zu bytes of an unfinished record taken away", torn);
     record.note = note;
@@ -299,7 +300,7 @@ int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault 
     const int failed = iso_file_open(path, O_RDWR | O_APPEND | O_CREAT | flags, ISO_FILE_ANY_SIZE,
                                      &opened, fault);
     if (failed) {
-        return failed;
+        return iso_storage_reword(path, failed, fault);
     }
     if (flock(opened, LOCK_EX | LOCK_NB)) {
         const int error = errno == EWOULDBLOCK ? -EBUSY : -errno;
@@ -319,7 +320,7 @@ static int look(const struct iso_audit *audit, enum content *out, struct iso_fau
     char begin[ISO_AUDIT_LINE_MAX];
     const ssize_t n = pread(audit->fd, begin, sizeof begin, 0);
     if (n < 0) {
-        return iso_fault_set(fault, -EIO, "%s: %m", audit->path);
+        return iso_storage_refused(audit->path, -errno, fault);
     }
     *out = n > 0 && begin[0] == '{'                                                   ? PLAIN
            : n == 0 || (n < (ssize_t)sizeof begin && !memchr(begin, '\n', (size_t)n)) ? EMPTY
@@ -376,7 +377,7 @@ int iso_audit_open(const struct iso_audit_options *options, const struct iso_tim
 void iso_audit_close(struct iso_audit *audit)
 {
     if (audit) {
-        if (audit->opened && audit->last > iso_anchor_state(audit->anchor)->value) {
+        if (audit->opened && !audit->lost && audit->last > iso_anchor_state(audit->anchor)->value) {
             (void)!iso__audit_write_anchor(audit, NULL);
         }
         if (audit->fd >= 0) {
@@ -462,28 +463,33 @@ static size_t format(struct iso_audit *audit, const struct iso_audit_record *rec
 }
 
 /* Takes away what a failed write left, so that the next record begins a line. */
-static int take_back(struct iso_audit *audit)
+static int take_back(struct iso_audit *audit, struct iso_fault *fault)
 {
     audit->torn = ftruncate(audit->fd, audit->size) != 0;
-    return audit->torn ? -EIO : 0;
+    return audit->torn ? iso_storage_refused(audit->path, -errno, fault) : 0;
 }
 
 int iso__audit_write_line(struct iso_audit *audit, size_t length)
 {
     const ssize_t written = write(audit->fd, audit->line, length);
     if (written < 0) {
-        /* A limit on the file's size or the user's quota is a full disk to us. */
-        return errno == EFBIG || errno == EDQUOT ? -ENOSPC : -errno;
+        return -errno;
     }
     return (size_t)written < length ? -ENOSPC : sync_file(audit, audit->fd);
 }
 
-/* What has to be in order before a record can be written: no torn line, an anchor that is no more
- * behind, a segment with room. */
+int iso__audit_settle(struct iso_audit *audit, struct iso_fault *fault)
+{
+    const int error = audit->lost ? iso__audit_recover(audit, fault) : 0;
+    return error || !audit->torn ? error : take_back(audit, fault);
+}
+
+/* What has to be in order before a record can be written: files that are as they are known, an
+ * anchor that is no more behind, a segment with room. */
 static int prepare(struct iso_audit *audit, struct iso_fault *fault)
 {
     const uint64_t limit = audit->options.segment_bytes;
-    int error = audit->torn ? take_back(audit) : 0;
+    int error = iso__audit_settle(audit, fault);
     if (!error && audit->options.sync && iso_anchor_state(audit->anchor)->value < audit->last) {
         error = iso__audit_write_anchor(audit, fault);
     }
@@ -491,7 +497,10 @@ static int prepare(struct iso_audit *audit, struct iso_fault *fault)
         audit->last >= audit->segment_first) {
         error = iso__audit_rotate(audit, fault);
     }
-    return error ? error : iso__audit_reserve_mark(audit);
+    if (!error && iso__audit_reserve_mark(audit)) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
+    }
+    return error;
 }
 
 static void tell(const struct iso_audit *audit, const struct iso_audit_record *record)
@@ -503,30 +512,35 @@ static void tell(const struct iso_audit *audit, const struct iso_audit_record *r
     }
 }
 
+/* Writes the record that was formatted; *link is then the head behind it. */
+static int write_record(struct iso_audit *audit, size_t size, struct iso_audit_link *link,
+                        struct iso_fault *fault)
+{
+    *link = audit->link;
+    const size_t length = iso_audit_line_close(&audit->seal, audit->last + 1, audit->json.text,
+                                               size, audit->line, link);
+    const int error = iso__audit_write_line(audit, length);
+    if (error) {
+        (void)take_back(audit, NULL);
+        return iso_storage_refused(audit->path, error, fault);
+    }
+    iso__audit_count_line(audit, length);
+    return 0;
+}
+
 int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *record,
                      struct iso_fault *fault)
 {
     struct iso_audit_link link;
-    int error = prepare(audit, NULL);
+    int error = prepare(audit, fault);
     const size_t size = error ? 0 : format(audit, record);
     if (!error && size == 0) {
         return iso_fault_set(fault, -EINVAL, "%s: the record is too long", audit->path);
     }
-    if (!error) {
-        link = audit->link;
-        const size_t length = iso_audit_line_close(&audit->seal, audit->last + 1, audit->json.text,
-                                                   size, audit->line, &link);
-        error = iso__audit_write_line(audit, length);
-        if (error) {
-            (void)take_back(audit);
-        } else {
-            iso__audit_count_line(audit, length);
-        }
-    }
+    error = error ? error : write_record(audit, size, &link, fault);
     if (error) {
-        error = error == -ENOSPC || error == -ENOMEM ? error : -EIO;
-        return iso_fault_set(fault, error, "%s: the record cannot be written: %s", audit->path,
-                             strerror(-error));
+        iso_storage_add(fault, "the record is not written");
+        return error == -ENOSPC || error == -ENOMEM ? error : -EIO;
     }
     audit->link = link;
     if (record->gallery && record->gallery != audit->gallery) {

@@ -66,7 +66,10 @@ static int read_segment(const struct iso_audit *audit, size_t i, struct iso_audi
 int iso_audit_read(struct iso_audit *audit, uint64_t from, uint32_t max,
                    int (*each)(void *context, const char *line), void *context)
 {
-    int result = 0;
+    int result = audit->lost ? iso__audit_recover(audit, NULL) : 0;
+    if (result) {
+        return result;
+    }
     from = from < audit->first ? audit->first : from;
     if (from > audit->last || max == 0) {
         return 0;
@@ -206,6 +209,10 @@ int iso_audit_verify(struct iso_audit *audit, uint64_t known_sequence, const cha
                      const struct iso_work_listener *listener, struct iso_audit_report *out,
                      struct iso_fault *fault)
 {
+    int error = iso__audit_settle(audit, fault);
+    if (error) {
+        return error;
+    }
     struct iso_audit_report report = {.first = audit->first, .last = audit->last, .sound = true};
     struct verifying *verifying = malloc(sizeof *verifying);
     if (!verifying) {
@@ -219,7 +226,7 @@ int iso_audit_verify(struct iso_audit *audit, uint64_t known_sequence, const cha
                                     .report = &report};
     (void)sodium_bin2hex(report.head, sizeof report.head, audit->link.bytes,
                          sizeof audit->link.bytes);
-    const int error = verify_segments(verifying, fault);
+    error = verify_segments(verifying, fault);
     if (!error) {
         check_end(verifying);
         *out = report;

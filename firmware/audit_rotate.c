@@ -12,6 +12,7 @@
 #include "drivers/file/file.h"
 #include "firmware/audit_state.h"
 #include "firmware/directory.h"
+#include "firmware/storage_fault.h"
 
 /* The key of a closed segment: below it none is needed any more. */
 static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
@@ -50,7 +51,7 @@ static int remove_segment(const struct iso_audit *audit, uint64_t first, struct 
     char path[PATH_MAX];
     const int error = iso_audit_segment_path(audit->path, first, path, fault);
     if (!error && unlink(path) && errno != ENOENT) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
+        return iso_storage_refused(path, -errno, fault);
     }
     return error;
 }
@@ -60,6 +61,7 @@ static int remove_segment(const struct iso_audit *audit, uint64_t first, struct 
 int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
 {
     const size_t keep = audit->options.segments > 0 ? (size_t)audit->options.segments : 0;
+    const uint64_t before = audit->first;
     int error = 0;
     bool removed = false;
     if (audit->closed.n > keep && audit->options.segment_bytes > 0) {
@@ -69,6 +71,7 @@ int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
         if (first > audit->first) {
             audit->first = first;
             error = iso__audit_write_anchor(audit, fault);
+            audit->first = error ? before : first;
         }
     }
     while (!error && audit->closed.n > 0 && audit->closed.first[0] < audit->first) {
@@ -82,26 +85,21 @@ int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
 }
 
 /* Renames PATH to that of a closed segment, and what is beside it to PATH. A segment without a
- * record, of a rotation that was killed, is no segment: it goes. */
+ * record, of a rotation that was killed, is no segment: it goes. After an error any of it may have
+ * been done. */
 static int exchange(struct iso_audit *audit, const char *beside, uint64_t first, bool empty,
                     struct iso_fault *fault)
 {
     char closed[PATH_MAX];
-    if (empty) {
-        return rename(beside, audit->path) ? iso_fault_set(fault, -errno, "%s: %m", audit->path)
-                                           : iso_directory_sync(audit->path, fault);
-    }
-    int error = iso_audit_segment_path(audit->path, first, closed, fault);
+    const int error = iso_audit_segment_path(audit->path, first, closed, fault);
     if (error) {
         return error;
     }
-    if (renameat2(AT_FDCWD, audit->path, AT_FDCWD, closed, RENAME_NOREPLACE)) {
-        return iso_fault_set(fault, -errno, "%s: %m", closed);
+    if (!empty && renameat2(AT_FDCWD, audit->path, AT_FDCWD, closed, RENAME_NOREPLACE)) {
+        return iso_storage_refused(closed, -errno, fault);
     }
     if (rename(beside, audit->path)) {
-        error = iso_fault_set(fault, -errno, "%s: %m", audit->path);
-        (void)rename(closed, audit->path);
-        return error;
+        return iso_storage_refused(audit->path, -errno, fault);
     }
     return iso_directory_sync(audit->path, fault);
 }
@@ -137,6 +135,14 @@ static int append_note(struct iso_audit *audit, uint64_t first, struct iso_fault
     return iso_audit_append(audit, &record, fault);
 }
 
+static void put_back(struct iso_audit *audit, const struct segment *segment)
+{
+    audit->seal = segment->seal;
+    audit->segment_first = segment->first;
+    audit->size = segment->size;
+    audit->n_marks = segment->n_marks;
+}
+
 int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
 {
     const struct segment old = {audit->seal, audit->segment_first, audit->size, audit->n_marks};
@@ -148,16 +154,17 @@ int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
         return iso_fault_set(fault, -EIO, "%s: no segment can be added", audit->path);
     }
     int error = begin_beside(audit, beside, &fd, fault);
+    const bool begun = !error;
     error = error ? error : exchange(audit, beside, old.first, empty, fault);
     if (error) {
-        audit->seal = old.seal;
-        audit->segment_first = old.first;
-        audit->size = old.size;
-        audit->n_marks = old.n_marks;
-        (void)unlink(beside);
+        put_back(audit, &old);
         if (fd >= 0) {
             (void)close(fd);
         }
+        if (begun) {
+            (void)!iso__audit_recover(audit, NULL); /* or before the next record */
+        }
+        (void)unlink(beside);
         return error;
     }
     (void)close(audit->fd);

@@ -26,6 +26,7 @@ struct iso_audit {
     off_t size;                          /* of the whole lines of this segment */
     bool opened;                         /* all of it was found sound */
     bool torn;                           /* part of a record may stand behind them */
+    bool lost;                           /* which file has which name is not known */
     off_t *marks; /* marks[i]: where the line of sequence segment_first + i * MARK_LINES begins */
     size_t n_marks, mark_capacity;
 
@@ -56,6 +57,15 @@ int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *
 
 /* Opens PATH or what is beside it for appending, with the lock. */
 int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault *fault);
+
+/* Opens the log again, so that what is known of it is what the disk holds; until that succeeds the
+ * log is lost, and nothing is written to it. -ESTALE it has not all the records that were written,
+ * else as iso_audit_open. (audit_truth.c) */
+int iso__audit_recover(struct iso_audit *audit, struct iso_fault *fault);
+
+/* Brings files and memory together again after a fault of the disk: a lost log is opened anew, part
+ * of a record is taken away. 0 also if there is nothing to do. */
+int iso__audit_settle(struct iso_audit *audit, struct iso_fault *fault);
 
 /* Closes the segment and begins another; the oldest ones go. (audit_rotate.c) */
 int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault);

@@ -27,6 +27,9 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-EKEYREJECTED, ISO_CONTRACT_ERROR_REJECTED},
         {-EBADMSG, ISO_CONTRACT_ERROR_REJECTED},
         {-EPERM, ISO_CONTRACT_ERROR_LOCKED_OUT},
+        {-EIO, ISO_CONTRACT_ERROR_STORAGE},
+        {-ENOSPC, ISO_CONTRACT_ERROR_STORAGE},
+        {-EROFS, ISO_CONTRACT_ERROR_STORAGE},
     };
     /* A fault may be cut within a character, and the bus takes valid UTF-8 only. */
     char text[sizeof fault->text];
@@ -240,8 +243,12 @@ static int on_list_people(sd_bus_message *call, void *context, sd_bus_error *out
 {
     const struct iso_bus *bus = context;
     sd_bus_message *reply = NULL;
-    const int r = sd_bus_message_new_method_return(call, &reply);
-    (void)out;
+    struct iso_fault fault = {""};
+    int r = iso_gallery_state(bus->parts->gallery, &fault);
+    if (r < 0) {
+        return iso__bus_refuse(out, r, &fault);
+    }
+    r = sd_bus_message_new_method_return(call, &reply);
     return send_reply(reply, r < 0 ? r : append_people(reply, bus->parts->gallery));
 }
 

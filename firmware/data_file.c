@@ -9,6 +9,7 @@
 
 #include "drivers/file/file.h"
 #include "firmware/directory.h"
+#include "firmware/storage_fault.h"
 
 int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t *size,
                        struct iso_fault *fault)
@@ -18,14 +19,14 @@ int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t 
     if (!error) {
         *bytes = read;
     }
-    return error;
+    return iso_storage_reword(path, error, fault);
 }
 
 static int write_whole(int fd, const void *bytes, size_t size)
 {
     const ssize_t written = write(fd, bytes, size);
     if (written < 0) {
-        return errno == EFBIG || errno == EDQUOT ? -ENOSPC : -errno;
+        return -errno;
     }
     if ((size_t)written < size) {
         return -ENOSPC;
@@ -42,7 +43,7 @@ int iso_data_file_replace(const char *path, const void *bytes, size_t size, stru
     int fd = -1;
     int error = iso_file_open(beside, O_WRONLY | O_CREAT | O_TRUNC, ISO_FILE_ANY_SIZE, &fd, fault);
     if (error) {
-        return error;
+        return iso_storage_reword(beside, error, fault);
     }
     error = write_whole(fd, bytes, size);
     (void)close(fd);
@@ -51,9 +52,22 @@ int iso_data_file_replace(const char *path, const void *bytes, size_t size, stru
     }
     if (error) {
         (void)unlink(beside);
-        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+        return iso_storage_refused(path, error, fault);
     }
     return iso_directory_sync(path, fault);
+}
+
+bool iso_data_file_holds(const char *path, const void *bytes, size_t size)
+{
+    void *read = NULL;
+    size_t length = 0;
+    if (iso_data_file_read(path, size, &read, &length, NULL)) {
+        return false;
+    }
+    const bool same = length == size && memcmp(read, bytes, size) == 0;
+    explicit_bzero(read, length);
+    free(read);
+    return same;
 }
 
 void iso_data_file_overwrite(int fd)

@@ -2,6 +2,7 @@
 #ifndef ISO_FIRMWARE_DATA_FILE_H
 #define ISO_FIRMWARE_DATA_FILE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "core/fault.h"
@@ -13,10 +14,14 @@ int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t 
 
 /* Puts a file of the owner's alone in the place of `path`: it is written beside (PATH.new), is on
  * the disk, and is moved there. After a kill at any moment the old file is there or the new one.
- * The errno of what failed, with the old file in place; but that of synchronising the directory
- * comes when the new one is. */
+ * An error of opening the new file, or of storage (storage_fault.h): then the old file is in place,
+ * or the new one, if it was the renaming or the directory that failed; iso_data_file_holds tells.
+ */
 int iso_data_file_replace(const char *path, const void *bytes, size_t size, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Whether a file can be read and holds exactly these bytes. */
+bool iso_data_file_holds(const char *path, const void *bytes, size_t size);
 
 /* Overwrites what an open file holds with zeros, as far as that goes: a flash memory writes them
  * elsewhere. */

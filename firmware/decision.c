@@ -10,7 +10,7 @@ const char *iso_reason_name(enum iso_reason reason)
 {
     static const char *const names[ISO_REASONS] = {
         "none",     "match",  "unknown",    "left",     "not-valid",
-        "unlogged", "attack", "locked-out", "lockdown",
+        "unlogged", "attack", "locked-out", "lockdown", "no-gallery",
     };
     return (unsigned)reason < ISO_REASONS ? names[reason] : NULL;
 }

@@ -41,11 +41,12 @@ enum iso_reason {
     /* Of the lock-out (lockout.h), which goes before the decision. */
     ISO_REASON_LOCKED_OUT,
     ISO_REASON_LOCKDOWN,
+    ISO_REASON_NO_GALLERY, /* the gallery is out of service (gallery.h) */
     ISO_REASONS
 };
 
-/* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack", "locked-out", "lockdown";
- * NULL outside. */
+/* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack", "locked-out", "lockdown",
+ * "no-gallery"; NULL outside. */
 const char *iso_reason_name(enum iso_reason reason);
 
 /* All-zero is DENY. */

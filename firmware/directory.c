@@ -7,6 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "firmware/storage_fault.h"
+
 int iso_directory_sync(const char *path, struct iso_fault *fault)
 {
     char directory[PATH_MAX];
@@ -23,9 +25,10 @@ int iso_directory_sync(const char *path, struct iso_fault *fault)
     }
     const int fd = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0) {
-        return iso_fault_set(fault, -errno, "%s: %m", directory);
+        const int error = iso_fault_set(fault, -errno, "%s: %m", directory);
+        return iso_storage_reword(directory, error, fault);
     }
     const int error = fsync(fd) ? -errno : 0;
     (void)close(fd);
-    return error ? iso_fault_set(fault, error, "%s: %s", directory, strerror(-error)) : 0;
+    return error ? iso_storage_refused(directory, error, fault) : 0;
 }

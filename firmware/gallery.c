@@ -374,7 +374,7 @@ struct iso_gallery_version iso_gallery_version(const struct iso_gallery *gallery
 
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n)
 {
-    *n = gallery->memory.n_people;
+    *n = iso__gallery_is_lost(gallery) ? 0 : gallery->memory.n_people;
     return gallery->memory.people;
 }
 
@@ -384,7 +384,7 @@ const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, con
     const struct iso_person *same = NULL;
     struct iso_person_name_key key;
     const bool has_key = iso_person_name_key(name, &key) == 0;
-    for (size_t i = 0; i < memory->n_people; i++) {
+    for (size_t i = 0; i < memory->n_people && !iso__gallery_is_lost(gallery); i++) {
         const struct iso_person *person = &memory->people[i];
         if (strcmp(person->name, name) == 0) {
             return person;
@@ -403,7 +403,7 @@ size_t iso_gallery_same_names(const struct iso_gallery *gallery)
 
 const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, int64_t id)
 {
-    return iso_gallery_memory_find(&gallery->memory, id);
+    return iso__gallery_is_lost(gallery) ? NULL : iso_gallery_memory_find(&gallery->memory, id);
 }
 
 static int open_templates(void *keeper, int64_t person, struct iso_template *out, int capacity,
@@ -414,6 +414,9 @@ static int open_templates(void *keeper, int64_t person, struct iso_template *out
 
 struct iso_candidates iso_gallery_everybody(struct iso_gallery *gallery)
 {
+    if (iso__gallery_is_lost(gallery)) {
+        return (struct iso_candidates){0};
+    }
     return (struct iso_candidates){
         .entries = gallery->memory.entries,
         .n_entries = (int)gallery->memory.n_entries,
@@ -428,6 +431,9 @@ struct iso_candidates iso_gallery_only(struct iso_gallery *gallery, int64_t pers
 {
     const struct iso_gallery_memory *memory = &gallery->memory;
     struct iso_metric_vector vector;
+    if (iso__gallery_is_lost(gallery)) {
+        return (struct iso_candidates){0};
+    }
     if (memory->index) {
         const int error = iso_index_find(memory->index, person, &vector);
         sodium_memzero(&vector, sizeof vector);

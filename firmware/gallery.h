@@ -21,6 +21,9 @@
  * gallery of before whose names differ in case only stay two: each is found by the exact name, and
  * by other spellings the one who was enrolled first.
  *
+ * After an error of the disk the disk is asked what came of the change before anything else is
+ * said, so that the memory, the answer and the file always agree (gallery_truth.c).
+ *
  * Used by one thread. Everything handed out is valid until the next add, import, remove or close.
  * Templates and vectors are wiped from memory when they are freed. */
 #ifndef ISO_FIRMWARE_GALLERY_H
@@ -81,7 +84,8 @@ void iso_gallery_close(struct iso_gallery *gallery);
  * date of enrolment and the spelling of the name, and takes the limits of `person`: a caller who
  * does not change them hands in those that are stored. person's id, key and counts are ignored. The
  * template is copied. -EINVAL the name or the template is bad, -EDQUOT the gallery, or this person,
- * is full, -ENOSPC, -EIO, -EROFS, -ENOMEM; then nothing has changed. */
+ * is full, -ENOSPC, -EIO, -EROFS, -ENOMEM; then nothing has changed, or the gallery is out of
+ * service (iso_gallery_state). */
 int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person,
                     const struct iso_template *tmpl, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -103,6 +107,19 @@ int iso_gallery_set_validity(struct iso_gallery *gallery, const char *name,
 
 /* 0 if a template can be added for this name, else -EDQUOT with a fault. */
 int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* ---- out of service ---- */
+
+/* 0, or -EIO with the reason while the gallery is out of service: the disk reported an error of a
+ * change and then refused to be read, so that nobody knows whether the change is on it. Nobody is
+ * found and nobody is a candidate meanwhile; every change and every export is -EIO. */
+int iso_gallery_state(const struct iso_gallery *gallery, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Reads the gallery from the disk again if it is out of service, else does nothing. -EIO: it still
+ * is. What was handed out before is not valid any more. */
+int iso_gallery_recover(struct iso_gallery *gallery, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* ---- copying between galleries ---- */

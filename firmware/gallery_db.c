@@ -61,7 +61,7 @@ static int write_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 }
 
 /* The head on the disk against the anchor: the same, or one change ahead. */
-static int check_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
+int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     if (!db->anchor) {
         return iso_fault_set(fault, -ESTALE,
@@ -291,7 +291,7 @@ static int take_head(struct iso_gallery_db *db, sqlite3_stmt *row, struct iso_fa
     return 0;
 }
 
-static int read_head(struct iso_gallery_db *db, struct iso_fault *fault)
+int iso__gallery_read_head(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     sqlite3_stmt *query = NULL;
     int error = iso__gallery_prepare(db, "SELECT gallery, key, record FROM head", &query, fault);
@@ -319,7 +319,7 @@ static int check(struct iso_gallery_db *db, int *version, struct iso_fault *faul
     error = error ? error : check_kind(db, version, fault);
     error = error ? error : check_whole(db, fault);
     if (!error && *version == ISO_GALLERY_SCHEMA) {
-        error = read_head(db, fault);
+        error = iso__gallery_read_head(db, fault);
     }
     return error ? error : iso__gallery_execute(db, "COMMIT", fault);
 }
@@ -367,7 +367,7 @@ int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_ga
     int error = open_anchor(db, fault);
     error = error ? error : find_or_make(db, fault);
     error = error ? error : connect_and_check(db, options->migrate, fault);
-    error = error ? error : check_anchor(db, fault);
+    error = error ? error : iso__gallery_check_anchor(db, fault);
     if (!error) { /* of a rotation that was cut short */
         error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, db->seal.key_number, fault);
     }
@@ -395,6 +395,9 @@ void iso_gallery_db_close(struct iso_gallery_db *db)
 
 int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
 {
+    if (db->lost) {
+        return iso__gallery_in_service(db, fault);
+    }
     if (db->head.changes > iso_anchor_state(db->anchor)->value) {
         const int error = write_anchor(db, fault);
         if (error) {
@@ -405,18 +408,30 @@ int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
     return iso__gallery_execute(db, "BEGIN IMMEDIATE", fault);
 }
 
-/* Leaves no transaction open: some failures have rolled it back already. An anchor that cannot be
- * written is written before the next change. */
+/* Whether the transaction is certainly gone, and the database as before it. A transaction that is
+ * open no more was ended by SQLite, because of an error of the disk. */
+static bool roll_back(struct iso_gallery_db *db)
+{
+    return !sqlite3_get_autocommit(db->sqlite) &&
+           sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL) == SQLITE_OK;
+}
+
+/* An anchor that cannot be written is written before the next change. */
 int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *fault)
 {
+    bool tried = false;
     db->draft.changes++;
     error = error ? error : insert_head(db, fault);
-    error = error ? error : iso__gallery_execute(db, "COMMIT", fault);
-    if (error) {
-        if (!sqlite3_get_autocommit(db->sqlite)) {
-            (void)sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL);
-        }
+    if (!error) {
+        tried = true;
+        error = iso__gallery_execute(db, "COMMIT", fault);
+    }
+    if (error && !tried && roll_back(db)) {
         db->draft = db->head;
+        return error;
+    }
+    error = error ? iso__gallery_settle(db, error, fault) : 0;
+    if (error) {
         return error;
     }
     db->head = db->draft;

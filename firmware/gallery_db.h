@@ -46,12 +46,15 @@ int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
 
 /* ---- changes: begin, some of the others, end ---- */
 
-/* -EIO: the change before could not be anchored, and still cannot. */
+/* -EIO: the change before could not be anchored, and still cannot; or the database is out of
+ * service. */
 int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Makes the changes since begin hold, all or none; with `error` (negative, of one of them) none.
- * Returns that error, or its own. */
+ * Returns that error, or its own. 0 is returned only when the changes are on the disk, and an error
+ * only when they are not: if the disk reports an error, its contents are read again. If they cannot
+ * be read, the error is -EIO and the database is out of service. */
 int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -67,6 +70,21 @@ int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, ui
 /* Deletes a person with all templates. */
 int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* ---- out of service ---- */
+
+/* What the disk holds after a change is not known, because the disk refuses to be read: every call
+ * but these and close returns -EIO. 0: it is in service. */
+int iso_gallery_db_state(const struct iso_gallery_db *db, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Tries to bring it into service again: 0, and the caller has to load everything anew. -EIO. */
+int iso_gallery_db_recover(struct iso_gallery_db *db, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Takes it out of service, because the caller could not load it: -EIO with *fault set. */
+int iso_gallery_db_give_up(struct iso_gallery_db *db, const struct iso_fault *why,
+                           struct iso_fault *fault);
 
 /* ---- the rest ---- */
 

@@ -17,6 +17,8 @@ struct iso_gallery_db {
     struct iso_anchor *anchor;
     struct iso_gallery_seal seal;
     struct iso_gallery_head head, draft; /* on the disk; with the changes of a transaction */
+    bool lost;                           /* what the disk holds is not known (gallery_truth.c) */
+    struct iso_fault lost_fault;         /* ... and why */
     /* Room for one record. */
     uint8_t plain[ISO_TEMPLATE_BYTES_MAX], sealed[ISO_GALLERY_TEMPLATE_SEALED];
 };
@@ -47,6 +49,22 @@ int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *ans
 
 int iso__gallery_connect(struct iso_gallery_db *db, const char *path, struct iso_fault *fault);
 void iso__gallery_disconnect(struct iso_gallery_db *db);
+
+/* ---- what the disk holds (gallery_truth.c, gallery_db.c) ---- */
+
+/* After `error` of a change whose outcome is not known, with *fault set: reads from the disk what
+ * came of it. 0: the change is on the disk. `error`: it is not. -EIO: that is not known, and the
+ * database is out of service. */
+int iso__gallery_settle(struct iso_gallery_db *db, int error, struct iso_fault *fault);
+
+/* 0, or -EIO while the database is out of service. */
+int iso__gallery_in_service(const struct iso_gallery_db *db, struct iso_fault *fault);
+
+/* Reads the head row, under the key that it names; within a transaction. */
+int iso__gallery_read_head(struct iso_gallery_db *db, struct iso_fault *fault);
+
+/* Compares the head with the anchor, which follows if the head is one change ahead. -ESTALE. */
+int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault);
 
 /* ---- making a database (gallery_db.c) ---- */
 

@@ -81,7 +81,10 @@ static int each_row(struct iso_gallery_db *db, const char *sql, int64_t paramete
                     struct iso_fault *fault)
 {
     sqlite3_stmt *query = NULL;
-    int error = 0;
+    int error = iso__gallery_in_service(db, fault);
+    if (error) {
+        return error;
+    }
     int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
     if (step == SQLITE_OK) {
         (void)sqlite3_bind_int64(query, 1, parameter);
@@ -336,11 +339,12 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
     if (error) {
         iso_gallery_seal_wipe(&db->seal);
         db->seal = old;
-    } else {
-        /* What is free goes, too: it is overwritten, but not by a new key's records. */
-        (void)sqlite3_exec(db->sqlite, "VACUUM", NULL, NULL, NULL);
-        error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, number, fault);
+    } else if (sqlite3_exec(db->sqlite, "VACUUM", NULL, NULL, NULL) != SQLITE_OK) {
+        /* What is free was to go, too: it is overwritten, but not by a new key's records. The
+         * connection cannot be relied on any more. */
+        error = iso__gallery_settle(db, 0, fault);
     }
+    error = error ? error : iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, number, fault);
     iso_gallery_seal_wipe(&old);
     return error;
 }

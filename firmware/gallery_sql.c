@@ -7,6 +7,7 @@
 
 #include "drivers/file/file.h"
 #include "firmware/gallery_db_state.h"
+#include "firmware/storage_fault.h"
 
 enum { BUSY_MS = 1000 }; /* somebody may be making a copy */
 
@@ -33,21 +34,24 @@ int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
                          db->path, what);
 }
 
-/* A write error is a full disk, too, if it comes from a quota or a limit on files. */
-static int io_error(const struct iso_gallery_db *db)
+/* The errno behind an error of SQLite, as far as SQLite knows it. */
+static int system_error(const struct iso_gallery_db *db)
 {
-    int system_error = 0;
-    if (sqlite3_extended_errcode(db->sqlite) != SQLITE_IOERR_WRITE) {
-        return -EIO;
+    int error = 0;
+    if (sqlite3_errcode(db->sqlite) == SQLITE_FULL) {
+        return -ENOSPC;
     }
-    (void)sqlite3_file_control(db->sqlite, "main", SQLITE_FCNTL_LAST_ERRNO, &system_error);
-    return system_error == EDQUOT || system_error == EFBIG ? -ENOSPC : -EIO;
+    if (sqlite3_extended_errcode(db->sqlite) == SQLITE_IOERR_WRITE) {
+        (void)sqlite3_file_control(db->sqlite, "main", SQLITE_FCNTL_LAST_ERRNO, &error);
+    } else {
+        error = sqlite3_system_errno(db->sqlite);
+    }
+    return error > 0 ? -error : -EIO;
 }
 
 int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault)
 {
     const char *said = sqlite3_errmsg(db->sqlite);
-    int error;
     switch (sqlite3_errcode(db->sqlite)) {
     case SQLITE_CORRUPT:
         return iso_gallery_db_damaged(db, said, fault);
@@ -62,14 +66,12 @@ int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault)
     case SQLITE_NOMEM:
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
     case SQLITE_FULL:
-        error = -ENOSPC;
-        break;
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+        return iso_storage_refused(db->path, system_error(db), fault);
     default:
-        error = io_error(db);
-        break;
+        return iso_fault_set(fault, -EIO, "%s: %s", db->path, said);
     }
-    return iso_fault_set(fault, error, "%s: %s", db->path,
-                         error == -ENOSPC ? "the disk is full; nothing was changed" : said);
 }
 
 int iso__gallery_execute(const struct iso_gallery_db *db, const char *sql, struct iso_fault *fault)

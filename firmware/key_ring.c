@@ -13,6 +13,7 @@
 #include "core/math/bytes.h"
 #include "firmware/data_file.h"
 #include "firmware/directory.h"
+#include "firmware/storage_fault.h"
 
 /* The file: magic, then sealed: n u32, next number u32, n x (use u32, number u32, key[32]). */
 static const char magic[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '1'};
@@ -37,6 +38,8 @@ struct keys {
 struct iso_key_ring {
     char path[PATH_MAX], file[PATH_MAX];
     bool credential;
+    bool beside; /* the key has not got its place yet: it is in FILE.new */
+    bool unsure; /* the disk refused the ring: which one it holds is not known */
     struct iso_seal_key master;
     struct keys keys, draft; /* draft: what is about to be written */
 };
@@ -77,7 +80,24 @@ static int get_keys(const uint8_t *plain, size_t size, struct keys *out)
     return 0;
 }
 
-/* Writes the draft, sealed with `master`; only then it holds. */
+/* After `error` of writing the ring: the new one may be in its place nevertheless, and is then to
+ * stay there. The old one may be there too, or it may not be known: then the old one holds, which
+ * is a part of both or is written again before it matters. */
+static int settle(struct iso_key_ring *ring, const struct iso_seal_key *master, const void *bytes,
+                  size_t size, int error, struct iso_fault *fault)
+{
+    ring->unsure = true;
+    if (!iso_data_file_holds(ring->path, bytes, size)) {
+        return error;
+    }
+    ring->keys = ring->draft;
+    ring->master = *master;
+    error = iso_directory_sync(ring->path, fault);
+    ring->unsure = error != 0;
+    return error;
+}
+
+/* Writes the draft, sealed with `master`; only then both hold. */
 static int commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
                   struct iso_fault *fault)
 {
@@ -87,10 +107,14 @@ static int commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
     memcpy(bytes, magic, sizeof magic);
     iso_seal_close(master, &label, plain, size, bytes + sizeof magic);
     sodium_memzero(plain, sizeof plain);
-    const int error = iso_data_file_replace(ring->path, bytes,
-                                            sizeof magic + size + ISO_SEAL_OVERHEAD, fault);
-    if (!error) {
+    const size_t length = sizeof magic + size + ISO_SEAL_OVERHEAD;
+    int error = iso_data_file_replace(ring->path, bytes, length, fault);
+    if (error) {
+        error = settle(ring, master, bytes, length, error, fault);
+    } else {
         ring->keys = ring->draft;
+        ring->master = *master;
+        ring->unsure = false;
     }
     sodium_memzero(&ring->draft, sizeof ring->draft);
     return error;
@@ -208,22 +232,34 @@ static int make_ring(struct iso_key_ring *ring, struct masters *masters, struct 
     return commit(ring, &ring->master, fault);
 }
 
+/* Moves the key from beside its place to it. It may be there already, if the disk said that it was
+ * not moved. */
+static int take_place(struct iso_key_ring *ring, struct iso_fault *fault)
+{
+    char beside[PATH_MAX + 8];
+    (void)snprintf(beside, sizeof beside, "%s.new", ring->file);
+    if (rename(beside, ring->file)) {
+        const int error = -errno;
+        if (!iso_data_file_holds(ring->file, ring->master.bytes, sizeof ring->master.bytes)) {
+            return iso_storage_refused(ring->file, error, fault);
+        }
+    }
+    const int error = iso_directory_sync(ring->file, fault);
+    ring->beside = error != 0;
+    return error;
+}
+
 /* The second choice opened it: a change of the appliance's key was not over. */
 static int end_change(struct iso_key_ring *ring, const struct masters *masters,
                       struct iso_fault *fault)
 {
-    char beside[PATH_MAX + 8];
     if (ring->credential) {
         ring->master = masters->keys[0];
         ring->draft = ring->keys;
         return commit(ring, &ring->master, fault);
     }
     ring->master = masters->keys[1];
-    (void)snprintf(beside, sizeof beside, "%s.new", ring->file);
-    if (rename(beside, ring->file)) {
-        return iso_fault_set(fault, -errno, "%s: %m", ring->file);
-    }
-    return iso_directory_sync(ring->file, fault);
+    return take_place(ring, fault);
 }
 
 static void forget_change(const struct iso_key_ring *ring)
@@ -366,27 +402,36 @@ int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t 
     return draft->n == ring->keys.n ? 0 : commit(ring, &ring->master, fault);
 }
 
+/* Nothing may be left of a change before: the key in FILE.new may be the one that the ring on the
+ * disk is sealed with, and is replaced now. */
+static int end_change_before(struct iso_key_ring *ring, struct iso_fault *fault)
+{
+    int error = 0;
+    if (ring->unsure) {
+        ring->draft = ring->keys;
+        error = commit(ring, &ring->master, fault);
+    }
+    return error || !ring->beside ? error : take_place(ring, fault);
+}
+
 /* The new key stands beside the old one before the ring is sealed with it, and takes its place
  * afterwards: the ring always has its key. */
 int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
 {
-    struct iso_seal_key fresh;
     char beside[PATH_MAX + 8];
     if (ring->credential) {
         return iso_fault_set(fault, -EPERM, "the appliance's key is a credential of the system");
     }
     (void)snprintf(beside, sizeof beside, "%s.new", ring->file);
-    fresh = iso_seal_key_random();
-    int error = iso_data_file_replace(beside, fresh.bytes, sizeof fresh.bytes, fault);
+    int error = end_change_before(ring, fault);
+    struct iso_seal_key fresh = iso_seal_key_random();
+    error = error ? error : iso_data_file_replace(beside, fresh.bytes, sizeof fresh.bytes, fault);
     if (!error) {
         ring->draft = ring->keys;
         error = commit(ring, &fresh, fault);
+        ring->beside = memcmp(&ring->master, &fresh, sizeof fresh) == 0;
     }
-    if (!error) {
-        ring->master = fresh;
-        error = rename(beside, ring->file) ? iso_fault_set(fault, -errno, "%s: %m", ring->file)
-                                           : iso_directory_sync(ring->file, fault);
-    }
+    error = error ? error : take_place(ring, fault);
     iso_seal_key_wipe(&fresh);
     return error;
 }

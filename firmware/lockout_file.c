@@ -13,6 +13,7 @@
 #include "drivers/file/file.h"
 #include "firmware/data_file.h"
 #include "firmware/directory.h"
+#include "firmware/storage_fault.h"
 #include "firmware/times.h"
 
 enum { TEXT_SIZE = 160 };
@@ -101,10 +102,12 @@ int iso_lockout_save(const char *path, const struct iso_lockout_record *record,
     if (!error && rename(beside, path)) {
         error = -errno;
     }
-    if (error) {
+    if (error && !iso_data_file_holds(path, text, size)) { /* it may be there nevertheless */
         (void)unlink(beside);
-        return iso_fault_set(fault, error, "%s: cannot be written: %s", path,
-                             why.text[0] ? why.text : strerror(-error));
+        return iso_storage_is_refusal(error)
+                   ? iso_storage_refused(path, error, fault)
+                   : iso_fault_set(fault, error, "%s: cannot be written: %s", path,
+                                   why.text[0] ? why.text : strerror(-error));
     }
     return iso_directory_sync(path, fault);
 }

@@ -18,7 +18,8 @@
 int iso_lockout_load(const char *path, struct iso_lockout_record *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* On the disk when it returns. An errno of writing it, and the file is as it was. */
+/* On the disk when it returns. An error of storage_fault.h: the file is as it was, or as it was to
+ * become without being synchronised; iso_lockout_load tells. */
 int iso_lockout_save(const char *path, const struct iso_lockout_record *record,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 

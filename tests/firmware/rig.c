@@ -92,6 +92,7 @@ static void on_message(void *context, int priority, const char *text)
 /* ---- set-up ---- */
 
 int rig_capacity;
+struct rig_log rig_log;
 
 static void open_parts(struct rig *rig)
 {
@@ -110,7 +111,9 @@ static void open_parts(struct rig *rig)
     struct iso_gallery_options gallery = stores_gallery(rig->directory);
     gallery.capacity = rig_capacity ? rig_capacity : gallery.capacity;
     struct iso_audit_options audit = stores_audit(rig->directory);
-    audit.sync = false;
+    audit.sync = rig_log.sync;
+    audit.segment_bytes = rig_log.segment_bytes;
+    audit.segments = rig_log.segments;
     assert_int_equal(iso_gallery_open(&gallery, &rig->gallery, NULL), 0);
     assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
     rig->parts.ring = stores_ring(rig->directory);
@@ -122,8 +125,13 @@ static void open_parts(struct rig *rig)
 int rig_setup(void **state)
 {
     void *directory = NULL;
+    return scratch_setup(&directory) ? -1 : rig_setup_in(state, directory);
+}
+
+int rig_setup_in(void **state, char *directory)
+{
     struct rig *rig = calloc(1, sizeof *rig);
-    if (!rig || scratch_setup(&directory)) {
+    if (!rig) {
         return -1;
     }
     rig->directory = directory;

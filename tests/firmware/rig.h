@@ -24,9 +24,19 @@ struct rig {
 /* How many people the gallery of a rig holds that is set up from here on; 0: as in stores.h. */
 extern int rig_capacity;
 
+/* How the log of such a rig is kept: all zero is one segment that is not synchronised. */
+extern struct rig_log {
+    bool sync;
+    uint64_t segment_bytes;
+    int segments;
+} rig_log;
+
 /* cmocka set-up and tear-down: *state is a struct rig, not started. Time is 100 s, the date
  * 2026-11-21T08:33:20Z. */
 int rig_setup(void **state);
+
+/* The same in a directory of the caller's, of which the tear-down removes everything. */
+int rig_setup_in(void **state, char *directory);
 int rig_teardown(void **state);
 
 /* Starts it; nobody is told of that. */

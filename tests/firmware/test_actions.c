@@ -341,7 +341,7 @@ static void an_enrolment_that_cannot_be_kept_fails(void **state)
     rig_fill_disk();
     rig_run(rig, 200);
     rig_free_disk();
-    assert_non_null(strstr(rig_news(rig), "enroll failed 3/3 done"));
+    assert_non_null(strstr(rig_news(rig), "enroll not-stored 3/3 done"));
     assert_null(iso_gallery_find(rig->gallery, "anna"));
 }
 

@@ -148,7 +148,7 @@ static int fill_up(const char *directory)
     while ((error = audit_rig_append(audit, "filling", &fault)) == 0) {
         n++;
     }
-    if (error != -ENOSPC || !strstr(fault.text, "cannot be written: No space left on device")) {
+    if (error != -ENOSPC || !strstr(fault.text, "the disk refused: No space left on device")) {
         return 98;
     }
     if (iso_audit_last(audit) != (uint64_t)n ||

@@ -267,7 +267,8 @@ static int fill_up(const char *directory)
     while ((error = add(gallery, added, &fault)) == 0) {
         added++;
     }
-    if (error != -ENOSPC || !strstr(fault.text, "the disk is full; nothing was changed")) {
+    if (error != -ENOSPC ||
+        !strstr(fault.text, "the disk refused: No space left on device; nothing was changed")) {
         fprintf(stderr, "%d %s\n", error, fault.text);
         return 98;
     }

@@ -1,0 +1,47 @@
+/* What the appliance knows of its disk, and how a gallery that is out of service comes back. */
+#include <errno.h>
+#include <syslog.h>
+
+#include "firmware/appliance_state.h"
+#include "firmware/storage_fault.h"
+
+static const int64_t retry_ns = ISO_NS_PER_S;
+
+void iso__appliance_note_storage(struct iso_appliance *appliance, int error,
+                                 const struct iso_fault *fault)
+{
+    if (iso_storage_is_refusal(error)) {
+        appliance->storage_fault = *fault;
+    } else if (!error) {
+        appliance->storage_fault.text[0] = '\0';
+    }
+}
+
+const char *iso__appliance_storage_fault(const struct iso_appliance *appliance)
+{
+    return appliance->storage_fault.text;
+}
+
+void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)
+{
+    struct iso_gallery *gallery = appliance->parts.gallery;
+    struct iso_fault fault = {""};
+    if (!iso_gallery_state(gallery, &fault)) {
+        appliance->gallery_retry_ns = ISO_NEVER_NS;
+        return;
+    }
+    if (appliance->gallery_retry_ns == ISO_NEVER_NS) {
+        iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in", fault.text);
+    } else if (t_ns < appliance->gallery_retry_ns) {
+        return;
+    }
+    appliance->gallery_retry_ns = t_ns + retry_ns;
+    if (iso_gallery_recover(gallery, &fault)) {
+        iso__appliance_note_storage(appliance, -EIO, &fault);
+        return;
+    }
+    appliance->gallery_retry_ns = ISO_NEVER_NS;
+    iso_decision_reset(&appliance->decision); /* who was not compared begins anew */
+    iso__appliance_say(appliance, LOG_NOTICE, "the gallery is in service again");
+    iso__appliance_record_gallery(appliance, "gallery", "read from the disk again");
+}

@@ -1,0 +1,45 @@
+/* What the disk holds of the log after an exchange of its files whose outcome is not known: which
+ * file has which name is asked of the disk, by opening the log again. Until that is possible
+ * nothing is written. */
+#include <errno.h>
+#include <sodium.h>
+#include <unistd.h>
+
+#include "firmware/audit_state.h"
+
+/* Our own lock must not stand in the way. */
+static void close_segment(struct iso_audit *audit)
+{
+    if (audit->fd >= 0) {
+        (void)close(audit->fd);
+        audit->fd = -1;
+    }
+}
+
+static bool has_all(const struct iso_audit *found, const struct iso_audit *known)
+{
+    return found->last > known->last ||
+           (found->last == known->last &&
+            sodium_memcmp(&found->link, &known->link, sizeof found->link) == 0);
+}
+
+int iso__audit_recover(struct iso_audit *audit, struct iso_fault *fault)
+{
+    struct iso_audit *found = NULL;
+    close_segment(audit);
+    audit->lost = true;
+    int error = iso_audit_open(&audit->options, audit->times, &found, fault);
+    if (error) {
+        return error;
+    }
+    if (!has_all(found, audit)) {
+        error = iso_fault_set(fault, -ESTALE, "%s: records are missing that were written",
+                              audit->path);
+    } else {
+        const struct iso_audit given_up = *audit;
+        *audit = *found;
+        *found = given_up;
+    }
+    iso_audit_close(found);
+    return error;
+}

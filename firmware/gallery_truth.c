@@ -1,0 +1,109 @@
+/* What the disk holds after a change whose outcome is not known.
+ *
+ * An error of COMMIT says nothing about the transaction: SQLite may report that the last
+ * synchronisation failed although the transaction is on the disk, and its cache may then disagree
+ * with the file. So the connection is given up. A new one plays back a journal that is still valid,
+ * and reads the head: it is that of before the change or that of after it. The journal is then
+ * deleted and the directory synchronised, so that a power cut cannot bring the other state back.
+ *
+ * While none of this can be done the database is out of service: nothing is read from it, and
+ * nothing is written to it. */
+#include <errno.h>
+#include <limits.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "firmware/directory.h"
+#include "firmware/gallery_db_state.h"
+#include "firmware/storage_fault.h"
+
+/* The journal is not needed any more: nobody holds it open between two changes. */
+static int delete_journal(const struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    char journal[PATH_MAX];
+    if (snprintf(journal, sizeof journal, "%s-journal", db->path) >= PATH_MAX) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", db->path);
+    }
+    if (unlink(journal) && errno != ENOENT) {
+        return iso_storage_refused(journal, -errno, fault);
+    }
+    return iso_directory_sync(db->path, fault);
+}
+
+/* Connects again and reads the head; db->head, db->draft and db->seal are then those of the disk.
+ */
+static int read_again(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    iso__gallery_disconnect(db);
+    int error = iso__gallery_connect(db, db->path, fault);
+    error = error ? error : iso__gallery_execute(db, "BEGIN EXCLUSIVE", fault);
+    error = error ? error : iso__gallery_read_head(db, fault);
+    error = error ? error : iso__gallery_execute(db, "COMMIT", fault);
+    return error ? error : delete_journal(db, fault);
+}
+
+static int give_up(struct iso_gallery_db *db, const struct iso_fault *why, struct iso_fault *fault)
+{
+    iso__gallery_disconnect(db);
+    db->lost = true;
+    (void)iso_fault_set(&db->lost_fault, -EIO, "%.*s", (int)(sizeof why->text - 64), why->text);
+    return iso__gallery_in_service(db, fault);
+}
+
+int iso__gallery_in_service(const struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    return db->lost ? iso_fault_set(fault, -EIO, "the gallery is out of service: %s",
+                                    db->lost_fault.text)
+                    : 0;
+}
+
+static bool is_same(const struct iso_gallery_head *a, const struct iso_gallery_head *b)
+{
+    return a->changes == b->changes && a->next == b->next &&
+           sodium_memcmp(a->digest, b->digest, sizeof a->digest) == 0;
+}
+
+int iso__gallery_settle(struct iso_gallery_db *db, int error, struct iso_fault *fault)
+{
+    const struct iso_gallery_head before = db->head, after = db->draft;
+    struct iso_fault why = {""};
+    if (read_again(db, &why)) {
+        return give_up(db, &why, fault);
+    }
+    if (is_same(&db->head, &after)) {
+        return 0;
+    }
+    if (!is_same(&db->head, &before)) {
+        (void)iso_gallery_db_damaged(db, "the head is neither the old nor the new one", &why);
+        return give_up(db, &why, fault);
+    }
+    if (iso_storage_is_refusal(error)) {
+        iso_storage_add(fault, "nothing was changed");
+    }
+    return error;
+}
+
+int iso_gallery_db_state(const struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    return iso__gallery_in_service(db, fault);
+}
+
+int iso_gallery_db_recover(struct iso_gallery_db *db, struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    int error = read_again(db, &why);
+    error = error ? error : iso__gallery_check_anchor(db, &why);
+    if (error) {
+        return give_up(db, &why, fault);
+    }
+    db->lost = false;
+    return 0;
+}
+
+int iso_gallery_db_give_up(struct iso_gallery_db *db, const struct iso_fault *why,
+                           struct iso_fault *fault)
+{
+    return give_up(db, why, fault);
+}

@@ -1,0 +1,300 @@
+#include "tests/firmware/storage_acts.h"
+
+#include <errno.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/administration.h"
+#include "tests/firmware/stores.h"
+#include "tests/support/scratch.h"
+
+enum { ANNA = 50, BOB = 80, CARL = 110, DORA = 140, STRANGER = 65, SEGMENT_BYTES = 2500 };
+
+static const struct iso_transfer_lock lock = {.key = {{7}}};
+
+/* ---- the world ---- */
+
+void storage_world_start(struct storage_world *w)
+{
+    void *state = NULL;
+    rig_capacity = 10;
+    rig_log = (struct rig_log){.sync = true, .segment_bytes = SEGMENT_BYTES, .segments = 50};
+    assert_int_equal(rig_setup_in(&state, strdup(w->directory)), 0);
+    w->rig = state;
+    (void)snprintf(w->lockout_path, sizeof w->lockout_path, "%s/lockout", w->directory);
+    w->rig->parts.lockout_path = w->lockout_path;
+    w->rig->config.lockout.failures = 1;
+    iso_appliance_free(w->rig->appliance);
+    assert_int_equal(iso_appliance_new(&w->rig->parts, &w->rig->appliance), 0);
+    rig_start(w->rig);
+}
+
+void storage_people(struct iso_gallery *gallery, char *text, size_t size)
+{
+    size_t n = 0, used = 0;
+    const struct iso_person *people = iso_gallery_people(gallery, &n);
+    text[0] = '\0';
+    for (size_t i = 0; i < n; i++) {
+        const struct iso_candidates own = iso_gallery_only(gallery, people[i].id);
+        if (strcmp(people[i].name, "zoe") == 0) {
+            continue;
+        }
+        used += (size_t)snprintf(text + used, size - used, "%s", people[i].name);
+        for (int t = 0; t < own.n_entries; t++) {
+            used += (size_t)snprintf(text + used, size - used, " %d",
+                                     puppet_face_of(own.entries[t].tmpl));
+        }
+        used += (size_t)snprintf(text + used, size - used, " %d:%d, ", (int)people[i].valid_from_s,
+                                 (int)people[i].valid_until_s);
+        assert_true(used < size);
+    }
+}
+
+static void prepare_two(struct storage_world *w)
+{
+    storage_world_start(w);
+    rig_enrol(w->rig, "anna", ANNA);
+    rig_enrol(w->rig, "bob", BOB);
+    rig_enrol(w->rig, "bob", BOB + 1);
+}
+
+/* ---- people ---- */
+
+static int enrol_as(struct storage_world *w, const char *name, int face, struct iso_fault *fault)
+{
+    const struct iso_enroll_request request = {.person = name};
+    struct rig *rig = w->rig;
+    int error = iso_appliance_claim(rig->appliance);
+    error = error ? error : iso_appliance_enroll(rig->appliance, &request, fault);
+    if (error) {
+        return error;
+    }
+    rig_show(rig, face, 3);
+    rig_run(rig, 200);
+    const char *news = rig_news(rig);
+    if (strstr(news, "enroll completed 3/3 done")) {
+        return 0;
+    }
+    return iso_fault_set(fault, strstr(news, "enroll not-stored") ? -EIO : -EPROTO, "%.200s", news);
+}
+
+static int enrol(struct storage_world *w, struct iso_fault *fault)
+{
+    return enrol_as(w, "carl", CARL, fault);
+}
+
+static int enrol_again(struct storage_world *w, struct iso_fault *fault)
+{
+    return enrol_as(w, "anna", ANNA + 1, fault);
+}
+
+static int remove_person(struct storage_world *w, struct iso_fault *fault)
+{
+    return iso_appliance_remove(w->rig->appliance, "bob", fault);
+}
+
+static int rename_person(struct storage_world *w, struct iso_fault *fault)
+{
+    const char *remark = NULL;
+    return iso_appliance_rename(w->rig->appliance, "bob", "robert", &remark, fault);
+}
+
+static int change_validity(struct storage_world *w, struct iso_fault *fault)
+{
+    const struct iso_validity_change change = {
+        .limits = {5, 2000000000}, .names_from = true, .names_until = true};
+    return iso_appliance_set_validity(w->rig->appliance, "bob", &change, fault);
+}
+
+static void prepare_import(struct storage_world *w)
+{
+    static const char *const people[] = {"carl", "dora", NULL};
+    size_t n = 0;
+    prepare_two(w);
+    rig_enrol(w->rig, "carl", CARL);
+    rig_enrol(w->rig, "dora", DORA);
+    w->file = memfd_create("people", MFD_CLOEXEC);
+    assert_int_equal(
+        iso_appliance_export(w->rig->appliance, w->file, people, &lock, NULL, &n, NULL), 0);
+    assert_int_equal(iso_appliance_remove(w->rig->appliance, "carl", NULL), 0);
+    assert_int_equal(iso_appliance_remove(w->rig->appliance, "dora", NULL), 0);
+}
+
+static int import_people(struct storage_world *w, struct iso_fault *fault)
+{
+    const struct iso_import_request request = {.fd = w->file, .key = &lock.key};
+    size_t added = 0, known = 0;
+    return iso_appliance_import(w->rig->appliance, &request, &added, &known, fault);
+}
+
+/* ---- keys, log, lock-out ---- */
+
+static int rotate_keys(struct storage_world *w, struct iso_fault *fault)
+{
+    const char *remark = NULL;
+    return iso_appliance_rotate_keys(w->rig->appliance, NULL, &remark, fault);
+}
+
+/* So many that the segment ends among them. */
+static int append(struct storage_world *w, struct iso_fault *fault)
+{
+    const struct iso_audit_record record = iso_audit_record_of("x");
+    int error = 0;
+    for (int i = 0; i < 10; i++) {
+        const int own = iso_audit_append(w->rig->audit, &record, fault);
+        w->records_told += !own;
+        error = own ? own : error;
+    }
+    return error;
+}
+
+static int visit(struct storage_world *w, struct iso_fault *fault)
+{
+    (void)fault;
+    rig_show(w->rig, ANNA, 2);
+    rig_run(w->rig, 200);
+    w->grants_told = strstr(rig_news(w->rig), "visit allow anna") != NULL;
+    return 0;
+}
+
+static int fail_at_the_door(struct storage_world *w, struct iso_fault *fault)
+{
+    (void)fault;
+    rig_show(w->rig, STRANGER, 20);
+    rig_run(w->rig, 1500);
+    assert_true(iso_appliance_status(w->rig->appliance).lockout_ns > 0);
+    return 0;
+}
+
+static int begin_lockdown(struct storage_world *w, struct iso_fault *fault)
+{
+    return iso_appliance_lockdown(w->rig->appliance, true, fault);
+}
+
+static void prepare_lockdown(struct storage_world *w)
+{
+    prepare_two(w);
+    assert_int_equal(iso_appliance_lockdown(w->rig->appliance, true, NULL), 0);
+}
+
+static int end_lockdown(struct storage_world *w, struct iso_fault *fault)
+{
+    return iso_appliance_lockdown(w->rig->appliance, false, fault);
+}
+
+/* ---- opening ---- */
+
+static int64_t stand(void *context)
+{
+    (void)context;
+    return INT64_C(1795250000) * ISO_NS_PER_S;
+}
+
+static const struct iso_times standing = {{stand, NULL}, stand, NULL};
+
+static int open_stores(struct storage_world *w, struct iso_fault *fault)
+{
+    struct iso_key_ring *ring = NULL;
+    struct iso_gallery *gallery = NULL;
+    struct iso_audit *audit = NULL;
+    const struct iso_key_place place = {.ring = scratch_path(w->directory, "g.db.keys"),
+                                        .file = scratch_path(w->directory, "g.db.key")};
+    int error = iso_key_ring_open(&place, &ring, fault);
+    const struct iso_gallery_options of_gallery = {.path = scratch_path(w->directory, "g.db"),
+                                                   .capacity = 10,
+                                                   .algorithm = PUPPET_ALGORITHM,
+                                                   .ring = ring,
+                                                   .migrate = true};
+    const struct iso_audit_options of_audit = {.path = scratch_path(w->directory, "a.log"),
+                                               .sync = true,
+                                               .segment_bytes = SEGMENT_BYTES,
+                                               .segments = 50,
+                                               .ring = ring,
+                                               .migrate = true};
+    error = error ? error : iso_gallery_open(&of_gallery, &gallery, fault);
+    error = error ? error : iso_audit_open(&of_audit, &standing, &audit, fault);
+    iso_audit_close(audit);
+    iso_gallery_close(gallery);
+    iso_key_ring_close(ring);
+    return error;
+}
+
+static void prepare_nothing(struct storage_world *w)
+{
+    (void)w;
+}
+
+static void prepare_stopped(struct storage_world *w)
+{
+    prepare_two(w);
+    iso_appliance_free(w->rig->appliance);
+    iso_audit_close(w->rig->audit);
+    iso_gallery_close(w->rig->gallery);
+    stores_forget();
+    w->rig = NULL;
+}
+
+/* A gallery as version 1 made it. */
+static void make_old_gallery(const char *path)
+{
+    uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
+    sqlite3 *db = NULL;
+    sqlite3_stmt *insert = NULL;
+    const struct iso_template tmpl = puppet_template(ANNA, PUPPET_ALGORITHM);
+    const int size = iso_template_serialise(&tmpl, bytes, sizeof bytes);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_exec(
+            db,
+            "PRAGMA application_id = 0x49534f54; PRAGMA user_version = 1;"
+            "CREATE TABLE person (id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT NULL UNIQUE,"
+            "  enrolled_s INTEGER NOT NULL, valid_from_s INTEGER NOT NULL,"
+            "  valid_until_s INTEGER NOT NULL) STRICT;"
+            "CREATE TABLE template (id INTEGER PRIMARY KEY AUTOINCREMENT, person_id INTEGER NOT "
+            "NULL REFERENCES person (id) ON DELETE CASCADE, algorithm INTEGER NOT NULL, bytes BLOB "
+            "NOT NULL) STRICT; CREATE INDEX template_of_person ON template (person_id);"
+            "INSERT INTO person VALUES (7, 'Wilhelmina', 1000, 5, 2000)",
+            NULL, NULL, NULL),
+        SQLITE_OK);
+    assert_int_equal(
+        sqlite3_prepare_v2(db, "INSERT INTO template VALUES (3, 7, ?1, ?2)", -1, &insert, NULL),
+        SQLITE_OK);
+    assert_int_equal(sqlite3_bind_int(insert, 1, PUPPET_ALGORITHM), SQLITE_OK);
+    assert_int_equal(sqlite3_bind_blob(insert, 2, bytes, size, SQLITE_STATIC), SQLITE_OK);
+    assert_int_equal(sqlite3_step(insert), SQLITE_DONE);
+    assert_int_equal(sqlite3_finalize(insert), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+static void prepare_old(struct storage_world *w)
+{
+    make_old_gallery(scratch_path(w->directory, "g.db"));
+    scratch_write_text(scratch_path(w->directory, "a.log"),
+                       "{\"sequence\":1,\"event\":\"start\"}\n{\"sequence\":2,\"event\":\"x\"}\n");
+    w->records_told = 1;
+}
+
+const struct storage_act storage_acts[] = {
+    {"enrol", prepare_two, enrol, false, false},
+    {"enrol again", prepare_two, enrol_again, false, false},
+    {"remove", prepare_two, remove_person, false, false},
+    {"rename", prepare_two, rename_person, false, false},
+    {"validity", prepare_two, change_validity, false, false},
+    {"import", prepare_import, import_people, false, false},
+    {"rotate keys", prepare_two, rotate_keys, false, false},
+    {"log append", prepare_two, append, false, false},
+    {"visit", prepare_two, visit, false, false},
+    {"lock-out", prepare_two, fail_at_the_door, false, true},
+    {"lockdown on", prepare_two, begin_lockdown, false, true},
+    {"lockdown off", prepare_lockdown, end_lockdown, false, false},
+    {"first start", prepare_nothing, open_stores, true, false},
+    {"start", prepare_stopped, open_stores, true, false},
+    {"upgrade", prepare_old, open_stores, true, false},
+};
+const size_t storage_acts_n = sizeof storage_acts / sizeof *storage_acts;

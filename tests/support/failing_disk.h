@@ -1,0 +1,29 @@
+/* A disk of which the Nth call that writes fails. Every test program that is linked with this file
+ * has its calls of the C library that change files, of its own code and of the libraries that it is
+ * linked with (SQLite among them), pass through here: write, pwrite, fsync, fdatasync, ftruncate,
+ * rename, renameat2, unlink, and open with O_CREAT; a stream that is made for writing, too. Calls
+ * that read fail for FAILING_DISK_DEAD only. Pipes, sockets and memory files are not on the disk.
+ *
+ * Synchronisation always takes no time here: nothing of these tests has to outlast the machine. */
+#ifndef TESTS_SUPPORT_FAILING_DISK_H
+#define TESTS_SUPPORT_FAILING_DISK_H
+
+enum failing_disk_kind {
+    FAILING_DISK_ONCE,   /* one call fails with EIO, and does nothing */
+    FAILING_DISK_FULL,   /* the same with ENOSPC */
+    FAILING_DISK_SHORT,  /* one write writes half; one other call fails with EIO */
+    FAILING_DISK_LIES,   /* one call does its work, and reports EIO nevertheless */
+    FAILING_DISK_BROKEN, /* from one call on all that write fail with EIO */
+    FAILING_DISK_DEAD,   /* the same, and those that read and open too */
+    FAILING_DISK_KINDS
+};
+
+extern const char *const failing_disk_names[FAILING_DISK_KINDS];
+
+/* From now on calls are counted, and the nth (from 1) is the first that fails. */
+void failing_disk_arm(enum failing_disk_kind kind, long nth);
+
+/* The disk works again. Returns how many calls there were since it was armed. */
+long failing_disk_heal(void);
+
+#endif
