@@ -7,6 +7,7 @@
 #include "core/contract.h"
 #include "drivers/terminal/columns.h"
 #include "enroll/report.h"
+#include "enroll/same_names.h"
 #include "enroll/when.h"
 
 struct person {
@@ -77,6 +78,7 @@ static void print_person(const struct person *person, size_t columns)
 
 static enum cli_exit list_text(sd_bus_message *reply, struct cli_fault *fault)
 {
+    struct cli_same_names names = {0};
     struct person person;
     unsigned count = 0;
     size_t columns;
@@ -88,7 +90,10 @@ static enum cli_exit list_text(sd_bus_message *reply, struct cli_fault *fault)
                    "valid from", "valid until", "templates");
         }
         print_person(&person, columns);
+        cli_same_names_add(&names, person.name);
     }
+    cli_same_names_print(&names, stderr);
+    cli_same_names_done(&names);
     if (r < 0) {
         return cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
     }

@@ -244,8 +244,8 @@ static void tell_same_names(struct iso_appliance *appliance)
     const size_t n = iso_gallery_same_names(appliance->parts.gallery);
     if (n > 0) {
         iso__appliance_say(appliance, LOG_WARNING,
-                           "names of enrolled people that differ from another's in case only: %zu; "
-                           "give one of each pair another name (isotherm list, isotherm rename)",
+                           "names of enrolled people that look like another's: %zu; isotherm list "
+                           "names them, give one of each pair another name (isotherm rename)",
                            n);
     }
 }

@@ -94,8 +94,9 @@ static int add_prepared(struct iso_gallery *gallery, const struct iso_person *pe
 static int check_addition(const struct iso_gallery *gallery, const struct iso_person *person,
                           const struct iso_template *tmpl, struct iso_fault *fault)
 {
-    const char *flaw = iso_person_name_flaw(person->name);
-    if (flaw) {
+    const char *flaw = iso_gallery_find(gallery, person->name) ? NULL
+                                                               : iso_person_name_flaw(person->name);
+    if (flaw) { /* of a new name: those of before stay */
         return iso_fault_set(fault, -EINVAL, "%s", flaw);
     }
     if (tmpl->algorithm != gallery->memory.algorithm) {
@@ -152,10 +153,18 @@ int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso
 
 /* ---- copying between galleries ---- */
 
-static int check_item(const struct iso_gallery_item *item, struct iso_fault *fault)
+/* A person who is here under just this name keeps it. */
+static bool has_exactly(const struct iso_gallery *gallery, const char *name)
+{
+    const struct iso_person *person = iso_gallery_find(gallery, name);
+    return person && strcmp(person->name, name) == 0;
+}
+
+static int check_item(const struct iso_gallery *gallery, const struct iso_gallery_item *item,
+                      struct iso_fault *fault)
 {
     const char *flaw = iso_person_name_flaw(item->person.name);
-    if (flaw) {
+    if (flaw && !has_exactly(gallery, item->person.name)) {
         return iso_fault_set(fault, -EINVAL, "%s", flaw);
     }
     if (item->n < 1 || item->n > ISO_GALLERY_TEMPLATES_MAX) {
@@ -241,7 +250,7 @@ static int check_items(const struct iso_gallery *gallery, const struct iso_galle
                        size_t n, struct iso_fault *fault)
 {
     for (size_t i = 0; i < n; i++) {
-        const int error = check_item(&items[i], fault);
+        const int error = check_item(gallery, &items[i], fault);
         if (error) {
             return error;
         }

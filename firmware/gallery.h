@@ -177,7 +177,8 @@ struct iso_gallery_version iso_gallery_version(const struct iso_gallery *gallery
 /* Everybody, in the order of enrolment. */
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n);
 
-/* How many people had, when it was opened, the name of another but for its case. */
+/* How many people had, when it was opened, the name of another but for its case, its encoding or
+ * characters that are not seen. */
 size_t iso_gallery_same_names(const struct iso_gallery *gallery);
 
 /* NULL if there is no such person. */

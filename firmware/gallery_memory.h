@@ -14,7 +14,7 @@ struct iso_gallery_memory {
     const struct iso_metric *metric; /* NULL: by distance */
     struct iso_person *people;       /* by rising id */
     size_t n_people, people_capacity;
-    size_t same_names;                /* names that were another's but for the case, when loaded */
+    size_t same_names;                /* names that were another's by their keys, when loaded */
     struct iso_index *index;          /* with a metric */
     struct iso_search_entry *entries; /* without one, in the order of people */
     size_t n_entries, entries_capacity;

@@ -84,7 +84,7 @@ int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person 
 {
     const char *name = (const char *)plain + 24;
     if (size != ISO_GALLERY_PERSON_BYTES || !memchr(name, '\0', ISO_PERSON_NAME_SIZE) ||
-        iso_person_name_flaw(name)) {
+        !iso_person_name_can_be_stored(name)) {
         return -EBADMSG;
     }
     *out = (struct iso_person){

@@ -10,15 +10,23 @@ enum {
     ISO_PERSON_NAME_SIZE = 4 * ISO_PERSON_NAME_CHARACTERS + 1, /* in UTF-8, with its end */
 };
 
-/* Valid UTF-8 of 1..64 characters, none of them a control character (C0, DEL, C1, line and
- * paragraph separators, marks that turn the direction of writing, which would forge log lines and
- * lists), no blank at either end. NULL if the name is fine, else what is wrong with it. */
+/* The rule for a name that is given now: valid UTF-8 of 1..64 characters, no blank at either end,
+ * none of them a control character (C0, DEL, C1, line and paragraph separators, marks that turn the
+ * direction of writing, which would forge log lines and lists), and none that is not seen:
+ * Default_Ignorable_Code_Point, Bidi_Control and the category "format" of the Unicode standard,
+ * noncharacters, and the empty Braille pattern. NULL if the name is fine, else what is wrong with
+ * it. */
 const char *iso_person_name_flaw(const char *name);
+
+/* The rule for a name that is in a store already: an earlier version let characters in that are not
+ * seen. */
+bool iso_person_name_can_be_stored(const char *name);
 
 /* Two names are one person's if their keys are the same: without regard to case and to how a
  * character is encoded ("Ada" and "ada", "STRASSE" and "Straße", composed and decomposed accents,
  * full-width letters), by the compatibility caseless match of the Unicode standard (section 3.13,
- * D146). The key is a digest of fixed size, to be kept and compared instead of the folded name. */
+ * D146), and without the characters that are not seen (D147, as for identifiers). The key is a
+ * digest of fixed size, to be kept and compared instead of the folded name. */
 struct iso_person_name_key {
     uint8_t bytes[16];
 };

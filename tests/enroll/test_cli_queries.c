@@ -57,6 +57,26 @@ static void list_aligns_wide_letters(void **state)
     assert_non_null(strstr(result.out, "\nAnna Margareta Wilhelmina Ek 2026-11-21"));
 }
 
+/* A gallery of an earlier version: they are named in a way that can be typed again. */
+static void list_names_those_who_look_the_same(void **state)
+{
+    static const struct fake_person twins[] = {
+        {"Ada", 1795248000, 0, 0, 1},       {"bob", 1795248000, 0, 0, 1},
+        {"A\u200bda", 1795248000, 0, 0, 1}, {"O'Brien", 1795248000, 0, 0, 1},
+        {"o'brien", 1795248000, 0, 0, 1},
+    };
+    const struct fake_script script = {.people = twins, .n_people = COUNT(twins)};
+    const struct cli_result result = cli_run(&script, "list");
+
+    (void)state;
+    cli_expect_exit(&result, 0);
+    assert_string_equal(
+        result.err, "isotherm: $'Ada' and $'A\\u200Bda' look the same; give one of them another "
+                    "name (isotherm rename)\n"
+                    "isotherm: $'O\\'Brien' and $'o\\'brien' look the same; give one of them "
+                    "another name (isotherm rename)\n");
+}
+
 static void what_cannot_be_written_is_a_fault(void **state)
 {
     static const char *const words[] = {"list",   "list --json", "status",   "log",
@@ -497,6 +517,7 @@ int main(void)
         cmocka_unit_test(a_daemon_that_is_not_configured_is_told_of),
         cmocka_unit_test(list_shows_everybody),
         cmocka_unit_test(list_aligns_wide_letters),
+        cmocka_unit_test(list_names_those_who_look_the_same),
         cmocka_unit_test(what_cannot_be_written_is_a_fault),
         cmocka_unit_test(one_person_is_no_people),
         cmocka_unit_test(list_of_nobody),
