@@ -86,7 +86,8 @@
  *   DoorChanged(s state, s cause)        words of firmware/door.h
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
- * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "lost"), "sensor-fault" s,
+ * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "repeats": it delivers frames
+ * of the last ten minutes again; "lost"), "sensor-fault" s,
  * "storage-fault" s (what the disk refused last, "" since it works again),
  * "sensor-health" s (what its driver says of it while it runs, "" while all is well),
  * "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with "nominal" if

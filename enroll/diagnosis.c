@@ -74,6 +74,9 @@ static const char *remedy_for_sensor(const char *fault)
         {"is no camera", "name a node that takes pictures: v4l2-ctl --list-devices"},
         {"gives ", "its calibration or camera file is for another size: calibrate, or mend it"},
         {"No space left", "the USB bus is full: put the cameras on two buses, or lower fps"},
+        {"repeat earlier ones",
+         "the camera is stuck, or is fed with stored pictures: look at it and "
+         "at its cable, then unplug it and plug it in again"},
         {"no frame for", "it is silent: its cable, power and USB port; the daemon keeps trying"},
         {"gone", "its cable and power; the daemon keeps trying"},
         {"No such device", "is it plugged in? its name in [sensor] of isotherm.conf(5)"},

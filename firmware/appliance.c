@@ -94,7 +94,10 @@ static void init_door(struct iso_appliance *appliance)
 
 const char *iso__appliance_sensor_state(const struct iso_appliance *appliance)
 {
-    return !appliance->keeper.sensor ? "lost" : appliance->keeper.sees ? "started" : "silent";
+    if (!appliance->keeper.sensor) {
+        return "lost";
+    }
+    return !appliance->keeper.sees ? "silent" : appliance->stuck ? "repeats" : "started";
 }
 
 static void init_sensor(struct iso_appliance *appliance, int64_t now_ns)
@@ -124,6 +127,7 @@ static void on_sensor_back(struct iso_appliance *appliance)
 {
     struct iso_audit_record record = iso_audit_record_of("sensor");
     record.reason = "started";
+    iso__appliance_repeat_reset(appliance);
     iso__appliance_say(appliance, LOG_NOTICE, "sensor %s started",
                        iso_sensor_name(appliance->keeper.sensor));
     (void)iso__appliance_record(appliance, &record);
@@ -160,6 +164,11 @@ int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_applia
     if (!appliance) {
         return -ENOMEM;
     }
+    const struct iso_frame_memory_options memory = iso_frame_memory_options_default();
+    if (iso_frame_memory_new(&memory, &appliance->shown)) {
+        free(appliance);
+        return -ENOMEM;
+    }
     appliance->parts = *parts;
     appliance->ended = ISO_APPLIANCE_CLAIMED;
     *out = appliance;
@@ -171,6 +180,7 @@ void iso_appliance_free(struct iso_appliance *appliance)
     if (appliance) {
         iso_sensor_keeper_done(&appliance->keeper);
         iso_enrolment_wipe(&appliance->enrolment);
+        iso_frame_memory_free(appliance->shown);
         explicit_bzero(appliance, sizeof *appliance); /* the frame worked on last */
         free(appliance);
     }

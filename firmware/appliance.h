@@ -193,7 +193,7 @@ struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
     const char *door_fault;         /* why its lines do not work; "" while they do */
-    const char *sensor_state;       /* "started", "silent", "lost" */
+    const char *sensor_state;       /* "started", "silent", "repeats", "lost" */
     const char *sensor_model;       /* "" while unknown */
     const char *sensor_calibration; /* "" while unknown, or if it has none */
     const char *sensor_fault;       /* the last one; "" */

@@ -299,6 +299,15 @@ static bool is_echo(const struct iso_appliance *appliance)
     return appliance->parts.config->motion.frozen_frames > 0 && appliance->liveness.repeated > 0;
 }
 
+/* Whether a frame may count as evidence. Every usable one is remembered, whatever else speaks
+ * against it: it may come again. */
+static bool counts(struct iso_appliance *appliance, const struct iso_frame *frame)
+{
+    const bool repeats = appliance->extraction.outcome == ISO_CAPTURE_OK &&
+                         iso__appliance_repeats(appliance, frame);
+    return !repeats && !is_echo(appliance);
+}
+
 void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
                           int64_t arrival_ns)
 {
@@ -313,9 +322,10 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     }
     note_image(appliance);
     enum iso_capture capture = judge(appliance, frame);
+    const bool evidence = counts(appliance, frame);
     if (capture == ISO_CAPTURE_OK) {
         appliance->complaining = false;
-        capture = is_echo(appliance) ? capture : take_face(appliance, frame->t_ns, arrival_ns);
+        capture = evidence ? take_face(appliance, frame->t_ns, arrival_ns) : capture;
     } else if (iso_capture_is_attack(capture)) {
         take_attack(appliance, capture, frame->t_ns, arrival_ns);
     }

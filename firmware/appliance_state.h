@@ -3,6 +3,7 @@
 #define ISO_FIRMWARE_APPLIANCE_STATE_H
 
 #include "core/find/scene_motion.h"
+#include "core/presentation/frame_memory.h"
 #include "core/presentation/liveness.h"
 #include "firmware/appliance.h"
 #include "firmware/attack_tally.h"
@@ -26,6 +27,9 @@ struct iso_appliance {
     struct iso_track track;
     struct iso_liveness liveness;
     uint64_t liveness_track;        /* of motion.track, whose frames it holds */
+    struct iso_frame_memory *shown; /* the frames that were evidence */
+    int repeats;                    /* usable frames in a row that repeat earlier ones */
+    bool stuck;                     /* that was told as a fault of the sensor */
     struct iso_track_motion motion; /* of the frame worked on; all zero without a fitted face */
     struct iso_scene_motion scene_motion;
     struct iso_hint_filter hints;
@@ -88,7 +92,8 @@ void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns);
 /* What the disk refuses now or refused last; "" since it works again. */
 const char *iso__appliance_storage_fault(const struct iso_appliance *appliance);
 
-/* "started", "silent" (it runs, but nothing is seen), "lost". */
+/* "started", "silent" (it runs, but nothing is seen), "repeats" (it delivers old frames again),
+ * "lost". */
 const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
 
 /* ---- frames (appliance_frame.c) ---- */
@@ -103,6 +108,15 @@ void iso__appliance_end_attack(struct iso_appliance *appliance);
 
 /* When one of deadlines, decisions, visits and attack attempts is due. */
 int64_t iso__appliance_due_ns(const struct iso_appliance *appliance);
+
+/* ---- frames that come again (appliance_repeat.c) ---- */
+
+/* Whether the usable frame just extracted repeats one of the last ten minutes, and so is evidence
+ * of nothing. Remembers it; a sensor that goes on repeating is told as a fault. */
+bool iso__appliance_repeats(struct iso_appliance *appliance, const struct iso_frame *frame);
+
+/* The sensor was opened anew: what it did before is no fault of now. The frames stay known. */
+void iso__appliance_repeat_reset(struct iso_appliance *appliance);
 
 /* ---- a picture (appliance_picture.c) ---- */
 

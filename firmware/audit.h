@@ -34,7 +34,7 @@
 struct iso_audit_record {
     const char *event; /* REQUIRED: "start", "visit", "door", ... */
     const char *person, *verdict, *reason, *note;
-    const char *sensor; /* its health at a decision: "started", "silent", "lost" */
+    const char *sensor; /* its health at a decision: "started", "silent", "repeats", "lost" */
     /* Of a visit with the verdict "allow": what the door did (iso_door_answer_name), why if it did
      * not unlock, and the sequence of the "grant" record that was written before the lock was
      * switched (0: not said). */

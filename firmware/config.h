@@ -22,6 +22,7 @@ enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 32, ISO_CONFIG_KEYS_
 struct iso_config_sensor {
     char backend[ISO_CONFIG_TEXT_SIZE];
     char path[ISO_CONFIG_TEXT_SIZE], pace[ISO_CONFIG_TEXT_SIZE], loop[ISO_CONFIG_TEXT_SIZE];
+    char repeats[ISO_CONFIG_TEXT_SIZE];
     char device[ISO_CONFIG_TEXT_SIZE], mode[ISO_CONFIG_TEXT_SIZE], unit[ISO_CONFIG_TEXT_SIZE];
     char intensity[ISO_CONFIG_TEXT_SIZE], intrinsics[ISO_CONFIG_TEXT_SIZE];
     char ir_device[ISO_CONFIG_TEXT_SIZE];

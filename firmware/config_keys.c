@@ -13,6 +13,8 @@ const struct iso_config_key iso_config_keys[] = {
      "replay, openni2 with a path: realtime, or asap"},
     {"sensor", "loop", ISO_CONFIG_TEXT, true, AT(sensor, loop), 0, 0, NULL, "",
      "replay, openni2 with a path: yes begins again after the last frame"},
+    {"sensor", "repeats", ISO_CONFIG_TEXT, true, AT(sensor, repeats), 0, 0, NULL, "",
+     "replay: yes lets a stored frame count more than once within 10 minutes; for tests only"},
     {"sensor", "device", ISO_CONFIG_TEXT, true, AT(sensor, device), 0, 0, NULL, "",
      "openni2: URI or serial number, the first if empty; v4l2: the depth node"},
     {"sensor", "mode", ISO_CONFIG_TEXT, true, AT(sensor, mode), 0, 0, NULL, "",

@@ -152,6 +152,7 @@ enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, in
             (void)snprintf(keeper->model, sizeof keeper->model, "%s", description.model);
             (void)snprintf(keeper->calibration, sizeof keeper->calibration, "%s",
                            description.calibration);
+            keeper->repeats = description.repeats;
         }
         return ISO_SENSOR_FRAME;
     }

@@ -46,6 +46,7 @@ struct iso_sensor_keeper {
     uint64_t frames;
     char model[32];       /* of the sensor; "" while unknown */
     char calibration[96]; /* the same */
+    bool repeats;         /* its frames may count again: iso_sensor_description.repeats */
     int error;            /* the last one, negative errno; 0 if there was none */
     char fault[256];      /* what it was, in words */
 };

@@ -30,6 +30,7 @@ struct iso_sensor_description {
     double unit_mm;          /* depths are whole multiples of this; 0 if they are not */
     double rate_hz;          /* frames a second when all is well; 0 if that is not fixed */
     char calibration[96];    /* what it measures by, in words; "" if the device knows itself */
+    bool repeats; /* its frames are stored ones that may count again: of a replay, on demand */
 };
 
 /* A device that a back end could open. */

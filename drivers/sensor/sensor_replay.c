@@ -27,7 +27,7 @@ struct slot {
 struct replay {
     struct iso_clock clock;
     char *path;
-    bool realtime, loop;
+    bool realtime, loop, repeats;
 
     struct slot slot;
     struct iso_recording *recording; /* NULL: nothing to play */
@@ -44,7 +44,7 @@ struct replay {
 static int parse_options(const struct iso_option *options, size_t n_options, struct replay *replay,
                          struct iso_fault *fault)
 {
-    static const char *const known[] = {"path", "pace", "loop", NULL};
+    static const char *const known[] = {"path", "pace", "loop", "repeats", NULL};
     const char *pace = iso_options_find(options, n_options, "pace");
     const char *path = iso_options_find(options, n_options, "path");
     int error = iso_options_check(owner, options, n_options, known, fault);
@@ -60,6 +60,9 @@ static int parse_options(const struct iso_option *options, size_t n_options, str
     }
     replay->realtime = !pace || strcmp(pace, "realtime") == 0;
     error = iso_options_bool(owner, options, n_options, "loop", false, &replay->loop, fault);
+    error = error ? error
+                  : iso_options_bool(owner, options, n_options, "repeats", false, &replay->repeats,
+                                     fault);
     if (!error && !(replay->path = strdup(path))) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
     }
@@ -289,6 +292,7 @@ static int replay_describe(void *self, struct iso_sensor_description *out)
         .height_px = meta->camera.height_px,
         .intensity = iso_recording_has_intensity(replay->recording),
         .unit_mm = meta->unit_mm,
+        .repeats = replay->repeats,
     };
     (void)snprintf(out->model, sizeof out->model, "%s", meta->sensor);
     return 0;
@@ -300,6 +304,9 @@ static void replay_health(void *self, struct iso_sensor_device_health *out)
     const struct replay *replay = self;
     if (!replay->slot.there) {
         (void)snprintf(out->state, sizeof out->state, "there is no recording at its path");
+    } else if (replay->repeats) {
+        (void)snprintf(out->state, sizeof out->state,
+                       "stored frames may count more than once (repeats = yes)");
     }
 }
 

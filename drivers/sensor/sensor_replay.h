@@ -4,6 +4,8 @@
  *   path   required: a recording's directory, or a symbolic link to one (a slot for visitors)
  *   pace   realtime (default): frames are due by the recording's time stamps; asap: at once
  *   loop   no (default) | yes: begin again after the last frame
+ *   repeats  no (default) | yes: frames that were played before may count as evidence again. It is
+ *          for tests that play a recording more than once; no camera has this option
  *
  * It plays the frames in order, from the first one at each start. When the link is replaced,
  * appears or disappears, the sensor starts anew with what is there. It may begin with nothing

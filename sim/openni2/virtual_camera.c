@@ -18,6 +18,7 @@
 #include "drivers/sensor/sensor.h"
 #include "drivers/sensor/sensor_replay.h"
 #include "drivers/text.h"
+#include "sim/random.h"
 
 enum {
     LOOK_MS = 10, /* how often the cable is looked at */
@@ -29,7 +30,7 @@ enum {
 struct sim_virtual_camera {
     struct sim_virtual_camera_events events;
     struct iso_recording_meta meta;
-    char unplugged[PATH_MAX], slot[PATH_MAX];
+    char unplugged[PATH_MAX], slot[PATH_MAX], noise[PATH_MAX];
     struct iso_sensor *scene; /* the slot, played as fast as it is asked */
     struct iso_frame *seen;   /* what is handed on */
     int shutter_fd;           /* -1: 30 a second */
@@ -89,6 +90,7 @@ static int prepare(struct sim_virtual_camera *camera, const char *bench, struct 
     int error = read_meta(bench, camera, fault);
     error = error ? error : iso_path_join(bench, "unplugged", camera->unplugged, fault);
     error = error ? error : iso_path_join(bench, "slot", camera->slot, fault);
+    error = error ? error : iso_path_join(bench, "noise", camera->noise, fault);
     error = error ? error : iso_path_join(bench, "shutter", shutter, fault);
     error = error ? error : open_scene(camera, fault);
     if (error) {
@@ -190,6 +192,15 @@ static void look_at_stream(struct sim_virtual_camera *camera)
     camera->due_ns = monotonic_ns(NULL);
 }
 
+static void add_noise(const struct sim_virtual_camera *camera, size_t pixels)
+{
+    struct sim_random random = sim_random_seeded((uint64_t)camera->index, 0, 0);
+    for (size_t i = 0; i < pixels; i++) {
+        float *depth_mm = &camera->seen->depth_mm[i];
+        *depth_mm += *depth_mm > 1.0F ? (float)sim_random_below(&random, 3) - 1.0F : 0.0F;
+    }
+}
+
 /* Copies what stands before the camera, or darkness. False if nothing can be made of it. */
 static bool see(struct sim_virtual_camera *camera)
 {
@@ -210,6 +221,9 @@ static bool see(struct sim_virtual_camera *camera)
     memset(seen->intensity, 0, pixels * sizeof *seen->intensity);
     if (!error) {
         memcpy(seen->depth_mm, scene->depth_mm, pixels * sizeof *seen->depth_mm);
+    }
+    if (access(camera->noise, F_OK) == 0) {
+        add_noise(camera, pixels);
     }
     if (!error && scene->intensity) {
         memcpy(seen->intensity, scene->intensity, pixels * sizeof *seen->intensity);

@@ -6,6 +6,9 @@
  *   slot         who stands before it: a recording of the same size, or a symbolic link to one,
  *                played again and again; where nothing is, nobody stands: frames without a depth
  *   unplugged    while this file exists, the camera's cable is out
+ *   noise        while this file exists, every measured depth is wrong by -1, 0 or 1 mm, anew in
+ *                each frame, as a sensor's are: a recording that is played again and again is then
+ *                not a stuck camera
  *   shutter      optional FIFO: the camera makes a frame only for a byte read from it, 'f' makes
  *                one and 's' makes one that is lost on its way; without it, 30 a second
  *

@@ -47,6 +47,7 @@ cat >"$run/isotherm.conf" <<END
 [sensor]
 backend = replay
 path = $run/slot
+repeats = yes
 $(patient_sensor_conf)
 [door]
 backend = null

@@ -44,6 +44,7 @@ backend = replay
 path = $run/frames
 pace = asap
 loop = yes
+repeats = yes
 [lockout]
 failures = 0
 attacks = 0

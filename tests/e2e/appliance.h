@@ -23,6 +23,7 @@ struct appliance {
     const char *gap_ms;    /* who is not seen for so long has left */
     const char *settle_ms; /* of appliance_visit(): longer than that */
     struct run daemon;
+    bool strict;   /* a recording counts once in ten minutes, as at a door */
     int notify_fd; /* what the daemon tells its service manager */
 };
 
@@ -36,6 +37,9 @@ int appliance_teardown(void **state);
 
 /* The same with the virtual camera behind OpenNI2's runtime in place of the sensor replay. */
 int appliance_setup_openni2(void **state);
+
+/* Writes the daemon's configuration, for its next start. */
+void appliance_configure(const struct appliance *appliance);
 
 /* Starts the daemon and waits until it says that it is ready. */
 void appliance_start_daemon(struct appliance *appliance);

@@ -48,6 +48,7 @@ backend = replay
 path = $run/slot
 pace = asap
 loop = yes
+repeats = yes
 stale_ms = 5000
 pause_ms = 5000
 [door]

@@ -476,6 +476,38 @@ static void a_killed_daemon_forgets_nobody(void **state)
     appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
 }
 
+/* A camera that delivers what it delivered before: the first visit opens, the same frames again do
+ * not, and the fault is told. */
+static void a_recording_that_comes_again_opens_nothing(void **state)
+{
+    static const char *const recordings[] = {"p01-v1", NULL};
+    struct appliance *appliance = *state;
+
+    appliance_end_daemon(appliance, SIGTERM);
+    run_free(&appliance->daemon);
+    appliance->strict = true;
+    appliance_configure(appliance);
+    appliance_start_daemon(appliance);
+    appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
+    /* A match needs two frames of three: one may be left that was not shown yet. */
+    assert_int_not_equal(appliance_run(appliance, "verify p01 --timeout 2", "p01-v1")->exit, 0);
+    appliance_expect(appliance_visit(appliance, recordings), 1);
+
+    json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+    assert_string_equal(text_of(status, "sensor-state"), "repeats");
+    json_decref(status);
+    const struct appliance_result *result = appliance_run(appliance, "doctor", NULL);
+    assert_int_equal(result->exit, 4);
+    assert_non_null(strstr(result->out, "the camera is stuck"));
+    result = appliance_run(appliance, "log --count 20", NULL);
+    assert_non_null(strstr(result->out, "its frames repeat earlier ones"));
+
+    appliance_expect(appliance_run(appliance, "verify p01", "p01-v2"), 0); /* new frames */
+    status = appliance_run_json(appliance, "status", NULL, 0);
+    assert_string_equal(text_of(status, "sensor-state"), "started");
+    json_decref(status);
+}
+
 static void an_end_by_signal_is_a_clean_one(void **state)
 {
     struct appliance *appliance = *state;
@@ -511,6 +543,7 @@ int main(void)
         cmocka_unit_test(people_are_carried_in_a_sealed_file),
         cmocka_unit_test(keys_are_rotated_and_the_log_is_sound),
         cmocka_unit_test(a_killed_daemon_forgets_nobody),
+        cmocka_unit_test(a_recording_that_comes_again_opens_nothing),
         cmocka_unit_test(an_end_by_signal_is_a_clean_one),
     };
 

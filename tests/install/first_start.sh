@@ -78,6 +78,7 @@ configure() {
 [sensor]
 backend = replay
 path = /srv/slot
+repeats = yes
 [door]
 backend = null
 unlock_ms = 500

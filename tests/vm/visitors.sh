@@ -3,6 +3,7 @@
 corpus=$VM_SOURCE/sim/stored
 mkdir bench
 mkfifo bench/shutter
+: >bench/noise # the recordings are shown again and again: without it the camera would be stuck
 cp "$corpus/p01-enrol/recording.ini" bench/camera.ini
 exec 4<>bench/shutter
 
