@@ -210,7 +210,7 @@ static void tell_recognition(const struct iso_appliance *appliance, const char *
 {
     const struct iso_appliance_events *events = &appliance->parts.events;
     events->recognition_status(events->context, appliance->mode, result, done, person, score,
-                               iso_config_threshold(appliance->parts.config));
+                               iso__appliance_threshold(appliance));
 }
 
 /* The action has ended by itself; `tell` comes before, as it needs the mode. */
@@ -401,7 +401,7 @@ void iso__appliance_finish_recognition(struct iso_appliance *appliance,
     record.person = *person ? person : NULL;
     record.reason = result;
     record.score = verdict->score;
-    record.threshold = iso_config_threshold(appliance->parts.config);
+    record.threshold = iso__appliance_threshold(appliance);
     record.frames = verdict->frames;
     if (verdict->attack_frames > 0) {
         record.attack_frames = verdict->attack_frames;

@@ -121,6 +121,7 @@ static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns,
     if (appliance->decision.n_frames == 0) {
         appliance->arrival_ns = arrival_ns;
     }
+    iso_decision_set_threshold(&appliance->decision, iso__appliance_threshold(appliance));
     if (iso_decision_face(&appliance->decision, &face, &verdict)) {
         finish(appliance, &verdict);
     }

@@ -131,6 +131,9 @@ void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);
 
+/* The score that is asked of a face now: it depends on how many people the face is compared with. */
+double iso__appliance_threshold(const struct iso_appliance *appliance);
+
 /* WATCH: the verdict of a visit. Logs it, tells the door, reports it. */
 void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict);
 

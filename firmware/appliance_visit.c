@@ -21,6 +21,15 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
     };
 }
 
+double iso__appliance_threshold(const struct iso_appliance *appliance)
+{
+    size_t n_people = 1;
+    if (appliance->mode != ISO_APPLIANCE_VERIFY) {
+        (void)iso_gallery_people(appliance->parts.gallery, &n_people);
+    }
+    return iso_config_threshold_among(appliance->parts.config, n_people);
+}
+
 static bool is_valid_at(const struct iso_person *person, int64_t now_s)
 {
     if (person->valid_from_s == 0 && person->valid_until_s == 0) {
@@ -63,7 +72,7 @@ static struct iso_audit_record record_of(const struct iso_appliance *appliance, 
     record.verdict = verdict_word(verdict);
     record.reason = iso_reason_name(verdict->reason);
     record.score = verdict->score;
-    record.threshold = iso_config_threshold(appliance->parts.config);
+    record.threshold = iso__appliance_threshold(appliance);
     record.frames = verdict->frames;
     record.sensor = iso__appliance_sensor_state(appliance);
     if (iso_image_tally_text(&appliance->image, image)) {
@@ -193,7 +202,7 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
         .verdict = verdict,
         .door_fault = "",
         .person = person ? person->name : "",
-        .threshold = iso_config_threshold(appliance->parts.config),
+        .threshold = iso__appliance_threshold(appliance),
         .latency_ns = iso_times_now_ns(&appliance->parts.times) - appliance->arrival_ns,
     };
     if (verdict.allow) {

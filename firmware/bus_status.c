@@ -112,6 +112,9 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size
     }
     int r = sd_bus_message_append(reply, "{sv}", "people", "u", (uint32_t)n);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "people-valid", "u", (uint32_t)valid);
+    r = r < 0 ? r
+              : sd_bus_message_append(reply, "{sv}", "threshold", "d",
+                                      iso_config_threshold_among(bus->parts->config, n));
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates", "u", templates);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates-usable", "u", usable);
     return r < 0 ? r
@@ -176,9 +179,6 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
     r = r < 0 ? r : append_checksum(reply, "model", status.model);
     r = r < 0 ? r : append_checksum(reply, "algorithm", status.algorithm);
-    r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}", "threshold", "d",
-                                      iso_config_threshold(bus->parts->config));
     r = r < 0 ? r
               : sd_bus_message_append(reply, "{sv}", "uptime-ms", "x",
                                       status.uptime_ns / ISO_NS_PER_MS);

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <ini.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -267,6 +268,17 @@ double iso_config_threshold(const struct iso_config *config)
         [ISO_LEVEL_CONVENIENT] = 2.0, [ISO_LEVEL_BALANCED] = 3.0, [ISO_LEVEL_STRICT] = 4.0};
     const double set = config->decision.threshold;
     return set < 0.0 || set > 0.0 ? set : of_level[config->decision.level];
+}
+
+double iso_config_threshold_among(const struct iso_config *config, size_t n_people)
+{
+    const struct iso_config_decision *decision = &config->decision;
+    const bool is_set = decision->threshold < 0.0 || decision->threshold > 0.0;
+    const double times = (double)n_people / (double)ISO_CONFIG_PEOPLE_AT_LEVEL;
+    if (is_set || config->match.method != ISO_MATCH_BY_METRIC || times <= 1.0) {
+        return iso_config_threshold(config);
+    }
+    return iso_config_threshold(config) + log10(times);
 }
 
 struct iso_config iso_config_default(void)

@@ -184,6 +184,15 @@ bool iso_config_has_relay(const struct iso_config *config);
  * level's. By metric, a score of s is as rare as 10^-s among strangers who are alike (metric.h). */
 double iso_config_threshold(const struct iso_config *config);
 
+/* The same for a face that is compared with so many people. Each of them is one more chance for a
+ * stranger, so that above ISO_CONFIG_PEOPLE_AT_LEVEL the level's score rises by the common
+ * logarithm of how many times more there are: 100 people take 1 more, 1,000 take 2 more. A
+ * stranger's visit is then let in no more often than the level says, however many are enrolled. A
+ * threshold that is set stands, and so does a comparison by distance, whose score is no
+ * probability. */
+enum { ISO_CONFIG_PEOPLE_AT_LEVEL = 10 };
+double iso_config_threshold_among(const struct iso_config *config, size_t n_people);
+
 /* What holds without a file. */
 struct iso_config iso_config_default(void);
 

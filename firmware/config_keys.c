@@ -136,14 +136,16 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"decision", "level", ISO_CONFIG_CHOICE, false, AT(decision, level), 0, 0,
      "convenient|balanced|strict", "balanced",
-     "how rarely a stranger who looks alike may pass for somebody, in one comparison: 1e-2, 1e-3, "
-     "1e-4"},
+     "share of strangers' visits that may be let in, whatever number of people is enrolled: 1e-2, "
+     "1e-3, 1e-4"},
     {"decision", "threshold", ISO_CONFIG_NUMBER, false, AT(decision, threshold), -100, 100, NULL,
-     "0", "score from which on a face is taken for a person's; 0: the level's"},
+     "0",
+     "score from which on a face is taken for a person's; 0: the level's, which grows with the "
+     "people"},
     {"decision", "margin", ISO_CONFIG_NUMBER, false, AT(decision, margin), 0, 100, NULL, "0",
      "score by which the best person must lead the second"},
     {"decision", "agree", ISO_CONFIG_COUNT, false, AT(decision, agree), 2, 32, NULL, "2",
-     "frames of one visit that must show the same person"},
+     "frames of one visit that must show the same person; half of them must, too"},
     {"decision", "max_frames", ISO_CONFIG_COUNT, false, AT(decision, max_frames), 1, 64, NULL, "6",
      "usable frames after which a visit without agreement is refused"},
     {"decision", "attack_frames", ISO_CONFIG_COUNT, false, AT(decision, attack_frames), 1, 64, NULL,

@@ -27,6 +27,11 @@ static void forget_face(struct iso_decision *decision)
     decision->best_score = NAN;
 }
 
+void iso_decision_set_threshold(struct iso_decision *decision, double threshold)
+{
+    decision->options.threshold = threshold;
+}
+
 void iso_decision_reset(struct iso_decision *decision)
 {
     decision->state = ISO_DECISION_IDLE;
@@ -61,6 +66,14 @@ static void spend(struct iso_decision *decision, int64_t t_ns)
 {
     decision->state = ISO_DECISION_SPENT;
     decision->verdict_ns = t_ns;
+}
+
+/* So many frames have to agree: those that are asked for, and half of the visit's usable ones. Else
+ * every further frame of a stranger were one more chance. */
+static int frames_needed(const struct iso_decision *decision)
+{
+    const int half = (decision->n_frames + 1) / 2;
+    return half > decision->options.agree ? half : decision->options.agree;
 }
 
 /* Somebody is there; false if that is of no interest for the time being. */
@@ -135,7 +148,7 @@ bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_
     note(decision, frame);
     const int64_t person = decision->frames[decision->n_frames - 1].person;
     double best = NAN;
-    if (person != 0 && count_of(decision, person, &best) >= decision->options.agree) {
+    if (person != 0 && count_of(decision, person, &best) >= frames_needed(decision)) {
         *verdict = conclude(decision, frame->valid ? ISO_REASON_MATCH : ISO_REASON_NOT_VALID);
         verdict->allow = frame->valid;
         verdict->person = person;

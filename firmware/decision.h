@@ -1,7 +1,8 @@
 /* From the frames of one visit to a verdict: pure, time comes as an argument.
  *
  *   IDLE   a usable face or an attack frame           -> VISIT (or at once SPENT, as below)
- *   VISIT  `agree` frames of the same person          -> SPENT, verdict allow (deny: not valid now)
+ *   VISIT  `agree` frames of the same person, and
+ *          half of the usable ones at least           -> SPENT, verdict allow (deny: not valid now)
  *          max_frames usable frames without that      -> SPENT, verdict deny
  *          `attack_frames` attack frames              -> SPENT, verdict deny
  *          another face than the one tracked          -> VISIT anew, verdict deny if there was a
@@ -100,6 +101,9 @@ struct iso_decision {
 };
 
 void iso_decision_init(struct iso_decision *decision, const struct iso_decision_options *options);
+
+/* The threshold for the frames from now on; those before have been judged. */
+void iso_decision_set_threshold(struct iso_decision *decision, double threshold);
 
 /* Nobody is there; a visit that has begun is forgotten. */
 void iso_decision_reset(struct iso_decision *decision);

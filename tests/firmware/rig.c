@@ -38,7 +38,11 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
                                   bool done, const char *person, double score, double threshold)
 {
     const struct rig *rig = context;
-    assert_true(threshold == rig->config.decision.threshold);
+    size_t n_people = 1;
+    if (mode == ISO_APPLIANCE_IDENTIFY) {
+        (void)iso_gallery_people(rig->gallery, &n_people);
+    }
+    assert_true(threshold == iso_config_threshold_among(&rig->config, n_people));
     assert_true(isnan(score) || score <= 10);
     tell(context, "%s %s%s%s%s; ", iso_appliance_mode_name(mode), result, *person ? " " : "",
          person, done ? " done" : "");

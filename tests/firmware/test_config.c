@@ -51,6 +51,28 @@ static void a_level_stands_for_a_threshold(void **state)
     }
 }
 
+static double threshold_among(const char *text, size_t n_people)
+{
+    struct iso_config config;
+    struct iso_fault fault = {""};
+    assert_int_equal(iso_config_parse("level", text, &config, &fault), 0);
+    return iso_config_threshold_among(&config, n_people);
+}
+
+/* A level's rate is that of a visit: ten times the people, a tenth of the chances with each. */
+static void the_threshold_grows_with_the_people(void **state)
+{
+    (void)state;
+    assert_true(threshold_among("", 0) == 3);
+    assert_true(threshold_among("", 1) == 3);
+    assert_true(threshold_among("", 10) == 3);
+    assert_float_equal(threshold_among("", 20), 3.30103, 1e-5);
+    assert_float_equal(threshold_among("", 100), 4, 1e-12);
+    assert_float_equal(threshold_among("[decision]\nlevel = strict\n", 10000), 7, 1e-12);
+    assert_true(threshold_among("[decision]\nthreshold = 2.5\n", 10000) == 2.5);
+    assert_true(threshold_among("[match]\nmethod = distance\n", 10000) == 3);
+}
+
 static void every_default_is_sound(void **state)
 {
     (void)state;
@@ -252,6 +274,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(holds_defaults_without_a_file),
         cmocka_unit_test(a_level_stands_for_a_threshold),
+        cmocka_unit_test(the_threshold_grows_with_the_people),
         cmocka_unit_test(every_default_is_sound),
         cmocka_unit_test(reads_every_type),
         cmocka_unit_test(refuses_what_it_does_not_know),

@@ -84,6 +84,45 @@ static void agreement_need_not_be_in_a_row(void **state)
     assert_int_equal(verdict.frames, 4);
 }
 
+/* A stranger who passes now and then has not passed: further frames are no further chances. */
+static void half_of_the_frames_have_to_agree(void **state)
+{
+    (void)state;
+    decision.options.max_frames = 6;
+    assert_false(face(100, ANNA, 6, 1, true));
+    assert_false(face(133, ANNA, 3, 1, true));
+    assert_false(face(166, ANNA, 3, 1, true));
+    assert_false(face(200, ANNA, 3, 1, true));
+    assert_false(face(233, ANNA, 6, 1, true)); /* 2 of 5 */
+    assert_true(face(266, ANNA, 5, 1, true));  /* 3 of 6 */
+    assert_true(verdict.allow);
+    assert_int_equal(verdict.frames, 6);
+}
+
+static void two_of_six_are_not_enough(void **state)
+{
+    (void)state;
+    decision.options.max_frames = 6;
+    for (int i = 0; i < 4; i++) {
+        assert_false(face(100 + 33 * i, ANNA, 3, 1, true));
+    }
+    assert_false(face(240, ANNA, 6, 1, true));
+    assert_true(face(280, ANNA, 6, 1, true));
+    assert_false(verdict.allow);
+    assert_int_equal(verdict.reason, ISO_REASON_UNKNOWN);
+}
+
+/* Frames are judged by the threshold that held when they came. */
+static void a_new_threshold_holds_from_the_next_frame_on(void **state)
+{
+    (void)state;
+    assert_false(face(100, ANNA, 4.5, 1, true));
+    iso_decision_set_threshold(&decision, 5);
+    assert_false(face(133, ANNA, 4.5, 1, true));
+    assert_true(face(166, ANNA, 5, 1, true));
+    assert_true(verdict.allow);
+}
+
 static void denies_without_agreement(void **state)
 {
     (void)state;
@@ -378,6 +417,9 @@ int main(void)
         cmocka_unit_test_setup(allows_after_agreement, setup),
         cmocka_unit_test_setup(one_frame_may_be_enough, setup),
         cmocka_unit_test_setup(agreement_need_not_be_in_a_row, setup),
+        cmocka_unit_test_setup(half_of_the_frames_have_to_agree, setup),
+        cmocka_unit_test_setup(two_of_six_are_not_enough, setup),
+        cmocka_unit_test_setup(a_new_threshold_holds_from_the_next_frame_on, setup),
         cmocka_unit_test_setup(denies_without_agreement, setup),
         cmocka_unit_test_setup(denies_out_of_time, setup),
         cmocka_unit_test_setup(wants_a_lead_over_the_second, setup),

@@ -147,7 +147,8 @@ static bool oracle_frame(struct oracle *o, const struct event *event, struct iso
             best = fmax(best, o->seen[i].face.score);
         }
     }
-    if (counts(o, &event->face) && agreeing >= o->options.agree) {
+    if (counts(o, &event->face) && agreeing >= o->options.agree &&
+        2 * agreeing >= count(o, first_of_face(o), FACE)) {
         *verdict = describe(o, event->face.valid ? ISO_REASON_MATCH : ISO_REASON_NOT_VALID);
         verdict->allow = event->face.valid;
         verdict->person = event->face.person;

@@ -1,0 +1,65 @@
+/* The score that an appliance asks for depends on how many people a face is compared with. */
+#include <stdio.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "tests/firmware/rig.h"
+
+static int many_people_setup(void **state)
+{
+    rig_capacity = 30;
+    const int error = rig_setup(state);
+    rig_capacity = 0;
+    return error;
+}
+
+/* A score of 4 is enough at `strict` for a door of one person, and for who says who he or she is.
+ * In a search among twenty it takes 4.3. */
+static void the_more_people_the_surer_a_search_has_to_be(void **state)
+{
+    struct rig *rig = *state;
+    rig->config.decision.threshold = 0;
+    rig->config.decision.level = ISO_LEVEL_STRICT;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    rig_show(rig, 56, 2); /* 10 - 6 */
+    rig_run(rig, 100);
+    assert_non_null(strstr(rig_news(rig), "visit allow anna match 2"));
+    assert_non_null(strstr(rig_record(rig, "visit"), "\"threshold\":4,"));
+    rig_run(rig, 20000);
+    for (int i = 1; i < 20; i++) {
+        char name[16];
+        (void)snprintf(name, sizeof name, "p%02d", i);
+        rig_enrol(rig, name, 100 + 50 * i);
+    }
+    (void)rig_news(rig);
+    rig_show(rig, 56, 6);
+    rig_run(rig, 300);
+    assert_non_null(strstr(rig_news(rig), "visit deny unknown 6"));
+    assert_non_null(strstr(rig_record(rig, "visit"), "\"threshold\":4.30"));
+    rig_run(rig, 20000);
+    (void)rig_news(rig);
+    rig_show(rig, 55, 2); /* 10 - 5 */
+    rig_run(rig, 100);
+    assert_non_null(strstr(rig_news(rig), "visit allow anna match 2"));
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
+    (void)rig_news(rig);
+    rig_show(rig, 56, 2);
+    rig_run(rig, 100);
+    assert_string_equal(rig_news(rig), "verify match anna done");
+    assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
+    rig_show(rig, 56, 6);
+    rig_run(rig, 300);
+    assert_string_equal(rig_news(rig), "identify no-match done");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(the_more_people_the_surer_a_search_has_to_be,
+                                        many_people_setup, rig_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
