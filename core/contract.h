@@ -86,15 +86,14 @@
  *   DoorChanged(s state, s cause)        words of firmware/door.h
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
- * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "repeats": it delivers frames
- * of the last ten minutes again; "lost"), "sensor-fault" s,
- * "storage-fault" s (what the disk refused last, "" since it works again),
- * "sensor-health" s (what its driver says of it while it runs, "" while all is well),
- * "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with "nominal" if
- * the intrinsics are the model's and were not measured on this camera), "sensor-devices" s (what
- * the back end sees, "" if it cannot tell, or not while it is lost), "door" s (back end),
- * "door-state" s, "door-lines" s (those that are wired), "door-fault" s ("" while its lines work),
- * "mode" s
+ * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "repeats": it delivers
+ * frames of the last ten minutes again; "lost"), "sensor-fault" s, "storage-fault" s (what the disk
+ * refused last, "" since it works again), "sensor-health" s (what its driver says of it while it
+ * runs, "" while all is well), "sensor-calibration" s (what it measures by, "" if it knows itself;
+ * it begins with "nominal" if the intrinsics are the model's and were not measured on this camera),
+ * "sensor-devices" s (what the back end sees, "" if it cannot tell, or not while it is lost),
+ * "door" s (back end), "door-state" s, "door-lines" s (those that are wired), "door-fault" s (""
+ * while its lines work), "mode" s
  * ("watch", "claimed", "enroll", "verify", "identify"), "people" u (of whom "people-valid" u may
  * come in at this time), "templates" u (of which the running algorithm can use "templates-usable"
  * u), "capacity" u, "frames" t, "last-outcome" s, "image-check" s ("off", "flag", "veto",

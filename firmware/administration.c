@@ -337,6 +337,7 @@ static int rotate_stores(struct iso_appliance *appliance, const struct iso_work_
     error = error ? error : iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, fault);
     error = error ? error : iso_gallery_renew_anchor(parts->gallery, fault);
     error = error ? error : iso_audit_renew_anchor(parts->audit, fault);
+    error = error ? error : iso__appliance_keep_lockout(appliance, fault);
     return error ? error : iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, fault);
 }
 

@@ -14,7 +14,9 @@
 #include "firmware/storage_fault.h"
 
 enum {
-    PLAIN_BYTES = 8 + 8 + ISO_ANCHOR_EXTRA_BYTES, /* turn, value, extra */
+    PLAIN_1_BYTES = 8 + 8 + ISO_ANCHOR_EXTRA_BYTES, /* turn, value, extra: format 1 */
+    PLAIN_BYTES = PLAIN_1_BYTES + ISO_HEADS_BYTES,
+    USED_1_BYTES = 4 + PLAIN_1_BYTES + ISO_SEAL_OVERHEAD,
     USED_BYTES = 4 + PLAIN_BYTES + ISO_SEAL_OVERHEAD,
     SLOT_BYTES = 4096, /* apart, so that a sector which is cut short is one slot's */
 };
@@ -29,38 +31,58 @@ struct iso_anchor {
     bool sync;
     uint64_t turn; /* of the slot in force; the next goes into the other */
     struct iso_anchor_state state;
+    struct iso_heads known;
 };
 
-static struct iso_seal_label slot_label(const char *kind, uint32_t key)
+static struct iso_seal_label slot_label(const char *format, const char *kind, uint32_t key)
 {
-    struct iso_seal_label label = iso_seal_label_of("isotherm anchor 1");
+    struct iso_seal_label label = iso_seal_label_of(format);
     iso_seal_label_bytes(&label, kind, strlen(kind) + 1);
     iso_seal_label_number(&label, key);
     return label;
 }
 
+static const char format_1[] = "isotherm anchor 1", format_2[] = "isotherm anchor 2";
+
 static void fill_slot(const struct iso_anchor *anchor, uint64_t turn,
-                      const struct iso_anchor_state *state, uint8_t slot[USED_BYTES])
+                      const struct iso_anchor_state *state, const struct iso_heads *known,
+                      uint8_t slot[USED_BYTES])
 {
     const uint32_t number = iso_key_ring_newest(anchor->ring, ISO_KEY_ANCHOR);
-    const struct iso_seal_label label = slot_label(anchor->kind, number);
+    const struct iso_seal_label label = slot_label(format_2, anchor->kind, number);
     uint8_t plain[PLAIN_BYTES];
     uint8_t *p = iso_put_u64(plain, turn);
     p = iso_put_u64(p, state->value);
-    (void)iso_put_bytes(p, state->extra, sizeof state->extra);
+    p = iso_put_bytes(p, state->extra, sizeof state->extra);
+    iso_heads_put(known, p);
     (void)iso_put_u32(slot, number);
     iso_seal_close(iso_key_ring_find(anchor->ring, ISO_KEY_ANCHOR, number), &label, plain,
                    sizeof plain, slot + 4);
 }
 
-/* Takes a slot that is sound and newer than what is known. */
-static void try_slot(struct iso_anchor *anchor, const uint8_t slot[USED_BYTES], bool *found)
+/* Opens a slot of either format; one of the first knows nothing. */
+static int open_slot(const struct iso_anchor *anchor, const uint8_t slot[USED_BYTES],
+                     uint8_t plain[PLAIN_BYTES])
 {
     const uint32_t number = iso_get_u32(slot);
     const struct iso_seal_key *key = iso_key_ring_find(anchor->ring, ISO_KEY_ANCHOR, number);
-    const struct iso_seal_label label = slot_label(anchor->kind, number);
+    const struct iso_seal_label now = slot_label(format_2, anchor->kind, number);
+    const struct iso_seal_label before = slot_label(format_1, anchor->kind, number);
+    if (!key) {
+        return -EBADMSG;
+    }
+    if (iso_seal_open(key, &now, slot + 4, USED_BYTES - 4, plain) == 0) {
+        return 0;
+    }
+    memset(plain, 0, PLAIN_BYTES);
+    return iso_seal_open(key, &before, slot + 4, USED_1_BYTES - 4, plain);
+}
+
+/* Takes a slot that is sound and newer than what is known. */
+static void try_slot(struct iso_anchor *anchor, const uint8_t slot[USED_BYTES], bool *found)
+{
     uint8_t plain[PLAIN_BYTES];
-    if (!key || iso_seal_open(key, &label, slot + 4, USED_BYTES - 4, plain)) {
+    if (open_slot(anchor, slot, plain)) {
         return;
     }
     const uint64_t turn = iso_get_u64(plain);
@@ -68,6 +90,7 @@ static void try_slot(struct iso_anchor *anchor, const uint8_t slot[USED_BYTES], 
         anchor->turn = turn;
         anchor->state.value = iso_get_u64(plain + 8);
         memcpy(anchor->state.extra, plain + 16, sizeof anchor->state.extra);
+        anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);
         *found = true;
     }
 }
@@ -135,12 +158,13 @@ int iso_anchor_make(const char *path, const char *kind, const struct iso_key_rin
 {
     struct iso_anchor *anchor = NULL;
     uint8_t file[2 * SLOT_BYTES] = {0};
+    const struct iso_heads known = iso_heads_now(iso_key_ring_board(ring));
     int error = new_anchor(path, kind, ring, sync, &anchor, fault);
     if (error) {
         return error;
     }
-    fill_slot(anchor, 0, state, file);
-    fill_slot(anchor, 1, state, file + SLOT_BYTES);
+    fill_slot(anchor, 0, state, &known, file);
+    fill_slot(anchor, 1, state, &known, file + SLOT_BYTES);
     error = iso_data_file_replace(path, file, sizeof file, fault);
     iso_anchor_close(anchor);
     if (error) {
@@ -166,12 +190,18 @@ const struct iso_anchor_state *iso_anchor_state(const struct iso_anchor *anchor)
     return &anchor->state;
 }
 
+const struct iso_heads *iso_anchor_known(const struct iso_anchor *anchor)
+{
+    return &anchor->known;
+}
+
 int iso_anchor_set(struct iso_anchor *anchor, const struct iso_anchor_state *state,
                    struct iso_fault *fault)
 {
     uint8_t slot[USED_BYTES];
     const uint64_t turn = anchor->turn + 1;
-    fill_slot(anchor, turn, state, slot);
+    const struct iso_heads known = iso_heads_now(iso_key_ring_board(anchor->ring));
+    fill_slot(anchor, turn, state, &known, slot);
     const ssize_t n = pwrite(anchor->fd, slot, sizeof slot, (off_t)(turn & 1) * SLOT_BYTES);
     if (n != sizeof slot || (anchor->sync && fdatasync(anchor->fd))) {
         const bool cut_short = n >= 0 && n != sizeof slot;
@@ -180,5 +210,6 @@ int iso_anchor_set(struct iso_anchor *anchor, const struct iso_anchor_state *sta
     }
     anchor->turn = turn;
     anchor->state = *state;
+    anchor->known = known;
     return 0;
 }

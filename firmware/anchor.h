@@ -6,15 +6,15 @@
  * is an old one. If the anchor cannot be written the store is one ahead, and has to catch up
  * (iso_anchor_set again) before the next change.
  *
- * What this can tell: that a store was exchanged for an older one, or cut short. What it cannot:
- * that the whole directory was, the anchor with the store and the key ring. Nothing that lies on
- * one disk can tell that. Two things outside help: the gallery's number stands in the audit log's
- * records, so that gallery and log have to be of one time; and the head of the log goes to the
- * system's journal with every record, so that who keeps the journal elsewhere, or a note of
- * `isotherm log verify`, finds a log that is older than that.
+ * What an anchor can tell: that its store was exchanged for an older one, or cut short. An anchor
+ * that was exchanged with its store is found by what the other stores know (heads.h), and what it
+ * knows of them stands in it. That the whole directory is of an earlier time cannot be told by what
+ * lies in it. For that the head of the log goes to the system's journal with every record: a
+ * journal that is kept elsewhere, or a note of `isotherm log verify`, shows it.
  *
  * The file has two slots that are written in turn; one that was cut short is as good as none, and
- * the other is one behind. Slot: number of the key u32, then sealed: value u64, extra[]. */
+ * the other is one behind. Slot: number of the key u32, then sealed: turn u64, value u64, extra[],
+ * heads. Format 1, which is still read, has no heads. */
 #ifndef ISO_FIRMWARE_ANCHOR_H
 #define ISO_FIRMWARE_ANCHOR_H
 
@@ -47,6 +47,9 @@ int iso_anchor_make(const char *path, const char *kind, const struct iso_key_rin
 void iso_anchor_close(struct iso_anchor *anchor);
 
 const struct iso_anchor_state *iso_anchor_state(const struct iso_anchor *anchor);
+
+/* What the anchor knows of the other stores; each write takes it from the ring's board. */
+const struct iso_heads *iso_anchor_known(const struct iso_anchor *anchor);
 
 /* Writes another state, sealed with the newest key; with `sync` it is on the disk afterwards. -EIO
  * with the old one, or the new one, in force. */

@@ -15,22 +15,26 @@ static int64_t now_ns(const struct iso_appliance *appliance)
 
 static const int64_t save_again_ns = ISO_NS_PER_S;
 
+int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const struct iso_appliance_parts *parts = &appliance->parts;
+    const struct iso_lockout_record record = iso_lockout_record_of(&appliance->lockout,
+                                                                   now_ns(appliance));
+    return *parts->lockout_path ? iso_lockout_save(parts->lockout_path, parts->ring, &record, fault)
+                                : 0;
+}
+
 /* What cannot be kept is still true until the next restart, and tried again until it can. */
 static int save(struct iso_appliance *appliance, struct iso_fault *out)
 {
-    const int64_t t_ns = now_ns(appliance);
-    const struct iso_lockout_record record = iso_lockout_record_of(&appliance->lockout, t_ns);
     const bool said = appliance->lockout_save_ns != ISO_NEVER_NS;
     struct iso_fault fault = {""};
     appliance->lockout_save_ns = ISO_NEVER_NS;
-    if (!*appliance->parts.lockout_path) {
-        return 0;
-    }
-    const int error = iso_lockout_save(appliance->parts.lockout_path, &record, &fault);
+    const int error = iso__appliance_keep_lockout(appliance, &fault);
     if (!error) {
         return 0;
     }
-    appliance->lockout_save_ns = t_ns + save_again_ns;
+    appliance->lockout_save_ns = now_ns(appliance) + save_again_ns;
     if (!said) {
         iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
     }
@@ -43,9 +47,13 @@ static bool is_kept(const struct iso_appliance *appliance)
 {
     const struct iso_lockout_record wanted = iso_lockout_record_of(&appliance->lockout,
                                                                    now_ns(appliance));
-    struct iso_lockout_record found;
-    return iso_lockout_load(appliance->parts.lockout_path, &found, NULL) == 0 &&
-           found.lockdown == wanted.lockdown && found.failures == wanted.failures &&
+    const struct iso_appliance_parts *parts = &appliance->parts;
+    struct iso_lockout_file file;
+    if (iso_lockout_read(parts->lockout_path, parts->ring, &file, NULL)) {
+        return false;
+    }
+    const struct iso_lockout_record found = file.record;
+    return found.lockdown == wanted.lockdown && found.failures == wanted.failures &&
            found.attacks == wanted.attacks && found.locks == wanted.locks &&
            found.remaining_ns == wanted.remaining_ns;
 }
@@ -63,16 +71,40 @@ static int save_or_undo(struct iso_appliance *appliance, const struct iso_lockou
     return 0;
 }
 
-/* What was remembered cannot be read: it may have been the worst. */
-static void suspect(struct iso_appliance *appliance, const struct iso_fault *fault)
+/* What was remembered cannot be read, is gone or is old: it may have been the worst. The file stays
+ * as it is until an administrator ends the lockdown. */
+static void suspect(struct iso_appliance *appliance, int error, const struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of("lockdown");
-    record.reason = "damaged";
+    record.reason = error == -ESTALE ? "stale" : "damaged";
     record.note = fault->text;
     appliance->lockout.lockdown = true;
     iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until `isotherm lockdown off`",
                        fault->text);
     (void)iso__appliance_record(appliance, &record);
+}
+
+/* What the file says, all zero if there has never been one. */
+static int load(const struct iso_appliance *appliance, struct iso_lockout_file *out,
+                struct iso_fault *fault)
+{
+    const struct iso_appliance_parts *parts = &appliance->parts;
+    struct iso_lockout_file file = {.number = 0};
+    if (!*parts->lockout_path) {
+        *out = file;
+        return 0;
+    }
+    const int error = iso_lockout_load(parts->lockout_path, parts->ring, &file, fault);
+    if (error && error != -ENOENT) {
+        return error;
+    }
+    if (!error && file.number == 0 && !parts->config->seal.migrate) {
+        return iso_fault_set(fault, -ESTALE,
+                             "%s: not sealed, which [seal] migrate = no does not take",
+                             parts->lockout_path);
+    }
+    *out = file;
+    return 0;
 }
 
 void iso__appliance_start_lockout(struct iso_appliance *appliance)
@@ -85,22 +117,22 @@ void iso__appliance_start_lockout(struct iso_appliance *appliance)
         .longest_ns = config->longest_ms * ISO_NS_PER_MS,
         .forget_ns = config->forget_ms * ISO_NS_PER_MS,
     };
-    struct iso_lockout_record record = {0};
+    struct iso_lockout_file file;
     struct iso_fault fault = {""};
-    int error = 0;
     iso_lockout_init(&appliance->lockout, &options);
     appliance->lockout_save_ns = ISO_NEVER_NS;
     if (!appliance->parts.lockout_path) {
         appliance->parts.lockout_path = "";
     }
-    if (*appliance->parts.lockout_path) {
-        error = iso_lockout_load(appliance->parts.lockout_path, &record, &fault);
-    }
-    if (error && error != -ENOENT) {
-        suspect(appliance, &fault);
+    const int error = load(appliance, &file, &fault);
+    if (error) {
+        suspect(appliance, error, &fault);
         return;
     }
-    iso_lockout_restore(&appliance->lockout, &record, now_ns(appliance));
+    iso_lockout_restore(&appliance->lockout, &file.record, now_ns(appliance));
+    if (file.number == 0) { /* from now on there is a sealed one, and it is known */
+        (void)!save(appliance, NULL);
+    }
     if (iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE) {
         iso__appliance_say(appliance, LOG_WARNING, "%s, as before the restart",
                            iso_reason_name(iso_lockout_refusal(&appliance->lockout)));

@@ -131,7 +131,8 @@ void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);
 
-/* The score that is asked of a face now: it depends on how many people the face is compared with. */
+/* The score that is asked of a face now: it depends on how many people the face is compared with.
+ */
 double iso__appliance_threshold(const struct iso_appliance *appliance);
 
 /* WATCH: the verdict of a visit. Logs it, tells the door, reports it. */
@@ -152,8 +153,11 @@ size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
 
 /* ---- lock-out and lockdown (appliance_refusal.c) ---- */
 
-/* As it was before a restart; a lockdown if that cannot be known. */
+/* As it was before a restart; a lockdown if that cannot be known, or the file is gone. */
 void iso__appliance_start_lockout(struct iso_appliance *appliance);
+
+/* Writes what has to outlast a restart. An errno of writing it. */
+int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault);
 
 /* It is t_ns: a lock may be over. */
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns);

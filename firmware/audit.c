@@ -56,44 +56,7 @@ void iso__audit_count_line(struct iso_audit *audit, size_t bytes)
     audit->size += (off_t)bytes;
 }
 
-/* ---- the anchor: first sequence u64, head[32], sealing u8, lax u8 ---- */
-
-/* lax: the log goes on without the anchor, as records are not synchronised. */
-enum {
-    EXTRA_HEAD = 8,
-    EXTRA_SEALING = EXTRA_HEAD + ISO_AUDIT_LINK_BYTES,
-    EXTRA_LAX,
-};
-
-struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, bool sealing)
-{
-    struct iso_anchor_state state = {.value = audit->last};
-    (void)iso_put_u64(state.extra, audit->first);
-    memcpy(state.extra + EXTRA_HEAD, audit->link.bytes, ISO_AUDIT_LINK_BYTES);
-    state.extra[EXTRA_SEALING] = sealing;
-    state.extra[EXTRA_LAX] = !audit->options.sync;
-    return state;
-}
-
-bool iso__audit_anchor_is_sealing(const struct iso_audit *audit)
-{
-    return audit->anchor && iso_anchor_state(audit->anchor)->extra[EXTRA_SEALING];
-}
-
-int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
-{
-    const struct iso_anchor_state state = iso__audit_anchor_state(audit, false);
-    if (!audit->options.sync && audit->fd >= 0 && fdatasync(audit->fd)) {
-        return iso_storage_refused(audit->path, -errno, fault);
-    }
-    return iso_anchor_set(audit->anchor, &state, fault);
-}
-
-static bool is_anchored_link(const struct iso_audit *audit, const struct iso_audit_link *link)
-{
-    return sodium_memcmp(iso_anchor_state(audit->anchor)->extra + EXTRA_HEAD, link->bytes,
-                         ISO_AUDIT_LINK_BYTES) == 0;
-}
+/* ---- the anchor ---- */
 
 static int make_anchor(struct iso_audit *audit, struct iso_fault *fault)
 {
@@ -143,7 +106,9 @@ static int take_record(struct iso_audit *audit, const struct iso_audit_reader *r
     }
     iso__audit_count_line(audit, (size_t)(reader->position - audit->size));
     audit->link = reader->link;
-    if (audit->last == anchored && !is_anchored_link(audit, &audit->link)) {
+    audit->known = reader->record.known;
+    iso_heads_record(iso_key_ring_board(audit->options.ring), audit->last, audit->link.bytes);
+    if (audit->last == anchored && !iso__audit_is_anchored(audit, &audit->link)) {
         return refuse(audit, -ESTALE, audit->last, "is of another log than the anchor", fault);
     }
     note_gallery(audit, reader->record.text);
@@ -162,7 +127,8 @@ static int take_header(struct iso_audit *audit, const struct iso_audit_reader *r
     audit->link = header->link;
     audit->size = reader->position;
     audit->n_marks = 0;
-    return audit->last == anchored && !is_anchored_link(audit, &audit->link)
+    iso_heads_record(iso_key_ring_board(audit->options.ring), audit->last, audit->link.bytes);
+    return audit->last == anchored && !iso__audit_is_anchored(audit, &audit->link)
                ? refuse(audit, -ESTALE, header->first, "is of another log than the anchor", fault)
                : 0;
 }
@@ -200,19 +166,26 @@ static int scan(struct iso_audit *audit, const char *path, size_t *torn, struct 
     return error;
 }
 
-/* The end that was found, against the anchor: the same, or one record ahead. */
-static int check_end(struct iso_audit *audit, struct iso_fault *fault)
+/* The end that was found, against the anchor: the same, or one record ahead. Then the anchor
+ * follows before the next record, and not here: it may be an old one, which the other stores know.
+ * closed: what was read is a closed segment, since there is no other. */
+static int check_end(struct iso_audit *audit, bool closed, struct iso_fault *fault)
 {
     const struct iso_anchor_state *anchor = iso_anchor_state(audit->anchor);
-    audit->first = iso_get_u64(anchor->extra);
+    audit->first = iso__audit_anchored_first(audit);
     if (audit->last < anchor->value) {
         return refuse(audit, -ESTALE, audit->last + 1, "and what came after it are missing", fault);
     }
-    const bool lax = anchor->extra[EXTRA_LAX];
+    const bool lax = iso__audit_anchor_is_lax(audit);
     if (!lax && audit->last > anchor->value + 1) {
         return stale(audit, "its anchor is an old one", fault);
     }
-    return audit->last > anchor->value || iso__audit_anchor_is_sealing(audit) ||
+    const int error = iso__audit_check_closed(audit, closed, fault);
+    if (error) {
+        return error;
+    }
+    iso_heads_claim(iso_key_ring_board(audit->options.ring), audit->path, &audit->known);
+    return (lax && audit->last > anchor->value) || iso__audit_anchor_is_sealing(audit) ||
                    lax == audit->options.sync
                ? iso__audit_write_anchor(audit, fault)
                : 0;
@@ -264,7 +237,9 @@ static int begin(struct iso_audit *audit, struct iso_fault *fault)
                                        fault);
         error = error ? error : scan(audit, path, &torn, fault);
     }
-    error = error ? error : audit->anchor ? check_end(audit, fault) : make_anchor(audit, fault);
+    error = error           ? error
+            : audit->anchor ? check_end(audit, true, fault)
+                            : make_anchor(audit, fault);
     return error ? error : iso__audit_begin_segment(audit, audit->fd, fault);
 }
 
@@ -274,7 +249,7 @@ static int go_on(struct iso_audit *audit, size_t *torn, struct iso_fault *fault)
         return stale(audit, "its anchor is gone", fault);
     }
     const int error = scan(audit, audit->path, torn, fault);
-    return error ? error : check_end(audit, fault);
+    return error ? error : check_end(audit, false, fault);
 }
 
 /* Takes away what a crash left of a record, and says so on record if there is room. */
@@ -338,6 +313,9 @@ static int open_log(struct iso_audit *audit, struct iso_fault *fault)
         error = iso_anchor_open(audit->anchor_path, ISO__AUDIT_ANCHOR, audit->options.ring, true,
                                 &audit->anchor, fault);
         error = error == -ENOENT ? 0 : error;
+    }
+    if (!error) {
+        iso__audit_tell_anchor(audit);
     }
     error = error ? error : iso_audit_segments_find(audit->path, &audit->closed, fault);
     error = error ? error : look(audit, &content, fault);
@@ -516,9 +494,10 @@ static void tell(const struct iso_audit *audit, const struct iso_audit_record *r
 static int write_record(struct iso_audit *audit, size_t size, struct iso_audit_link *link,
                         struct iso_fault *fault)
 {
+    const struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
     *link = audit->link;
-    const size_t length = iso_audit_line_close(&audit->seal, audit->last + 1, audit->json.text,
-                                               size, audit->line, link);
+    const size_t length = iso_audit_line_close(&audit->seal, audit->last + 1, &known,
+                                               audit->json.text, size, audit->line, link);
     const int error = iso__audit_write_line(audit, length);
     if (error) {
         (void)take_back(audit, NULL);

@@ -6,6 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
+enum {
+    HEAD_BYTES = ISO_AUDIT_LINK_BYTES + ISO_HEADS_COUNT_BYTES,
+    PLAIN_MAX_BYTES = HEAD_BYTES + ISO_AUDIT_TEXT_MAX,
+};
+
 static const int variant = sodium_base64_VARIANT_ORIGINAL_NO_PADDING;
 
 struct iso_audit_seal iso_audit_seal_of(uint32_t key_number, const struct iso_seal_key *key)
@@ -58,9 +63,12 @@ int iso_audit_header_get(const char *line, struct iso_audit_header *out)
 
 /* ---- records ---- */
 
-static struct iso_seal_label record_label(const struct iso_audit_seal *seal, uint64_t sequence)
+static const char format_1[] = "isotherm log record 1", format_2[] = "isotherm log record 2";
+
+static struct iso_seal_label record_label(const char *format, const struct iso_audit_seal *seal,
+                                          uint64_t sequence)
 {
-    struct iso_seal_label label = iso_seal_label_of("isotherm log record 1");
+    struct iso_seal_label label = iso_seal_label_of(format);
     iso_seal_label_number(&label, seal->key_number);
     iso_seal_label_number(&label, sequence);
     return label;
@@ -78,14 +86,16 @@ static struct iso_audit_link link_behind(const struct iso_audit_seal *seal, uint
     return behind;
 }
 
-size_t iso_audit_line_close(const struct iso_audit_seal *seal, uint64_t sequence, const char *text,
-                            size_t size, char line[ISO_AUDIT_LINE_MAX], struct iso_audit_link *link)
+size_t iso_audit_line_close(const struct iso_audit_seal *seal, uint64_t sequence,
+                            const struct iso_heads *known, const char *text, size_t size,
+                            char line[ISO_AUDIT_LINE_MAX], struct iso_audit_link *link)
 {
-    const struct iso_seal_label label = record_label(seal, sequence);
-    uint8_t plain[ISO_AUDIT_LINK_BYTES + ISO_AUDIT_TEXT_MAX], sealed[ISO_AUDIT_SEALED_MAX];
-    const size_t plain_size = ISO_AUDIT_LINK_BYTES + size;
+    const struct iso_seal_label label = record_label(format_2, seal, sequence);
+    uint8_t plain[PLAIN_MAX_BYTES], sealed[ISO_AUDIT_SEALED_MAX];
+    const size_t plain_size = HEAD_BYTES + size;
     memcpy(plain, link->bytes, ISO_AUDIT_LINK_BYTES);
-    memcpy(plain + ISO_AUDIT_LINK_BYTES, text, size);
+    iso_heads_put_counts(known, plain + ISO_AUDIT_LINK_BYTES);
+    memcpy(plain + HEAD_BYTES, text, size);
     iso_seal_close(&seal->key, &label, plain, plain_size, sealed);
     sodium_memzero(plain, sizeof plain);
     *link = link_behind(seal, sequence, link, sealed, plain_size + ISO_SEAL_OVERHEAD);
@@ -98,24 +108,42 @@ size_t iso_audit_line_close(const struct iso_audit_seal *seal, uint64_t sequence
     return length;
 }
 
+/* Opens a record of either format: how many bytes stand before its text, 0 if it is none. */
+static size_t open_record(const struct iso_audit_seal *seal, uint64_t sequence,
+                          const uint8_t *sealed, size_t size, uint8_t plain[PLAIN_MAX_BYTES])
+{
+    const struct iso_seal_label now = record_label(format_2, seal, sequence);
+    const struct iso_seal_label before = record_label(format_1, seal, sequence);
+    if (size >= ISO_SEAL_OVERHEAD + HEAD_BYTES &&
+        iso_seal_open(&seal->key, &now, sealed, size, plain) == 0) {
+        return HEAD_BYTES;
+    }
+    if (size >= ISO_SEAL_OVERHEAD + ISO_AUDIT_LINK_BYTES &&
+        size <= ISO_SEAL_OVERHEAD + ISO_AUDIT_LINK_BYTES + ISO_AUDIT_TEXT_MAX &&
+        iso_seal_open(&seal->key, &before, sealed, size, plain) == 0) {
+        return ISO_AUDIT_LINK_BYTES;
+    }
+    return 0;
+}
+
 int iso_audit_line_open(const struct iso_audit_seal *seal, uint64_t sequence, const char *line,
                         size_t length, struct iso_audit_opened *out)
 {
-    const struct iso_seal_label label = record_label(seal, sequence);
-    uint8_t sealed[ISO_AUDIT_SEALED_MAX], plain[ISO_AUDIT_LINK_BYTES + ISO_AUDIT_TEXT_MAX];
-    size_t size = 0;
+    static const struct iso_heads nothing;
+    uint8_t sealed[ISO_AUDIT_SEALED_MAX], plain[PLAIN_MAX_BYTES];
+    size_t size = 0, head = 0;
     char begin[32];
     const size_t skip = (size_t)snprintf(begin, sizeof begin, "%" PRIu64 " ", sequence);
     if (length <= skip || memcmp(line, begin, skip) != 0 ||
         sodium_base642bin(sealed, sizeof sealed, line + skip, length - skip, NULL, &size, NULL,
                           variant) ||
-        size < ISO_SEAL_OVERHEAD + ISO_AUDIT_LINK_BYTES ||
-        iso_seal_open(&seal->key, &label, sealed, size, plain)) {
+        (head = open_record(seal, sequence, sealed, size, plain)) == 0) {
         return -EBADMSG;
     }
     memcpy(out->before.bytes, plain, ISO_AUDIT_LINK_BYTES);
-    out->size = size - ISO_SEAL_OVERHEAD - ISO_AUDIT_LINK_BYTES;
-    memcpy(out->text, plain + ISO_AUDIT_LINK_BYTES, out->size);
+    out->known = head == HEAD_BYTES ? iso_heads_get_counts(plain + ISO_AUDIT_LINK_BYTES) : nothing;
+    out->size = size - ISO_SEAL_OVERHEAD - head;
+    memcpy(out->text, plain + head, out->size);
     out->text[out->size] = '\0';
     out->behind = link_behind(seal, sequence, &out->before, sealed, size);
     sodium_memzero(plain, sizeof plain);

@@ -2,7 +2,9 @@
  *
  *   isotherm-log 1 KEY FIRST LINK      the first line of a segment: number of the key in the ring,
  *                                      sequence of the first record, link before it (64 hex digits)
- *   SEQUENCE BASE64                    a record: the link before it and one JSON object, sealed
+ *   SEQUENCE BASE64                    a record: the link before it, what it knows of the other
+ *                                      stores (heads.h) and one JSON object, sealed. Records of
+ *                                      format 1, which are still read, know nothing of them.
  *
  * The link behind a record is a keyed digest of its sequence, the link before it and its sealed
  * bytes: who has not the key can neither change a record nor make the link that the next one has to
@@ -13,13 +15,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "firmware/heads.h"
 #include "firmware/json_line.h"
 #include "firmware/seal.h"
 
 enum {
     ISO_AUDIT_LINK_BYTES = ISO_SEAL_DIGEST_BYTES,
     ISO_AUDIT_TEXT_MAX = sizeof((struct iso_json_line *)0)->text,
-    ISO_AUDIT_SEALED_MAX = ISO_AUDIT_LINK_BYTES + ISO_AUDIT_TEXT_MAX + ISO_SEAL_OVERHEAD,
+    ISO_AUDIT_SEALED_MAX = ISO_AUDIT_LINK_BYTES + ISO_HEADS_COUNT_BYTES + ISO_AUDIT_TEXT_MAX +
+                           ISO_SEAL_OVERHEAD,
     ISO_AUDIT_LINE_MAX = 24 + ISO_AUDIT_SEALED_MAX * 4 / 3 + 4,
 };
 
@@ -50,12 +54,13 @@ int iso_audit_header_get(const char *line, struct iso_audit_header *out)
 
 /* Writes the line of a record (text of `size` bytes, at most ISO_AUDIT_TEXT_MAX) with its newline;
  * returns its length. *link, before it, becomes the link behind it. */
-size_t iso_audit_line_close(const struct iso_audit_seal *seal, uint64_t sequence, const char *text,
-                            size_t size, char line[ISO_AUDIT_LINE_MAX],
-                            struct iso_audit_link *link);
+size_t iso_audit_line_close(const struct iso_audit_seal *seal, uint64_t sequence,
+                            const struct iso_heads *known, const char *text, size_t size,
+                            char line[ISO_AUDIT_LINE_MAX], struct iso_audit_link *link);
 
 struct iso_audit_opened {
     struct iso_audit_link before, behind;
+    struct iso_heads known;
     size_t size;
     char text[ISO_AUDIT_TEXT_MAX + 1]; /* terminated */
 };

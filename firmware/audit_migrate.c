@@ -61,8 +61,9 @@ static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_
     if (iso__audit_reserve_mark(audit)) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
     }
-    const size_t sealed = iso_audit_line_close(&audit->seal, audit->last + 1, line, length - 1,
-                                               audit->line, &audit->link);
+    const struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
+    const size_t sealed = iso_audit_line_close(&audit->seal, audit->last + 1, &known, line,
+                                               length - 1, audit->line, &audit->link);
     if (fwrite(audit->line, 1, sealed, out) != sealed) {
         return iso_fault_set(fault, -ENOSPC, "%s: %m", audit->path);
     }

@@ -30,7 +30,8 @@ struct iso_audit {
     off_t *marks; /* marks[i]: where the line of sequence segment_first + i * MARK_LINES begins */
     size_t n_marks, mark_capacity;
 
-    char gallery[20]; /* that the newest record spoke of, and its changes */
+    struct iso_heads known; /* what the newest record that was read knows of the other stores */
+    char gallery[20];       /* that the newest record spoke of, and its changes */
     uint64_t gallery_changes;
 
     struct iso_json_line json;
@@ -42,7 +43,20 @@ struct iso_audit {
 /* The anchor's state for the present head; sealing: a log in plain text is being sealed. */
 struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, bool sealing);
 bool iso__audit_anchor_is_sealing(const struct iso_audit *audit);
+bool iso__audit_anchor_is_lax(const struct iso_audit *audit);
 int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault);
+
+/* What the anchor says: the first sequence that is kept; whether this is the link behind the last
+ * one. */
+uint64_t iso__audit_anchored_first(const struct iso_audit *audit);
+bool iso__audit_is_anchored(const struct iso_audit *audit, const struct iso_audit_link *link);
+
+/* Tells the board (heads.h) what was found, and what the anchor knows of the other stores. */
+void iso__audit_tell_anchor(const struct iso_audit *audit);
+
+/* Whether the closed segments are those that the anchor knows of; -ESTALE. closed: the segment that
+ * was read last is one of them. */
+int iso__audit_check_closed(const struct iso_audit *audit, bool closed, struct iso_fault *fault);
 
 /* Room for the mark of the record that comes next; then the record of so many bytes. */
 int iso__audit_reserve_mark(struct iso_audit *audit);

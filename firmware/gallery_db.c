@@ -57,10 +57,15 @@ static int write_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     const struct iso_anchor_state state = iso__gallery_anchor_state(db->head.changes,
                                                                     db->seal.gallery, false);
-    return iso_anchor_set(db->anchor, &state, fault);
+    const int error = iso_anchor_set(db->anchor, &state, fault);
+    if (!error) {
+        iso_heads_wrote(iso_key_ring_board(db->ring), ISO_HEAD_GALLERY, state.value, NULL);
+    }
+    return error;
 }
 
-/* The head on the disk against the anchor: the same, or one change ahead. */
+/* The head on the disk against the anchor: the same, or one change ahead. Then the anchor follows
+ * before the next change, and not here: it may be an old one, which the other stores know. */
 int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     if (!db->anchor) {
@@ -83,9 +88,19 @@ int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault
         return iso_fault_set(fault, -ESTALE, "%s: an old anchor; put the newest in its place",
                              db->anchor_path);
     }
-    return db->head.changes > anchor->value || iso__gallery_anchor_is_sealing(db)
-               ? write_anchor(db, fault)
-               : 0;
+    return iso__gallery_anchor_is_sealing(db) ? write_anchor(db, fault) : 0;
+}
+
+/* What gallery and anchor know of the others, and what the others have to know of them. If one is
+ * behind, it is the anchor. */
+static void tell_heads(const struct iso_gallery_db *db)
+{
+    struct iso_heads_board *board = iso_key_ring_board(db->ring);
+    const struct iso_anchor_state *anchor = iso_anchor_state(db->anchor);
+    iso_heads_found(board, ISO_HEAD_GALLERY,
+                    db->head.changes > anchor->value ? db->anchor_path : db->path, anchor->value);
+    iso_heads_claim(board, db->path, &db->head.known);
+    iso_heads_claim(board, db->anchor_path, iso_anchor_known(db->anchor));
 }
 
 static int open_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
@@ -144,6 +159,7 @@ int iso__gallery_make_beside(struct iso_gallery_db *db, struct iso_gallery_db *b
         (void)unlink(path);
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
     }
+    beside->ring = db->ring;
     beside->draft.next = 1;
     error = iso__gallery_connect(beside, path, fault);
     return error ? error : iso__gallery_execute(beside, schema, fault);
@@ -159,6 +175,7 @@ static int insert_head(struct iso_gallery_db *db, struct iso_fault *fault)
     if (error) {
         return error;
     }
+    db->draft.known = iso_heads_now(iso_key_ring_board(db->ring));
     iso_gallery_head_close(&db->seal, &db->draft, sealed);
     (void)sqlite3_bind_blob(statement, 1, db->seal.gallery, ISO_GALLERY_ID_BYTES, SQLITE_STATIC);
     (void)sqlite3_bind_int64(statement, 2, db->seal.key_number);
@@ -368,6 +385,9 @@ int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_ga
     error = error ? error : find_or_make(db, fault);
     error = error ? error : connect_and_check(db, options->migrate, fault);
     error = error ? error : iso__gallery_check_anchor(db, fault);
+    if (!error) {
+        tell_heads(db);
+    }
     if (!error) { /* of a rotation that was cut short */
         error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, db->seal.key_number, fault);
     }

@@ -100,24 +100,29 @@ void iso_gallery_head_close(const struct iso_gallery_seal *seal,
                             const struct iso_gallery_head *head,
                             uint8_t sealed[ISO_GALLERY_HEAD_SEALED])
 {
-    const struct iso_seal_label label = label_of(seal, "isotherm gallery head 1");
+    const struct iso_seal_label label = label_of(seal, "isotherm gallery head 2");
     uint8_t plain[ISO_GALLERY_HEAD_BYTES];
     uint8_t *p = iso_put_u64(plain, head->changes);
     p = iso_put_u64(p, head->next);
-    (void)iso_put_bytes(p, head->digest, sizeof head->digest);
+    p = iso_put_bytes(p, head->digest, sizeof head->digest);
+    iso_heads_put(&head->known, p);
     iso_seal_close(&seal->key, &label, plain, sizeof plain, sealed);
 }
 
 int iso_gallery_head_open(const struct iso_gallery_seal *seal, const void *sealed, size_t size,
                           struct iso_gallery_head *out)
 {
-    const struct iso_seal_label label = label_of(seal, "isotherm gallery head 1");
-    uint8_t plain[ISO_GALLERY_HEAD_BYTES];
-    if (size != ISO_GALLERY_HEAD_SEALED || iso_seal_open(&seal->key, &label, sealed, size, plain)) {
+    const bool before = size == ISO_GALLERY_HEAD_1_BYTES + ISO_SEAL_OVERHEAD;
+    const struct iso_seal_label label = label_of(seal, before ? "isotherm gallery head 1"
+                                                              : "isotherm gallery head 2");
+    uint8_t plain[ISO_GALLERY_HEAD_BYTES] = {0};
+    if ((!before && size != ISO_GALLERY_HEAD_SEALED) ||
+        iso_seal_open(&seal->key, &label, sealed, size, plain)) {
         return -EBADMSG;
     }
     out->changes = iso_get_u64(plain);
     out->next = iso_get_u64(plain + 8);
     memcpy(out->digest, plain + 16, sizeof out->digest);
+    out->known = iso_heads_get(plain + ISO_GALLERY_HEAD_1_BYTES);
     return 0;
 }

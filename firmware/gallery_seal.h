@@ -16,6 +16,7 @@
 
 #include "core/match/template.h"
 #include "firmware/gallery.h"
+#include "firmware/heads.h"
 #include "firmware/seal.h"
 
 enum {
@@ -23,7 +24,8 @@ enum {
     ISO_GALLERY_PERSON_BYTES = 3 * 8 + ISO_PERSON_NAME_SIZE, /* the same for every name */
     ISO_GALLERY_PERSON_SEALED = ISO_GALLERY_PERSON_BYTES + ISO_SEAL_OVERHEAD,
     ISO_GALLERY_TEMPLATE_SEALED = ISO_TEMPLATE_BYTES_MAX + ISO_SEAL_OVERHEAD,
-    ISO_GALLERY_HEAD_BYTES = 2 * 8 + ISO_SEAL_DIGEST_BYTES,
+    ISO_GALLERY_HEAD_1_BYTES = 2 * 8 + ISO_SEAL_DIGEST_BYTES, /* without what it knows */
+    ISO_GALLERY_HEAD_BYTES = ISO_GALLERY_HEAD_1_BYTES + ISO_HEADS_BYTES,
     ISO_GALLERY_HEAD_SEALED = ISO_GALLERY_HEAD_BYTES + ISO_SEAL_OVERHEAD,
 };
 
@@ -37,6 +39,7 @@ struct iso_gallery_head {
     uint64_t changes;
     uint64_t next; /* number of the next record; none is used twice */
     uint8_t digest[ISO_SEAL_DIGEST_BYTES];
+    struct iso_heads known; /* of the other stores, when this was written (heads.h) */
 };
 
 /* Where a record belongs. */
@@ -73,6 +76,7 @@ int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person 
 void iso_gallery_head_close(const struct iso_gallery_seal *seal,
                             const struct iso_gallery_head *head,
                             uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);
+/* Heads that were written before they knew of other stores open, too: with nothing known. */
 int iso_gallery_head_open(const struct iso_gallery_seal *seal, const void *sealed, size_t size,
                           struct iso_gallery_head *out) __attribute__((warn_unused_result));
 

@@ -15,12 +15,14 @@
 #include "firmware/directory.h"
 #include "firmware/storage_fault.h"
 
-/* The file: magic, then sealed: n u32, next number u32, n x (use u32, number u32, key[32]). */
-static const char magic[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '1'};
+/* The file: magic, then sealed: n u32, next number u32, number of the file u64, heads (heads.h),
+ * n x (use u32, number u32, key[32]). Format 1, which is still read, has no number and no heads. */
+static const char magic[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '2'};
 
 enum {
     ENTRY_BYTES = 8 + ISO_SEAL_KEY_BYTES,
-    PLAIN_MAX_BYTES = 8 + ISO_KEY_RING_MOST * ENTRY_BYTES,
+    KNOWN_BYTES = 8 + ISO_HEADS_BYTES,
+    PLAIN_MAX_BYTES = 8 + KNOWN_BYTES + ISO_KEY_RING_MOST * ENTRY_BYTES,
     FILE_MAX_BYTES = sizeof magic + PLAIN_MAX_BYTES + ISO_SEAL_OVERHEAD,
 };
 
@@ -32,6 +34,8 @@ struct entry {
 /* What is on the disk. */
 struct keys {
     uint32_t n, next;
+    uint64_t file; /* number of the file */
+    struct iso_heads known;
     struct entry entries[ISO_KEY_RING_MOST];
 };
 
@@ -42,19 +46,23 @@ struct iso_key_ring {
     bool unsure; /* the disk refused the ring: which one it holds is not known */
     struct iso_seal_key master;
     struct keys keys, draft; /* draft: what is about to be written */
+    struct iso_heads_board *board;
 };
 
 /* ---- the ring's file ---- */
 
-static struct iso_seal_label ring_label(void)
+static struct iso_seal_label ring_label(char format)
 {
-    return iso_seal_label_of("isotherm key ring 1");
+    return iso_seal_label_of(format == '1' ? "isotherm key ring 1" : "isotherm key ring 2");
 }
 
 static size_t put_keys(const struct keys *keys, uint8_t plain[PLAIN_MAX_BYTES])
 {
     uint8_t *p = iso_put_u32(plain, keys->n);
     p = iso_put_u32(p, keys->next);
+    p = iso_put_u64(p, keys->file);
+    iso_heads_put(&keys->known, p);
+    p += ISO_HEADS_BYTES;
     for (uint32_t i = 0; i < keys->n; i++) {
         p = iso_put_u32(p, keys->entries[i].use);
         p = iso_put_u32(p, keys->entries[i].number);
@@ -63,16 +71,20 @@ static size_t put_keys(const struct keys *keys, uint8_t plain[PLAIN_MAX_BYTES])
     return (size_t)(p - plain);
 }
 
-static int get_keys(const uint8_t *plain, size_t size, struct keys *out)
+static int get_keys(const uint8_t *plain, size_t size, char format, struct keys *out)
 {
-    const uint32_t n = size >= 8 ? iso_get_u32(plain) : UINT32_MAX;
-    if (n > ISO_KEY_RING_MOST || size != 8 + (size_t)n * ENTRY_BYTES) {
+    const size_t head = format == '1' ? 8 : 8 + KNOWN_BYTES;
+    const uint32_t n = size >= head ? iso_get_u32(plain) : UINT32_MAX;
+    if (n > ISO_KEY_RING_MOST || size != head + (size_t)n * ENTRY_BYTES) {
         return -EBADMSG;
     }
-    out->n = n;
-    out->next = iso_get_u32(plain + 4);
+    *out = (struct keys){.n = n, .next = iso_get_u32(plain + 4)};
+    if (format != '1') {
+        out->file = iso_get_u64(plain + 8);
+        out->known = iso_heads_get(plain + 16);
+    }
     for (uint32_t i = 0; i < n; i++) {
-        const uint8_t *p = plain + 8 + (size_t)i * ENTRY_BYTES;
+        const uint8_t *p = plain + head + (size_t)i * ENTRY_BYTES;
         out->entries[i].use = iso_get_u32(p);
         out->entries[i].number = iso_get_u32(p + 4);
         memcpy(out->entries[i].key.bytes, p + 8, ISO_SEAL_KEY_BYTES);
@@ -101,8 +113,10 @@ static int settle(struct iso_key_ring *ring, const struct iso_seal_key *master, 
 static int commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
                   struct iso_fault *fault)
 {
-    const struct iso_seal_label label = ring_label();
+    const struct iso_seal_label label = ring_label(magic[sizeof magic - 1]);
     uint8_t plain[PLAIN_MAX_BYTES], bytes[FILE_MAX_BYTES];
+    ring->draft.file = ring->keys.file + 1;
+    ring->draft.known = iso_heads_now(ring->board);
     const size_t size = put_keys(&ring->draft, plain);
     memcpy(bytes, magic, sizeof magic);
     iso_seal_close(master, &label, plain, size, bytes + sizeof magic);
@@ -116,6 +130,9 @@ static int commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
         ring->master = *master;
         ring->unsure = false;
     }
+    if (!error) {
+        iso_heads_wrote(ring->board, ISO_HEAD_RING, ring->keys.file, NULL);
+    }
     sodium_memzero(&ring->draft, sizeof ring->draft);
     return error;
 }
@@ -123,15 +140,21 @@ static int commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
 static int open_with(struct iso_key_ring *ring, const struct iso_seal_key *master,
                      const uint8_t *bytes, size_t size)
 {
-    const struct iso_seal_label label = ring_label();
     uint8_t plain[PLAIN_MAX_BYTES];
-    if (size < sizeof magic + ISO_SEAL_OVERHEAD || memcmp(bytes, magic, sizeof magic) != 0) {
+    if (size < sizeof magic + ISO_SEAL_OVERHEAD || size > FILE_MAX_BYTES ||
+        memcmp(bytes, magic, sizeof magic - 1) != 0) {
         return -EKEYREJECTED;
     }
+    const char format = (char)bytes[sizeof magic - 1];
+    const struct iso_seal_label label = ring_label(format);
     const size_t sealed = size - sizeof magic;
     int error = iso_seal_open(master, &label, bytes + sizeof magic, sealed, plain);
-    error = error ? error : get_keys(plain, sealed - ISO_SEAL_OVERHEAD, &ring->keys);
+    error = error ? error : get_keys(plain, sealed - ISO_SEAL_OVERHEAD, format, &ring->keys);
     sodium_memzero(plain, sizeof plain);
+    if (!error) {
+        iso_heads_found(ring->board, ISO_HEAD_RING, ring->path, ring->keys.file);
+        iso_heads_claim(ring->board, ring->path, &ring->keys.known);
+    }
     return error ? -EKEYREJECTED : 0;
 }
 
@@ -327,6 +350,10 @@ int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **o
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", place->ring);
     }
     memset(ring, 0, sizeof *ring);
+    if (iso_heads_board_new(&ring->board)) {
+        iso_key_ring_close(ring);
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", place->ring);
+    }
     if (snprintf(ring->path, sizeof ring->path, "%s", place->ring) >= PATH_MAX ||
         snprintf(ring->file, sizeof ring->file, "%s", place->file) >= PATH_MAX) {
         error = iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", place->ring);
@@ -342,10 +369,18 @@ int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **o
 
 void iso_key_ring_close(struct iso_key_ring *ring)
 {
-    sodium_free(ring); /* which wipes */
+    if (ring) {
+        iso_heads_board_free(ring->board);
+        sodium_free(ring); /* which wipes */
+    }
 }
 
 /* ---- use ---- */
+
+struct iso_heads_board *iso_key_ring_board(const struct iso_key_ring *ring)
+{
+    return ring->board;
+}
 
 const struct iso_seal_key *iso_key_ring_find(const struct iso_key_ring *ring, enum iso_key_use use,
                                              uint32_t number)
@@ -412,6 +447,12 @@ static int end_change_before(struct iso_key_ring *ring, struct iso_fault *fault)
         error = commit(ring, &ring->master, fault);
     }
     return error || !ring->beside ? error : take_place(ring, fault);
+}
+
+int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
+{
+    ring->draft = ring->keys;
+    return commit(ring, &ring->master, fault);
 }
 
 /* The new key stands beside the old one before the ring is sealed with it, and takes its place

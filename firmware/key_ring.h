@@ -9,7 +9,8 @@
  *
  * A store's keys are rotated by making a new one, sealing everything anew, and dropping the older
  * ones: the ring holds both meanwhile, so that after a kill at any moment every record has its key.
- * A ring is written whole (iso_data_file_replace). One whose key is gone is never made anew.
+ * A ring is written whole (iso_data_file_replace), with a number that rises and what it knows of
+ * the other stores (heads.h). One whose key is gone is never made anew.
  *
  * Used by one thread. Keys are in locked memory, which is wiped at the end. */
 #ifndef ISO_FIRMWARE_KEY_RING_H
@@ -19,6 +20,7 @@
 #include <stdint.h>
 
 #include "core/fault.h"
+#include "firmware/heads.h"
 #include "firmware/seal.h"
 
 /* What a key is for. The numbers stand in the file. */
@@ -70,6 +72,13 @@ int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t 
  * changes. */
 int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Writes the ring as it is, with the next number and present knowledge. -EIO, -ENOSPC, ... */
+int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Where the stores that have this ring tell each other their counts. Lives as long as the ring. */
+struct iso_heads_board *iso_key_ring_board(const struct iso_key_ring *ring);
 
 /* Whether the appliance's key is a credential of the service manager, or a file. */
 bool iso_key_ring_has_credential(const struct iso_key_ring *ring);

@@ -1,29 +1,42 @@
 #include "firmware/lockout_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "core/math/bytes.h"
 #include "core/math/crc32.h"
-#include "drivers/file/file.h"
 #include "firmware/data_file.h"
 #include "firmware/directory.h"
 #include "firmware/storage_fault.h"
 #include "firmware/times.h"
 
-enum { TEXT_SIZE = 160 };
+static const char magic[8] = {'I', 'S', 'O', 'L', 'O', 'C', 'K', '2'};
+
+enum {
+    TEXT_SIZE = 160,
+    HEAD_BYTES = sizeof magic + 4,
+    FILE_BYTES = HEAD_BYTES + ISO_LOCKOUT_PLAIN_BYTES + ISO_SEAL_OVERHEAD,
+    FILE_MAX_BYTES = 4096,
+};
+
+/* Rounded up: a lock of which anything is left is still one. */
+static int64_t remaining_ms(const struct iso_lockout_record *record)
+{
+    return record->remaining_ns > INT64_MAX - ISO_NS_PER_MS
+               ? INT64_MAX / ISO_NS_PER_MS
+               : (record->remaining_ns + ISO_NS_PER_MS - 1) / ISO_NS_PER_MS;
+}
+
+/* ---- format 1 ---- */
 
 static size_t print(const struct iso_lockout_record *record, char text[TEXT_SIZE])
 {
-    /* Rounded up: a lock of which anything is left is still one. */
-    const int64_t remaining_ms = (record->remaining_ns + ISO_NS_PER_MS - 1) / ISO_NS_PER_MS;
     int n = snprintf(text, TEXT_SIZE, "isotherm-lockout 1 %d %d %d %" PRId64 " %s ",
-                     record->failures, record->attacks, record->locks, remaining_ms,
+                     record->failures, record->attacks, record->locks, remaining_ms(record),
                      record->lockdown ? "lockdown" : "open");
     const uint32_t crc = iso_crc32(0, text, (size_t)n);
     n += snprintf(text + n, TEXT_SIZE - (size_t)n, "%08" PRIx32 "\n", crc);
@@ -34,80 +47,170 @@ int iso_lockout_parse(const char *text, size_t size, struct iso_lockout_record *
 {
     struct iso_lockout_record record;
     char word[9], again[TEXT_SIZE];
-    int64_t remaining_ms;
+    int64_t left_ms;
     if (size >= TEXT_SIZE || strlen(text) != size ||
         sscanf(text, "isotherm-lockout 1 %9d %9d %9d %12" SCNd64 " %8s", &record.failures,
-               &record.attacks, &record.locks, &remaining_ms, word) != 5) {
+               &record.attacks, &record.locks, &left_ms, word) != 5) {
         return -EBADMSG;
     }
     record.lockdown = strcmp(word, "lockdown") == 0;
-    record.remaining_ns = remaining_ms * ISO_NS_PER_MS;
+    record.remaining_ns = left_ms * ISO_NS_PER_MS;
     /* There is one way to write a record: what is not written so was not written by us. */
     const size_t length = print(&record, again);
-    if (remaining_ms < 0 || length != size || memcmp(text, again, size) != 0) {
+    if (left_ms < 0 || length != size || memcmp(text, again, size) != 0) {
         return -EBADMSG;
     }
     *out = record;
     return 0;
 }
 
-int iso_lockout_load(const char *path, struct iso_lockout_record *out, struct iso_fault *fault)
+/* ---- format 2 ---- */
+
+void iso_lockout_put(const struct iso_lockout_file *file, uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES])
+{
+    const struct iso_lockout_record *record = &file->record;
+    uint8_t *p = iso_put_u64(plain, file->number);
+    p = iso_put_u32(p, (uint32_t)record->failures);
+    p = iso_put_u32(p, (uint32_t)record->attacks);
+    p = iso_put_u32(p, (uint32_t)record->locks);
+    p = iso_put_u64(p, (uint64_t)remaining_ms(record));
+    *p++ = record->lockdown;
+    iso_heads_put(&file->known, p);
+}
+
+int iso_lockout_get(const uint8_t *plain, size_t size, struct iso_lockout_file *out)
+{
+    if (size != ISO_LOCKOUT_PLAIN_BYTES) {
+        return -EBADMSG;
+    }
+    const uint32_t failures = iso_get_u32(plain + 8), attacks = iso_get_u32(plain + 12),
+                   locks = iso_get_u32(plain + 16);
+    const uint64_t left_ms = iso_get_u64(plain + 20);
+    if (iso_get_u64(plain) == 0 || failures > INT_MAX || attacks > INT_MAX || locks > INT_MAX ||
+        left_ms > INT64_MAX / ISO_NS_PER_MS || plain[28] > 1) {
+        return -EBADMSG;
+    }
+    *out = (struct iso_lockout_file){
+        .number = iso_get_u64(plain),
+        .record = {.failures = (int)failures,
+                   .attacks = (int)attacks,
+                   .locks = (int)locks,
+                   .remaining_ns = (int64_t)left_ms * ISO_NS_PER_MS,
+                   .lockdown = plain[28]},
+        .known = iso_heads_get(plain + 29),
+    };
+    return 0;
+}
+
+static struct iso_seal_label label_of(uint32_t key)
+{
+    struct iso_seal_label label = iso_seal_label_of("isotherm lockout 2");
+    iso_seal_label_number(&label, key);
+    return label;
+}
+
+static int open_sealed(const uint8_t *bytes, size_t size, const struct iso_key_ring *ring,
+                       struct iso_lockout_file *out)
+{
+    uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES];
+    if (size != FILE_BYTES || memcmp(bytes, magic, sizeof magic) != 0) {
+        return -EBADMSG;
+    }
+    const uint32_t number = iso_get_u32(bytes + sizeof magic);
+    const struct iso_seal_key *key = iso_key_ring_find(ring, ISO_KEY_ANCHOR, number);
+    const struct iso_seal_label label = label_of(number);
+    if (!key || iso_seal_open(key, &label, bytes + HEAD_BYTES, size - HEAD_BYTES, plain)) {
+        return -EBADMSG;
+    }
+    return iso_lockout_get(plain, sizeof plain, out);
+}
+
+/* ---- the file ---- */
+
+int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
+                     struct iso_lockout_file *out, struct iso_fault *fault)
 {
     struct iso_fault why = {""};
+    struct iso_lockout_file file = {.number = 0};
     void *bytes = NULL;
     size_t size = 0;
-    int error = iso_data_file_read(path, TEXT_SIZE, &bytes, &size, &why);
-    if (error == -ENOENT) {
-        return error;
-    }
+    int error = iso_data_file_read(path, FILE_MAX_BYTES, &bytes, &size, &why);
     if (error) {
-        return iso_fault_set(fault, error, "%s", why.text);
+        return error == -ENOENT ? error : iso_fault_set(fault, error, "%s", why.text);
     }
     char text[TEXT_SIZE + 1] = "";
-    memcpy(text, bytes, size);
+    if (size >= sizeof magic && memcmp(bytes, magic, sizeof magic) == 0) {
+        error = open_sealed(bytes, size, ring, &file);
+    } else if (size <= TEXT_SIZE) {
+        memcpy(text, bytes, size);
+        error = iso_lockout_parse(text, size, &file.record);
+    } else {
+        error = -EBADMSG;
+    }
     free(bytes);
-    error = iso_lockout_parse(text, size, out);
-    return error ? iso_fault_set(fault, error, "%s: damaged", path) : 0;
+    if (error) {
+        return iso_fault_set(fault, error, "%s: damaged", path);
+    }
+    *out = file;
+    return 0;
 }
 
-static int write_file(const char *path, const char *text, size_t size, struct iso_fault *fault)
+int iso_lockout_load(const char *path, const struct iso_key_ring *ring,
+                     struct iso_lockout_file *out, struct iso_fault *fault)
 {
-    int fd = -1;
-    int error = iso_file_open(path, O_WRONLY | O_CREAT | O_TRUNC, ISO_FILE_ANY_SIZE, &fd, fault);
+    struct iso_heads_board *board = iso_key_ring_board(ring);
+    struct iso_lockout_file file;
+    int error = iso_lockout_read(path, ring, &file, fault);
+    if (!error) { /* what a power cut may still take away is not told to the other stores */
+        error = iso_directory_sync(path, fault);
+    }
+    if (error && error != -ENOENT) {
+        return error;
+    }
+    if (!error) {
+        iso_heads_found(board, ISO_HEAD_LOCKOUT, path, file.number);
+        iso_heads_claim(board, path, &file.known);
+    }
+    const uint64_t needed = iso_heads_now(board).count[ISO_HEAD_LOCKOUT];
+    if (error) {
+        return needed == 0 ? error
+                           : iso_fault_set(fault, -ESTALE,
+                                           "%s: is gone, and the other stores know of it", path);
+    }
+    if (file.number < needed) {
+        return iso_fault_set(fault, -ESTALE, "%s: from an earlier time", path);
+    }
+    *out = file;
+    return 0;
+}
+
+int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
+                     const struct iso_lockout_record *record, struct iso_fault *fault)
+{
+    struct iso_heads_board *board = iso_key_ring_board(ring);
+    const uint32_t key = iso_key_ring_newest(ring, ISO_KEY_ANCHOR);
+    const struct iso_seal_label label = label_of(key);
+    struct iso_fault why = {""};
+    struct iso_lockout_file file = {.record = *record, .known = iso_heads_now(board)};
+    uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES], bytes[FILE_BYTES];
+    file.number = file.known.count[ISO_HEAD_LOCKOUT] + 1;
+    iso_lockout_put(&file, plain);
+    memcpy(bytes, magic, sizeof magic);
+    (void)iso_put_u32(bytes + sizeof magic, key);
+    iso_seal_close(iso_key_ring_find(ring, ISO_KEY_ANCHOR, key), &label, plain, sizeof plain,
+                   bytes + HEAD_BYTES);
+    int error = iso_data_file_replace(path, bytes, sizeof bytes, &why);
+    if (error && iso_data_file_holds(path, bytes, sizeof bytes)) { /* it is there nevertheless */
+        error = iso_directory_sync(path, fault);
+    } else if (error) {
+        error = iso_storage_is_refusal(error)
+                    ? iso_storage_refused(path, error, fault)
+                    : iso_fault_set(fault, error, "%s: cannot be written: %s", path,
+                                    why.text[0] ? why.text : strerror(-error));
+    }
     if (error) {
         return error;
     }
-    const ssize_t n = write(fd, text, size);
-    error = n < 0 ? -errno : (size_t)n < size ? -ENOSPC : 0;
-    if (!error && fdatasync(fd)) {
-        error = -errno;
-    }
-    if (close(fd) && !error) {
-        error = -errno;
-    }
-    return error;
-}
-
-int iso_lockout_save(const char *path, const struct iso_lockout_record *record,
-                     struct iso_fault *fault)
-{
-    char text[TEXT_SIZE], beside[PATH_MAX];
-    const size_t size = print(record, text);
-    const int n = snprintf(beside, sizeof beside, "%s.new", path);
-    if (n < 0 || (size_t)n >= sizeof beside) {
-        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", path);
-    }
-    struct iso_fault why = {""};
-    int error = write_file(beside, text, size, &why);
-    if (!error && rename(beside, path)) {
-        error = -errno;
-    }
-    if (error && !iso_data_file_holds(path, text, size)) { /* it may be there nevertheless */
-        (void)unlink(beside);
-        return iso_storage_is_refusal(error)
-                   ? iso_storage_refused(path, error, fault)
-                   : iso_fault_set(fault, error, "%s: cannot be written: %s", path,
-                                   why.text[0] ? why.text : strerror(-error));
-    }
-    return iso_directory_sync(path, fault);
+    iso_heads_wrote(board, ISO_HEAD_LOCKOUT, file.number, NULL);
+    return 0;
 }

@@ -1,29 +1,59 @@
-/* The lock-out's memory in a file, so that pulling the plug does not make it forget: one line,
+/* The lock-out's memory in a file, so that pulling the plug does not make it forget.
  *
- *   isotherm-lockout 1 FAILURES ATTACKS LOCKS REMAINING_MS open|lockdown CHECKSUM
+ *   ISOLOCK2 | number of the key u32 | sealed: number of the file u64, failures u32, attacks u32,
+ *   locks u32, remaining_ms u64, lockdown u8, heads (heads.h)
  *
- * with the CRC-32 of what stands before it. Written beside its place and moved there: after a power
- * cut the file is the old one or the new one. It is not secret, and against who can write it there
- * is no defence. */
+ * Sealed with the anchors' key, so that nobody without the key ring writes one, and numbered: each
+ * write has the next number, which the other stores know. So an older file is refused, and so is
+ * none where there was one. Written beside its place and moved there: after a power cut the file is
+ * the old one or the new one.
+ *
+ * Format 1 was a line of text with a CRC-32, which anyone could write. It is read as long as no
+ * store knows of a sealed file; the next write replaces it. */
 #ifndef ISO_FIRMWARE_LOCKOUT_FILE_H
 #define ISO_FIRMWARE_LOCKOUT_FILE_H
 
 #include <stddef.h>
 
 #include "core/fault.h"
+#include "firmware/key_ring.h"
 #include "firmware/lockout.h"
 
-/* -ENOENT there is none (the fault is untouched then), -EBADMSG it is damaged, or an errno of
- * reading it; *out is untouched. */
-int iso_lockout_load(const char *path, struct iso_lockout_record *out, struct iso_fault *fault)
+enum { ISO_LOCKOUT_PLAIN_BYTES = 8 + 3 * 4 + 8 + 1 + ISO_HEADS_BYTES };
+
+struct iso_lockout_file {
+    uint64_t number; /* 0: of format 1, which had none */
+    struct iso_lockout_record record;
+    struct iso_heads known;
+};
+
+/* Reads the file, and tells the ring's board what was found. With *out untouched:
+ *   -ENOENT  there is none, and no store knows of one (the fault is untouched then)
+ *   -ESTALE  there is none, or an older one, and a store knows of a newer one
+ *   -EBADMSG it is damaged or sealed with a key that the ring has not; or an errno of reading it */
+int iso_lockout_load(const char *path, const struct iso_key_ring *ring,
+                     struct iso_lockout_file *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* On the disk when it returns. An error of storage_fault.h: the file is as it was, or as it was to
- * become without being synchronised; iso_lockout_load tells. */
-int iso_lockout_save(const char *path, const struct iso_lockout_record *record,
-                     struct iso_fault *fault) __attribute__((warn_unused_result));
+/* Reads the file, whatever the other stores know. -ENOENT (the fault is untouched then), -EBADMSG.
+ */
+int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
+                     struct iso_lockout_file *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
-/* Reads the text of such a file, of `size` bytes with a NUL behind. -EBADMSG. */
+/* Writes the file with the next number; it is on the disk when this returns. An error of
+ * storage_fault.h: the file is as it was, or as it was to become without being synchronised;
+ * iso_lockout_read tells. */
+int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
+                     const struct iso_lockout_record *record, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* What is sealed, and back. get: -EBADMSG for a size or numbers that cannot be. */
+void iso_lockout_put(const struct iso_lockout_file *file, uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES]);
+int iso_lockout_get(const uint8_t *plain, size_t size, struct iso_lockout_file *out)
+    __attribute__((warn_unused_result));
+
+/* Reads the text of a file of format 1, of `size` bytes with a NUL behind. -EBADMSG. */
 int iso_lockout_parse(const char *text, size_t size, struct iso_lockout_record *out)
     __attribute__((warn_unused_result));
 

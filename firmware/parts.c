@@ -9,6 +9,7 @@
 #include "drivers/shipped.h"
 #include "drivers/vision/face_detector.h"
 #include "firmware/journal.h"
+#include "firmware/lockout_file.h"
 
 static const char *or_shipped(const char *path, const char *shipped)
 {
@@ -197,6 +198,29 @@ static int open_gallery(struct iso_parts *parts, struct iso_fault *fault)
     return iso_gallery_open(&options, &parts->gallery, fault);
 }
 
+/* The lock-out's memory is beside the audit log, if it has no place of its own. */
+static void place_lockout(struct iso_parts *parts)
+{
+    static const char name[] = "lockout";
+    const struct iso_config *config = &parts->config;
+    const size_t length = directory_length(config->log.path);
+    if (*config->lockout.path) {
+        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%s", config->lockout.path);
+    } else {
+        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%.*s%s", (int)length,
+                       config->log.path, name);
+    }
+}
+
+/* What the lock-out file knows of the other stores is compared with theirs. Whether it can be used
+ * is for the appliance to say, which shuts the door if not. */
+static void look_at_lockout(const struct iso_parts *parts)
+{
+    struct iso_lockout_file file;
+    struct iso_fault fault;
+    (void)!iso_lockout_load(parts->lockout_path, parts->ring, &file, &fault);
+}
+
 /* A gallery that is put back with its anchor is behind what the log says of it. */
 static int compare_stores(const struct iso_parts *parts, struct iso_fault *fault)
 {
@@ -211,26 +235,17 @@ static int compare_stores(const struct iso_parts *parts, struct iso_fault *fault
                      parts->config.gallery.path, (unsigned long long)(known - version.changes));
 }
 
-static int open_stores(struct iso_parts *parts, struct iso_fault *fault)
+int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
 {
+    place_lockout(parts);
     int error = open_ring(parts, fault);
+    if (!error) {
+        look_at_lockout(parts);
+    }
     error = error ? error : open_gallery(parts, fault);
     error = error ? error : open_log(parts, fault);
+    error = error ? error : iso_heads_check(iso_key_ring_board(parts->ring), fault);
     return error ? error : compare_stores(parts, fault);
-}
-
-/* The lock-out's memory is beside the audit log, if it has no place of its own. */
-static void place_lockout(struct iso_parts *parts)
-{
-    static const char name[] = "lockout";
-    const struct iso_config *config = &parts->config;
-    const size_t length = directory_length(config->log.path);
-    if (*config->lockout.path) {
-        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%s", config->lockout.path);
-    } else {
-        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%.*s%s", (int)length,
-                       config->log.path, name);
-    }
 }
 
 int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,
@@ -278,10 +293,9 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
     }
     parts->config = *config;
     parts->times = *times;
-    place_lockout(parts);
     int error = open_files(parts, fault);
     if (!error) {
-        error = open_stores(parts, fault);
+        error = iso_parts_open_stores(parts, fault);
     }
     if (!error) {
         error = open_door(parts, fault);

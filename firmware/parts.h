@@ -40,11 +40,19 @@ int iso_parts_check(const struct iso_config *config, const struct iso_times *tim
 
 /* Opens them in an order in which the door's lines are touched last. Every error of
  * iso_parts_check, iso_crew_new, iso_pipeline_open, iso_key_ring_open, iso_gallery_open,
- * iso_audit_open, iso_cards_load and iso_door_io_open, with nothing left open; -ESTALE if the log
- * knows a newer gallery. But with -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost
- * and may come back. What `times` points to must outlive the parts. */
+ * iso_audit_open, iso_cards_load and iso_door_io_open, with nothing left open; -ESTALE if one of
+ * the stores is of an earlier time than another knows (heads.h). But with -ENODEV, -EBUSY, -EACCES
+ * or -EIO of the door its lines are lost and may come back. What `times` points to must outlive the
+ * parts. */
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Opens key ring, gallery and log of parts whose config, times and pipeline are set, looks at the
+ * lock-out file, and compares what they know of each other: a part of iso_parts_open. -ESTALE one
+ * of them is of an earlier time than another knows; else the errors of iso_key_ring_open,
+ * iso_gallery_open and iso_audit_open. What is open then is for iso_parts_close. */
+int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Puts the door's lines to where they rest without power and lets them go: for after a process that

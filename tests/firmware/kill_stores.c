@@ -1,5 +1,6 @@
-/* Kills a process that writes gallery, log and keys, at random moments and again and again, and
- * looks each time what is left: nobody lost, nobody back from the dead, the log's chain whole.
+/* Kills a process that writes gallery, log, lock-out and keys, at random moments and again and
+ * again, and looks each time what is left: nobody lost, nobody back from the dead, the log's chain
+ * whole, and no file taken for one of an earlier time.
  *
  * usage: kill_stores [ROUNDS [SEED]]     exit status 0 if every round was as it should be
  *
@@ -20,14 +21,16 @@
 #include "firmware/audit.h"
 #include "firmware/gallery.h"
 #include "firmware/key_ring.h"
+#include "firmware/lockout_file.h"
 #include "tests/firmware/puppets.h"
 
 enum { PEOPLE = 24, KILL_WITHIN_US = 250000, START_MAX_MS = 1000, SEGMENT_BYTES = 6000 };
 
-enum action { ENROL, DELETE, ROTATE_GALLERY, ROTATE_LOG, CHANGE_KEY, LOG, ACTIONS };
+enum action { ENROL, DELETE, ROTATE_GALLERY, ROTATE_LOG, CHANGE_KEY, LOCK_OUT, LOG, ACTIONS };
 
 static const char *const action_names[ACTIONS] = {"enrolments", "deletions",   "gallery keys",
-                                                  "log keys",   "master keys", "log records"};
+                                                  "log keys",   "master keys", "lock-outs",
+                                                  "log records"};
 
 struct stores {
     struct iso_key_ring *ring;
@@ -91,8 +94,13 @@ static int open_stores(struct stores *stores, struct iso_fault *fault)
                                             .segment_bytes = SEGMENT_BYTES,
                                             .segments = 20,
                                             .ring = stores->ring};
+    struct iso_lockout_file lockout;
+    const int none = error ? error
+                           : iso_lockout_load(path_of("lockout"), stores->ring, &lockout, fault);
+    error = none == -ENOENT ? 0 : none;
     error = error ? error : iso_gallery_open(&gallery, &stores->gallery, fault);
-    return error ? error : iso_audit_open(&audit, &times, &stores->audit, fault);
+    error = error ? error : iso_audit_open(&audit, &times, &stores->audit, fault);
+    return error ? error : iso_heads_check(iso_key_ring_board(stores->ring), fault);
 }
 
 static void close_stores(struct stores *stores)
@@ -125,6 +133,12 @@ static int append(struct stores *stores, struct iso_fault *fault)
     return iso_audit_append(stores->audit, &record, fault);
 }
 
+static int lock_out(struct stores *stores, struct iso_fault *fault)
+{
+    const struct iso_lockout_record record = {.failures = 1};
+    return iso_lockout_save(path_of("lockout"), stores->ring, &record, fault);
+}
+
 static int act(struct stores *stores, const struct message *message, struct iso_fault *fault)
 {
     switch ((enum action)message->action) {
@@ -138,6 +152,8 @@ static int act(struct stores *stores, const struct message *message, struct iso_
         return iso_audit_rotate_key(stores->audit, fault);
     case CHANGE_KEY:
         return iso_key_ring_change_key(stores->ring, fault);
+    case LOCK_OUT:
+        return lock_out(stores, fault);
     default:
         return append(stores, fault);
     }
@@ -154,6 +170,7 @@ static struct message choose(void)
                      : lot < 10 ? ROTATE_GALLERY
                      : lot < 11 ? ROTATE_LOG
                      : lot < 12 ? CHANGE_KEY
+                     : lot < 14 ? LOCK_OUT
                                 : LOG;
     if ((message.action == DELETE && templates == 0) ||
         (message.action == ENROL && templates == ISO_GALLERY_TEMPLATES_MAX)) {
@@ -316,7 +333,9 @@ static void observe(const struct message *under_way, struct tally *tally)
 
 static void print(const struct tally *tally, unsigned rounds)
 {
-    printf("%u kills: nobody lost, nobody back, the chain of the log whole\n", rounds);
+    printf("%u kills: nobody lost, nobody back, the chain of the log whole, no file taken "
+           "for an old one\n",
+           rounds);
     printf("%-14s %8s %10s\n", "", "done", "cut short");
     for (int i = 0; i < ACTIONS; i++) {
         printf("%-14s %8u %10u\n", action_names[i], tally->done[i], tally->cut[i]);

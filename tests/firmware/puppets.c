@@ -42,10 +42,12 @@ int puppet_face_of(const struct iso_template *tmpl)
 /* ---- sensor ---- */
 
 /* A frame's first pixel is the face, its second the outcome, its third where it is: 100 and more,
- * to be valid depths. */
+ * to be valid depths. The others are the scene, which may move. */
+enum { CODE_PX = 3, WIDTH_PX = 8 };
+
 struct stream {
     struct puppet_sensor *sensor;
-    float depth_mm[3];
+    float depth_mm[WIDTH_PX];
     struct iso_frame frame;
 };
 
@@ -74,12 +76,12 @@ static int stream_open(const struct iso_option *options, size_t n_options,
     stream->sensor = being_opened;
     stream->frame = (struct iso_frame){
         .camera = {.projection = ISO_PINHOLE,
-                   .width_px = 3,
+                   .width_px = WIDTH_PX,
                    .height_px = 1,
                    .fx_px = 500,
                    .fy_px = 500,
                    .cx_px = 1},
-        .width_px = 3,
+        .width_px = WIDTH_PX,
         .height_px = 1,
         .depth_mm = stream->depth_mm,
     };
@@ -113,6 +115,10 @@ static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame *
     stream->depth_mm[1] = (float)(100 + (int)sensor->frames[sensor->next].capture);
     stream->depth_mm[2] = (float)(1100 + sensor->frames[sensor->next].right_mm);
     stream->frame.t_ns = sensor->frames[sensor->next].t_ns;
+    const bool elsewhere = sensor->scene_moves && stream->frame.t_ns / ISO_NS_PER_S % 2;
+    for (int i = CODE_PX; i < WIDTH_PX; i++) {
+        stream->depth_mm[i] = elsewhere ? 1200.0F : 900.0F;
+    }
     stream->frame.sequence = sensor->forgotten + (uint64_t)sensor->next++;
     *frame = &stream->frame;
     return 0;
@@ -130,7 +136,8 @@ static int stream_next_due_ns(void *self, int64_t *due_ns)
 static int stream_describe(void *self, struct iso_sensor_description *out)
 {
     (void)self;
-    *out = (struct iso_sensor_description){.model = "puppet9", .width_px = 3, .height_px = 1};
+    *out = (struct iso_sensor_description){
+        .model = "puppet9", .width_px = WIDTH_PX, .height_px = 1};
     return 0;
 }
 

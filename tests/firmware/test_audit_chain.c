@@ -164,7 +164,7 @@ static struct iso_audit *open_small(const char *directory)
     struct iso_audit *audit = NULL;
     struct iso_fault fault = {""};
     options.sync = false;
-    options.segment_bytes = 2000;
+    options.segment_bytes = 2200;
     options.segments = 3;
     if (iso_audit_open(&options, &audit_rig_times, &audit, &fault)) {
         fail_msg("%s", fault.text);

@@ -196,7 +196,7 @@ static void lists_and_deletes(void **state)
     assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_DELETE_PERSON, "bob"), "NoSuchPerson");
     assert_null(iso_gallery_find(f->rig->gallery, "bob"));
     rig_fill_disk();
-    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_DELETE_PERSON, "anna"), "Internal");
+    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_DELETE_PERSON, "anna"), "Storage");
     rig_free_disk();
 }
 

@@ -11,6 +11,7 @@
 
 #include "firmware/lockout_file.h"
 #include "firmware/times.h"
+#include "tests/firmware/stores.h"
 #include "tests/support/scratch.h"
 
 #define S ISO_NS_PER_S
@@ -25,7 +26,7 @@ static struct iso_lockout lockout;
 static int setup(void **state)
 {
     iso_lockout_init(&lockout, &options);
-    return scratch_setup(state);
+    return stores_setup(state);
 }
 
 static bool verdict(enum iso_reason reason, int frames, int64_t t_s)
@@ -179,17 +180,19 @@ static void lockdown_goes_before_all_and_outlasts_a_clear(void **state)
 static void outlasts_a_restart_with_a_clock_of_its_own(void **state)
 {
     const char *path = scratch_path(*state, "lockout");
-    struct iso_lockout_record record = {0};
+    struct iso_lockout_record record;
+    struct iso_lockout_file file = {.number = 0};
     struct iso_fault fault = {""};
-    assert_int_equal(iso_lockout_load(path, &record, &fault), -ENOENT);
+    assert_int_equal(iso_lockout_load(path, stores_ring(*state), &file, &fault), -ENOENT);
     (void)lock_at(1000);
     (void)verdict(ISO_REASON_UNKNOWN, 6, 1004);
     record = iso_lockout_record_of(&lockout, 1004 * S);
-    assert_int_equal(iso_lockout_save(path, &record, &fault), 0);
-    memset(&record, 0, sizeof record);
-    assert_int_equal(iso_lockout_load(path, &record, &fault), 0);
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
+    stores_forget();
+    assert_int_equal(iso_lockout_load(path, stores_ring(*state), &file, &fault), 0);
+    assert_int_equal(file.number, 1);
     iso_lockout_init(&lockout, &options);
-    iso_lockout_restore(&lockout, &record, 3 * S);
+    iso_lockout_restore(&lockout, &file.record, 3 * S);
     expect(ISO_REASON_LOCKED_OUT, 6, 3);
     assert_true(iso_lockout_time(&lockout, 9 * S));
     assert_int_equal(lock_at(9), 20); /* the second */
@@ -207,34 +210,133 @@ static void odd_numbers_are_taken_for_the_worst(void **state)
     assert_int_equal(lock_at(57), 50);
 }
 
+static void expect_refused(void *directory, int error, const char *words)
+{
+    struct iso_lockout_file file = {.number = 77};
+    struct iso_fault fault = {""};
+    const char *path = scratch_path(directory, "lockout");
+    assert_int_equal(iso_lockout_load(path, stores_ring(directory), &file, &fault), error);
+    assert_int_equal(file.number, 77);
+    assert_non_null(strstr(fault.text, path));
+    assert_non_null(strstr(fault.text, words));
+}
+
 static void every_damage_of_the_file_is_found(void **state)
 {
     const char *path = scratch_path(*state, "lockout");
-    struct iso_lockout_record record = {3, 1, 2, 1500 * ISO_NS_PER_MS, true};
-    struct iso_lockout_record read = {.failures = 77};
+    const struct iso_lockout_record record = {3, 1, 2, 1500 * ISO_NS_PER_MS, true};
     struct iso_fault fault;
     size_t size;
-    assert_int_equal(iso_lockout_save(path, &record, &fault), 0);
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
     char *good = scratch_read(path, &size);
     char *bad = malloc(size + 1);
     assert_non_null(bad);
     for (size_t bit = 0; bit < 8 * size; bit++) {
         memcpy(bad, good, size);
-        bad[size] = '\0';
+        bad[bit / 8] = (char)(bad[bit / 8] ^ 1 << bit % 8);
+        scratch_write(path, bad, size);
+        expect_refused(*state, -EBADMSG, "damaged");
+    }
+    for (size_t length = 0; length <= size + 1; length++) {
+        memcpy(bad, good, size);
+        bad[size] = 'x';
+        scratch_write(path, bad, length);
+        if (length != size) {
+            expect_refused(*state, -EBADMSG, "damaged");
+        }
+    }
+    free(good);
+    free(bad);
+}
+
+static void nobody_without_the_key_writes_one(void **state)
+{
+    const struct iso_lockout_record record = {.failures = 4, .locks = 2};
+    const char *path = scratch_path(*state, "lockout");
+    struct iso_fault fault;
+    void *other = NULL;
+    stores_forget();
+    assert_int_equal(scratch_setup(&other), 0);
+    assert_int_equal(iso_lockout_save(path, stores_ring(other), &record, &fault), 0);
+    stores_forget();
+    expect_refused(*state, -EBADMSG, "damaged");
+    assert_int_equal(scratch_teardown(&other), 0);
+}
+
+static const char text_1[] = "isotherm-lockout 1 5 2 3 119500 open 9286bdc4\n";
+
+static void the_file_of_the_version_before_is_read_until_there_is_a_sealed_one(void **state)
+{
+    const char *path = scratch_path(*state, "lockout");
+    struct iso_lockout_file file;
+    struct iso_fault fault;
+    scratch_write_text(path, text_1);
+    assert_int_equal(iso_lockout_load(path, stores_ring(*state), &file, &fault), 0);
+    assert_int_equal(file.number, 0);
+    assert_int_equal(file.record.failures, 5);
+    assert_int_equal(file.record.attacks, 2);
+    assert_int_equal(file.record.locks, 3);
+    assert_int_equal(file.record.remaining_ns, 119500 * ISO_NS_PER_MS);
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &file.record, &fault), 0);
+    struct iso_lockout_file sealed;
+    assert_int_equal(iso_lockout_load(path, stores_ring(*state), &sealed, &fault), 0);
+    assert_int_equal(sealed.number, 1);
+    assert_int_equal(sealed.record.failures, 5);
+    assert_int_equal(sealed.record.attacks, 2);
+    assert_int_equal(sealed.record.locks, 3);
+    assert_int_equal(sealed.record.remaining_ns, file.record.remaining_ns);
+    assert_false(sealed.record.lockdown);
+    /* What anyone can write is not taken any more once a store knows of the sealed one. */
+    assert_int_equal(iso_key_ring_renew(stores_ring(*state), &fault), 0);
+    stores_forget();
+    scratch_write_text(path, text_1);
+    expect_refused(*state, -ESTALE, "earlier time");
+}
+
+static void damage_of_the_version_before_is_found(void **state)
+{
+    char bad[sizeof text_1];
+    struct iso_lockout_record read = {.failures = 77};
+    const size_t size = strlen(text_1);
+    for (size_t bit = 0; bit < 8 * size; bit++) {
+        memcpy(bad, text_1, sizeof bad);
         bad[bit / 8] = (char)(bad[bit / 8] ^ 1 << bit % 8);
         assert_int_equal(iso_lockout_parse(bad, size, &read), -EBADMSG);
     }
     for (size_t length = 0; length < size; length++) {
-        memcpy(bad, good, size);
+        memcpy(bad, text_1, sizeof bad);
         bad[length] = '\0';
         assert_int_equal(iso_lockout_parse(bad, length, &read), -EBADMSG);
     }
     assert_int_equal(read.failures, 77);
-    scratch_write_text(path, "isotherm-lockout 1 0 0 0 0 open 00000000\n");
-    assert_int_equal(iso_lockout_load(path, &read, &fault), -EBADMSG);
-    assert_non_null(strstr(fault.text, "damaged"));
-    free(good);
-    free(bad);
+    scratch_write_text(scratch_path(*state, "lockout"),
+                       "isotherm-lockout 1 0 0 0 0 open 00000000\n");
+    expect_refused(*state, -EBADMSG, "damaged");
+}
+
+static void a_file_that_is_gone_or_old_is_missed(void **state)
+{
+    struct iso_lockout_record record = {.failures = 1};
+    const char *path = scratch_path(*state, "lockout");
+    struct iso_fault fault;
+    size_t size;
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
+    char *old = scratch_read(path, &size);
+    record.failures = 2;
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
+    assert_int_equal(iso_key_ring_renew(stores_ring(*state), &fault), 0); /* which knows both */
+    stores_forget();
+    scratch_write(path, old, size);
+    expect_refused(*state, -ESTALE, "earlier time");
+    assert_int_equal(unlink(path), 0);
+    stores_forget();
+    expect_refused(*state, -ESTALE, "is gone");
+    /* The next one is newer than all that are known. */
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
+    struct iso_lockout_file file;
+    assert_int_equal(iso_lockout_load(path, stores_ring(*state), &file, &fault), 0);
+    assert_int_equal(file.number, 3);
+    free(old);
 }
 
 static void a_file_that_cannot_be_written_stays_as_it_was(void **state)
@@ -242,12 +344,12 @@ static void a_file_that_cannot_be_written_stays_as_it_was(void **state)
     const struct iso_lockout_record record = {.failures = 1};
     struct iso_fault fault = {""};
     const char *path = scratch_path(*state, "none/lockout");
-    assert_int_equal(iso_lockout_save(path, &record, &fault), -ENOENT);
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "cannot be written"));
     assert_int_equal(mkdir(scratch_path(*state, "lockout.new"), 0700), 0);
     path = scratch_path(*state, "lockout");
     scratch_write_text(path, "as it was");
-    assert_int_equal(iso_lockout_save(path, &record, &fault), -EISDIR);
+    assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), -EISDIR);
     size_t size;
     char *text = scratch_read(path, &size);
     assert_memory_equal(text, "as it was", size);
@@ -256,7 +358,7 @@ static void a_file_that_cannot_be_written_stays_as_it_was(void **state)
 
 int main(void)
 {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, scratch_teardown)
+#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, stores_teardown)
     const struct CMUnitTest tests[] = {
         TEST(locks_after_failures_in_a_row),
         TEST(locks_after_attacks_whoever_is_admitted_meanwhile),
@@ -270,6 +372,10 @@ int main(void)
         TEST(outlasts_a_restart_with_a_clock_of_its_own),
         TEST(odd_numbers_are_taken_for_the_worst),
         TEST(every_damage_of_the_file_is_found),
+        TEST(nobody_without_the_key_writes_one),
+        TEST(the_file_of_the_version_before_is_read_until_there_is_a_sealed_one),
+        TEST(damage_of_the_version_before_is_found),
+        TEST(a_file_that_is_gone_or_old_is_missed),
         TEST(a_file_that_cannot_be_written_stays_as_it_was),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -328,10 +328,11 @@ static void expect_refusal(const struct run *run, const char *path, enum kind ki
 }
 
 /* What belongs to the sensor or to the door's inputs is no reason to end: the daemon says it,
- * keeps the door locked and tries again. */
+ * keeps the door locked and tries again. What stands for the lock-out file is a lockdown. */
 static bool is_tried_again(const char *name)
 {
-    return strncmp(name, "slot/", 5) == 0 || strcmp(name, "inputs") == 0;
+    return strncmp(name, "slot/", 5) == 0 || strcmp(name, "inputs") == 0 ||
+           strcmp(name, "lockout") == 0;
 }
 
 static void try_start(const char *directory, const char *name, enum kind kind, bool needed)

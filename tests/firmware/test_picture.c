@@ -195,7 +195,7 @@ static void who_has_the_claim_gets_the_next_frame(void **state)
     assert_int_equal(answer.n, 1);
     assert_true(answer.fd >= 0);
     read_picture(answer.fd, &image);
-    assert_int_equal(image.width_px, 3); /* as the puppet's frames have */
+    assert_int_equal(image.width_px, 8); /* as the puppet's frames have */
     assert_int_equal(image.height_px, 1);
     assert_non_null(strstr(rig_record(f->rig, "picture"), "\"event\":\"picture\""));
     iso_image_done(&image);

@@ -2,6 +2,7 @@
  * late or again. */
 #include <errno.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "tests/firmware/cmocka_headers.h"
 
@@ -168,6 +169,21 @@ static void what_is_remembered_and_damaged_is_a_lockdown(void **state)
     assert_non_null(strstr(visit(rig, 50), "visit allow anna"));
 }
 
+static void what_was_remembered_and_is_gone_is_a_lockdown(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault fault = {""};
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    assert_int_equal(unlink(path), 0);
+    restart(rig);
+    assert_non_null(strstr(rig_record(rig, "lockdown"), "\"reason\":\"stale\""));
+    assert_string_equal(visit(rig, 50), "visit deny lockdown 6");
+    assert_int_equal(iso_appliance_lockdown(rig->appliance, false, &fault), 0);
+    restart(rig);
+    assert_non_null(strstr(visit(rig, 50), "visit allow anna"));
+}
+
 static void a_client_learns_nothing_either(void **state)
 {
     struct rig *rig = *state;
@@ -229,6 +245,7 @@ int main(void)
         TEST(lockdown_outlasts_a_restart_until_it_is_ended),
         TEST(lockdown_in_the_middle_of_a_visit),
         TEST(what_is_remembered_and_damaged_is_a_lockdown),
+        TEST(what_was_remembered_and_is_gone_is_a_lockdown),
         TEST(a_client_learns_nothing_either),
         TEST(a_frame_that_comes_too_late_is_not_looked_at),
         TEST(a_frame_does_not_agree_with_itself),

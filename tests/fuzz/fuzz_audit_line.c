@@ -23,10 +23,12 @@ static void try_record(const struct iso_audit_seal *seal, const char *text, size
     static char line[ISO_AUDIT_LINE_MAX];
     static struct iso_audit_opened opened;
     struct iso_audit_link link = {{1}};
-    const size_t length = iso_audit_line_close(seal, 7, text, size, line, &link);
+    const struct iso_heads known = {.count = {size, 0, 3, 4}};
+    const size_t length = iso_audit_line_close(seal, 7, &known, text, size, line, &link);
     fuzz_check(iso_audit_line_open(seal, 7, line, length - 1, &opened) == 0, "it opens");
     fuzz_check(opened.size == size && memcmp(opened.text, text, size) == 0, "as it was");
     fuzz_check(memcmp(&opened.behind, &link, sizeof link) == 0, "the same link");
+    fuzz_check(memcmp(&opened.known, &known, sizeof known) == 0, "the same knowledge");
     line[2 + size % (length - 3)] ^= 1;
     fuzz_check(iso_audit_line_open(seal, 7, line, length - 1, &opened) != 0, "no other bit");
 }

@@ -1,0 +1,94 @@
+/* What the stores of one appliance know of each other, so that files of different times are told
+ * apart: gallery, audit log, lock-out file and key ring.
+ *
+ * Each store counts its own changes. Whenever it writes, it seals into the same write what the
+ * counts of all stores are at that moment: its knowledge. A file therefore states the least that
+ * the others must have. When they are opened, each count is compared with what the other files
+ * know: a store that has less was taken from an earlier time. The knowledge of the log has the link
+ * behind its last record, too, so that a log of another history with as many records is told apart.
+ *
+ * A count enters the knowledge only when its change is on the disk: for gallery and log that is the
+ * value of their anchor (anchor.h). So a kill, a power cut or a failed write at any moment leaves
+ * files that agree; no difference between two files that an interruption can make is refused. And
+ * files that agree are those that lay on the disk together at one moment: what cannot be told apart
+ * is a whole directory of an earlier time (C. J. Fidge, "Timestamps in message-passing systems that
+ * preserve the partial ordering", 1988: vector clocks and consistent cuts).
+ *
+ * The board holds these counts in memory. The key ring owns it, since all stores have the ring. Its
+ * functions may be called by several threads. */
+#ifndef ISO_FIRMWARE_HEADS_H
+#define ISO_FIRMWARE_HEADS_H
+
+#include <stdint.h>
+
+#include "core/fault.h"
+
+/* The order is that of the bytes in the files. */
+enum iso_head {
+    ISO_HEAD_GALLERY, /* changes, as anchored */
+    ISO_HEAD_LOG,     /* records, as anchored */
+    ISO_HEAD_LOCKOUT, /* number of the lock-out file */
+    ISO_HEAD_RING,    /* number of the key ring's file */
+    ISO_HEADS
+};
+
+enum {
+    ISO_HEADS_LINK_BYTES = 32,
+    ISO_HEADS_COUNT_BYTES = 8 * ISO_HEADS,
+    ISO_HEADS_BYTES = ISO_HEADS_COUNT_BYTES + ISO_HEADS_LINK_BYTES,
+};
+
+/* All zero: nothing is known, as in files of formats that had no knowledge. */
+struct iso_heads {
+    uint64_t count[ISO_HEADS];
+    uint8_t link[ISO_HEADS_LINK_BYTES]; /* behind record count[ISO_HEAD_LOG] */
+};
+
+/* Every sequence of ISO_HEADS_BYTES bytes is one; they are authenticated where they are sealed. */
+void iso_heads_put(const struct iso_heads *heads, uint8_t bytes[ISO_HEADS_BYTES]);
+struct iso_heads iso_heads_get(const uint8_t bytes[ISO_HEADS_BYTES]);
+
+/* The counts of the other stores alone, for the records of the log, which are chained to each
+ * other. */
+void iso_heads_put_counts(const struct iso_heads *heads, uint8_t bytes[ISO_HEADS_COUNT_BYTES]);
+struct iso_heads iso_heads_get_counts(const uint8_t bytes[ISO_HEADS_COUNT_BYTES]);
+
+struct iso_heads_board;
+
+int iso_heads_board_new(struct iso_heads_board **out) __attribute__((warn_unused_result));
+void iso_heads_board_free(struct iso_heads_board *board);
+
+/* ---- when a store is opened ---- */
+
+/* The store at `path` has this count on the disk. */
+void iso_heads_found(struct iso_heads_board *board, enum iso_head head, const char *path,
+                     uint64_t count);
+
+/* The file at `witness` knows this. */
+void iso_heads_claim(struct iso_heads_board *board, const char *witness,
+                     const struct iso_heads *known);
+
+/* The log has this link behind this record. Links of claims that came before are compared. */
+void iso_heads_record(struct iso_heads_board *board, uint64_t sequence,
+                      const uint8_t link[ISO_HEADS_LINK_BYTES]);
+
+/* Compares what was found with what was claimed, once all stores are open. -ESTALE: the fault names
+ * the file that is old and the one that knows it. A lock-out file that is missing is not judged
+ * here but by iso_lockout_load. */
+int iso_heads_check(struct iso_heads_board *board, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Forgets what the files know: an administrator takes the stores as they are. Each store has to be
+ * written afterwards. */
+void iso_heads_accept(struct iso_heads_board *board);
+
+/* ---- when a store writes ---- */
+
+/* What a file that is written now is to know. */
+struct iso_heads iso_heads_now(struct iso_heads_board *board);
+
+/* The store's count is on the disk. link: of the log, else NULL. */
+void iso_heads_wrote(struct iso_heads_board *board, enum iso_head head, uint64_t count,
+                     const uint8_t *link);
+
+#endif

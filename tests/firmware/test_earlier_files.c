@@ -1,0 +1,515 @@
+/* Files of an earlier time: every subset of them, put among the present ones, is refused; and no
+ * interruption of a write is taken for that. The stores are opened as the daemon opens them. */
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "firmware/lockout_file.h"
+#include "firmware/parts.h"
+#include "tests/firmware/puppets.h"
+#include "tests/support/manual_clock.h"
+#include "tests/support/scratch.h"
+
+enum { FILES_MAX = 20, NAME_SIZE = 64, PATH_SIZE = 512 };
+
+/* ---- directories ---- */
+
+struct file {
+    char name[NAME_SIZE];
+    void *bytes;
+    size_t size;
+};
+
+/* What a directory held at one time. */
+struct state {
+    size_t n;
+    struct file files[FILES_MAX];
+};
+
+static void path_of(char path[PATH_SIZE], const char *directory, const char *name)
+{
+    (void)snprintf(path, PATH_SIZE, "%s/%s", directory, name);
+}
+
+static void take(const char *directory, struct state *out)
+{
+    const struct dirent *entry;
+    char path[PATH_SIZE];
+    DIR *stream = opendir(directory);
+    assert_non_null(stream);
+    out->n = 0;
+    while ((entry = readdir(stream))) {
+        if (entry->d_name[0] != '.') {
+            assert_true(out->n < FILES_MAX);
+            struct file *file = &out->files[out->n++];
+            assert_true(strlen(entry->d_name) < sizeof file->name);
+            memcpy(file->name, entry->d_name, strlen(entry->d_name) + 1);
+            path_of(path, directory, file->name);
+            file->bytes = scratch_read(path, &file->size);
+        }
+    }
+    (void)closedir(stream);
+}
+
+static void let_go(struct state *state)
+{
+    for (size_t i = 0; i < state->n; i++) {
+        free(state->files[i].bytes);
+    }
+    state->n = 0;
+}
+
+static const struct file *find(const struct state *state, const char *name)
+{
+    for (size_t i = 0; i < state->n; i++) {
+        if (strcmp(state->files[i].name, name) == 0) {
+            return &state->files[i];
+        }
+    }
+    return NULL;
+}
+
+static void put(const char *directory, const struct file *file)
+{
+    char path[PATH_SIZE];
+    path_of(path, directory, file->name);
+    scratch_write(path, file->bytes, file->size);
+    assert_int_equal(chmod(path, 0600), 0);
+}
+
+static void clear(const char *directory)
+{
+    struct state state;
+    char path[PATH_SIZE];
+    take(directory, &state);
+    for (size_t i = 0; i < state.n; i++) {
+        path_of(path, directory, state.files[i].name);
+        assert_int_equal(unlink(path), 0);
+    }
+    let_go(&state);
+}
+
+static void put_back(const char *directory, const struct state *state)
+{
+    clear(directory);
+    for (size_t i = 0; i < state->n; i++) {
+        put(directory, &state->files[i]);
+    }
+}
+
+/* ---- the stores ---- */
+
+static int64_t now_ns, wall_ns;
+static struct puppet_pipeline puppet;
+
+static struct iso_parts *new_parts(const char *directory)
+{
+    struct iso_parts *parts = calloc(1, sizeof *parts);
+    assert_non_null(parts);
+    parts->config = iso_config_default();
+    parts->times = (struct iso_times){manual_clock(&now_ns), manual_clock_now_ns, &wall_ns};
+    parts->pipeline = puppet_pipeline(&puppet);
+    (void)snprintf(parts->config.gallery.path, sizeof parts->config.gallery.path, "%s/gallery.db",
+                   directory);
+    (void)snprintf(parts->config.log.path, sizeof parts->config.log.path, "%s/audit.log",
+                   directory);
+    return parts;
+}
+
+static void close_parts(struct iso_parts *parts)
+{
+    parts->pipeline = (struct iso_pipeline){0};
+    iso_parts_close(parts);
+}
+
+/* As the daemon does: 0, or why nobody is let in, with a fault. */
+static int try_open(const char *directory, struct iso_fault *fault)
+{
+    struct iso_parts *parts = new_parts(directory);
+    struct iso_lockout_file file;
+    int error = iso_parts_open_stores(parts, fault);
+    if (!error) {
+        error = iso_lockout_load(parts->lockout_path, parts->ring, &file, fault);
+        error = error == -ENOENT ? 0 : error;
+    }
+    close_parts(parts);
+    return error;
+}
+
+static struct iso_parts *open_parts(const char *directory)
+{
+    struct iso_fault fault = {""};
+    struct iso_parts *parts = new_parts(directory);
+    if (iso_parts_open_stores(parts, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return parts;
+}
+
+/* ---- what happens in between ---- */
+
+static int faces;
+
+static void append(struct iso_parts *parts, const char *event)
+{
+    const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
+    struct iso_audit_record record = iso_audit_record_of(event);
+    record.gallery = strcmp(event, "gallery") == 0 ? version.gallery : NULL;
+    record.gallery_changes = version.changes;
+    assert_int_equal(iso_audit_append(parts->audit, &record, NULL), 0);
+}
+
+static void enrol(struct iso_parts *parts)
+{
+    struct iso_person person = {.enrolled_s = 1};
+    const struct iso_template tmpl = puppet_template(++faces, PUPPET_ALGORITHM);
+    (void)snprintf(person.name, sizeof person.name, "person %d", faces);
+    append(parts, "enroll");
+    assert_int_equal(iso_gallery_add(parts->gallery, &person, &tmpl, NULL), 0);
+    append(parts, "gallery");
+}
+
+static void lock_out(struct iso_parts *parts)
+{
+    const struct iso_lockout_record record = {.failures = 2, .locks = 1};
+    append(parts, "lockout");
+    assert_int_equal(iso_lockout_save(parts->lockout_path, parts->ring, &record, NULL), 0);
+}
+
+static void rotate(struct iso_parts *parts)
+{
+    uint32_t anchor = 0;
+    append(parts, "rotate-keys");
+    assert_int_equal(iso_gallery_rotate(parts->gallery, NULL, NULL), 0);
+    assert_int_equal(iso_audit_rotate_key(parts->audit, NULL), 0);
+    assert_int_equal(iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, NULL), 0);
+    assert_int_equal(iso_gallery_renew_anchor(parts->gallery, NULL), 0);
+    assert_int_equal(iso_audit_renew_anchor(parts->audit, NULL), 0);
+    lock_out(parts);
+    assert_int_equal(iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, NULL), 0);
+    assert_int_equal(iso_key_ring_change_key(parts->ring, NULL), 0);
+    append(parts, "rotate-keys");
+}
+
+static void enrolments(struct iso_parts *parts)
+{
+    for (int i = 0; i < 3; i++) {
+        enrol(parts);
+    }
+}
+
+static void one_enrolment(struct iso_parts *parts)
+{
+    append(parts, "claim");
+    enrol(parts);
+    append(parts, "visit");
+}
+
+static void records(struct iso_parts *parts)
+{
+    for (int i = 0; i < 5; i++) {
+        append(parts, "visit");
+    }
+}
+
+static void lock_outs(struct iso_parts *parts)
+{
+    for (int i = 0; i < 3; i++) {
+        lock_out(parts);
+    }
+    append(parts, "visit");
+}
+
+static void segments(struct iso_parts *parts)
+{
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(iso_audit_rotate_key(parts->audit, NULL), 0);
+        records(parts);
+    }
+}
+
+static void everything(struct iso_parts *parts)
+{
+    enrol(parts);
+    lock_out(parts);
+    rotate(parts);
+    enrol(parts);
+    lock_outs(parts);
+    records(parts);
+}
+
+static const struct history {
+    const char *name;
+    void (*play)(struct iso_parts *parts);
+} histories[] = {
+    {"enrolments", enrolments}, {"one enrolment", one_enrolment}, {"records", records},
+    {"lock-outs", lock_outs},   {"closed segments", segments},    {"rotation of keys", rotate},
+    {"everything", everything},
+};
+
+static void play(const char *directory, void (*history)(struct iso_parts *parts), struct state *out)
+{
+    struct iso_parts *parts = open_parts(directory);
+    history(parts);
+    close_parts(parts);
+    take(directory, out);
+}
+
+/* A life before it: every store has been written, and more than once. */
+static void begin(struct iso_parts *parts)
+{
+    enrolments(parts);
+    lock_outs(parts);
+    rotate(parts);
+    append(parts, "stop");
+}
+
+/* ---- subsets ---- */
+
+static size_t tried, refused;
+
+static int opens(const char *directory, const struct state *state)
+{
+    struct iso_fault fault = {""};
+    put_back(directory, state);
+    const int error = try_open(directory, &fault);
+    if (error) {
+        print_message("%s\n", fault.text);
+    }
+    return error;
+}
+
+/* What is there is refused, in one line that names a file of it. */
+static void expect_refusal(const char *directory, const struct state *state, const char *what,
+                           unsigned mask)
+{
+    struct iso_fault fault = {""};
+    put_back(directory, state);
+    const int error = try_open(directory, &fault);
+    tried++;
+    refused += error != 0;
+    if (!error || !strstr(fault.text, directory) || strchr(fault.text, '\n')) {
+        for (size_t i = 0; i < state->n; i++) {
+            print_message("  %s\n", state->files[i].name);
+        }
+        fail_msg("%s: subset %#x: %s", what, mask, error ? fault.text : "accepted");
+    }
+}
+
+/* The names of files that are not the same in both; how many. */
+static size_t differing(const struct state *a, const struct state *b,
+                        char names[FILES_MAX][NAME_SIZE])
+{
+    const struct state *both[] = {a, b};
+    size_t n = 0;
+    for (int s = 0; s < 2; s++) {
+        for (size_t i = 0; i < both[s]->n; i++) {
+            const struct file *one = &both[s]->files[i], *other = find(both[1 - s], one->name);
+            const bool same = other && other->size == one->size &&
+                              memcmp(other->bytes, one->bytes, one->size) == 0;
+            if (!same && (s == 0 || !other)) {
+                assert_true(n < FILES_MAX);
+                memcpy(names[n++], one->name, NAME_SIZE);
+            }
+        }
+    }
+    return n;
+}
+
+/* The files of `a`, but those of the mask as they are in `b`, where some are missing. */
+static void mix(const struct state *a, const struct state *b, char names[FILES_MAX][NAME_SIZE],
+                size_t n, unsigned mask, struct state *out)
+{
+    out->n = 0;
+    for (size_t i = 0; i < a->n; i++) {
+        size_t at = 0;
+        while (at < n && strcmp(names[at], a->files[i].name) != 0) {
+            at++;
+        }
+        if (at == n || !(mask & 1u << at)) {
+            out->files[out->n++] = a->files[i];
+        }
+    }
+    for (size_t at = 0; at < n; at++) {
+        const struct file *file = find(b, names[at]);
+        if (file && mask & 1u << at) {
+            assert_true(out->n < FILES_MAX);
+            out->files[out->n++] = *file;
+        }
+    }
+}
+
+/* All mixtures of two directories but the two themselves. */
+static void expect_no_mixture(const char *directory, const struct state *a, const struct state *b,
+                              const char *what)
+{
+    char names[FILES_MAX][NAME_SIZE];
+    struct state mixed;
+    const size_t n = differing(a, b, names);
+    assert_true(n >= 2);
+    for (unsigned mask = 1; mask < (1u << n) - 1; mask++) {
+        mix(a, b, names, n, mask, &mixed);
+        expect_refusal(directory, &mixed, what, mask);
+    }
+    print_message("%-18s %zu files differ: %u mixtures refused\n", what, n, (1u << n) - 2);
+}
+
+struct world {
+    char *directory;
+    struct state before;
+};
+
+static int setup(void **state)
+{
+    static struct world world;
+    void *directory = NULL;
+    faces = 0;
+    if (scratch_setup(&directory)) {
+        return -1;
+    }
+    world.directory = directory;
+    play(world.directory, begin, &world.before);
+    *state = &world;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct world *world = *state;
+    void *directory = world->directory;
+    let_go(&world->before);
+    return scratch_teardown(&directory);
+}
+
+static void every_subset_of_earlier_files_is_refused(void **state)
+{
+    const struct world *world = *state;
+    for (size_t i = 0; i < sizeof histories / sizeof *histories; i++) {
+        struct state after;
+        put_back(world->directory, &world->before);
+        play(world->directory, histories[i].play, &after);
+        expect_no_mixture(world->directory, &world->before, &after, histories[i].name);
+        assert_int_equal(opens(world->directory, &world->before), 0);
+        assert_int_equal(opens(world->directory, &after), 0);
+        let_go(&after);
+    }
+    print_message("%zu subsets of earlier files, %zu refused\n", tried, refused);
+}
+
+static void files_of_two_histories_are_refused(void **state)
+{
+    const struct world *world = *state;
+    struct state one, other;
+    put_back(world->directory, &world->before);
+    play(world->directory, enrolments, &one);
+    put_back(world->directory, &world->before);
+    play(world->directory, enrolments, &other);
+    expect_no_mixture(world->directory, &one, &other, "two histories");
+    let_go(&one);
+    let_go(&other);
+}
+
+/* Only the key is left: a new appliance, which knows nobody. */
+static bool is_new(const struct state *state)
+{
+    return state->n == 0 || (state->n == 1 && strcmp(state->files[0].name, "gallery.db.key") == 0);
+}
+
+static void every_subset_of_missing_files_is_refused(void **state)
+{
+    const struct world *world = *state;
+    const struct state *whole = &world->before;
+    for (unsigned mask = 1; mask < 1u << whole->n; mask++) {
+        struct state rest = {.n = 0};
+        for (size_t i = 0; i < whole->n; i++) {
+            if (!(mask & 1u << i)) {
+                rest.files[rest.n++] = whole->files[i];
+            }
+        }
+        if (!is_new(&rest)) {
+            expect_refusal(world->directory, &rest, "missing files", mask);
+        }
+    }
+}
+
+/* ---- interruptions ---- */
+
+static const char *watched; /* directory, while every state of it between two calls is tried */
+static struct state *moments;
+static size_t n_moments;
+enum { MOMENTS_MAX = 600 };
+
+static void moment(void)
+{
+    if (watched) {
+        const char *directory = watched;
+        watched = NULL;
+        assert_true(n_moments < MOMENTS_MAX);
+        take(directory, &moments[n_moments++]);
+        watched = directory;
+    }
+}
+
+#define WRAP(type, name, parameters, arguments)      \
+    type __real_##name parameters;                   \
+    type __wrap_##name parameters;                   \
+    type __wrap_##name parameters                    \
+    {                                                \
+        const type result = __real_##name arguments; \
+        const int number = errno;                    \
+        moment();                                    \
+        errno = number;                              \
+        return result;                               \
+    }
+
+WRAP(ssize_t, write, (int fd, const void *bytes, size_t size), (fd, bytes, size))
+WRAP(ssize_t, pwrite, (int fd, const void *bytes, size_t size, off_t at), (fd, bytes, size, at))
+WRAP(int, rename, (const char *from, const char *to), (from, to))
+WRAP(int, renameat2, (int fd, const char *from, int to_fd, const char *to, unsigned flags),
+     (fd, from, to_fd, to, flags))
+WRAP(int, fsync, (int fd), (fd))
+WRAP(int, fdatasync, (int fd), (fd))
+WRAP(int, unlink, (const char *path), (path))
+
+static void no_interruption_is_taken_for_an_attack(void **state)
+{
+    const struct world *world = *state;
+    struct state after;
+    moments = calloc(MOMENTS_MAX, sizeof *moments);
+    assert_non_null(moments);
+    n_moments = 0;
+    put_back(world->directory, &world->before);
+    struct iso_parts *parts = open_parts(world->directory);
+    watched = world->directory;
+    everything(parts);
+    segments(parts);
+    watched = NULL;
+    close_parts(parts);
+    take(world->directory, &after);
+    for (size_t i = 0; i < n_moments; i++) {
+        assert_int_equal(opens(world->directory, &moments[i]), 0);
+        let_go(&moments[i]);
+    }
+    assert_true(n_moments > 100);
+    print_message("%zu interruptions, all of them open\n", n_moments);
+    free(moments);
+    let_go(&after);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(every_subset_of_earlier_files_is_refused),
+        TEST(files_of_two_histories_are_refused),
+        TEST(every_subset_of_missing_files_is_refused),
+        TEST(no_interruption_is_taken_for_an_attack),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

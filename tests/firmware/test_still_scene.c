@@ -1,0 +1,32 @@
+/* What stands still before the camera: furniture, of which nobody is told. */
+#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rig.h"
+
+/* A chair is no face either; but it does not move. */
+static void tells_only_what_moves_that_it_is_not_a_face(void **state)
+{
+    struct rig *rig = *state;
+    rig_start(rig);
+    rig_show_unusable(rig, ISO_CAPTURE_NOT_A_FACE, 60);
+    rig_run(rig, 2100);
+    assert_string_equal(rig_news(rig), "");
+    assert_int_equal(iso_appliance_status(rig->appliance).view->capture, ISO_CAPTURE_NOBODY);
+    rig->sensor.scene_moves = true;
+    rig_show_unusable(rig, ISO_CAPTURE_NOT_A_FACE, 60);
+    rig_run(rig, 2100);
+    assert_string_equal(rig_news(rig), "hint not-a-face");
+    assert_int_equal(iso_appliance_status(rig->appliance).view->capture, ISO_CAPTURE_NOT_A_FACE);
+    rig->sensor.scene_moves = false;
+    rig_show_unusable(rig, ISO_CAPTURE_NOT_A_FACE, 120);
+    rig_run(rig, 4000);
+    assert_int_equal(iso_appliance_status(rig->appliance).view->capture, ISO_CAPTURE_NOBODY);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(tells_only_what_moves_that_it_is_not_a_face, rig_setup,
+                                        rig_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
