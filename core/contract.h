@@ -223,11 +223,11 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_DOOR_NOT_UNLOCKED "not-unlocked" /* its lock could not be switched */
 
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
-#define ISO_CONTRACT_EVENTS                                                                      \
-    "attack", "delete", "door", "door-test", "enroll", "export", "forget", "gallery", "grant",   \
-        "identify", "import", "learn", "lockdown", "lockout", "log-recovered", "log-rotated",    \
-        "log-sealed", "picture", "rename", "rotate-keys", "sensor", "start", "stop", "validity", \
-        "verify", "visit"
+#define ISO_CONTRACT_EVENTS                                                                    \
+    "attack", "delete", "door", "door-test", "enroll", "export", "forget", "gallery", "grant", \
+        "identify", "import", "learn", "lockdown", "lockout", "log-recovered", "log-rotated",  \
+        "log-sealed", "picture", "rename", "rotate-keys", "sensor", "start", "state-accepted", \
+        "stop", "validity", "verify", "visit"
 
 /* Errors. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

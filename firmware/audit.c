@@ -72,15 +72,15 @@ static int refuse(const struct iso_audit *audit, int error, uint64_t sequence, c
 {
     return iso_fault_set(fault, error,
                          "%s: record %" PRIu64
-                         " %s; move the log and its anchor away to begin a new one",
+                         " %s; move the log and its anchor away (see --accept-state)",
                          audit->path, sequence, flaw);
 }
 
 static int stale(const struct iso_audit *audit, const char *what, struct iso_fault *fault)
 {
     return iso_fault_set(fault, -ESTALE,
-                         "%s: %s; move the log and its anchor away to begin a new one", audit->path,
-                         what);
+                         "%s: %s; move the log and its anchor away (see --accept-state)",
+                         audit->path, what);
 }
 
 /* Remembers what a record says of the gallery: "gallery":"ID:CHANGES". */
@@ -143,8 +143,8 @@ static int scan(struct iso_audit *audit, const char *path, size_t *torn, struct 
     int error = iso_audit_reader_open(reader, path, audit->options.ring);
     if (error == -EBADMSG) {
         error = iso_fault_set(fault, error,
-                              "%s: %s; move the log and its anchor away to begin a "
-                              "new one",
+                              "%s: %s; move the log and its anchor away (see "
+                              "--accept-state)",
                               path, reader->flaw);
     } else if (error) {
         error = iso_fault_set(fault, error, "%s: %s", path, strerror(-error));

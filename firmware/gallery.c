@@ -369,6 +369,12 @@ int iso_gallery_rotate(struct iso_gallery *gallery, const struct iso_work_listen
     return iso_gallery_db_rotate(gallery->db, listener, fault);
 }
 
+int iso_gallery_renew(struct iso_gallery *gallery, struct iso_fault *fault)
+{
+    const int error = iso_gallery_db_begin(gallery->db, fault);
+    return error ? error : iso_gallery_db_end(gallery->db, 0, fault);
+}
+
 int iso_gallery_renew_anchor(struct iso_gallery *gallery, struct iso_fault *fault)
 {
     return iso_gallery_db_renew_anchor(gallery->db, fault);

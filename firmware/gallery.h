@@ -160,6 +160,11 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
 int iso_gallery_rotate(struct iso_gallery *gallery, const struct iso_work_listener *listener,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Counts a change that changes nobody, so that the gallery's files state what is known now of the
+ * other stores (heads.h). -EIO, -ENOSPC, ... */
+int iso_gallery_renew(struct iso_gallery *gallery, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Seals the anchor with the newest key of the ring, so that older ones can be dropped. */
 int iso_gallery_renew_anchor(struct iso_gallery *gallery, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -235,7 +235,7 @@ static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
         }
         return db->anchor && iso_anchor_state(db->anchor)->value > 0
                    ? iso_fault_set(fault, -ESTALE,
-                                   "%s: is gone; put it back, or move %s away to begin anew",
+                                   "%s: is gone; put it back, or move %s away (see --accept-state)",
                                    db->path, db->anchor_path)
                    : make(db, fault);
     }

@@ -30,7 +30,8 @@ int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
                            struct iso_fault *fault)
 {
     return iso_fault_set(fault, -EBADMSG,
-                         "%s: damaged (%s); put a copy in its place, or move it away to begin anew",
+                         "%s: damaged (%s); put a copy in its place, or move it and its anchor "
+                         "away (see --accept-state)",
                          db->path, what);
 }
 

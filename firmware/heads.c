@@ -167,17 +167,18 @@ static int check_claim(const struct iso_heads_board *board, const struct claim *
     for (int i = 0; i < ISO_HEADS; i++) {
         const struct store *store = &board->stores[i];
         if (store->found && store->at_open < claim->known.count[i]) {
-            return iso_fault_set(fault, -ESTALE,
-                                 "%s: from an earlier time: it is at %" PRIu64
-                                 ", and %s knows of %" PRIu64 "; put the newest in its place",
-                                 store->path, store->at_open, claim->witness,
-                                 claim->known.count[i]);
+            return iso_fault_set(
+                fault, -ESTALE,
+                "%s: from an earlier time: it is at %" PRIu64 ", and %s knows of %" PRIu64
+                "; put the newest in its place (or see --accept-state)",
+                store->path, store->at_open, claim->witness, claim->known.count[i]);
         }
     }
     return claim->other_link
                ? iso_fault_set(fault, -ESTALE,
                                "%s: record %" PRIu64
-                               " is not the one that %s knows; put the newest in its place",
+                               " is not the one that %s knows; put the newest in its place (or see "
+                               "--accept-state)",
                                board->stores[ISO_HEAD_LOG].path, claim->known.count[ISO_HEAD_LOG],
                                claim->witness)
                : 0;

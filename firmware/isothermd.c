@@ -23,6 +23,7 @@ enum option_id {
     OPTION_CHECK_CONFIG,
     OPTION_REST_DOOR,
     OPTION_PRINT_LOG,
+    OPTION_ACCEPT_STATE,
     OPTION_LIST_DEVICES,
     OPTION_HELP_CONFIG,
     OPTION_HELP,
@@ -42,6 +43,8 @@ static const struct choice {
      "take power from all lines of the door, and end: after a crash"},
     {"print-log", NULL, OPTION_PRINT_LOG,
      "print the audit log, if it is sound, and end: when no daemon runs"},
+    {"accept-state", NULL, OPTION_ACCEPT_STATE,
+     "take files of different times as they are, on record, and end"},
     {"list-devices", NULL, OPTION_LIST_DEVICES,
      "print the sensors that the drivers find, one JSON object a line"},
     {"help-config", NULL, OPTION_HELP_CONFIG,
@@ -80,7 +83,7 @@ static void make_getopt_table(struct option table[CHOICES + 1])
 struct arguments {
     const char *config;
     const char *bus; /* NULL: the configured one */
-    bool check_config, rest_door, print_log;
+    bool check_config, rest_door, print_log, accept_state;
 };
 
 static int exit_code(int error)
@@ -153,6 +156,8 @@ static int run(const struct arguments *arguments)
         error = iso_parts_rest_door(&config, &times, &fault);
     } else if (!error && arguments->print_log) {
         error = iso_parts_print_log(&config, &times, stdout, &fault);
+    } else if (!error && arguments->accept_state) {
+        error = iso_parts_accept(&config, &times, stdout, &fault);
     } else if (!error) {
         error = iso_daemon_run(&config, &fault);
     }
@@ -194,6 +199,9 @@ static int obey(int argc, char **argv)
             break;
         case OPTION_PRINT_LOG:
             arguments.print_log = true;
+            break;
+        case OPTION_ACCEPT_STATE:
+            arguments.accept_state = true;
             break;
         case OPTION_LIST_DEVICES:
             return list_devices();

@@ -222,8 +222,12 @@ static void look_at_lockout(const struct iso_parts *parts)
 }
 
 /* A gallery that is put back with its anchor is behind what the log says of it. */
-static int compare_stores(const struct iso_parts *parts, struct iso_fault *fault)
+int iso_parts_compare_stores(const struct iso_parts *parts, struct iso_fault *fault)
 {
+    const int error = iso_heads_check(iso_key_ring_board(parts->ring), fault);
+    if (error) {
+        return error;
+    }
     const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
     const uint64_t known = iso_audit_gallery_changes(parts->audit, version.gallery);
     return version.changes >= known
@@ -235,7 +239,7 @@ static int compare_stores(const struct iso_parts *parts, struct iso_fault *fault
                      parts->config.gallery.path, (unsigned long long)(known - version.changes));
 }
 
-int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
+int iso_parts_open_each_store(struct iso_parts *parts, struct iso_fault *fault)
 {
     place_lockout(parts);
     int error = open_ring(parts, fault);
@@ -243,9 +247,13 @@ int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
         look_at_lockout(parts);
     }
     error = error ? error : open_gallery(parts, fault);
-    error = error ? error : open_log(parts, fault);
-    error = error ? error : iso_heads_check(iso_key_ring_board(parts->ring), fault);
-    return error ? error : compare_stores(parts, fault);
+    return error ? error : open_log(parts, fault);
+}
+
+int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const int error = iso_parts_open_each_store(parts, fault);
+    return error ? error : iso_parts_compare_stores(parts, fault);
 }
 
 int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,
@@ -306,6 +314,25 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
     }
     *out = parts;
     return 0;
+}
+
+int iso_parts_accept(const struct iso_config *config, const struct iso_times *times, FILE *out,
+                     struct iso_fault *fault)
+{
+    struct iso_fault why;
+    struct iso_parts *parts = calloc(1, sizeof *parts);
+    if (!parts) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    parts->config = *config;
+    parts->times = *times;
+    int error = open_files(parts, fault);
+    error = error ? error : iso_parts_accept_stores(parts, &why, fault);
+    if (!error) {
+        fprintf(out, "%s\n", why.text[0] ? "accepted and put on record" : "nothing to accept");
+    }
+    iso_parts_close(parts);
+    return error;
 }
 
 static int print_line(void *context, const char *line)

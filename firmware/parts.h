@@ -55,6 +55,24 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
 int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* The two halves of it. */
+int iso_parts_open_each_store(struct iso_parts *parts, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int iso_parts_compare_stores(const struct iso_parts *parts, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Opens the stores as iso_parts_open_stores does. If they are of different times, takes them as
+ * they are all the same: writes "state-accepted" into the log, and every store anew, so that they
+ * agree from then on. A lock-out file that cannot be used becomes a lockdown. *why is what was
+ * accepted,
+ * "" if there was nothing. The errors of opening and writing them. */
+int iso_parts_accept_stores(struct iso_parts *parts, struct iso_fault *why, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The same with a configuration alone, for when no daemon runs; says on `out` what it did. */
+int iso_parts_accept(const struct iso_config *config, const struct iso_times *times, FILE *out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Puts the door's lines to where they rest without power and lets them go: for after a process that
  * may have left them otherwise. The errors of iso_door_io_open. */
 int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,

@@ -438,6 +438,80 @@ static void every_subset_of_missing_files_is_refused(void **state)
     }
 }
 
+/* ---- an administrator ---- */
+
+static void accept(const char *directory, const char *expected)
+{
+    struct iso_fault why, fault = {""};
+    struct iso_parts *parts = new_parts(directory);
+    if (iso_parts_accept_stores(parts, &why, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_non_null(strstr(why.text, expected));
+    close_parts(parts);
+}
+
+static int find_accepted(void *context, const char *line)
+{
+    int *n = context;
+    *n += strstr(line, "\"event\":\"state-accepted\"") && strstr(line, "earlier time");
+    return 0;
+}
+
+/* Without the files of these names, which are as they were before, or missing. */
+static void replace(const struct world *world, const char *const *names, bool by_older)
+{
+    char path[PATH_SIZE];
+    for (; *names; names++) {
+        const struct file *file = find(&world->before, *names);
+        assert_non_null(file);
+        if (by_older) {
+            put(world->directory, file);
+        } else {
+            path_of(path, world->directory, *names);
+            assert_int_equal(unlink(path), 0);
+        }
+    }
+}
+
+static void an_administrator_accepts_an_older_gallery(void **state)
+{
+    static const char *const older[] = {"gallery.db", "gallery.db.anchor", NULL};
+    const struct world *world = *state;
+    struct state after;
+    struct iso_fault fault = {""};
+    int n = 0;
+    put_back(world->directory, &world->before);
+    play(world->directory, enrolments, &after);
+    replace(world, older, true);
+    assert_int_equal(try_open(world->directory, &fault), -ESTALE);
+    assert_non_null(strstr(fault.text, "/gallery.db: from an earlier time"));
+    accept(world->directory, "/gallery.db: from an earlier time");
+    accept(world->directory, ""); /* there is nothing left to accept */
+    struct iso_parts *parts = open_parts(world->directory);
+    assert_int_equal(iso_audit_read(parts->audit, 1, UINT32_MAX, find_accepted, &n), 0);
+    assert_int_equal(n, 2);
+    close_parts(parts);
+    let_go(&after);
+}
+
+static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
+{
+    static const char *const lost[] = {"audit.log", "audit.log.anchor", "lockout",
+                                       "audit.log.00000000000000000001", NULL};
+    const struct world *world = *state;
+    struct iso_lockout_file file;
+    struct iso_fault fault = {""};
+    put_back(world->directory, &world->before);
+    replace(world, lost, false);
+    assert_int_equal(try_open(world->directory, &fault), -ESTALE);
+    accept(world->directory, "/audit.log: from an earlier time");
+    struct iso_parts *parts = open_parts(world->directory);
+    assert_int_equal(iso_lockout_load(parts->lockout_path, parts->ring, &file, &fault), 0);
+    assert_true(file.record.lockdown);
+    close_parts(parts);
+}
+
 /* ---- interruptions ---- */
 
 static const char *watched; /* directory, while every state of it between two calls is tried */
@@ -509,6 +583,8 @@ int main(void)
         TEST(every_subset_of_earlier_files_is_refused),
         TEST(files_of_two_histories_are_refused),
         TEST(every_subset_of_missing_files_is_refused),
+        TEST(an_administrator_accepts_an_older_gallery),
+        TEST(what_is_accepted_without_a_lock_out_file_is_a_lockdown),
         TEST(no_interruption_is_taken_for_an_attack),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
