@@ -438,6 +438,53 @@ static void every_subset_of_missing_files_is_refused(void **state)
     }
 }
 
+/* ---- the version before ---- */
+
+static void expect_people_of_before(struct iso_parts *parts)
+{
+    static const char *const names[] = {"Anna Ek", "Bert"};
+    for (int i = 0; i < 2; i++) {
+        const struct iso_person *person = iso_gallery_find(parts->gallery, names[i]);
+        assert_non_null(person);
+        assert_int_equal(person->enrolled_s, 1000 + i);
+        const struct iso_candidates own = iso_gallery_only(parts->gallery, person->id);
+        assert_int_equal(own.n_entries, 1);
+        assert_int_equal(puppet_face_of(own.entries[0].tmpl), 50 + 30 * i);
+    }
+}
+
+/* The directory state_1 was written by the last version whose stores did not know each other. */
+static void a_directory_of_the_version_before_is_upgraded(void **state)
+{
+    const struct world *world = *state;
+    struct state before, after;
+    struct iso_lockout_file file;
+    struct iso_audit_report report;
+    take(ISOTHERM_SOURCE_DIR "/tests/firmware/state_1", &before);
+    assert_int_equal(before.n, 8);
+    put_back(world->directory, &before);
+    struct iso_parts *parts = open_parts(world->directory);
+    expect_people_of_before(parts);
+    assert_int_equal(iso_audit_verify(parts->audit, 0, NULL, NULL, &report, NULL), 0);
+    assert_true(report.sound);
+    assert_int_equal(report.first, 1);
+    assert_int_equal(report.last, 5);
+    assert_int_equal(iso_lockout_load(parts->lockout_path, parts->ring, &file, NULL), 0);
+    assert_int_equal(file.number, 0);
+    assert_int_equal(file.record.failures, 5);
+    assert_int_equal(file.record.remaining_ns, 119500 * ISO_NS_PER_MS);
+    close_parts(parts);
+    play(world->directory, everything, &after);
+    parts = open_parts(world->directory);
+    expect_people_of_before(parts);
+    assert_int_equal(iso_audit_verify(parts->audit, 0, NULL, NULL, &report, NULL), 0);
+    assert_true(report.sound);
+    close_parts(parts);
+    expect_no_mixture(world->directory, &before, &after, "version before");
+    let_go(&before);
+    let_go(&after);
+}
+
 /* ---- an administrator ---- */
 
 static void accept(const char *directory, const char *expected)
@@ -583,6 +630,7 @@ int main(void)
         TEST(every_subset_of_earlier_files_is_refused),
         TEST(files_of_two_histories_are_refused),
         TEST(every_subset_of_missing_files_is_refused),
+        TEST(a_directory_of_the_version_before_is_upgraded),
         TEST(an_administrator_accepts_an_older_gallery),
         TEST(what_is_accepted_without_a_lock_out_file_is_a_lockdown),
         TEST(no_interruption_is_taken_for_an_attack),
