@@ -9,6 +9,7 @@ only=${2:-}
 copy=$(mktemp -d "${TMPDIR:-/var/tmp}/drill-bites.XXXXXX")
 trap 'rm -rf "$copy"' EXIT
 missed=0
+judge=(test_firmware_faults 40 500) # the test that has to fail, and its arguments
 
 tar -C "$root" --exclude=./build --exclude=./out --exclude=./.git -cf - . | tar -C "$copy" -xf -
 cmake -S "$copy" -B "$copy/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
@@ -18,12 +19,12 @@ cmake -S "$copy" -B "$copy/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
 }
 
 drill() {
-    cmake --build "$copy/build" --target test_firmware_faults >"$copy/log" 2>&1 || {
+    cmake --build "$copy/build" --target "${judge[0]}" >"$copy/log" 2>&1 || {
         tail -n 20 "$copy/log" >&2
         echo "drill_bites: $1: does not build" >&2
         exit 1
     }
-    timeout 300 "$copy/build/tests/firmware/test_firmware_faults" 40 500 >"$copy/drill" 2>&1
+    timeout 300 "$copy/build/tests/firmware/${judge[0]}" "${judge[@]:1}" >"$copy/drill" 2>&1
 }
 
 # mistake NAME FILE OLD NEW [FILE OLD NEW]...: literal text; OLD has to be there
@@ -102,6 +103,26 @@ mistake 'disk: the door opens without a record' firmware/appliance_visit.c '    
         verdict->reason = ISO_REASON_UNLOGGED;' ';'
 mistake 'restart: the relay keeps its power' firmware/appliance.c \
     'iso_door_control_stop(&appliance->door, iso_times_now_ns(&appliance->parts.times));' ''
+
+judge=(test_firmware_earlier_files)
+mistake 'earlier: nobody compares the stores' firmware/heads.c \
+    'store->found && store->at_open < claim->known.count[i]' 'store->found && store->at_open + 1 == 0'
+mistake 'earlier: anchors know nothing' firmware/anchor.c \
+    'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' ''
+mistake 'earlier: the gallery knows nothing' firmware/gallery_seal.c \
+    'out->known = iso_heads_get(plain + ISO_GALLERY_HEAD_1_BYTES);' 'out->known = (struct iso_heads){{0}, {0}};' \
+    firmware/anchor.c 'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' \
+    'if (anchor->kind[0] == 0x6c) { anchor->known = iso_heads_get(plain + PLAIN_1_BYTES); }'
+mistake 'earlier: the key ring has no number' firmware/key_ring.c \
+    'ring->draft.file = ring->keys.file + 1;' 'ring->draft.file = 1;'
+mistake 'earlier: another history of the log is taken' firmware/heads.c \
+    'claim->other_link = true;' 'claim->other_link = false;'
+mistake 'earlier: nobody counts closed segments' firmware/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
+mistake 'earlier: a count is known before it is written' firmware/audit.c \
+    'const struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));' \
+    'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
+        known.count[ISO_HEAD_LOCKOUT]++;'
+judge=(test_firmware_faults 40 500)
 [ "$missed" -eq 0 ] || {
     echo "drill_bites: $missed mistakes were not noticed" >&2
     exit 1

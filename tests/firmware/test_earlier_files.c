@@ -234,6 +234,14 @@ static void segments(struct iso_parts *parts)
     }
 }
 
+/* The keys in the ring stay, so that the old ring, with its key, opens everything. */
+static void new_key(struct iso_parts *parts)
+{
+    append(parts, "rotate-keys");
+    assert_int_equal(iso_key_ring_change_key(parts->ring, NULL), 0);
+    append(parts, "rotate-keys");
+}
+
 static void everything(struct iso_parts *parts)
 {
     enrol(parts);
@@ -248,8 +256,13 @@ static const struct history {
     const char *name;
     void (*play)(struct iso_parts *parts);
 } histories[] = {
-    {"enrolments", enrolments}, {"one enrolment", one_enrolment}, {"records", records},
-    {"lock-outs", lock_outs},   {"closed segments", segments},    {"rotation of keys", rotate},
+    {"enrolments", enrolments},
+    {"one enrolment", one_enrolment},
+    {"records", records},
+    {"lock-outs", lock_outs},
+    {"closed segments", segments},
+    {"rotation of keys", rotate},
+    {"the appliance's key", new_key},
     {"everything", everything},
 };
 
