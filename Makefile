@@ -8,6 +8,7 @@
 #   make bench    milliseconds per stage from frame to verdict; heat, search, registration beside their peers; memory
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
+#   make storage-faults  fails every call that changes a file, in six ways, in every operation that has such calls
 #   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps
 #   make levels   counts who is refused and let in at each security level in 3,000 visits: an hour; ICT=DIR has the head model
 #   make packages makes the Debian packages in build/packages and checks them
@@ -23,7 +24,7 @@ KILLS ?= 1000
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills drill levels packages packages-arm64 install-check install clean
+.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills storage-faults drill levels packages packages-arm64 install-check install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -69,6 +70,11 @@ kills:
 	cmake --preset dev
 	cmake --build --preset dev --target kill_stores
 	build/dev/tests/firmware/kill_stores $(KILLS)
+
+storage-faults:
+	cmake/install_packages.sh build test
+	cmake --preset dev
+	cmake --build --preset dev --target storage-faults
 
 drill:
 	cmake/install_packages.sh build test

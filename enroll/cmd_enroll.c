@@ -22,6 +22,7 @@ struct enrolment {
     unsigned stage, stages;
     double quality;
     struct cli_known known;              /* who has the name already */
+    char refused[256];                   /* what the disk refused; "" if it did not */
     char duplicate[CLI_KNOWN_NAME_SIZE]; /* under which name the face is known; "" if it is not */
     struct iso_progress *progress;       /* on stderr, stage by stage */
     char what[WHAT_SIZE];                /* of the progress */
@@ -71,13 +72,17 @@ static void on_started(void *context)
 }
 
 /* The last argument is younger than the others: a daemon of before does not send it. */
-static void read_duplicate(sd_bus_message *signal, const char *result, struct enrolment *enrolment)
+static void read_detail(sd_bus_message *signal, const char *result, struct enrolment *enrolment)
 {
-    const char *person;
+    const char *detail;
 
-    if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_DUPLICATE) == 0 &&
-        sd_bus_message_read(signal, "s", &person) > 0) {
-        (void)snprintf(enrolment->duplicate, sizeof enrolment->duplicate, "%s", person);
+    if (sd_bus_message_read(signal, "s", &detail) <= 0) {
+        return;
+    }
+    if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_DUPLICATE) == 0) {
+        (void)snprintf(enrolment->duplicate, sizeof enrolment->duplicate, "%s", detail);
+    } else if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_NOT_STORED) == 0) {
+        (void)snprintf(enrolment->refused, sizeof enrolment->refused, "%s", detail);
     }
 }
 
@@ -92,7 +97,7 @@ static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
     if (sd_bus_message_read(signal, "sbuud", &result, &done, &stage, &stages, &quality) < 0) {
         return true; /* the result stays empty: "not understood" */
     }
-    read_duplicate(signal, result, enrolment);
+    read_detail(signal, result, enrolment);
     enrolment->stage = stage;
     enrolment->stages = stages;
     if (cli_hint_is_retry(result, "enroll", &word)) {
@@ -141,6 +146,8 @@ static const struct outcome {
     {"enroll-" ISO_CONTRACT_RESULT_OTHER_FACE, CLI_EXIT_NO,
      "is not enrolled: this face is not like the one that is enrolled under this name; choose "
      "another name, or remove that person first"},
+    {"enroll-" ISO_CONTRACT_RESULT_NOT_STORED, CLI_EXIT_FAULT,
+     "is not enrolled: the disk refused to store it; isotherm doctor says more"},
     {"enroll-" ISO_CONTRACT_RESULT_ATTACK, CLI_EXIT_NO,
      "is not enrolled: this looks like a picture, a screen or a mask"},
     {"enroll-" ISO_CONTRACT_RESULT_TIMED_OUT, CLI_EXIT_TIMED_OUT,
@@ -160,6 +167,8 @@ static void print_outcome(const struct enrolment *enrolment, const struct outcom
         fprintf(terminal.out,
                 "%s is not enrolled: this face is enrolled as %s (see --allow-duplicate).",
                 name_of(enrolment), enrolment->duplicate);
+    } else if (enrolment->refused[0]) {
+        fprintf(terminal.out, "%s is not enrolled: %s.", name_of(enrolment), enrolment->refused);
     } else {
         fprintf(terminal.out, "%s %s.", name_of(enrolment), outcome->text);
     }
@@ -179,11 +188,12 @@ static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault
             return outcomes[i].exit;
         }
         const enum cli_exit written = cli_report_json(json_pack(
-            "{s:s, s:s, s:i, s:i, s:f, s:s?, s:I, s:o}", "person", name_of(enrolment), "result",
-            enrolment->result, "stage", (int)enrolment->stage, "stages", (int)enrolment->stages,
-            "quality", enrolment->quality, "duplicate_of", named ? enrolment->duplicate : NULL,
-            "templates_before", (json_int_t)enrolment->known.templates, "hints",
-            cli_hints_take(&enrolment->hints)));
+            "{s:s, s:s, s:i, s:i, s:f, s:s?, s:s?, s:I, s:o}", "person", name_of(enrolment),
+            "result", enrolment->result, "stage", (int)enrolment->stage, "stages",
+            (int)enrolment->stages, "quality", enrolment->quality, "duplicate_of",
+            named ? enrolment->duplicate : NULL, "fault",
+            enrolment->refused[0] ? enrolment->refused : NULL, "templates_before",
+            (json_int_t)enrolment->known.templates, "hints", cli_hints_take(&enrolment->hints)));
         return written ? written : outcomes[i].exit;
     }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",

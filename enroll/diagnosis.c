@@ -250,6 +250,19 @@ static void judge_model(struct cli_diagnosis *diagnosis, const json_t *state)
                       there ? NULL : "reinstall head.model, or mend [model] in isotherm.conf(5)");
 }
 
+/* Nothing is said of a disk that works. */
+static void judge_disk(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *fault = cli_state_text(state, "storage-fault");
+
+    if (fault && *fault) {
+        cli_diagnosis_add(diagnosis, "disk", CLI_CHECK_BAD, fault,
+                          strstr(fault, "No space left")
+                              ? "make room on the disk: df shows which one is full"
+                              : "look what the kernel says of the disk: journalctl --dmesg");
+    }
+}
+
 static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const json_int_t people = cli_state_number(state, "people", -1);
@@ -309,6 +322,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_lines(diagnosis, state);
     judge_model(diagnosis, state);
     judge_image_check(diagnosis, state);
+    judge_disk(diagnosis, state);
     judge_gallery(diagnosis, state);
 }
 

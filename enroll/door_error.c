@@ -25,6 +25,7 @@ static const struct translation {
     {ISO_CONTRACT_ERROR_LOCKED_OUT, CLI_EXIT_NO, "locked-out", NULL},
     {ISO_CONTRACT_ERROR_TOO_MANY_CALLS, CLI_EXIT_FAULT, "too-many-calls", NULL},
     {ISO_CONTRACT_ERROR_DEVICE_FAULT, CLI_EXIT_FAULT, "device-fault", NULL},
+    {ISO_CONTRACT_ERROR_STORAGE, CLI_EXIT_FAULT, "storage", NULL},
     {ISO_CONTRACT_ERROR_INTERNAL, CLI_EXIT_FAULT, "internal", NULL},
     {SD_BUS_ERROR_ACCESS_DENIED, CLI_EXIT_NO, "access-denied",
      "not permitted: root may, and who is in the right group (see isothermd(8))"},

@@ -32,6 +32,7 @@ static const struct row {
     {"Appliance", "doing", "mode", UNIT_TEXT},
     {"Appliance", "last outcome", "last-outcome", UNIT_TEXT},
     {"Appliance", "records in the log", "log-sequence", UNIT_COUNT},
+    {"Appliance", "fault of the disk", "storage-fault", UNIT_TEXT},
     {"Sensor", "state", "sensor-state", UNIT_TEXT},
     {"Sensor", "fault", "sensor-fault", UNIT_TEXT},
     {"Sensor", "driver", "sensor", UNIT_TEXT},

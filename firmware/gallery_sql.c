@@ -35,18 +35,21 @@ int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
                          db->path, what);
 }
 
-/* The errno behind an error of SQLite, as far as SQLite knows it. */
+/* The errno behind an error of SQLite, as far as SQLite knows it: of the database, of its journal,
+ * or of the last call. */
 static int system_error(const struct iso_gallery_db *db)
 {
+    sqlite3_file *journal = NULL;
     int error = 0;
     if (sqlite3_errcode(db->sqlite) == SQLITE_FULL) {
         return -ENOSPC;
     }
-    if (sqlite3_extended_errcode(db->sqlite) == SQLITE_IOERR_WRITE) {
-        (void)sqlite3_file_control(db->sqlite, "main", SQLITE_FCNTL_LAST_ERRNO, &error);
-    } else {
-        error = sqlite3_system_errno(db->sqlite);
+    (void)sqlite3_file_control(db->sqlite, "main", SQLITE_FCNTL_LAST_ERRNO, &error);
+    (void)sqlite3_file_control(db->sqlite, "main", SQLITE_FCNTL_JOURNAL_POINTER, &journal);
+    if (error == 0 && journal && journal->pMethods) {
+        (void)journal->pMethods->xFileControl(journal, SQLITE_FCNTL_LAST_ERRNO, &error);
     }
+    error = error ? error : sqlite3_system_errno(db->sqlite);
     return error > 0 ? -error : -EIO;
 }
 

@@ -129,6 +129,7 @@ static const struct ending {
 } endings[] = {
     {"enroll anna", "enroll-duplicate", 1, "this face is enrolled as bob"},
     {"enroll anna", "enroll-failed", 1, "the captures did not agree with each other"},
+    {"enroll anna", "enroll-not-stored", 4, "anna is not enrolled: bob."},
     {"enroll anna", "enroll-other-face", 1,
      "this face is not like the one that is enrolled under this name"},
     {"enroll anna", "enroll-attack", 1, "this looks like a picture, a screen or a mask"},

@@ -323,6 +323,10 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
         {{.door_fault = "door gpiod: contact: Input/output error"},
          4,
          "\n                     -> check its wiring"},
+        {{.storage_fault = "g.db: the disk refused: Input/output error; nothing was changed"},
+         4,
+         "fault    disk        g.db: the disk refused: Input/output error; nothing was changed\n"
+         "                     -> look what the kernel says"},
         {{.model = ""}, 4, "fault    model       not loaded\n"},
         {{.version = "0.0.1"}, 0, "warning  version     0.0.1\n"},
         {{0}, 0, "warning  gallery     0 people, 0 usable templates\n"},
@@ -405,6 +409,7 @@ static void every_error_of_the_bus_has_its_exit_code(void **state)
         {"org.isotherm.Error.GalleryFull", 4, "gallery-full"},
         {"org.isotherm.Error.NameInUse", 1, "name-in-use"},
         {"org.isotherm.Error.DeviceFault", 4, "device-fault"},
+        {"org.isotherm.Error.Storage", 4, "storage"},
         {"org.isotherm.Error.Internal", 4, "internal"},
         {"org.freedesktop.DBus.Error.AccessDenied", 1, "access-denied"},
         {"org.freedesktop.DBus.Error.NoReply", 5, "no-reply"},
