@@ -1,6 +1,7 @@
 #!/bin/bash
-# The oracle of the fault plans (test_faults.c) sees what it is there to see: each of these mistakes is built into a copy of the
-# tree, and the drill has to fail on it. Some defences stand behind each other; then the mistake is in both. Takes some minutes.
+# The oracles of the fault plans (test_faults.c) and of storage faults (test_storage_faults.c) see what they are there to see: each
+# of these mistakes is built into a copy of the tree, and the test has to fail on it. Some defences stand behind each other; then the
+# mistake is in both. Takes some minutes.
 # usage: drill_bites.sh BUILD [NAME]      BUILD: of the preset dev; NAME: only mistakes with this in their names
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -122,6 +123,22 @@ mistake 'earlier: a count is known before it is written' firmware/audit.c \
     'const struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));' \
     'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
         known.count[ISO_HEAD_LOCKOUT]++;'
+
+judge=(storage_faults 3 'remove')
+mistake 'storage remove: an error of COMMIT is believed' firmware/gallery_db.c \
+    'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'db->draft = error ? db->head : db->draft;'
+judge=(storage_faults 3 'enrol')
+mistake 'storage enrol: out of service, and it goes on' firmware/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
+judge=(storage_faults 3 'log append')
+mistake 'storage log append: an exchange is believed' firmware/audit_rotate.c \
+    '(void)!iso__audit_recover(audit, NULL);' ';'
+judge=(storage_faults 3 'lockdown off')
+mistake 'storage lockdown off: ended in memory only' firmware/appliance_refusal.c \
+    'appliance->lockout = *before;' '(void)before;'
+judge=(storage_faults 3 'rotate')
+mistake 'storage rotate: the key gets no place again' firmware/key_ring.c \
+    'ring->beside = error != 0;' 'ring->beside = false;' \
+    firmware/key_ring.c 'return error || !ring->beside ? error : take_place(ring, fault);' 'return error;'
 judge=(test_firmware_faults 40 500)
 [ "$missed" -eq 0 ] || {
     echo "drill_bites: $missed mistakes were not noticed" >&2

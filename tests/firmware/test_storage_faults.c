@@ -40,7 +40,7 @@ struct report {
     int told;
     bool out_of_service, lockdown, locked;
     int records_told, grants_told;
-    long calls;
+    long calls, writes, kernel_writes;
     struct iso_fault fault;
     char people[PEOPLE_SIZE];
     bool zoe;
@@ -126,6 +126,8 @@ static void act(const struct point *point)
     point->act->prepare(&w);
     failing_disk_arm(point->kind, point->nth);
     report->told = point->act->act(&w, &report->fault);
+    report->writes = failing_disk_writes();
+    report->kernel_writes = failing_disk_kernel_writes();
     remember(&w, report);
     report->calls = failing_disk_heal();
     if (point->goes_on) {
@@ -359,6 +361,11 @@ static long learn(const struct storage_act *of, struct ends *ends)
     ends->before = shared->found;
     if (!try(&after) || shared->report.told) {
         violation(&after, "does not work with a disk that does");
+    }
+    if (shared->report.kernel_writes >= 0 &&
+        shared->report.kernel_writes != shared->report.writes) {
+        violation(&after, "%ld writes, of which the test sees %ld", shared->report.kernel_writes,
+                  shared->report.writes);
     }
     ends->after = shared->found;
     return shared->report.calls;

@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -23,15 +24,42 @@ static struct {
     atomic_bool armed;
     enum failing_disk_kind kind;
     long nth;
-    atomic_long calls;
+    atomic_long calls, writes;
+    long kernel_writes; /* when it was armed */
 } disk;
+
+/* The kernel's count of write calls of this process, without those that fail; -1: not known. */
+static long count_of_kernel(void)
+{
+    char text[400] = "";
+    const int fd = (int)syscall(SYS_openat, AT_FDCWD, "/proc/self/io", O_RDONLY | O_CLOEXEC);
+    const ssize_t n = fd < 0 ? -1 : syscall(SYS_read, fd, text, sizeof text - 1);
+    const char *count = n > 0 ? strstr(text, "syscw: ") : NULL;
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return count ? atol(count + strlen("syscw: ")) : -1;
+}
 
 void failing_disk_arm(enum failing_disk_kind kind, long nth)
 {
     disk.kind = kind;
     disk.nth = nth;
     disk.calls = 0;
+    disk.writes = 0;
+    disk.kernel_writes = count_of_kernel();
     disk.armed = true;
+}
+
+long failing_disk_writes(void)
+{
+    return disk.writes;
+}
+
+long failing_disk_kernel_writes(void)
+{
+    const long now = count_of_kernel();
+    return now < 0 || disk.kernel_writes < 0 ? -1 : now - disk.kernel_writes;
 }
 
 long failing_disk_heal(void)
@@ -90,6 +118,7 @@ static ssize_t write_at(int fd, const void *bytes, size_t size, off_t at)
         return refuse();
     }
     size = fate == HALF ? size / 2 : size;
+    disk.writes++;
     const ssize_t written = at < 0 ? syscall(SYS_write, fd, bytes, size)
                                    : syscall(SYS_pwrite64, fd, bytes, size, at);
     return fate == LIES ? refuse() : written;

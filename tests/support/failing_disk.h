@@ -23,6 +23,11 @@ extern const char *const failing_disk_names[FAILING_DISK_KINDS];
 /* From now on calls are counted, and the nth (from 1) is the first that fails. */
 void failing_disk_arm(enum failing_disk_kind kind, long nth);
 
+/* How many write and pwrite calls, to whatever, were made here since it was armed; and how many the
+ * kernel counted, which are more if some did not come through here. -1: it does not say. */
+long failing_disk_writes(void);
+long failing_disk_kernel_writes(void);
+
 /* The disk works again. Returns how many calls there were since it was armed. */
 long failing_disk_heal(void);
 
