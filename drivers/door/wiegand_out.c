@@ -2,11 +2,12 @@
 
 #include <errno.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <time.h>
+
+#include "drivers/thread.h"
 
 struct iso_wiegand_out {
     struct iso_wiegand_lines lines;
@@ -124,39 +125,6 @@ static void *run(void *context)
 
 /* ---- its owner ---- */
 
-static int start_thread(struct iso_wiegand_out *out, bool realtime)
-{
-    const struct sched_param priority = {.sched_priority = ISO_WIEGAND_PRIORITY};
-    pthread_attr_t attributes;
-    int error = pthread_attr_init(&attributes);
-    if (error) {
-        return -error;
-    }
-    if (realtime) {
-        (void)pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
-        (void)pthread_attr_setschedpolicy(&attributes, SCHED_FIFO);
-        (void)pthread_attr_setschedparam(&attributes, &priority);
-    }
-    out->report.realtime = realtime;
-    error = pthread_create(&out->thread, &attributes, run, out);
-    (void)pthread_attr_destroy(&attributes);
-    return -error;
-}
-
-/* Signals are the business of the thread that has always been there. */
-static int start_any_thread(struct iso_wiegand_out *out)
-{
-    sigset_t all, before;
-    (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    int error = start_thread(out, true);
-    if (error == -EPERM) {
-        error = start_thread(out, false);
-    }
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return error;
-}
-
 int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegand_out **out,
                         struct iso_fault *fault)
 {
@@ -167,7 +135,8 @@ int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegan
     new->lines = *lines;
     (void)pthread_mutex_init(&new->mutex, NULL);
     (void)pthread_cond_init(&new->changed, NULL);
-    const int error = start_any_thread(new);
+    const int error = iso_thread_start(run, new, ISO_WIEGAND_PRIORITY, &new->thread,
+                                       &new->report.realtime);
     if (error) {
         free(new);
         return iso_fault_set(fault, error, "wiegand: no thread: %s", strerror(-error));
