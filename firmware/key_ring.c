@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include "core/math/bytes.h"
 #include "firmware/data_file.h"
 #include "firmware/directory.h"
+#include "firmware/key_slots.h"
 #include "firmware/storage_fault.h"
 
 /* The file: magic, then sealed: n u32, next number u32, number of the file u64, heads (heads.h),
@@ -26,26 +28,16 @@ enum {
     FILE_MAX_BYTES = sizeof magic + PLAIN_MAX_BYTES + ISO_SEAL_OVERHEAD,
 };
 
-struct entry {
-    uint32_t use, number;
-    struct iso_seal_key key;
-};
-
-/* What is on the disk. */
-struct keys {
-    uint32_t n, next;
-    uint64_t file; /* number of the file */
-    struct iso_heads known;
-    struct entry entries[ISO_KEY_RING_MOST];
-};
-
 struct iso_key_ring {
     char path[PATH_MAX], file[PATH_MAX];
     bool credential;
-    bool beside; /* the key has not got its place yet: it is in FILE.new */
-    bool unsure; /* the disk refused the ring: which one it holds is not known */
+    bool beside;              /* the key has not got its place yet: it is in FILE.new */
+    bool unsure;              /* the disk refused the ring: which one it holds is not known */
+    pthread_mutex_t changing; /* of what follows, but for looking into the slots */
     struct iso_seal_key master;
-    struct keys keys, draft; /* draft: what is about to be written */
+    struct iso_key_slots slots;
+    struct iso_key_list draft; /* what is about to be written */
+    uint64_t number;           /* of the file on the disk; 0: of format 1 */
     struct iso_heads_board *board;
 };
 
@@ -56,12 +48,13 @@ static struct iso_seal_label ring_label(char format)
     return iso_seal_label_of(format == '1' ? "isotherm key ring 1" : "isotherm key ring 2");
 }
 
-static size_t put_keys(const struct keys *keys, uint8_t plain[PLAIN_MAX_BYTES])
+static size_t put_keys(const struct iso_key_list *keys, uint64_t number,
+                       const struct iso_heads *known, uint8_t plain[PLAIN_MAX_BYTES])
 {
     uint8_t *p = iso_put_u32(plain, keys->n);
     p = iso_put_u32(p, keys->next);
-    p = iso_put_u64(p, keys->file);
-    iso_heads_put(&keys->known, p);
+    p = iso_put_u64(p, number);
+    iso_heads_put(known, p);
     p += ISO_HEADS_BYTES;
     for (uint32_t i = 0; i < keys->n; i++) {
         p = iso_put_u32(p, keys->entries[i].use);
@@ -71,17 +64,19 @@ static size_t put_keys(const struct keys *keys, uint8_t plain[PLAIN_MAX_BYTES])
     return (size_t)(p - plain);
 }
 
-static int get_keys(const uint8_t *plain, size_t size, char format, struct keys *out)
+static int get_keys(const uint8_t *plain, size_t size, char format, struct iso_key_list *out,
+                    uint64_t *number, struct iso_heads *known)
 {
     const size_t head = format == '1' ? 8 : 8 + KNOWN_BYTES;
     const uint32_t n = size >= head ? iso_get_u32(plain) : UINT32_MAX;
     if (n > ISO_KEY_RING_MOST || size != head + (size_t)n * ENTRY_BYTES) {
         return -EBADMSG;
     }
-    *out = (struct keys){.n = n, .next = iso_get_u32(plain + 4)};
+    out->n = n;
+    out->next = iso_get_u32(plain + 4);
     if (format != '1') {
-        out->file = iso_get_u64(plain + 8);
-        out->known = iso_heads_get(plain + 16);
+        *number = iso_get_u64(plain + 8);
+        *known = iso_heads_get(plain + 16);
     }
     for (uint32_t i = 0; i < n; i++) {
         const uint8_t *p = plain + head + (size_t)i * ENTRY_BYTES;
@@ -95,15 +90,16 @@ static int get_keys(const uint8_t *plain, size_t size, char format, struct keys 
 /* After `error` of writing the ring: the new one may be in its place nevertheless, and is then to
  * stay there. The old one may be there too, or it may not be known: then the old one holds, which
  * is a part of both or is written again before it matters. */
-static int settle(struct iso_key_ring *ring, const struct iso_seal_key *master, const void *bytes,
-                  size_t size, int error, struct iso_fault *fault)
+static int settle(struct iso_key_ring *ring, const struct iso_seal_key *master, uint64_t number,
+                  const void *bytes, size_t size, int error, struct iso_fault *fault)
 {
     ring->unsure = true;
     if (!iso_data_file_holds(ring->path, bytes, size)) {
         return error;
     }
-    ring->keys = ring->draft;
+    iso_key_slots_take(&ring->slots, &ring->draft);
     ring->master = *master;
+    ring->number = number;
     error = iso_directory_sync(ring->path, fault);
     ring->unsure = error != 0;
     return error;
@@ -115,23 +111,24 @@ static int commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
 {
     const struct iso_seal_label label = ring_label(magic[sizeof magic - 1]);
     uint8_t plain[PLAIN_MAX_BYTES], bytes[FILE_MAX_BYTES];
-    ring->draft.file = ring->keys.file + 1;
-    ring->draft.known = iso_heads_now(ring->board);
-    const size_t size = put_keys(&ring->draft, plain);
+    const uint64_t number = ring->number + 1;
+    const struct iso_heads known = iso_heads_now(ring->board);
+    const size_t size = put_keys(&ring->draft, number, &known, plain);
     memcpy(bytes, magic, sizeof magic);
     iso_seal_close(master, &label, plain, size, bytes + sizeof magic);
     sodium_memzero(plain, sizeof plain);
     const size_t length = sizeof magic + size + ISO_SEAL_OVERHEAD;
     int error = iso_data_file_replace(ring->path, bytes, length, fault);
     if (error) {
-        error = settle(ring, master, bytes, length, error, fault);
+        error = settle(ring, master, number, bytes, length, error, fault);
     } else {
-        ring->keys = ring->draft;
+        iso_key_slots_take(&ring->slots, &ring->draft);
         ring->master = *master;
+        ring->number = number;
         ring->unsure = false;
     }
     if (!error) {
-        iso_heads_wrote(ring->board, ISO_HEAD_RING, ring->keys.file, NULL);
+        iso_heads_wrote(ring->board, ISO_HEAD_RING, number, NULL);
     }
     sodium_memzero(&ring->draft, sizeof ring->draft);
     return error;
@@ -149,11 +146,15 @@ static int open_with(struct iso_key_ring *ring, const struct iso_seal_key *maste
     const struct iso_seal_label label = ring_label(format);
     const size_t sealed = size - sizeof magic;
     int error = iso_seal_open(master, &label, bytes + sizeof magic, sealed, plain);
-    error = error ? error : get_keys(plain, sealed - ISO_SEAL_OVERHEAD, format, &ring->keys);
+    struct iso_heads known = {{0}, {0}};
+    error = error ? error
+                  : get_keys(plain, sealed - ISO_SEAL_OVERHEAD, format, &ring->draft, &ring->number,
+                             &known);
     sodium_memzero(plain, sizeof plain);
     if (!error) {
-        iso_heads_found(ring->board, ISO_HEAD_RING, ring->path, ring->keys.file);
-        iso_heads_claim(ring->board, ring->path, &ring->keys.known);
+        iso_key_slots_take(&ring->slots, &ring->draft);
+        iso_heads_found(ring->board, ISO_HEAD_RING, ring->path, ring->number);
+        iso_heads_claim(ring->board, ring->path, &known);
     }
     return error ? -EKEYREJECTED : 0;
 }
@@ -233,7 +234,7 @@ static int read_files(const char *file, struct masters *out, struct iso_fault *f
 
 static void draft_key(struct iso_key_ring *ring, enum iso_key_use use)
 {
-    ring->draft.entries[ring->draft.n++] = (struct entry){
+    ring->draft.entries[ring->draft.n++] = (struct iso_key_entry){
         .use = (uint32_t)use, .number = ring->draft.next++, .key = iso_seal_key_random()};
 }
 
@@ -248,7 +249,7 @@ static int make_ring(struct iso_key_ring *ring, struct masters *masters, struct 
         }
     }
     ring->master = masters->keys[0];
-    ring->draft = (struct keys){.next = 1};
+    ring->draft = (struct iso_key_list){.next = 1};
     draft_key(ring, ISO_KEY_ANCHOR);
     draft_key(ring, ISO_KEY_SIGN);
     draft_key(ring, ISO_KEY_RECEIVE);
@@ -278,7 +279,7 @@ static int end_change(struct iso_key_ring *ring, const struct masters *masters,
 {
     if (ring->credential) {
         ring->master = masters->keys[0];
-        ring->draft = ring->keys;
+        iso_key_slots_list(&ring->slots, &ring->draft);
         return commit(ring, &ring->master, fault);
     }
     ring->master = masters->keys[1];
@@ -350,6 +351,7 @@ int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **o
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", place->ring);
     }
     memset(ring, 0, sizeof *ring);
+    (void)pthread_mutex_init(&ring->changing, NULL);
     if (iso_heads_board_new(&ring->board)) {
         iso_key_ring_close(ring);
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", place->ring);
@@ -371,6 +373,7 @@ void iso_key_ring_close(struct iso_key_ring *ring)
 {
     if (ring) {
         iso_heads_board_free(ring->board);
+        (void)pthread_mutex_destroy(&ring->changing);
         sodium_free(ring); /* which wipes */
     }
 }
@@ -385,36 +388,22 @@ struct iso_heads_board *iso_key_ring_board(const struct iso_key_ring *ring)
 const struct iso_seal_key *iso_key_ring_find(const struct iso_key_ring *ring, enum iso_key_use use,
                                              uint32_t number)
 {
-    for (uint32_t i = 0; i < ring->keys.n; i++) {
-        const struct entry *entry = &ring->keys.entries[i];
-        if (entry->use == (uint32_t)use && entry->number == number) {
-            return &entry->key;
-        }
-    }
-    return NULL;
+    return iso_key_slots_find(&ring->slots, use, number);
 }
 
 uint32_t iso_key_ring_newest(const struct iso_key_ring *ring, enum iso_key_use use)
 {
-    uint32_t newest = 0;
-    for (uint32_t i = 0; i < ring->keys.n; i++) {
-        const struct entry *entry = &ring->keys.entries[i];
-        if (entry->use == (uint32_t)use && entry->number > newest) {
-            newest = entry->number;
-        }
-    }
-    return newest;
+    return iso_key_slots_newest(&ring->slots, use);
 }
 
-int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *number,
-                     struct iso_fault *fault)
+static int add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *number,
+               struct iso_fault *fault)
 {
-    if (ring->keys.n == ISO_KEY_RING_MOST) {
+    const uint32_t made = ring->draft.next;
+    if (ring->draft.n == ISO_KEY_RING_MOST) {
         return iso_fault_set(fault, -ENOSPC, "%s: holds %u keys, there is no room for more",
-                             ring->path, ring->keys.n);
+                             ring->path, ring->draft.n);
     }
-    const uint32_t made = ring->keys.next;
-    ring->draft = ring->keys;
     draft_key(ring, use);
     const int error = commit(ring, &ring->master, fault);
     if (!error) {
@@ -423,18 +412,49 @@ int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *
     return error;
 }
 
+/* A change begins with a draft of what there is. */
+static void begin_change(struct iso_key_ring *ring)
+{
+    (void)pthread_mutex_lock(&ring->changing);
+    iso_key_slots_list(&ring->slots, &ring->draft);
+}
+
+static void end_change_of_keys(struct iso_key_ring *ring)
+{
+    sodium_memzero(&ring->draft, sizeof ring->draft);
+    (void)pthread_mutex_unlock(&ring->changing);
+}
+
+int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *number,
+                     struct iso_fault *fault)
+{
+    begin_change(ring);
+    const int error = add(ring, use, number, fault);
+    end_change_of_keys(ring);
+    return error;
+}
+
+/* Takes the keys of this use with numbers below `number` off the list; true if there were any. */
+static bool take_off(struct iso_key_list *keys, enum iso_key_use use, uint32_t number)
+{
+    const uint32_t n = keys->n;
+    keys->n = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct iso_key_entry *entry = &keys->entries[i];
+        if (entry->use != (uint32_t)use || entry->number >= number) {
+            keys->entries[keys->n++] = *entry;
+        }
+    }
+    return keys->n < n;
+}
+
 int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t number,
                       struct iso_fault *fault)
 {
-    struct keys *draft = &ring->draft;
-    *draft = (struct keys){.next = ring->keys.next};
-    for (uint32_t i = 0; i < ring->keys.n; i++) {
-        const struct entry *entry = &ring->keys.entries[i];
-        if (entry->use != (uint32_t)use || entry->number >= number) {
-            draft->entries[draft->n++] = *entry;
-        }
-    }
-    return draft->n == ring->keys.n ? 0 : commit(ring, &ring->master, fault);
+    begin_change(ring);
+    const int error = take_off(&ring->draft, use, number) ? commit(ring, &ring->master, fault) : 0;
+    end_change_of_keys(ring);
+    return error;
 }
 
 /* Nothing may be left of a change before: the key in FILE.new may be the one that the ring on the
@@ -443,7 +463,7 @@ static int end_change_before(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     int error = 0;
     if (ring->unsure) {
-        ring->draft = ring->keys;
+        iso_key_slots_list(&ring->slots, &ring->draft);
         error = commit(ring, &ring->master, fault);
     }
     return error || !ring->beside ? error : take_place(ring, fault);
@@ -451,29 +471,39 @@ static int end_change_before(struct iso_key_ring *ring, struct iso_fault *fault)
 
 int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
 {
-    ring->draft = ring->keys;
-    return commit(ring, &ring->master, fault);
+    begin_change(ring);
+    const int error = commit(ring, &ring->master, fault);
+    end_change_of_keys(ring);
+    return error;
 }
 
 /* The new key stands beside the old one before the ring is sealed with it, and takes its place
  * afterwards: the ring always has its key. */
-int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
+static int change_key(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     char beside[PATH_MAX + 8];
-    if (ring->credential) {
-        return iso_fault_set(fault, -EPERM, "the appliance's key is a credential of the system");
-    }
     (void)snprintf(beside, sizeof beside, "%s.new", ring->file);
     int error = end_change_before(ring, fault);
     struct iso_seal_key fresh = iso_seal_key_random();
     error = error ? error : iso_data_file_replace(beside, fresh.bytes, sizeof fresh.bytes, fault);
     if (!error) {
-        ring->draft = ring->keys;
+        iso_key_slots_list(&ring->slots, &ring->draft);
         error = commit(ring, &fresh, fault);
         ring->beside = memcmp(&ring->master, &fresh, sizeof fresh) == 0;
     }
     error = error ? error : take_place(ring, fault);
     iso_seal_key_wipe(&fresh);
+    return error;
+}
+
+int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
+{
+    if (ring->credential) {
+        return iso_fault_set(fault, -EPERM, "the appliance's key is a credential of the system");
+    }
+    begin_change(ring);
+    const int error = change_key(ring, fault);
+    end_change_of_keys(ring);
     return error;
 }
 

@@ -12,7 +12,9 @@
  * A ring is written whole (iso_data_file_replace), with a number that rises and what it knows of
  * the other stores (heads.h). One whose key is gone is never made anew.
  *
- * Used by one thread. Keys are in locked memory, which is wiped at the end. */
+ * Several threads may use one ring as long as the keys of one use belong to one thread at a time:
+ * that thread makes and drops them, and looks for them. A key that is in the ring does not move.
+ * Keys are in locked memory, which is wiped at the end. */
 #ifndef ISO_FIRMWARE_KEY_RING_H
 #define ISO_FIRMWARE_KEY_RING_H
 
@@ -52,7 +54,7 @@ int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **o
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_key_ring_close(struct iso_key_ring *ring);
 
-/* The key of this use and number; NULL if there is none. Valid until the next change. */
+/* The key of this use and number; NULL if there is none. Valid until that key is dropped. */
 const struct iso_seal_key *iso_key_ring_find(const struct iso_key_ring *ring, enum iso_key_use use,
                                              uint32_t number);
 
