@@ -81,7 +81,7 @@ const struct iso_config_key iso_config_keys[] = {
     {"door", "tamper", ISO_CONFIG_TEXT, true, AT(door, tamper), 0, 0, NULL, "",
      "gpiod: line of the housing's switch, active when the housing is open"},
     {"door", "debounce_ms", ISO_CONFIG_TEXT, true, AT(door, debounce_ms), 0, 0, NULL, "",
-     "gpiod: how long an input keeps a level until it counts; 20 if empty"},
+     "gpiod: how long an input keeps a level until it counts; 10 if empty"},
     {"door", "wiegand_d0", ISO_CONFIG_TEXT, true, AT(door, wiegand_d0), 0, 0, NULL, "",
      "gpiod: line D0 to an access controller; active is a pulse"},
     {"door", "wiegand_d1", ISO_CONFIG_TEXT, true, AT(door, wiegand_d1), 0, 0, NULL, "",

@@ -8,7 +8,7 @@
  *   wiegand_d0, wiegand_d1                                outputs to an access controller, both
  *       or none; active is a pulse. With them `relay` is optional, since the controller has one.
  *   wiegand_bits  26, which is the default, or 34
- *   debounce_ms   how long an input has to keep a level until it counts, 0 to 1000; 20 by default
+ *   debounce_ms   how long an input has to keep a level until it counts, 0 to 1000; 10 by default
  *
  * The injected clock has to be CLOCK_MONOTONIC, by which the kernel stamps edges.
  *
@@ -23,7 +23,7 @@
 
 #include "drivers/door/door_io.h"
 
-enum { ISO_DOOR_GPIOD_DEBOUNCE_MS = 20, ISO_DOOR_GPIOD_DEBOUNCE_MAX_MS = 1000 };
+enum { ISO_DOOR_GPIOD_DEBOUNCE_MS = 10, ISO_DOOR_GPIOD_DEBOUNCE_MAX_MS = 1000 };
 
 extern const struct iso_door_io_ops iso_door_gpiod_ops;
 

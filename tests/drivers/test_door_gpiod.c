@@ -167,7 +167,7 @@ static void contacts_bounce(void **state)
         assert_false(look(io).active[ISO_DOOR_CONTACT]);
         now_ns += 2 * MS;
     }
-    now_ns += 17 * MS;
+    now_ns += (ISO_DOOR_GPIOD_DEBOUNCE_MS - 3) * MS;
     assert_false(look(io).active[ISO_DOOR_CONTACT]);
     now_ns += 1 * MS;
     assert_true(look(io).active[ISO_DOOR_CONTACT]);
@@ -181,13 +181,13 @@ static void a_press_between_two_looks(void **state)
     (void)state;
     now_ns += 100 * MS;
     fake_gpio_drive(6, false);
-    now_ns += 20 * MS;
+    now_ns += ISO_DOOR_GPIOD_DEBOUNCE_MS * MS;
     fake_gpio_drive(6, true);
     now_ns += 380 * MS;
     assert_true(look(io).active[ISO_DOOR_EXIT_BUTTON]);
     assert_false(look(io).active[ISO_DOOR_EXIT_BUTTON]);
     fake_gpio_drive(6, false);
-    now_ns += 19 * MS;
+    now_ns += (ISO_DOOR_GPIOD_DEBOUNCE_MS - 1) * MS;
     fake_gpio_drive(6, true);
     now_ns += 380 * MS;
     assert_false(look(io).active[ISO_DOOR_EXIT_BUTTON]);
@@ -205,7 +205,7 @@ static void edges_beyond_the_kernels_memory(void **state)
     }
     assert_true(fake_gpio_voltage(7));
     (void)look(io);
-    now_ns += 20 * MS;
+    now_ns += ISO_DOOR_GPIOD_DEBOUNCE_MS * MS;
     assert_true(look(io).active[ISO_DOOR_TAMPER]);
     iso_door_io_close(io);
 }
@@ -227,7 +227,7 @@ static void the_descriptor_tells_when_a_level_counts(void **state)
     assert_true(is_readable(io, 0));
     assert_false(look(io).active[ISO_DOOR_TAMPER]);
     assert_true(is_readable(io, 5000));
-    now_ns += 20 * MS;
+    now_ns += ISO_DOOR_GPIOD_DEBOUNCE_MS * MS;
     assert_true(look(io).active[ISO_DOOR_TAMPER]);
     assert_false(is_readable(io, 0));
     iso_door_io_close(io);
