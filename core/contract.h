@@ -226,8 +226,8 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_EVENTS                                                                    \
     "attack", "delete", "door", "door-test", "enroll", "export", "forget", "gallery", "grant", \
         "identify", "import", "learn", "lockdown", "lockout", "log-recovered", "log-rotated",  \
-        "log-sealed", "picture", "rename", "rotate-keys", "sensor", "start", "state-accepted", \
-        "stop", "validity", "verify", "visit"
+        "log-sealed", "picture", "records-lost", "rename", "rotate-keys", "sensor", "start",   \
+        "state-accepted", "stop", "validity", "verify", "visit"
 
 /* Errors. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

@@ -308,37 +308,49 @@ static int may_test_door(const struct iso_appliance *appliance, struct iso_fault
     if (!iso_config_has_relay(appliance->parts.config)) {
         return iso_fault_set(fault, -ENODEV, "the door has no relay: [door] relay is empty");
     }
-    return iso_door_control_may_test(&appliance->door, fault);
+    return iso_door_guard_may_test(appliance->door, fault);
 }
 
 int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     struct iso_fault own = {""};
+    const struct iso_audit_record record = iso_audit_record_of("door-test");
     int error = may_test_door(appliance, fault);
-    error = error ? error : announce(appliance, "door-test", NULL, fault);
+    error = error ? error : iso__appliance_record_grant(appliance, &record, fault);
     if (error) {
         return error;
     }
-    error = iso_door_control_test(&appliance->door, iso_times_now_ns(&appliance->parts.times),
-                                  &own);
+    error = iso_door_guard_test(appliance->door, &own);
+    iso__appliance_tell_door(appliance);
     conclude(appliance, "door-test", error, &own, "the relay was switched");
     return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
 }
 
 /* ---- keys ---- */
 
+/* The keys of the anchors are those of gallery, log and lock-out file. */
+static int rotate_anchors(struct iso_appliance *appliance, struct iso_audit *audit,
+                          struct iso_fault *fault)
+{
+    struct iso_appliance_parts *parts = &appliance->parts;
+    uint32_t anchor = 0;
+    int error = iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, fault);
+    error = error ? error : iso_gallery_renew_anchor(parts->gallery, fault);
+    error = error ? error : iso_audit_renew_anchor(audit, fault);
+    error = error ? error : iso__appliance_keep_lockout(appliance, fault);
+    return error ? error : iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, fault);
+}
+
 static int rotate_stores(struct iso_appliance *appliance, const struct iso_work_listener *listener,
                          struct iso_fault *fault)
 {
     struct iso_appliance_parts *parts = &appliance->parts;
-    uint32_t anchor = 0;
     int error = iso_gallery_rotate(parts->gallery, listener, fault);
-    error = error ? error : iso_audit_rotate_key(parts->audit, fault);
-    error = error ? error : iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, fault);
-    error = error ? error : iso_gallery_renew_anchor(parts->gallery, fault);
-    error = error ? error : iso_audit_renew_anchor(parts->audit, fault);
-    error = error ? error : iso__appliance_keep_lockout(appliance, fault);
-    return error ? error : iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, fault);
+    struct iso_audit *audit = iso_audit_writer_hold(appliance->log);
+    error = error ? error : iso_audit_rotate_key(audit, fault);
+    error = error ? error : rotate_anchors(appliance, audit, fault);
+    iso_audit_writer_release(appliance->log);
+    return error;
 }
 
 int iso_appliance_rotate_keys(struct iso_appliance *appliance,

@@ -28,11 +28,22 @@ void iso__appliance_say(struct iso_appliance *appliance, int priority, const cha
     appliance->parts.events.message(appliance->parts.events.context, priority, text);
 }
 
+/* ---- the log ---- */
+
+int iso__appliance_say_fault(struct iso_appliance *appliance, int error,
+                             const struct iso_fault *fault)
+{
+    if (error) {
+        iso__appliance_say(appliance, LOG_ERR, "%s", fault->text);
+    }
+    return error;
+}
+
 int iso__appliance_record_first(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault)
 {
     struct iso_fault own = {""};
-    const int error = iso_audit_append(appliance->parts.audit, record, &own);
+    const int error = iso_audit_writer_append(appliance->log, record, ISO_NEVER_NS, NULL, &own);
     iso__appliance_note_storage(appliance, error, &own);
     return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
 }
@@ -41,53 +52,42 @@ int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audi
 {
     struct iso_fault fault = {""};
     const int error = iso__appliance_record_first(appliance, record, &fault);
-    if (error) {
-        iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
-    }
+    return iso__appliance_say_fault(appliance, error, &fault);
+}
+
+/* The writer keeps the fault, and iso__appliance_tell_door tells it. */
+int iso__appliance_note(struct iso_appliance *appliance, const struct iso_audit_record *record)
+{
+    const int error = iso_audit_writer_post(appliance->log, record, NULL);
+    iso__appliance_tell_door(appliance);
     return error;
 }
 
-/* ---- the door ---- */
-
-static bool is_alarm(const struct iso_door *door)
+/* A record that was in time by the clock of the wait may have come too late by the one that counts
+ * on during a suspension. */
+int iso__appliance_record_grant(struct iso_appliance *appliance,
+                                const struct iso_audit_record *record, struct iso_fault *fault)
 {
-    return door->state == ISO_DOOR_FORCED || door->state == ISO_DOOR_HELD_OPEN ||
-           door->state == ISO_DOOR_FAULT || door->tamper;
+    static const int64_t wait_ns = 250 * ISO_NS_PER_MS;
+    const struct iso_times *times = &appliance->parts.times;
+    const int64_t begin_ns = iso_times_boot_ns(times);
+    struct iso_fault own = {""};
+    int error = iso_audit_writer_append(appliance->log, record, wait_ns, NULL, &own);
+    iso__appliance_note_storage(appliance, error, &own);
+    const int64_t took_ns = iso_times_boot_ns(times) - begin_ns;
+    if (!error && took_ns > wait_ns) {
+        error = iso_fault_set(&own, -ETIMEDOUT, "the record took %lld ms to get to the disk",
+                              (long long)(took_ns / ISO_NS_PER_MS));
+    }
+    if (error) {
+        (void)iso_fault_set(fault, error, "%s", own.text);
+    }
+    return iso__appliance_say_fault(appliance, error, &own);
 }
 
-/* On record what the door does; it does so whether there is room for the record or not. */
-static void on_door_changed(void *context, enum iso_door_event cause)
+struct iso_audit_writer *iso_appliance_log(const struct iso_appliance *appliance)
 {
-    struct iso_appliance *appliance = context;
-    const struct iso_door *door = &appliance->door.door;
-    const char *state = iso_door_state_name(door->state);
-    struct iso_audit_record record = iso_audit_record_of("door");
-    record.reason = iso_door_event_name(cause);
-    record.note = state;
-    (void)iso__appliance_record(appliance, &record);
-    iso__appliance_say(appliance, is_alarm(door) ? LOG_WARNING : LOG_INFO, "door %s (%s)%s%s",
-                       state, record.reason, appliance->door.broken ? ": " : "",
-                       appliance->door.broken ? appliance->door.fault : "");
-    appliance->parts.events.door_changed(appliance->parts.events.context, state, record.reason);
-}
-
-static void init_door(struct iso_appliance *appliance)
-{
-    const struct iso_config_door *config = &appliance->parts.config->door;
-    const struct iso_door_options options = {
-        .fail = config->fail,
-        .unlock_ns = config->unlock_ms * ISO_NS_PER_MS,
-        .held_ns = config->held_ms * ISO_NS_PER_MS,
-        .refused_ns = config->refused_ms * ISO_NS_PER_MS,
-        .pulse_ns = config->relay_pulse_ms * ISO_NS_PER_MS,
-    };
-    const struct iso_door_timing timing = {
-        .poll_ns = config->poll_ms * ISO_NS_PER_MS,
-        .retry_ns = config->retry_ms * ISO_NS_PER_MS,
-        .retry_max_ns = config->retry_max_ms * ISO_NS_PER_MS,
-    };
-    iso_door_control_init(&appliance->door, &options, &timing, appliance->parts.door_io,
-                          on_door_changed, appliance);
+    return appliance->log;
 }
 
 /* ---- the sensor ---- */
@@ -119,7 +119,7 @@ static void on_sensor_gone(struct iso_appliance *appliance)
     record.reason = "lost";
     record.note = appliance->keeper.fault;
     iso__appliance_say(appliance, LOG_ERR, "%s", appliance->keeper.fault);
-    (void)iso__appliance_record(appliance, &record);
+    (void)iso__appliance_note(appliance, &record);
     iso__appliance_action_disconnect(appliance);
 }
 
@@ -130,12 +130,12 @@ static void on_sensor_back(struct iso_appliance *appliance)
     iso__appliance_repeat_reset(appliance);
     iso__appliance_say(appliance, LOG_NOTICE, "sensor %s started",
                        iso_sensor_name(appliance->keeper.sensor));
-    (void)iso__appliance_record(appliance, &record);
+    (void)iso__appliance_note(appliance, &record);
 }
 
 /* The safe state and its end: whoever was before the camera may be another by now, and what was
  * decided of the one before is forgotten. A client's action goes on if the camera does. */
-static void follow_sight(struct iso_appliance *appliance, int64_t now_ns)
+static void follow_sight(struct iso_appliance *appliance)
 {
     const struct iso_sensor_keeper *keeper = &appliance->keeper;
     if (keeper->sees == !appliance->blind) {
@@ -150,10 +150,11 @@ static void follow_sight(struct iso_appliance *appliance, int64_t now_ns)
             record.reason = "silent";
             record.note = keeper->fault;
             iso__appliance_say(appliance, LOG_WARNING, "%s", keeper->fault);
-            (void)iso__appliance_record(appliance, &record);
+            (void)iso__appliance_note(appliance, &record);
         }
     }
-    iso_door_control_set_fault(&appliance->door, appliance->blind, now_ns);
+    iso_door_guard_set_fault(appliance->door, appliance->blind);
+    iso__appliance_tell_door(appliance);
 }
 
 /* ---- start, step, stop ---- */
@@ -165,12 +166,17 @@ int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_applia
         return -ENOMEM;
     }
     const struct iso_frame_memory_options memory = iso_frame_memory_options_default();
-    if (iso_frame_memory_new(&memory, &appliance->shown)) {
-        free(appliance);
-        return -ENOMEM;
-    }
     appliance->parts = *parts;
     appliance->ended = ISO_APPLIANCE_CLAIMED;
+    int error = iso_frame_memory_new(&memory, &appliance->shown) ? -ENOMEM : 0;
+    error = error ? error
+                  : iso_audit_writer_new(parts->audit, &appliance->parts.times, parts->threads,
+                                         &appliance->log);
+    error = error ? error : iso__appliance_new_door(appliance);
+    if (error) {
+        iso_appliance_free(appliance);
+        return error;
+    }
     *out = appliance;
     return 0;
 }
@@ -178,6 +184,8 @@ int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_applia
 void iso_appliance_free(struct iso_appliance *appliance)
 {
     if (appliance) {
+        iso_door_guard_free(appliance->door); /* its thread posts records */
+        iso_audit_writer_free(appliance->log);
         iso_sensor_keeper_done(&appliance->keeper);
         iso_enrolment_wipe(&appliance->enrolment);
         iso_frame_memory_free(appliance->shown);
@@ -274,7 +282,7 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
         return iso_fault_set(fault, keeper->error, "%s", keeper->fault);
     }
     on_sensor_gone(appliance);
-    follow_sight(appliance, now_ns);
+    follow_sight(appliance);
     return 0;
 }
 
@@ -295,26 +303,36 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     appliance->start_ns = now_ns;
     appliance->gallery_retry_ns = ISO_NEVER_NS;
     init_watch(appliance);
-    init_door(appliance);
+    iso_suspension_init(&appliance->suspension, &appliance->parts.times);
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
     iso__appliance_unlearn(appliance);
     tell_unusable(appliance);
     tell_same_names(appliance);
     iso__appliance_start_lockout(appliance);
     tell_image_check(appliance);
-    const int error = first_look(appliance, now_ns, fault);
+    int error = first_look(appliance, now_ns, fault);
     if (error) {
         return error;
     }
-    iso_door_control_start(&appliance->door, now_ns);
-    return 0;
+    error = iso_door_guard_start(appliance->door);
+    iso__appliance_tell_door(appliance);
+    return error ? iso_fault_set(fault, error, "the door has no thread: %s", strerror(-error)) : 0;
+}
+
+/* Who was there before the machine was suspended is not there any more. */
+static void follow_suspension(struct iso_appliance *appliance)
+{
+    if (iso_suspension_look(&appliance->suspension, &appliance->parts.times)) {
+        iso_decision_reset(&appliance->decision);
+        iso_track_reset(&appliance->track);
+    }
 }
 
 static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
 {
     const struct iso_frame *frame = NULL;
     const enum iso_sensor_news news = iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame);
-    follow_sight(appliance, now_ns); /* before what was seen now is looked at */
+    follow_sight(appliance); /* before what was seen now is looked at */
     switch (news) {
     case ISO_SENSOR_FRAME:
         iso__appliance_frame(appliance, frame, now_ns);
@@ -340,18 +358,26 @@ static int64_t earliest(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
+/* By the clock that the steps go by; the door has the one that counts during a suspension. */
+static int64_t door_due_ns(const struct iso_appliance *appliance)
+{
+    const int64_t due_ns = iso_door_guard_due_ns(appliance->door);
+    return due_ns == ISO_NEVER_NS ? due_ns : due_ns - appliance->suspension.asleep_ns;
+}
+
 int64_t iso_appliance_step(struct iso_appliance *appliance)
 {
+    follow_suspension(appliance);
     int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
-    const int fd = iso_door_io_poll_fd(appliance->parts.door_io);
-    iso_door_control_step(&appliance->door, fd >= 0, now_ns);
+    iso_door_guard_step(appliance->door);
+    iso__appliance_tell_door(appliance);
     look_at_sensor(appliance, now_ns);
     now_ns = iso_times_now_ns(&appliance->parts.times);
     iso__appliance_lockout_time(appliance, now_ns);
     iso__appliance_storage_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
-    const int64_t lines_ns = earliest(iso_door_control_due_ns(&appliance->door),
+    const int64_t lines_ns = earliest(door_due_ns(appliance),
                                       iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
     return earliest(lines_ns, iso__appliance_due_ns(appliance));
 }
@@ -359,10 +385,11 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
 void iso_appliance_stop(struct iso_appliance *appliance)
 {
     const struct iso_audit_record record = iso_audit_record_of("stop");
-    iso_door_control_stop(&appliance->door, iso_times_now_ns(&appliance->parts.times));
+    iso_door_guard_stop(appliance->door);
+    iso__appliance_tell_door(appliance);
     iso_sensor_keeper_done(&appliance->keeper);
     iso__appliance_end_attack(appliance);
-    (void)iso__appliance_record(appliance, &record);
+    (void)iso__appliance_note(appliance, &record);
 }
 
 /* ---- what is known of it ---- */
@@ -374,7 +401,7 @@ int iso_appliance_sensor_fd(const struct iso_appliance *appliance)
 
 int iso_appliance_door_fd(const struct iso_appliance *appliance)
 {
-    return iso_door_io_poll_fd(appliance->parts.door_io);
+    return iso_door_guard_fd(appliance->door);
 }
 
 uint64_t iso_appliance_progress(const struct iso_appliance *appliance)
@@ -398,10 +425,10 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
 {
     const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
     const struct iso_sensor *sensor = appliance->keeper.sensor;
+    const struct iso_door_look door = iso_door_guard_look(appliance->door);
     struct iso_appliance_status status = {
         .mode = appliance->mode,
-        .door = appliance->door.door.state,
-        .door_fault = appliance->door.broken ? appliance->door.fault : "",
+        .door = door.state,
         .sensor_state = iso__appliance_sensor_state(appliance),
         .sensor_model = appliance->keeper.model,
         .sensor_calibration = appliance->keeper.calibration,
@@ -421,6 +448,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .people_valid = iso__appliance_count_valid(appliance),
         .uptime_ns = iso_times_now_ns(&appliance->parts.times) - appliance->start_ns,
     };
+    (void)snprintf(status.door_fault, sizeof status.door_fault, "%s", door.fault);
     if (sensor) {
         const struct iso_sensor_health health = iso_sensor_health(sensor);
         (void)snprintf(status.sensor_health, sizeof status.sensor_health, "%s",

@@ -11,9 +11,12 @@
  *
  * The door does not depend on the mode: exit button, alarms and times work in each.
  *
- * Used by one thread. A step takes at most one frame in; it neither sleeps nor waits for the
- * sensor, and takes as long as the extraction of a template. Events are reported from within calls
- * of this header; a handler must not call back into it, but for the status. */
+ * All calls come from one thread. A step takes at most one frame in; it neither sleeps nor waits
+ * for the sensor, and takes as long as the extraction of a template. With `threads` the door and
+ * the log have threads of their own (door_guard.h, audit_writer.h): the door does not wait for a
+ * step, and a step waits for the disk only as long as a grant may wait for its record, and for what
+ * an administrator does. Events are reported from within calls of this header; a handler must not
+ * call back into it, but for the status. */
 #ifndef ISO_FIRMWARE_APPLIANCE_H
 #define ISO_FIRMWARE_APPLIANCE_H
 
@@ -23,6 +26,7 @@
 #include "core/fault.h"
 #include "drivers/door/door_io.h"
 #include "firmware/audit.h"
+#include "firmware/audit_writer.h"
 #include "firmware/cards.h"
 #include "firmware/config.h"
 #include "firmware/decision.h"
@@ -97,11 +101,14 @@ struct iso_appliance_parts {
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_appliance_events events;
+    /* The door and the log have threads of their own; `times` are those of the machine then. False:
+     * the caller's thread does all, for a clock that is injected. */
+    bool threads;
 };
 
 struct iso_appliance;
 
-/* -ENOMEM. */
+/* -ENOMEM; with threads moreover -EAGAIN, or an errno of descriptors. */
 int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_appliance **out)
     __attribute__((warn_unused_result));
 void iso_appliance_free(struct iso_appliance *appliance);
@@ -116,7 +123,8 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
  * earlier if a descriptor below is readable, or after any other call. */
 int64_t iso_appliance_step(struct iso_appliance *appliance);
 
-/* Puts the door to where it rests without power, and closes the sensor. */
+/* Puts the door to where it rests without power, and closes the sensor. What is still to be written
+ * into the log is written until iso_appliance_free returns. */
 void iso_appliance_stop(struct iso_appliance *appliance);
 
 /* Descriptors that poll readable when a step has something to do; negative if there is none now.
@@ -182,6 +190,9 @@ bool iso_appliance_is_aimed(const struct iso_appliance *appliance);
 int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* The log, to be read by whoever holds it (audit_writer.h). */
+struct iso_audit_writer *iso_appliance_log(const struct iso_appliance *appliance);
+
 /* Since the start. */
 struct iso_appliance_counts {
     uint64_t allowed, denied; /* visits */
@@ -192,7 +203,7 @@ struct iso_appliance_counts {
 struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
-    const char *door_fault;         /* why its lines do not work; "" while they do */
+    char door_fault[256];           /* why its lines do not work; "" while they do */
     const char *sensor_state;       /* "started", "silent", "repeats", "lost" */
     const char *sensor_model;       /* "" while unknown */
     const char *sensor_calibration; /* "" while unknown, or if it has none */

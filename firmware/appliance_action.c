@@ -407,7 +407,7 @@ void iso__appliance_finish_recognition(struct iso_appliance *appliance,
         record.attack_frames = verdict->attack_frames;
         record.note = iso_capture_name(verdict->cue);
     }
-    (void)iso__appliance_record(appliance, &record);
+    (void)iso__appliance_note(appliance, &record);
     tell_recognition(appliance, result, true, person, verdict->score);
     end(appliance);
 }

@@ -40,7 +40,7 @@ static void record_attack(struct iso_appliance *appliance, const struct iso_atta
     (void)snprintf(note, sizeof note, "within %.1f s",
                    (double)attempt->duration_ns / (double)ISO_NS_PER_S);
     record.note = note;
-    (void)iso__appliance_record(appliance, &record);
+    (void)iso__appliance_note(appliance, &record);
     iso__appliance_say(appliance, LOG_WARNING, "attack: %s, %d %s %s", record.reason,
                        attempt->frames, iso_plural((uint64_t)attempt->frames, "frame", "frames"),
                        note);
@@ -277,12 +277,16 @@ static void note_image(struct iso_appliance *appliance)
     }
 }
 
-/* What comes so late that it says nothing about who is there now. */
+/* What comes so late that it says nothing about who is there now; for a frame that was exposed
+ * before the machine was suspended nobody knows how late it is. */
 static bool is_stale(struct iso_appliance *appliance, const struct iso_frame *frame,
                      int64_t arrival_ns)
 {
     const int64_t stale_ns = appliance->parts.config->sensor.stale_ms * ISO_NS_PER_MS;
     struct iso_fault fault;
+    if (frame->t_ns < appliance->suspension.awake_ns) {
+        return true;
+    }
     if (arrival_ns - frame->t_ns < stale_ns) {
         return false;
     }

@@ -28,7 +28,7 @@ int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fau
 {
     const struct iso_audit_record record = iso_audit_record_of("picture");
     int error = may_ask(appliance, fault);
-    error = error ? error : iso_audit_append(appliance->parts.audit, &record, fault);
+    error = error ? error : iso__appliance_record_first(appliance, &record, fault);
     if (!error) {
         appliance->picture_due = true;
         appliance->picture_end_ns = iso_times_now_ns(&appliance->parts.times) + patience_ns;

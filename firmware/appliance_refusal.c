@@ -168,7 +168,7 @@ void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
     if (was_locked && !is_locked(appliance)) {
         struct iso_audit_record record = iso_audit_record_of("lockout");
         record.reason = "over";
-        (void)iso__appliance_record(appliance, &record);
+        (void)iso__appliance_note(appliance, &record);
         iso_decision_reset(&appliance->decision); /* who was not compared begins anew */
     }
     (void)!save(appliance, NULL);
@@ -185,7 +185,7 @@ static void record_lock(struct iso_appliance *appliance)
                    (double)left_ns / (double)ISO_NS_PER_S, appliance->lockout.failures,
                    appliance->lockout.attacks);
     record.note = note;
-    (void)iso__appliance_record(appliance, &record);
+    (void)iso__appliance_note(appliance, &record);
     iso__appliance_say(appliance, LOG_WARNING, "nobody is let in for %s", note);
 }
 

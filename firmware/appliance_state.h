@@ -7,18 +7,22 @@
 #include "core/presentation/liveness.h"
 #include "firmware/appliance.h"
 #include "firmware/attack_tally.h"
-#include "firmware/door_control.h"
+#include "firmware/audit_writer.h"
+#include "firmware/door_guard.h"
 #include "firmware/enrolment.h"
 #include "firmware/hint_filter.h"
 #include "firmware/image_tally.h"
 #include "firmware/lockout.h"
+#include "firmware/suspension.h"
 #include "firmware/track.h"
 
 struct iso_appliance {
     struct iso_appliance_parts parts;
     struct iso_sensor_keeper keeper;
     bool blind; /* the door is at fault because the sensor sees nothing */
-    struct iso_door_control door;
+    struct iso_door_guard *door;
+    struct iso_audit_writer *log;
+    struct iso_suspension suspension;
     int64_t start_ns;
     enum iso_appliance_mode mode;
 
@@ -41,9 +45,10 @@ struct iso_appliance {
 
     /* WATCH, VERIFY, IDENTIFY */
     struct iso_decision decision;
-    int64_t arrival_ns;           /* of the first usable frame */
-    struct iso_image_tally image; /* of the visit */
-    struct iso_fault card_fault;  /* why the last card number was not sent */
+    int64_t arrival_ns;             /* of the first usable frame */
+    struct iso_image_tally image;   /* of the visit */
+    struct iso_fault card_fault;    /* why the last card number was not sent */
+    struct iso_door_look door_look; /* the door behind the last grant */
     char last_outcome[48 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
     struct iso_lockout lockout;
@@ -66,14 +71,28 @@ __attribute__((format(printf, 3, 4))) void iso__appliance_say(struct iso_applian
                                                               int priority, const char *format,
                                                               ...);
 
-/* The same as a warning, but only the first of a row of frames that fail. */
+/* Tells the system's log of an error, if it is one, and returns it. */
+int iso__appliance_say_fault(struct iso_appliance *appliance, int error,
+                             const struct iso_fault *fault);
+
+/* A warning, but only for the first of a row of frames that fail. */
 void iso__appliance_complain(struct iso_appliance *appliance, const char *text);
 
-/* Writes a record; a failure is told to the system's log, and returned. */
+/* Writes a record and waits for the disk: for what must not happen without it. A failure is told to
+ * the system's log, and returned. */
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record);
 
-/* Writes a record of what is not done if this fails; the failure is told to the caller. */
+/* The same of what is not done if this fails; the failure is told to the caller. */
 int iso__appliance_record_first(struct iso_appliance *appliance,
+                                const struct iso_audit_record *record, struct iso_fault *fault);
+
+/* Writes a record of what has happened already, without waiting for the disk. A failure that is
+ * known at once is returned; every failure is told to the system's log sooner or later. */
+int iso__appliance_note(struct iso_appliance *appliance, const struct iso_audit_record *record);
+
+/* Writes a record of what is to open the door, and waits for at most 250 ms. -ETIMEDOUT: it is not
+ * on the disk by then, or was too late. Errors of the log are told to the system's log. */
+int iso__appliance_record_grant(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault);
 
 /* Puts on record which gallery this is, and how often it was changed: `event` is "gallery" behind a
@@ -95,6 +114,21 @@ const char *iso__appliance_storage_fault(const struct iso_appliance *appliance);
 /* "started", "silent" (it runs, but nothing is seen), "repeats" (it delivers old frames again),
  * "lost". */
 const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
+
+/* ---- the door (appliance_door.c) ---- */
+
+/* Before the first of the others. -ENOMEM, or an errno of the descriptors. */
+int iso__appliance_new_door(struct iso_appliance *appliance);
+
+/* Tells what the door has done, and what the log could not be told. */
+void iso__appliance_tell_door(struct iso_appliance *appliance);
+
+void iso__appliance_refuse_at_door(struct iso_appliance *appliance);
+
+/* Lets somebody in who was seen at since_ns, as the frames count: -ESTALE, and nothing else, if
+ * that is longer ago than stale_ms, with the time that the machine was suspended. */
+int iso__appliance_grant_at_door(struct iso_appliance *appliance, int64_t since_ns,
+                                 enum iso_door_answer *answer);
 
 /* ---- frames (appliance_frame.c) ---- */
 

@@ -18,6 +18,7 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
         .attack_frames = decision->attack_frames,
         .gap_ns = decision->gap_ms * ISO_NS_PER_MS,
         .refractory_ns = decision->refractory_ms * ISO_NS_PER_MS,
+        .stale_ns = config->sensor.stale_ms * ISO_NS_PER_MS,
     };
 }
 
@@ -85,10 +86,17 @@ static struct iso_audit_record record_of(const struct iso_appliance *appliance, 
     return record;
 }
 
-static void deny_unlogged(struct iso_verdict *verdict)
+static void deny(struct iso_verdict *verdict, enum iso_reason reason)
 {
     verdict->allow = false;
-    verdict->reason = ISO_REASON_UNLOGGED;
+    verdict->reason = reason;
+}
+
+/* What a record that was not written means for a verdict: it was late, or the log refused it. */
+static enum iso_reason reason_of(int error)
+{
+    return error == -ETIMEDOUT || error == -ENOBUFS ? ISO_REASON_NOT_ON_RECORD
+                                                    : ISO_REASON_UNLOGGED;
 }
 
 static void refuse(struct iso_appliance *appliance, struct iso_visit *visit)
@@ -96,18 +104,20 @@ static void refuse(struct iso_appliance *appliance, struct iso_visit *visit)
     char image[ISO_IMAGE_TALLY_TEXT_SIZE];
     const struct iso_audit_record record = record_of(appliance, "visit", visit->person,
                                                      &visit->verdict, image);
-    if (iso__appliance_record(appliance, &record)) {
-        deny_unlogged(&visit->verdict);
+    iso__appliance_refuse_at_door(appliance);
+    const int error = iso__appliance_note(appliance, &record);
+    if (error) {
+        deny(&visit->verdict, reason_of(error));
     }
-    iso_door_control_refuse(&appliance->door, iso_times_now_ns(&appliance->parts.times));
 }
 
 /* The door that did not unlock has a fault, or is at fault for another reason. */
-static const char *door_fault_of(const struct iso_appliance *appliance, enum iso_door_answer answer)
+static void note_answer(struct iso_appliance *appliance, struct iso_visit *visit)
 {
-    return answer != ISO_DOOR_DID_NOT_UNLOCK ? ""
-           : appliance->door.broken          ? appliance->door.fault
-                                             : "the door is at fault";
+    appliance->door_look = iso_door_guard_look(appliance->door);
+    visit->door_fault = visit->door != ISO_DOOR_DID_NOT_UNLOCK ? ""
+                        : *appliance->door_look.fault          ? appliance->door_look.fault
+                                                               : "the door is at fault";
 }
 
 /* The card of the person who is let in, whatever spelling of the name the file has. Of an old
@@ -127,11 +137,11 @@ static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
     struct iso_fault *fault = &appliance->card_fault;
     const struct iso_card *card = card_of(appliance, visit->person);
     int error = -ENOENT;
-    if (appliance->door.door.state != ISO_DOOR_UNLOCKED) {
+    if (iso_door_guard_look(appliance->door).state != ISO_DOOR_UNLOCKED) {
         return; /* a fault lasts: nobody is let in, here or there */
     }
     if (card) {
-        error = iso_door_io_send_card(appliance->parts.door_io, &card->number, fault);
+        error = iso_door_guard_send_card(appliance->door, &card->number, fault);
     } else {
         (void)iso_fault_set(fault, error, "the admitted person has no card number");
     }
@@ -145,30 +155,44 @@ static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
     }
 }
 
-/* Nobody is let in without a record on the disk, and what the door did is known only afterwards:
- * the record "grant" is written before the lock is switched, and "visit", which repeats it and says
- * what the door did, after that. A crash in between leaves a grant without a visit. */
-static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
+/* Asks the door, once the grant is on record. 0, or why nobody is let in after all. */
+static enum iso_reason open_door(struct iso_appliance *appliance, struct iso_visit *visit)
 {
-    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
-    struct iso_audit_record record = record_of(appliance, "grant", visit->person, &visit->verdict,
-                                               image);
-    if (iso__appliance_record(appliance, &record)) {
-        deny_unlogged(&visit->verdict);
-        iso_door_control_refuse(&appliance->door, iso_times_now_ns(&appliance->parts.times));
-        return;
+    if (iso__appliance_grant_at_door(appliance, visit->verdict.since_ns, &visit->door)) {
+        return ISO_REASON_STALE;
     }
-    record.grant = iso_audit_last(appliance->parts.audit);
-    visit->door = iso_door_control_grant(&appliance->door,
-                                         iso_times_now_ns(&appliance->parts.times));
-    visit->door_fault = door_fault_of(appliance, visit->door);
+    note_answer(appliance, visit);
     if (appliance->parts.cards) {
         send_card(appliance, visit);
     }
+    return ISO_REASON_NONE;
+}
+
+/* Nobody is let in without a record on the disk, and what the door did is known only afterwards:
+ * the record "grant" is written before the lock is switched, and "visit", which repeats it and says
+ * what the door did, after that. A crash in between leaves a grant without a visit. A grant that
+ * comes to the disk too late has a "visit" behind it that denies. */
+static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
+{
+    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
+    struct iso_fault fault = {""};
+    struct iso_audit_record record = record_of(appliance, "grant", visit->person, &visit->verdict,
+                                               image);
+    const int error = iso__appliance_record_grant(appliance, &record, &fault);
+    const enum iso_reason refusal = error ? reason_of(error) : open_door(appliance, visit);
+    if (refusal != ISO_REASON_NONE) {
+        deny(&visit->verdict, refusal);
+        iso__appliance_refuse_at_door(appliance);
+        record = record_of(appliance, "visit", visit->person, &visit->verdict, image);
+    }
+    if (refusal == ISO_REASON_UNLOGGED) {
+        return; /* the log refuses records */
+    }
     record.event = "visit";
-    record.door = iso_door_answer_name(visit->door);
+    record.door = *iso_door_answer_name(visit->door) ? iso_door_answer_name(visit->door) : NULL;
     record.door_fault = *visit->door_fault ? visit->door_fault : NULL;
-    (void)iso__appliance_record(appliance, &record); /* the grant is on record already */
+    (void)!iso_audit_writer_post_outcome(appliance->log, &record, NULL);
+    iso__appliance_tell_door(appliance);
 }
 
 static void count(struct iso_appliance_counts *counts, const struct iso_verdict *verdict)

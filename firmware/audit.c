@@ -402,12 +402,14 @@ static void add_gallery(struct iso_json_line *line, const char *gallery, uint64_
 static size_t format(struct iso_audit *audit, const struct iso_audit_record *record)
 {
     struct iso_json_line *line = &audit->json;
+    const bool then = record->wall_ns != 0 || record->monotonic_ns != 0;
     char time[40];
-    format_time(iso_times_wall_ns(audit->times), time);
+    format_time(then ? record->wall_ns : iso_times_wall_ns(audit->times), time);
     iso_json_line_begin(line);
     iso_json_line_integer(line, "sequence", (int64_t)(audit->last + 1));
     iso_json_line_string(line, "time", time);
-    iso_json_line_integer(line, "monotonic_ns", iso_times_now_ns(audit->times));
+    iso_json_line_integer(line, "monotonic_ns",
+                          then ? record->monotonic_ns : iso_times_now_ns(audit->times));
     iso_json_line_string(line, "event", record->event);
     add_string(line, "person", record->person);
     add_string(line, "verdict", record->verdict);

@@ -47,6 +47,8 @@ struct iso_audit_record {
      * can be told from it. NULL, 0: not said. */
     const char *gallery;
     uint64_t gallery_changes;
+    /* When it happened, by both times; 0, 0: at the moment at which the record is written. */
+    int64_t wall_ns, monotonic_ns;
 };
 
 /* A record of an event and nothing more. */

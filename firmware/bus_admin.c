@@ -167,6 +167,7 @@ int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out)
 int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
+    struct iso_audit_writer *log = iso_appliance_log(bus->appliance);
     struct iso_audit_report report;
     struct iso_fault fault = {""};
     uint64_t sequence;
@@ -174,9 +175,12 @@ int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out)
     struct iso__bus_progress progress;
     const struct iso_work_listener listener = iso__bus_report_progress(&progress, bus, call);
     int r = sd_bus_message_read(call, "ts", &sequence, &head);
-    r = r < 0 ? r
-              : iso_audit_verify(bus->parts->audit, sequence, *head ? head : NULL, &listener,
-                                 &report, &fault);
+    if (r < 0) {
+        return r;
+    }
+    r = iso_audit_verify(iso_audit_writer_hold(log), sequence, *head ? head : NULL, &listener,
+                         &report, &fault);
+    iso_audit_writer_release(log);
     if (r < 0) {
         return iso__bus_refuse(out, r, &fault);
     }

@@ -308,6 +308,7 @@ static int append_line(void *context, const char *line)
 static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
+    struct iso_audit_writer *log = iso_appliance_log(bus->appliance);
     sd_bus_message *reply = NULL;
     uint64_t from;
     uint32_t max;
@@ -319,7 +320,10 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
     max = max < LOG_RECORDS_MAX ? max : LOG_RECORDS_MAX;
     r = sd_bus_message_new_method_return(call, &reply);
     r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
-    r = r < 0 ? r : iso_audit_read(bus->parts->audit, from, max, append_line, reply);
+    if (r >= 0) {
+        r = iso_audit_read(iso_audit_writer_hold(log), from, max, append_line, reply);
+        iso_audit_writer_release(log);
+    }
     r = r < 0 ? r : sd_bus_message_close_container(reply);
     return send_reply(reply, r);
 }

@@ -184,7 +184,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
                                       status.uptime_ns / ISO_NS_PER_MS);
     r = r < 0 ? r
               : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",
-                                      iso_audit_last(bus->parts->audit));
+                                      iso_audit_writer_last(iso_appliance_log(bus->appliance)));
     r = r < 0 ? r : append_counts(reply, &status.counts);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "lockdown", "b", (int)status.lockdown);
     r = r < 0 ? r

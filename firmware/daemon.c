@@ -123,6 +123,7 @@ static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
 {
     const struct iso_appliance_events events = iso_bus_events(daemon->bus, on_message);
     daemon->lent = iso_parts_lend(daemon->parts, &events);
+    daemon->lent.threads = true;
     const int error = iso_appliance_new(&daemon->lent, &daemon->appliance);
     return error ? fail(error, "appliance", fault) : iso_appliance_start(daemon->appliance, fault);
 }

@@ -9,8 +9,8 @@
 const char *iso_reason_name(enum iso_reason reason)
 {
     static const char *const names[ISO_REASONS] = {
-        "none",     "match",  "unknown",    "left",     "not-valid",
-        "unlogged", "attack", "locked-out", "lockdown", "no-gallery",
+        "none",   "match",      "unknown",  "left",       "not-valid",     "unlogged",
+        "attack", "locked-out", "lockdown", "no-gallery", "not-on-record", "stale",
     };
     return (unsigned)reason < ISO_REASONS ? names[reason] : NULL;
 }
@@ -50,14 +50,23 @@ static int64_t counted_person(const struct iso_decision_options *options,
     return sure ? frame->person : 0;
 }
 
-static int count_of(const struct iso_decision *decision, int64_t person, double *best)
+/* How many frames count for a person and are not stale at t_ns, with the best of their scores and
+ * the time of the oldest. */
+static int count_of(const struct iso_decision *decision, int64_t person, int64_t t_ns, double *best,
+                    int64_t *since_ns)
 {
     int count = 0;
     for (int i = 0; i < decision->n_frames; i++) {
-        if (decision->frames[i].person == person) {
-            *best = count ? fmax(*best, decision->frames[i].score) : decision->frames[i].score;
-            count++;
+        if (decision->frames[i].person != person ||
+            t_ns - decision->frames[i].t_ns > decision->options.stale_ns) {
+            continue;
         }
+        if (count == 0) {
+            *best = decision->frames[i].score;
+            *since_ns = decision->frames[i].t_ns;
+        }
+        *best = fmax(*best, decision->frames[i].score);
+        count++;
     }
     return count;
 }
@@ -115,6 +124,7 @@ static void note(struct iso_decision *decision, const struct iso_decision_frame 
     const int64_t person = counted_person(&decision->options, frame);
     decision->frames[decision->n_frames].person = person;
     decision->frames[decision->n_frames].score = frame->score;
+    decision->frames[decision->n_frames].t_ns = frame->t_ns;
     decision->n_frames++;
     if (frame->person != 0 && isfinite(frame->score)) {
         decision->best_score = fmax(decision->best_score, frame->score); /* of a NaN: the other */
@@ -148,11 +158,14 @@ bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_
     note(decision, frame);
     const int64_t person = decision->frames[decision->n_frames - 1].person;
     double best = NAN;
-    if (person != 0 && count_of(decision, person, &best) >= frames_needed(decision)) {
+    int64_t since_ns = frame->t_ns;
+    if (person != 0 &&
+        count_of(decision, person, frame->t_ns, &best, &since_ns) >= frames_needed(decision)) {
         *verdict = conclude(decision, frame->valid ? ISO_REASON_MATCH : ISO_REASON_NOT_VALID);
         verdict->allow = frame->valid;
         verdict->person = person;
         verdict->score = best;
+        verdict->since_ns = since_ns;
     } else if (decision->n_frames >= decision->options.max_frames) {
         *verdict = conclude(decision, ISO_REASON_UNKNOWN);
     } else {

@@ -15,7 +15,8 @@
  *
  * A usable face is a frame that gave a template. It counts for the best person of the gallery if
  * that one's score reaches the threshold and leads the second person's by the margin. All frames
- * that agree are of one track (track.h): two faces cannot agree with each other's help.
+ * that agree are of one track (track.h): two faces cannot agree with each other's help. The oldest
+ * of them is at most stale_ns older than the newest.
  *
  * An attack frame is one with a cue of a presentation attack instead of a template. It is evidence
  * against whatever is before the camera, so that a change of track does not forget it. A single one
@@ -43,20 +44,24 @@ enum iso_reason {
     ISO_REASON_LOCKED_OUT,
     ISO_REASON_LOCKDOWN,
     ISO_REASON_NO_GALLERY, /* the gallery is out of service (gallery.h) */
+    /* Of the door, behind the decision. */
+    ISO_REASON_NOT_ON_RECORD, /* the record did not get to the disk in time */
+    ISO_REASON_STALE,         /* its frames were too old when the lock was to be switched */
     ISO_REASONS
 };
 
 /* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack", "locked-out", "lockdown",
- * "no-gallery"; NULL outside. */
+ * "no-gallery", "not-on-record", "stale"; NULL outside. */
 const char *iso_reason_name(enum iso_reason reason);
 
 /* All-zero is DENY. */
 struct iso_verdict {
     bool allow;
     enum iso_reason reason;
-    int64_t person; /* whose face it is; 0 if nobody's is sure enough */
-    double score;   /* the best one of that person, else of anybody; NaN without any */
-    int frames;     /* usable ones */
+    int64_t person;   /* whose face it is; 0 if nobody's is sure enough */
+    double score;     /* the best one of that person, else of anybody; NaN without any */
+    int frames;       /* usable ones */
+    int64_t since_ns; /* allowed: time of the oldest of the frames that agree */
     int attack_frames;
     enum iso_capture cue; /* of most of them; ISO_CAPTURE_OK: there were none */
 };
@@ -66,6 +71,7 @@ struct iso_decision_options {
     int agree, max_frames; /* 1 <= agree <= max_frames <= ISO_DECISION_FRAMES_MAX */
     int attack_frames;     /* 1 or more */
     int64_t gap_ns, refractory_ns;
+    int64_t stale_ns; /* a frame agrees with none that is older than it by more than that */
 };
 
 /* A usable face. */
@@ -94,6 +100,7 @@ struct iso_decision {
     struct {
         int64_t person; /* whom the frame counts for; 0: nobody */
         double score;
+        int64_t t_ns;
     } frames[ISO_DECISION_FRAMES_MAX];
     double best_score; /* of all frames and anybody; NaN without any */
     int n_attack_frames;

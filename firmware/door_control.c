@@ -255,6 +255,12 @@ enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, in
     return unlock(control, ISO_DOOR_ON_GRANT, now_ns);
 }
 
+void iso_door_control_withdraw(struct iso_door_control *control, int64_t now_ns)
+{
+    tell(control, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
+    apply(control, now_ns);
+}
+
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns)
 {
     tell(control, ISO_DOOR_ON_REFUSE, now_ns);

@@ -65,6 +65,9 @@ void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns);
  * not unlock later, when its lines work again. `changed` is called after the switching. */
 enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, int64_t now_ns);
 
+/* Takes a grant back that has just unlocked the door: the lock goes to rest. */
+void iso_door_control_withdraw(struct iso_door_control *control, int64_t now_ns);
+
 /* Shows a refusal. */
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns);
 

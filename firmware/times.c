@@ -16,6 +16,12 @@ static int64_t monotonic_ns(void *context)
     return read_clock(CLOCK_MONOTONIC);
 }
 
+static int64_t boottime_ns(void *context)
+{
+    (void)context;
+    return read_clock(CLOCK_BOOTTIME);
+}
+
 static int64_t wall_ns(void *context)
 {
     (void)context;
@@ -24,5 +30,9 @@ static int64_t wall_ns(void *context)
 
 struct iso_times iso_times_system(void)
 {
-    return (struct iso_times){.monotonic = {monotonic_ns, NULL}, .wall_ns = wall_ns};
+    return (struct iso_times){
+        .monotonic = {monotonic_ns, NULL},
+        .wall_ns = wall_ns,
+        .boottime = {boottime_ns, NULL},
+    };
 }

@@ -1,4 +1,5 @@
-/* The two times an appliance lives by, both injected: one that measures, and the date. */
+/* The times an appliance lives by, all injected: one that measures and that the frames of the
+ * sensors bear, one that also counts while the machine sleeps, and the date. */
 #ifndef ISO_FIRMWARE_TIMES_H
 #define ISO_FIRMWARE_TIMES_H
 
@@ -20,6 +21,9 @@ struct iso_times {
     struct iso_clock monotonic;
     int64_t (*wall_ns)(void *context); /* since 1970 UTC; may jump when the clock is set */
     void *wall_context;
+    /* Counts on while the machine is suspended, which `monotonic` does not; otherwise the two run
+     * alike. All zero: the machine is never suspended, and `monotonic` serves for both. */
+    struct iso_clock boottime;
 };
 
 static inline int64_t iso_times_now_ns(const struct iso_times *times)
@@ -30,6 +34,11 @@ static inline int64_t iso_times_now_ns(const struct iso_times *times)
 static inline int64_t iso_times_wall_ns(const struct iso_times *times)
 {
     return times->wall_ns(times->wall_context);
+}
+
+static inline int64_t iso_times_boot_ns(const struct iso_times *times)
+{
+    return iso_clock_now_ns(times->boottime.now_ns ? &times->boottime : &times->monotonic);
 }
 
 /* Whether a date is one that a clock shows which has been set: a board without a battery starts in

@@ -293,8 +293,9 @@ static int prepare(struct bench *bench, struct iso_fault *fault)
     }
     bench->faces = calloc(FACES_MAX, sizeof *bench->faces);
     error = bench->faces ? iso_second_look_new(&bench->second_look) : -ENOMEM;
-    iso_decision_init(&bench->decision, &(struct iso_decision_options){3.0, 0.5, 2, 10, 3,
-                                                                       ISO_NS_PER_S, ISO_NS_PER_S});
+    iso_decision_init(&bench->decision,
+                      &(struct iso_decision_options){3.0, 0.5, 2, 10, 3, ISO_NS_PER_S, ISO_NS_PER_S,
+                                                     ISO_NS_PER_S});
     for (int i = 0; i < CLOCKS * TIMED; i++) {
         int64_t **times_ns = &bench->times_ns[i / TIMED][i % TIMED];
         *times_ns = calloc(n_frames, sizeof **times_ns);

@@ -13,7 +13,10 @@ static int64_t now_ns = 81250000000;
 static int64_t wall_ns = INT64_C(1795250000250000000); /* 2026-11-21T08:33:20.250Z */
 
 const struct iso_times audit_rig_times = {
-    {manual_clock_now_ns, &now_ns}, manual_clock_now_ns, &wall_ns};
+    .monotonic = {manual_clock_now_ns, &now_ns},
+    .wall_ns = manual_clock_now_ns,
+    .wall_context = &wall_ns,
+};
 
 int audit_rig_try_open(const char *directory, struct iso_audit **out, struct iso_fault *fault)
 {

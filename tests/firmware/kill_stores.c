@@ -63,7 +63,7 @@ static int64_t now_ns(void *context)
     return time.tv_sec * INT64_C(1000000000) + time.tv_nsec;
 }
 
-static const struct iso_times times = {{now_ns, NULL}, now_ns, NULL};
+static const struct iso_times times = {.monotonic = {now_ns, NULL}, .wall_ns = now_ns};
 
 __attribute__((noreturn)) static void give_up(const char *what, const char *why)
 {

@@ -98,6 +98,12 @@ static void on_message(void *context, int priority, const char *text)
 int rig_capacity;
 struct rig_log rig_log;
 
+static int64_t boot_ns(void *context)
+{
+    const struct rig *rig = context;
+    return rig->now_ns + rig->asleep_ns;
+}
+
 static void open_parts(struct rig *rig)
 {
     const struct iso_clock clock = manual_clock(&rig->now_ns);
@@ -105,7 +111,7 @@ static void open_parts(struct rig *rig)
     rig->sensor.clock = clock;
     rig->parts = (struct iso_appliance_parts){
         .config = &rig->config,
-        .times = {clock, manual_clock_now_ns, &rig->wall_ns},
+        .times = {clock, manual_clock_now_ns, &rig->wall_ns, {boot_ns, rig}},
         .sensor = puppet_sensor_source(&rig->sensor),
         .pipeline = puppet_pipeline(&rig->puppet),
         .events = {on_enroll_status, on_recognition_status, on_visit, on_hint, on_view, on_picture,

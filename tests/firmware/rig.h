@@ -9,6 +9,7 @@
 struct rig {
     char *directory;
     int64_t now_ns, wall_ns;
+    int64_t asleep_ns;        /* how long the machine has been suspended so far */
     struct iso_config config; /* the defaults, with thresholds for the puppets' scores */
     struct puppet_sensor sensor;
     struct puppet_pipeline puppet;

@@ -196,7 +196,7 @@ static int64_t stand(void *context)
     return INT64_C(1795250000) * ISO_NS_PER_S;
 }
 
-static const struct iso_times standing = {{stand, NULL}, stand, NULL};
+static const struct iso_times standing = {.monotonic = {stand, NULL}, .wall_ns = stand};
 
 static int open_stores(struct storage_world *w, struct iso_fault *fault)
 {

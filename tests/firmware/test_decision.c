@@ -24,6 +24,7 @@ static int setup(void **state)
         .attack_frames = 2,
         .gap_ns = 1500 * MS,
         .refractory_ns = 8000 * MS,
+        .stale_ns = 1000 * MS,
     };
     (void)state;
     iso_decision_init(&decision, &options);
@@ -61,7 +62,22 @@ static void allows_after_agreement(void **state)
     assert_int_equal(verdict.person, ANNA);
     assert_true(verdict.score == 6);
     assert_int_equal(verdict.frames, 2);
+    assert_int_equal(verdict.since_ns, 100 * MS);
     assert_int_equal(decision.state, ISO_DECISION_SPENT);
+}
+
+/* An old frame is no witness of who is there now, however often the face was seen since. */
+static void a_stale_frame_agrees_with_nobody(void **state)
+{
+    (void)state;
+    assert_false(face(100, ANNA, 6, 1, true));
+    assert_false(face(600, ANNA, 1, 0, true)); /* hidden for a while */
+    assert_false(face(1101, ANNA, 5, 1, true));
+    assert_true(face(2101, ANNA, 5.5, 1, true)); /* exactly as old as a frame may be */
+    assert_true(verdict.allow);
+    assert_int_equal(verdict.since_ns, 1101 * MS);
+    assert_true(verdict.score == 5.5);
+    assert_int_equal(verdict.frames, 4);
 }
 
 static void one_frame_may_be_enough(void **state)
@@ -440,6 +456,7 @@ int main(void)
         cmocka_unit_test_setup(two_faces_do_not_agree_untold, setup),
         cmocka_unit_test_setup(another_face_does_not_wash_off_an_attack, setup),
         cmocka_unit_test_setup(who_jumps_does_not_shorten_the_wait, setup),
+        cmocka_unit_test_setup(a_stale_frame_agrees_with_nobody, setup),
         cmocka_unit_test_setup(holds_the_longest_visit, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

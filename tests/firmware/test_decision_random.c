@@ -140,9 +140,12 @@ static bool oracle_frame(struct oracle *o, const struct event *event, struct iso
     }
     int agreeing = 0;
     double best = -INFINITY;
+    int64_t since_ns = 0;
     for (int i = first_of_face(o); i < o->n; i++) {
         if (o->seen[i].kind == FACE && counts(o, &o->seen[i].face) &&
-            o->seen[i].face.person == event->face.person) {
+            o->seen[i].face.person == event->face.person &&
+            o->seen[i].t_ns + o->options.stale_ns >= event->t_ns) {
+            since_ns = agreeing ? since_ns : o->seen[i].t_ns;
             agreeing++;
             best = fmax(best, o->seen[i].face.score);
         }
@@ -153,6 +156,7 @@ static bool oracle_frame(struct oracle *o, const struct event *event, struct iso
         verdict->allow = event->face.valid;
         verdict->person = event->face.person;
         verdict->score = best;
+        verdict->since_ns = since_ns;
     } else if (count(o, first_of_face(o), FACE) >= o->options.max_frames) {
         *verdict = describe(o, ISO_REASON_UNKNOWN);
     } else {
@@ -176,10 +180,10 @@ static void compare(bool told, const struct iso_verdict *verdict, bool expected,
                  told ? iso_reason_name(verdict->reason) : "nothing",
                  expected ? iso_reason_name(wanted->reason) : "nothing");
     }
-    if (told &&
-        (verdict->allow != wanted->allow || verdict->reason != wanted->reason ||
-         verdict->person != wanted->person || !same_score || verdict->frames != wanted->frames ||
-         verdict->cue != wanted->cue || verdict->attack_frames != wanted->attack_frames)) {
+    if (told && (verdict->allow != wanted->allow || verdict->reason != wanted->reason ||
+                 verdict->person != wanted->person || !same_score ||
+                 verdict->frames != wanted->frames || verdict->since_ns != wanted->since_ns ||
+                 verdict->cue != wanted->cue || verdict->attack_frames != wanted->attack_frames)) {
         fail_msg("run %d, event %d: %s %d %g %d %d, not %s %d %g %d %d", run, event,
                  iso_reason_name(verdict->reason), (int)verdict->person, verdict->score,
                  verdict->frames, verdict->attack_frames, iso_reason_name(wanted->reason),
@@ -221,6 +225,7 @@ static void play(int run)
         .attack_frames = 1 + draw(3),
         .gap_ns = 20,
         .refractory_ns = 10 + draw(60),
+        .stale_ns = 5 + draw(60),
     };
     struct oracle oracle = {.options = options};
     struct iso_decision decision;

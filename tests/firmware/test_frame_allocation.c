@@ -155,6 +155,7 @@ static void a_warm_frame_allocates_nothing(void **state)
         .attack_frames = 3,
         .gap_ns = ISO_NS_PER_S,
         .refractory_ns = ISO_NS_PER_S,
+        .stale_ns = ISO_NS_PER_S,
     };
     const struct iso_track_options track = {ISO_NS_PER_S, 1e9, 1e9, 1, 1};
     int64_t t_ns = ISO_NS_PER_S;

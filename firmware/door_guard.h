@@ -1,0 +1,96 @@
+/* The door's control (door_control.h) in a thread of its own, which waits for nothing but the
+ * door's lines and the door's times: relay off, exit button, contact and tamper do not depend on
+ * what storage, recognition and bus are doing.
+ *
+ * The thread waits for an edge of the inputs, for the next time that is due, or to be woken. Every
+ * call from another thread holds the guard's mutex for as long as lines are switched, a few
+ * milliseconds at most. The thread has a real-time priority where the process may have one.
+ *
+ * Each change of the door is handed to `record` at once, by the thread in which it happened and
+ * with the mutex held: it must neither wait nor call the guard. The same news then wait in a ring
+ * for whoever tells people of them (iso_door_guard_next).
+ *
+ * Without a thread the caller steps the door: for clocks that are injected. With it the clock has
+ * to be CLOCK_BOOTTIME, so that a door that was unlocked before the machine was suspended locks as
+ * soon as it is resumed. */
+#ifndef ISO_FIRMWARE_DOOR_GUARD_H
+#define ISO_FIRMWARE_DOOR_GUARD_H
+
+#include "core/clock.h"
+#include "firmware/door_control.h"
+
+enum { ISO_DOOR_GUARD_PRIORITY = 30, ISO_DOOR_GUARD_NEWS = 64 };
+
+/* A change of the door: what caused it, and what the door is now. */
+struct iso_door_news {
+    enum iso_door_event cause;
+    enum iso_door_state state;
+    bool tamper;
+    char fault[256]; /* of the lines; "" while they work */
+};
+
+struct iso_door_guard_options {
+    struct iso_door_options door;
+    struct iso_door_timing timing;
+    struct iso_clock clock;
+    struct iso_door_io *io; /* may be lost; has to outlive the guard */
+    bool threaded;
+    void (*record)(void *context, const struct iso_door_news *news); /* REQUIRED */
+    void *context;
+};
+
+struct iso_door_guard;
+
+/* A stopped door. -ENOMEM, or an errno of the descriptors. */
+int iso_door_guard_new(const struct iso_door_guard_options *options, struct iso_door_guard **out)
+    __attribute__((warn_unused_result));
+
+/* Ends the thread; iso_door_guard_stop comes before. NULL is fine. */
+void iso_door_guard_free(struct iso_door_guard *guard);
+
+/* Puts the door to work, and with it its thread. -EAGAIN, -ENOMEM: no thread can be had. */
+int iso_door_guard_start(struct iso_door_guard *guard) __attribute__((warn_unused_result));
+
+/* Everything without power, and it stays so. */
+void iso_door_guard_stop(struct iso_door_guard *guard);
+
+/* Lets somebody in, unless it is later than until_ns by the guard's clock: -ESTALE, and the lock
+ * was not switched, or is back at rest if the time ran out while it was being switched. Else 0, and
+ * *answer says what the door did. */
+int iso_door_guard_grant(struct iso_door_guard *guard, int64_t until_ns,
+                         enum iso_door_answer *answer) __attribute__((warn_unused_result));
+
+/* As the calls of the control of the same name. */
+void iso_door_guard_refuse(struct iso_door_guard *guard);
+int iso_door_guard_test(struct iso_door_guard *guard, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int iso_door_guard_may_test(struct iso_door_guard *guard, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault);
+
+/* As iso_door_io_send_card; moreover -EACCES, without a fault, if the door is not unlocked. */
+int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wiegand_card *card,
+                             struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* What the door is now. */
+struct iso_door_look {
+    enum iso_door_state state;
+    char fault[256]; /* of the lines; "" while they work */
+};
+
+struct iso_door_look iso_door_guard_look(struct iso_door_guard *guard);
+
+/* Takes the oldest news that were not taken yet; false: there are none. If nobody took them in time
+ * the oldest are overwritten; *missed says how many were since the last call. */
+bool iso_door_guard_next(struct iso_door_guard *guard, struct iso_door_news *news, size_t *missed);
+
+/* A descriptor that polls readable while there are news (with a thread), or when there is a reason
+ * to step (without; negative if the lines have none). */
+int iso_door_guard_fd(struct iso_door_guard *guard);
+
+/* Without a thread: does what is due now, and says when to step next, by the guard's clock. With a
+ * thread nothing, and ISO_NEVER_NS. */
+void iso_door_guard_step(struct iso_door_guard *guard);
+int64_t iso_door_guard_due_ns(struct iso_door_guard *guard);
+
+#endif

@@ -1,0 +1,27 @@
+/* How long the machine has been suspended, from two clocks of which one counts meanwhile.
+ *
+ * Frames bear the time of the monotonic clock, which stands still during a suspension: a frame that
+ * was exposed before it looks fresh after it. Whoever looks here before each frame learns that the
+ * machine was suspended, and from which moment on frames are of the time behind it. */
+#ifndef ISO_FIRMWARE_SUSPENSION_H
+#define ISO_FIRMWARE_SUSPENSION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "firmware/times.h"
+
+struct iso_suspension {
+    int64_t asleep_ns; /* in all: boot time is monotonic time and that */
+    int64_t awake_ns;  /* frames exposed before this monotonic time may be from before the last
+                          suspension */
+};
+
+/* No suspension is known of. */
+void iso_suspension_init(struct iso_suspension *suspension, const struct iso_times *times);
+
+/* Looks at the clocks. True: the machine has been suspended since the last look. Suspensions of
+ * less than 10 ms are no suspensions. */
+bool iso_suspension_look(struct iso_suspension *suspension, const struct iso_times *times);
+
+#endif

@@ -1,0 +1,288 @@
+/* The door does not wait for the disk: an appliance with its threads on a disk that hangs. What is
+ * tested is what happens before the disk answers, never how long it takes. */
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "tests/firmware/rig.h"
+#include "tests/firmware/stores.h"
+#include "tests/support/slow_disk.h"
+#include "tests/support/wired_door.h"
+
+enum { STOPPED_S = 3, UNLOCK_MS = 50, VISITS_MAX = 100, LONG_MS = 600000 };
+
+/* ---- the appliance ---- */
+
+static int setup(void **state)
+{
+    if (rig_setup(state)) {
+        return -1;
+    }
+    struct rig *rig = *state;
+    iso_appliance_free(rig->appliance);
+    iso_door_io_close(rig->door_io);
+    iso_audit_close(rig->audit);
+    rig->parts.times = iso_times_system();
+    rig->parts.threads = true;
+    rig->sensor.clock = rig->parts.times.monotonic;
+    rig->parts.door_io = rig->door_io = wired_door_open();
+    const struct iso_audit_options audit = stores_audit(rig->directory);
+    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
+    rig->parts.audit = rig->audit;
+    rig->config.door.unlock_ms = UNLOCK_MS;
+    rig->config.decision.refractory_ms = 1;
+    rig->config.sensor.stale_ms = LONG_MS; /* this machine may have better things to do */
+    rig_enrol(rig, "anna", 50);
+    return iso_appliance_new(&rig->parts, &rig->appliance);
+}
+
+static int teardown(void **state)
+{
+    slow_disk_go_on();
+    return rig_teardown(state);
+}
+
+/* Nothing waits for the disk any more. */
+static void settle(struct rig *rig)
+{
+    (void)iso_audit_writer_hold(iso_appliance_log(rig->appliance));
+    iso_audit_writer_release(iso_appliance_log(rig->appliance));
+}
+
+/* Starts it, and nothing is under way. */
+static void start(struct rig *rig)
+{
+    rig_start(rig);
+    settle(rig);
+    (void)rig_news(rig);
+}
+
+/* The disk hangs, and somebody waits for it. */
+static void hang(void)
+{
+    slow_disk_hang();
+    wired_door_press();
+    slow_disk_await();
+}
+
+static void wait_a_moment(void)
+{
+    const struct timespec moment = {.tv_nsec = 1000000};
+    (void)nanosleep(&moment, NULL);
+}
+
+/* Anna comes, and the appliance steps until it has a verdict. */
+static const char *come(struct rig *rig)
+{
+    static char all[4096];
+    all[0] = '\0';
+    while (!strstr(all, "visit ")) {
+        if (rig->sensor.next == rig->sensor.n_frames) {
+            const int64_t now_ns = iso_times_now_ns(&rig->parts.times);
+            puppet_sensor_add(&rig->sensor, now_ns, 50, ISO_CAPTURE_OK);
+        }
+        (void)iso_appliance_step(rig->appliance);
+        (void)strncat(all, rig_news(rig), sizeof all - strlen(all) - 1);
+        wait_a_moment();
+    }
+    return all;
+}
+
+/* The log's records from the first on, with the disk in order. */
+static const char *last_record(struct rig *rig, const char *event)
+{
+    settle(rig);
+    return rig_record(rig, event);
+}
+
+/* ---- tests ---- */
+
+/* Nobody steps the appliance meanwhile, as if a frame took for ever. */
+static void relay_and_exit_do_not_wait_for_the_disk(void **state)
+{
+    struct rig *rig = *state;
+    start(rig);
+    hang();
+    wired_door_await(ISO_DOOR_RELAY, 2); /* on, and off again */
+    for (unsigned press = 2; press <= 20; press++) {
+        wired_door_press();
+        wired_door_await(ISO_DOOR_RELAY, 2 * press);
+    }
+    assert_false(wired_door_level(ISO_DOOR_RELAY));
+    assert_int_equal(slow_disk_waiting(), 1); /* all that before the disk has answered */
+}
+
+static void contact_and_tamper_do_not_wait_for_the_disk(void **state)
+{
+    struct rig *rig = *state;
+    start(rig);
+    hang();
+    wired_door_await(ISO_DOOR_RELAY, 2);
+    wired_door_set(ISO_DOOR_TAMPER, true);
+    wired_door_await(ISO_DOOR_BUZZER, 1);
+    wired_door_set(ISO_DOOR_TAMPER, false);
+    wired_door_await(ISO_DOOR_BUZZER, 2);
+    wired_door_set(ISO_DOOR_CONTACT, true); /* forced */
+    wired_door_await(ISO_DOOR_BUZZER, 3);
+    wired_door_set(ISO_DOOR_CONTACT, false);
+    wired_door_await(ISO_DOOR_BUZZER, 4);
+    assert_int_equal(slow_disk_waiting(), 1);
+    slow_disk_go_on();
+    assert_non_null(strstr(last_record(rig, "door"), "\"reason\":\"closed\",\"note\":\"locked\""));
+}
+
+static void whoever_is_known_is_let_in_while_the_disk_works(void **state)
+{
+    struct rig *rig = *state;
+    const char *news = "";
+    start(rig);
+    for (int i = 0; i < VISITS_MAX && !strstr(news, "visit allow anna match 2"); i++) {
+        news = come(rig); /* once, but on a machine that takes 250 ms to wake up a thread */
+    }
+    wired_door_await(ISO_DOOR_RELAY, 2);
+    const char *visit = last_record(rig, "visit");
+    assert_non_null(strstr(visit, "\"verdict\":\"allow\",\"door\":\"unlocked\",\"grant\":"));
+}
+
+static void a_grant_that_is_not_on_record_lets_nobody_in(void **state)
+{
+    struct rig *rig = *state;
+    start(rig);
+    do { /* once, but on a machine that takes 250 ms to wake up a thread */
+        slow_disk_go_on();
+        slow_disk_hang();
+        assert_non_null(strstr(come(rig), "visit deny anna not-on-record 2"));
+    } while (slow_disk_waiting() == 0); /* it hangs with the record of the grant */
+    slow_disk_go_on();
+    const char *grant = strstr(last_record(rig, "grant"), "\"sequence\":");
+    assert_non_null(grant);
+    char behind[64];
+    (void)snprintf(behind, sizeof behind, "\"grant\":%lu,\"reason\":\"not-on-record\"",
+                   strtoul(grant + strlen("\"sequence\":"), NULL, 10));
+    const char *visit = last_record(rig, "visit");
+    assert_non_null(strstr(visit, "\"verdict\":\"deny\""));
+    assert_non_null(strstr(visit, behind));
+    assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 0);
+}
+
+/* A grant that waits in the queue behind other records is not written at all. */
+static void a_grant_that_was_not_begun_is_forgotten(void **state)
+{
+    struct rig *rig = *state;
+    start(rig);
+    hang();
+    wired_door_await(ISO_DOOR_RELAY, 2);
+    assert_non_null(strstr(come(rig), "visit deny anna not-on-record 2"));
+    slow_disk_go_on();
+    assert_string_equal(last_record(rig, "grant"), "");
+    const char *visit = last_record(rig, "visit");
+    assert_non_null(strstr(visit, "\"verdict\":\"deny\",\"reason\":\"not-on-record\""));
+    assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 2);
+}
+
+static void a_full_queue_lets_nobody_in(void **state)
+{
+    struct rig *rig = *state;
+    const struct iso_audit_record record = iso_audit_record_of("test");
+    start(rig);
+    hang();
+    wired_door_await(ISO_DOOR_RELAY, 2);
+    while (iso_audit_writer_post(iso_appliance_log(rig->appliance), &record, NULL) == 0) {
+    }
+    assert_non_null(strstr(come(rig), "visit deny anna not-on-record 2"));
+    wired_door_press(); /* the exit button works all the same */
+    wired_door_await(ISO_DOOR_RELAY, 4);
+    assert_int_equal(slow_disk_waiting(), 1);
+    slow_disk_go_on();
+    assert_string_equal(last_record(rig, "grant"), "");
+    assert_non_null(strstr(last_record(rig, "records-lost"), " records\""));
+}
+
+static void *remove_anna(void *context)
+{
+    struct rig *rig = context;
+    const int error = iso_appliance_remove(rig->appliance, "anna", NULL);
+    return (void *)(intptr_t)error;
+}
+
+static void administration_does_not_keep_the_door_waiting(void **state)
+{
+    struct rig *rig = *state;
+    pthread_t thread;
+    void *result = NULL;
+    start(rig);
+    slow_disk_hang();
+    assert_int_equal(pthread_create(&thread, NULL, remove_anna, rig), 0);
+    slow_disk_await();
+    for (unsigned press = 1; press <= 3; press++) {
+        wired_door_press();
+        wired_door_await(ISO_DOOR_RELAY, 2 * press);
+    }
+    assert_true(slow_disk_waiting() > 0);
+    slow_disk_go_on();
+    assert_int_equal(pthread_join(thread, &result), 0);
+    assert_null(result);
+}
+
+/* ---- a process that is stopped ---- */
+
+/* In a process of its own, which stops itself when the record of the grant is to be synchronised.
+ * Returns its exit code: 0 if nobody was let in. */
+static int be_stopped(void)
+{
+    void *state = NULL;
+    if (setup(&state)) {
+        return 2;
+    }
+    struct rig *rig = state;
+    rig->config.sensor.stale_ms = 1000;
+    start(rig);
+    slow_disk_stop_process();
+    const bool denied = strstr(come(rig), "visit deny anna ") != NULL;
+    iso_appliance_stop(rig->appliance);
+    const bool moved = wired_door_switchings(ISO_DOOR_RELAY) > 0;
+    return teardown(&state) ? 3 : denied && !moved ? 0 : 1;
+}
+
+static void a_stopped_process_lets_nobody_in_when_it_goes_on(void **state)
+{
+    const struct timespec stopped = {.tv_sec = STOPPED_S};
+    int status = 0;
+    (void)state;
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        _exit(be_stopped());
+    }
+    assert_int_equal(waitpid(child, &status, WUNTRACED), child);
+    assert_true(WIFSTOPPED(status));
+    (void)nanosleep(&stopped, NULL);
+    assert_int_equal(kill(child, SIGCONT), 0);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stopped_process_lets_nobody_in_when_it_goes_on),
+        TEST(whoever_is_known_is_let_in_while_the_disk_works),
+        TEST(relay_and_exit_do_not_wait_for_the_disk),
+        TEST(contact_and_tamper_do_not_wait_for_the_disk),
+        TEST(a_grant_that_is_not_on_record_lets_nobody_in),
+        TEST(a_grant_that_was_not_begun_is_forgotten),
+        TEST(a_full_queue_lets_nobody_in),
+        TEST(administration_does_not_keep_the_door_waiting),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
