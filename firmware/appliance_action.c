@@ -473,5 +473,6 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
         return iso_fault_set(fault, error, "%s", own.text);
     }
     iso__appliance_record_gallery(appliance, "gallery", NULL);
+    iso__appliance_forget(appliance, name);
     return 0;
 }

@@ -152,6 +152,11 @@ bool iso__appliance_repeats(struct iso_appliance *appliance, const struct iso_fr
 /* The sensor was opened anew: what it did before is no fault of now. The frames stay known. */
 void iso__appliance_repeat_reset(struct iso_appliance *appliance);
 
+/* ---- people who were removed (appliance_forget.c) ---- */
+
+/* Wipes what is left in memory of a person of this name, who is not in the gallery any more. */
+void iso__appliance_forget(struct iso_appliance *appliance, const char *name);
+
 /* ---- a picture (appliance_picture.c) ---- */
 
 /* Hands a frame to who waits for it. */

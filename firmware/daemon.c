@@ -15,6 +15,7 @@
 #include "firmware/bus.h"
 #include "firmware/confine.h"
 #include "firmware/parts.h"
+#include "firmware/stack_wipe.h"
 
 /* Wakes up the event loop when one of these can be read; it does nothing else. */
 struct watched_fd {
@@ -285,6 +286,7 @@ static int loop(struct daemon *daemon, struct iso_fault *fault)
         watch(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
         tell_service_manager(daemon, iso_times_now_ns(&daemon->parts->times));
         const int error = wait_until(daemon, step_ns < mend_ns ? step_ns : mend_ns, fault);
+        iso_stack_wipe();
         if (error) {
             return error;
         }

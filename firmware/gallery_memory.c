@@ -213,6 +213,7 @@ void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person
         const size_t behind = memory->n_people - (size_t)(own - memory->people) - 1;
         memmove(own, own + 1, behind * sizeof *own);
         memory->n_people--;
+        sodium_memzero(&memory->people[memory->n_people], sizeof *memory->people);
     }
 }
 

@@ -165,6 +165,12 @@ static void pipeline_close(void *self)
     free(pipeline);
 }
 
+static void pipeline_forget(void *self)
+{
+    const struct pipeline *pipeline = self;
+    iso_second_look_forget(pipeline->second_look);
+}
+
 static const struct iso_pipeline_ops ops = {
     .extract = pipeline_extract,
     .search = pipeline_search,
@@ -172,6 +178,7 @@ static const struct iso_pipeline_ops ops = {
     .algorithm = pipeline_algorithm,
     .model = pipeline_model,
     .close = pipeline_close,
+    .forget = pipeline_forget,
     .seen = pipeline_seen,
     .image_check = pipeline_image_check,
     .image_lacks = pipeline_image_lacks,

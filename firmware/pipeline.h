@@ -38,6 +38,9 @@ struct iso_pipeline_ops {
     /* NULL is not passed. */
     void (*close)(void *self);
 
+    /* OPTIONAL: wipes what is kept of people, of whom somebody was removed. */
+    void (*forget)(void *self);
+
     /* OPTIONAL: what the image said of the face in the frame extracted last. */
     enum iso_face_seen (*seen)(const void *self);
 

@@ -51,14 +51,19 @@ static void forget(struct slot *slot)
     slot->n = 0;
 }
 
+void iso_second_look_forget(struct iso_second_look *look)
+{
+    for (int i = 0; look && i < SLOTS; i++) {
+        forget(&look->slots[i]);
+    }
+}
+
 static void forget_what_changed(struct iso_second_look *look, const struct iso_candidates *among)
 {
     if (look->keeper == among->keeper && look->version == among->version) {
         return;
     }
-    for (int i = 0; i < SLOTS; i++) {
-        forget(&look->slots[i]);
-    }
+    iso_second_look_forget(look);
     look->keeper = among->keeper;
     look->version = among->version;
 }

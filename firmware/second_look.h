@@ -16,6 +16,9 @@ struct iso_second_look;
 int iso_second_look_new(struct iso_second_look **out) __attribute__((warn_unused_result));
 void iso_second_look_free(struct iso_second_look *look);
 
+/* Wipes the upper faces that are kept: somebody was removed, whose they may be. NULL is fine. */
+void iso_second_look_forget(struct iso_second_look *look);
+
 /* Gives n (0..ISO_RERANK_CANDIDATES) hits of a search among these candidates, which can open
  * templates, their fused scores, and sorts them by those, falling. -EINVAL for more hits, else what
  * opening says; then the hits are not to be used. */

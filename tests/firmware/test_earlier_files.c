@@ -113,7 +113,9 @@ static struct iso_parts *new_parts(const char *directory)
     struct iso_parts *parts = calloc(1, sizeof *parts);
     assert_non_null(parts);
     parts->config = iso_config_default();
-    parts->times = (struct iso_times){manual_clock(&now_ns), manual_clock_now_ns, &wall_ns};
+    parts->times = (struct iso_times){.monotonic = manual_clock(&now_ns),
+                                      .wall_ns = manual_clock_now_ns,
+                                      .wall_context = &wall_ns};
     parts->pipeline = puppet_pipeline(&puppet);
     (void)snprintf(parts->config.gallery.path, sizeof parts->config.gallery.path, "%s/gallery.db",
                    directory);

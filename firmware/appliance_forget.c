@@ -1,0 +1,30 @@
+/* What is left in memory of a person who was removed. */
+#include <string.h>
+
+#include "firmware/appliance_state.h"
+
+/* The last visit's text ends before the name. */
+static void forget_outcome(struct iso_appliance *appliance, const char *name)
+{
+    char *text = appliance->last_outcome;
+    char *at = strstr(text, name);
+    if (at) {
+        at -= at > text && at[-1] == ' ';
+        explicit_bzero(at, sizeof appliance->last_outcome - (size_t)(at - text));
+    }
+}
+
+void iso__appliance_forget(struct iso_appliance *appliance, const char *name)
+{
+    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
+    const bool idle = appliance->mode == ISO_APPLIANCE_WATCH ||
+                      appliance->mode == ISO_APPLIANCE_CLAIMED;
+    forget_outcome(appliance, name);
+    if (idle) { /* else somebody is looked at now, for whom these are */
+        explicit_bzero(&appliance->person, sizeof appliance->person);
+        iso_enrolment_wipe(&appliance->enrolment);
+    }
+    if (pipeline->ops->forget) {
+        pipeline->ops->forget(pipeline->self);
+    }
+}
