@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "drivers/thread.h"
+#include "drivers/process/thread.h"
 
 /* All texts of the longest record together; the line of a longer one would not fit either. */
 enum { TEXT_BYTES = 3072 };
@@ -268,7 +268,7 @@ int iso_audit_writer_new(struct iso_audit *audit, const struct iso_times *times,
     (void)pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
     (void)pthread_cond_init(&writer->changed, &attributes);
     (void)pthread_condattr_destroy(&attributes);
-    const int error = threaded ? iso_thread_start(run, writer, 0, &writer->thread, NULL) : 0;
+    const int error = threaded ? iso_thread_start(&writer->thread, run, writer) : 0;
     if (error) {
         writer->threaded = false;
         iso_audit_writer_free(writer);

@@ -3,12 +3,13 @@
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <time.h>
+
+#include "drivers/process/thread.h"
 
 /* How long a helper looks out for a batch before it sleeps: to be woken takes some 50 us. After a
  * batch another may follow at once; one that is expected comes when the caller has done what is
@@ -230,15 +231,9 @@ static void race(void *context, iso_task *task, void *batch, int n_tasks)
     }
 }
 
-/* Signals are for who started the crew. */
 static int start(struct helper *helper)
 {
-    sigset_t all, before;
-    (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&helper->thread, NULL, help, helper);
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return error;
+    return iso_thread_start(&helper->thread, help, helper);
 }
 
 int iso_crew_new(int n_workers, struct iso_crew **out)

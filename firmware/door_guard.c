@@ -10,7 +10,7 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include "drivers/thread.h"
+#include "drivers/process/thread.h"
 #include "firmware/times.h"
 
 struct iso_door_guard {
@@ -203,7 +203,8 @@ int iso_door_guard_start(struct iso_door_guard *guard)
     if (!guard->options.threaded) {
         return 0;
     }
-    const int error = iso_thread_start(run, guard, ISO_DOOR_GUARD_PRIORITY, &guard->thread, NULL);
+    const int error = iso_thread_start_realtime(&guard->thread, run, guard, ISO_DOOR_GUARD_PRIORITY,
+                                                NULL);
     guard->running = error == 0;
     return error;
 }

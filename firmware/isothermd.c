@@ -7,6 +7,7 @@
 #include <string.h>
 #include <syslog.h>
 
+#include "drivers/process/limits.h"
 #include "drivers/terminal/output.h"
 #include "drivers/vision/face_detector.h"
 #include "firmware/config.h"
@@ -228,6 +229,6 @@ static int obey(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    const int code = obey(argc, argv);
+    const int code = iso_limits_check("isothermd") ? EXIT_FAULT : obey(argc, argv);
     return iso_output_end("isothermd") && code == EXIT_OK ? EXIT_FAULT : code;
 }

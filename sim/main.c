@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "drivers/process/limits.h"
 #include "drivers/terminal/output.h"
 #include "drivers/terminal/words.h"
 #include "sim/commands.h"
@@ -75,6 +76,6 @@ static int run(int argc, char **argv)
 int main(int argc, char **argv)
 {
     sim_progress_to(stderr);
-    const int exit_code = run(argc, argv);
+    const int exit_code = iso_limits_check("isotherm-sim") ? SIM_EXIT_FAULT : run(argc, argv);
     return iso_output_end("isotherm-sim") && exit_code == SIM_EXIT_OK ? SIM_EXIT_FAULT : exit_code;
 }

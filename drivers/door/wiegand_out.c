@@ -7,7 +7,7 @@
 #include <sys/prctl.h>
 #include <time.h>
 
-#include "drivers/thread.h"
+#include "drivers/process/thread.h"
 
 struct iso_wiegand_out {
     struct iso_wiegand_lines lines;
@@ -135,8 +135,8 @@ int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegan
     new->lines = *lines;
     (void)pthread_mutex_init(&new->mutex, NULL);
     (void)pthread_cond_init(&new->changed, NULL);
-    const int error = iso_thread_start(run, new, ISO_WIEGAND_PRIORITY, &new->thread,
-                                       &new->report.realtime);
+    const int error = iso_thread_start_realtime(&new->thread, run, new, ISO_WIEGAND_PRIORITY,
+                                                &new->report.realtime);
     if (error) {
         free(new);
         return iso_fault_set(fault, error, "wiegand: no thread: %s", strerror(-error));

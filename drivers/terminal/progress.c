@@ -1,10 +1,10 @@
 #include "drivers/terminal/progress.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <time.h>
 
+#include "drivers/process/thread.h"
 #include "drivers/terminal/terminal.h"
 #include "drivers/terminal/words.h"
 
@@ -95,15 +95,9 @@ static void *tick_on(void *context)
     return NULL;
 }
 
-/* Signals are for the thread that works. */
 static bool start_ticking(struct iso_progress *progress)
 {
-    sigset_t all, before;
-
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    progress->ticking = pthread_create(&progress->thread, NULL, tick_on, progress) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    progress->ticking = iso_thread_start(&progress->thread, tick_on, progress) == 0;
     return progress->ticking;
 }
 

@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
+#include "drivers/process/thread.h"
 #include "sim/progress.h"
 
 enum { THREADS_MAX = 64 };
@@ -55,7 +56,7 @@ int sim_parallel(int threads, const char *what, size_t n_jobs, sim_job *job, voi
     work.shown = sim_progress_begin(what, n_jobs);
     for (; started < threads; started++) {
         workers[started] = (struct worker){.work = &work, .number = started};
-        if (pthread_create(&workers[started].thread, NULL, work_on, &workers[started])) {
+        if (iso_thread_start(&workers[started].thread, work_on, &workers[started])) {
             break;
         }
     }

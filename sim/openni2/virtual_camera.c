@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "drivers/path.h"
+#include "drivers/process/thread.h"
 #include "drivers/sensor/sensor.h"
 #include "drivers/sensor/sensor_replay.h"
 #include "drivers/text.h"
@@ -294,7 +295,7 @@ static void *live(void *context)
 int sim_virtual_camera_run(struct sim_virtual_camera *camera)
 {
     look_at_cable(camera); /* so that who asks right away finds it */
-    const int error = pthread_create(&camera->thread, NULL, live, camera);
+    const int error = iso_thread_start(&camera->thread, live, camera);
     camera->running = error == 0;
-    return -error;
+    return error;
 }

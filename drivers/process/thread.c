@@ -1,14 +1,15 @@
-#include "drivers/thread.h"
+#include "drivers/process/thread.h"
 
 #include <errno.h>
 #include <sched.h>
 #include <signal.h>
-#include <stddef.h>
 
-static int start(void *(*run)(void *context), void *context, int priority, pthread_t *thread)
+/* priority 0: the ordinary scheduling */
+static int start(pthread_t *thread, void *(*run)(void *context), void *context, int priority)
 {
     const struct sched_param parameters = {.sched_priority = priority};
     pthread_attr_t attributes;
+    sigset_t all, before;
     int error = pthread_attr_init(&attributes);
     if (error) {
         return -error;
@@ -18,23 +19,30 @@ static int start(void *(*run)(void *context), void *context, int priority, pthre
         (void)pthread_attr_setschedpolicy(&attributes, SCHED_FIFO);
         (void)pthread_attr_setschedparam(&attributes, &parameters);
     }
-    error = pthread_create(thread, &attributes, run, context);
+    error = pthread_attr_setstacksize(&attributes, ISO_THREAD_STACK_BYTES);
+    if (!error) {
+        (void)sigfillset(&all);
+        (void)pthread_sigmask(SIG_SETMASK, &all, &before); /* which the thread inherits */
+        error = pthread_create(thread, &attributes, run, context);
+        (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    }
     (void)pthread_attr_destroy(&attributes);
     return -error;
 }
 
-int iso_thread_start(void *(*run)(void *context), void *context, int priority, pthread_t *thread,
-                     bool *realtime)
+int iso_thread_start(pthread_t *thread, void *(*run)(void *context), void *context)
 {
-    sigset_t all, before;
-    (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    int error = priority > 0 ? start(run, context, priority, thread) : -EPERM;
+    return start(thread, run, context, 0);
+}
+
+int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), void *context,
+                              int priority, bool *realtime)
+{
+    int error = start(thread, run, context, priority);
     const bool has_priority = error == 0;
     if (error == -EPERM) {
-        error = start(run, context, 0, thread);
+        error = start(thread, run, context, 0);
     }
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (!error && realtime) {
         *realtime = has_priority;
     }

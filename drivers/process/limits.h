@@ -1,0 +1,14 @@
+/* What the system has to allow a program that computes. */
+#ifndef ISO_DRIVERS_PROCESS_LIMITS_H
+#define ISO_DRIVERS_PROCESS_LIMITS_H
+
+/* The least stack that a program with the computation is started with: it needs less than half of
+ * it (drivers/process/thread.h). */
+enum { ISO_STACK_LEAST_BYTES = 1 << 20 };
+
+/* -ENOMEM, after one line to standard error that begins with the program's name, if the limit of
+ * the main thread's stack is below that: the program has to end, or it would die of a signal in the
+ * middle of its work. 0 else. */
+int iso_limits_check(const char *program) __attribute__((warn_unused_result));
+
+#endif

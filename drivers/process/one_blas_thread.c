@@ -1,0 +1,46 @@
+/* OpenBLAS without threads of its own. Compiled into each program that computes.
+ *
+ * OpenBLAS starts a thread for every other processor when it is loaded, before main(). Each of them
+ * takes a stack and 32 MiB. Where the address space is limited, a thread that gets no memory asks
+ * for it again for ever, and the program hangs at its exit, where it is waited for; and when the
+ * thread itself cannot be made, the program gets a SIGINT. None of our matrices is large enough to
+ * gain by such threads.
+ *
+ * Only OPENBLAS_NUM_THREADS keeps it from that, and it has to be there before the library is
+ * loaded. So a program that is started without it starts itself again with it, from the only place
+ * that is called before the constructors of libraries: DT_PREINIT_ARRAY. Nothing has been done by
+ * then; the process and all that it has inherited stay the same. If that is not possible, the
+ * program goes on as it is. */
+#include <limits.h>
+#include <stddef.h>
+#include <string.h>
+#include <unistd.h>
+
+/* More than any environment has that is not an attack on the program's memory. */
+enum { ENVIRONMENT_MAX = 4096 };
+
+static void start_again_without_threads(int argc, char **argv, char **environment)
+{
+    static const char name[] = "OPENBLAS_NUM_THREADS=";
+    static char setting[] = "OPENBLAS_NUM_THREADS=1";
+    static char *with_setting[ENVIRONMENT_MAX + 2];
+    static char path[PATH_MAX];
+    size_t n = 0;
+    (void)argc;
+    for (; environment[n]; n++) {
+        if (n == ENVIRONMENT_MAX || strncmp(environment[n], name, sizeof name - 1) == 0) {
+            return;
+        }
+        with_setting[n] = environment[n];
+    }
+    with_setting[n] = setting;
+    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
+    if (length > 0) {
+        path[length] = '\0';
+        (void)execve(path, argv, with_setting);
+    }
+}
+
+__attribute__((section(".preinit_array"),
+               used)) static void (*const first)(int argc, char **argv,
+                                                 char **environment) = start_again_without_threads;

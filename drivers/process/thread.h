@@ -1,0 +1,30 @@
+/* Starting threads. A thread of ours takes no signals, since those are the business of the thread
+ * that has always been there; and it has a stack of a stated size. Without one it gets what the
+ * limit of the stack says when the program starts: 8 MiB on one machine, of which little is used,
+ * and too little on another. */
+#ifndef ISO_DRIVERS_PROCESS_THREAD_H
+#define ISO_DRIVERS_PROCESS_THREAD_H
+
+#include <pthread.h>
+#include <stdbool.h>
+
+/* For any work of the project: the deepest calls, from a frame to its best hits, take less than
+ * 384 KiB. */
+enum { ISO_THREAD_STACK_BYTES = 2 << 20 };
+
+/* Starts a thread that runs run(context). 0, or the negative errno of pthread_create: -EAGAIN or
+ * -ENOMEM there is no memory for it, or there are too many threads. */
+int iso_thread_start(pthread_t *thread, void *(*run)(void *context), void *context)
+    __attribute__((warn_unused_result));
+
+/* The same with this priority (1 and more) of SCHED_FIFO where the process may have it
+ * (RLIMIT_RTPRIO), and with the ordinary scheduling elsewhere; *realtime (may be NULL) says which.
+ */
+int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), void *context,
+                              int priority, bool *realtime) __attribute__((warn_unused_result));
+
+/* A mutex whose holder has the priority of whoever waits for it: a thread of low priority does not
+ * keep one of high priority waiting because others keep the processors busy. */
+void iso_thread_mutex_init(pthread_mutex_t *mutex);
+
+#endif
