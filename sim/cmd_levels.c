@@ -8,6 +8,7 @@
 
 #include "drivers/path.h"
 #include "drivers/shipped.h"
+#include "drivers/terminal/words.h"
 #include "sim/command.h"
 #include "sim/commands.h"
 #include "sim/visit/level_report.h"
@@ -27,6 +28,7 @@ struct arguments {
     struct corpora people, alike;
     const char *out, *model, *metric;
     struct sim_rate strangers; /* let in at `balanced`: what came of it */
+    size_t not_enrolled;       /* people, likewise */
 };
 
 #define FIELD(name) offsetof(struct arguments, name)
@@ -91,7 +93,7 @@ static int play_visits(const struct sim_rehearsal_options *rehearsal, enum sim_l
 }
 
 /* Plays one corpus; its stores and visits go to a numbered folder of the output. */
-static int play_corpus(const struct arguments *arguments, enum sim_level_crowd crowd,
+static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
                        const char *directory, size_t number,
                        struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
 {
@@ -104,6 +106,7 @@ static int play_corpus(const struct arguments *arguments, enum sim_level_crowd c
         .threshold = NAN,
         .all_levels = true,
         .allow_duplicate = true, /* of many people some look alike, and are enrolled */
+        .not_enrolled = &arguments->not_enrolled,
     };
     struct sim_corpus *corpus = NULL;
     (void)snprintf(name, sizeof name, "%s-%zu", crowd == SIM_CROWD_ALIKE ? "alike" : "people",
@@ -118,7 +121,7 @@ static int play_corpus(const struct arguments *arguments, enum sim_level_crowd c
     return error;
 }
 
-static int play_corpora(const struct arguments *arguments, enum sim_level_crowd crowd,
+static int play_corpora(struct arguments *arguments, enum sim_level_crowd crowd,
                         const struct corpora *corpora, struct sim_level_counts counts[SIM_LEVELS],
                         struct iso_fault *fault)
 {
@@ -148,6 +151,10 @@ static int run(void *target, struct iso_fault *fault)
         return error;
     }
     sim_level_print(counts, stdout);
+    if (arguments->not_enrolled > 0) {
+        printf("\n%zu %s could not be enrolled and count as refused at each visit.\n",
+               arguments->not_enrolled, iso_plural(arguments->not_enrolled, "person", "people"));
+    }
     arguments->strangers = counts[ISO_LEVEL_BALANCED].strangers;
     return 0;
 }

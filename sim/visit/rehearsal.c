@@ -222,6 +222,10 @@ static int enrol_all(struct rehearsal *r, const struct sim_corpus *corpus)
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         if (corpus->rows[i].role == SIM_ROLE_GALLERY) {
             error = enrol(r, &corpus->rows[i]);
+            if (error == -ENOMSG && r->options->not_enrolled) {
+                ++*r->options->not_enrolled;
+                error = 0;
+            }
             sim_progress_step(1);
         }
     }

@@ -20,6 +20,8 @@ struct sim_rehearsal_options {
     const enum iso_level *level; /* decision.level; NULL: the configuration's own */
     bool all_levels;             /* SIM_LEVELS doors side by side instead, one of each level */
     bool allow_duplicate;        /* people who look alike are enrolled all the same */
+    size_t *not_enrolled;        /* NULL: somebody who cannot be enrolled is an error; else they are
+                                    counted here, and their visits are those of unknown people */
     const char *visit;           /* play this recording alone, after enrolling; NULL: all */
     const char *picture; /* with `visit` and one door: the PNG file that shows it; NULL: none */
 };

@@ -222,6 +222,23 @@ static void who_cannot_be_enrolled_is_a_fault(void **state)
     struct sim_corpus *corpus = NULL;
     struct sim_visit visits[ROWS];
     assert_int_equal(rehearse(*state, "twice", NAN, &corpus, visits), -ENOMSG);
+
+    /* ... unless they are to be left out: one face has one name, and the visit is hers. */
+    size_t not_enrolled = 0, n_visits = 0, told = 0;
+    const struct sim_rehearsal_options options = {
+        .corpus = *state,
+        .state = scratch_path(*state, "left-out"),
+        .model = ISOTHERM_SOURCE_DIR "/core/data/head.model",
+        .metric = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
+        .threshold = NAN,
+        .not_enrolled = &not_enrolled,
+    };
+    scratch_mkdir(options.state);
+    assert_int_equal(sim_rehearse(&options, corpus, count_visit, &told, visits, &n_visits, NULL),
+                     0);
+    assert_int_equal(not_enrolled, 1);
+    assert_int_equal(n_visits, 1);
+    assert_string_equal(visits[0].verdict.person, "ada");
     sim_corpus_free(corpus);
 }
 
