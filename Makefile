@@ -6,6 +6,7 @@
 #   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator
 #   make arm64-bench  instructions of a frame, stage by stage, on arm64 and on x86-64, counted by the emulator: some minutes
 #   make bench    milliseconds per stage from frame to verdict; heat, search, registration beside their peers; memory
+#   make bench-door  milliseconds from the exit button to the relay, with a disk that takes 10 s: four minutes
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
 #   make storage-faults  fails every call that changes a file, in six ways, in every operation that has such calls
@@ -24,7 +25,7 @@ KILLS ?= 1000
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check arm64-check arm64-bench bench fuzz kills storage-faults drill levels packages packages-arm64 install-check install clean
+.PHONY: demo check vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill levels packages packages-arm64 install-check install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -58,6 +59,11 @@ bench:
 	cmake/install_packages.sh build test bench
 	cmake --preset release -DBUILD_TESTING=ON
 	cmake --build --preset release --target bench
+
+bench-door:
+	cmake/install_packages.sh build test bench
+	cmake --preset release -DBUILD_TESTING=ON
+	cmake --build --preset release --target bench-door
 
 fuzz:
 	cmake/install_packages.sh build test gate

@@ -1,0 +1,280 @@
+/* How long the door takes, while nothing else works: the daemon with a disk that takes 10 s for an
+ * fsync, frames of 500 ms and a client of the bus that does not read. Presses the exit button and
+ * prints the times from its edge to the relay, and how far the relay's time is from unlock_ms.
+ *
+ * usage: bench_door DAEMON PRELOAD RECORDING DATA [PRESSES] */
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <systemd/sd-bus.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "core/contract.h"
+#include "tests/bench/door_bench.h"
+#include "tests/bench/machine.h"
+#include "tests/enroll/private_bus.h"
+#include "tests/support/scratch.h"
+
+enum {
+    PRESSES = 1000,
+    UNLOCK_MS = 100,
+    PRESS_MS = 30, /* how long the button is held */
+    PAUSE_MS = 25, /* between the relay's end and the next press */
+    SYNC_MS = 10000,
+    FRAME_MS = 500,
+    READY_MS = 60000,
+    PATIENCE_MS = 60000,
+};
+
+static struct {
+    struct private_bus bus;
+    char *directory;
+    struct door_bench *shared;
+    int memory_fd, edges[2], switchings[2], notify_fd;
+    pid_t daemon;
+    sd_bus *deaf;
+    double *to_line_ms, *off_error_ms;
+} bench;
+
+static void give_up(const char *what)
+{
+    fprintf(stderr, "bench_door: %s: %s\n", what, strerror(errno));
+    if (bench.daemon > 0) {
+        (void)kill(bench.daemon, SIGKILL);
+    }
+    private_bus_stop(&bench.bus);
+    exit(1);
+}
+
+static int64_t now_ns(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
+}
+
+static void wait_ms(long ms)
+{
+    const struct timespec wait = {ms / 1000, ms % 1000 * 1000000L};
+    (void)nanosleep(&wait, NULL);
+}
+
+/* ---- the daemon ---- */
+
+static void write_configuration(const char *path, const char *recording, const char *data)
+{
+    char text[4096];
+    (void)snprintf(text, sizeof text,
+                   "[sensor]\nbackend = replay\npath = %s\nloop = yes\n"
+                   "stale_ms = 600000\npause_ms = 600000\nsilence_ms = 600000\n"
+                   "[door]\nbackend = gpiod\nrelay = bench:%d\nexit_button = bench:%d\n"
+                   "unlock_ms = %d\n"
+                   "[gallery]\npath = %s/gallery.db\n[log]\npath = %s/audit.log\n"
+                   "[bus]\naddress = %s\n"
+                   "[model]\nhead = %s/head.model\nmetric = %s/face.metric\n",
+                   recording, DOOR_BENCH_RELAY, DOOR_BENCH_EXIT, UNLOCK_MS, bench.directory,
+                   bench.directory, bench.bus.address, data, data);
+    scratch_write_text(path, text);
+}
+
+static void connect_lines(void)
+{
+    char text[64];
+    bench.memory_fd = memfd_create("bench_door", 0);
+    if (bench.memory_fd < 0 || ftruncate(bench.memory_fd, sizeof *bench.shared) ||
+        pipe(bench.edges) || pipe(bench.switchings)) {
+        give_up("pipes");
+    }
+    bench.shared = mmap(NULL, sizeof *bench.shared, PROT_READ | PROT_WRITE, MAP_SHARED,
+                        bench.memory_fd, 0);
+    if (bench.shared == MAP_FAILED) {
+        give_up("memory");
+    }
+    (void)fcntl(bench.edges[0], F_SETFL, O_NONBLOCK);
+    (void)snprintf(text, sizeof text, "%d %d %d", bench.memory_fd, bench.edges[0],
+                   bench.switchings[1]);
+    (void)setenv(DOOR_BENCH_VARIABLE, text, 1);
+}
+
+static void listen_to_daemon(void)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%.90s/notify", bench.directory);
+    bench.notify_fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (bench.notify_fd < 0 ||
+        bind(bench.notify_fd, (const struct sockaddr *)&address, sizeof address)) {
+        give_up("notify");
+    }
+    (void)setenv("NOTIFY_SOCKET", address.sun_path, 1);
+}
+
+static void start_daemon(const char *program, const char *preload, const char *configuration)
+{
+    struct pollfd ready = {.fd = bench.notify_fd, .events = POLLIN};
+    char text[256] = "";
+    bench.daemon = fork();
+    if (bench.daemon == 0) {
+        const int log_fd = open(scratch_path(bench.directory, "log"),
+                                O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+        (void)dup2(log_fd, STDERR_FILENO);
+        (void)setenv("LD_PRELOAD", preload, 1);
+        (void)execl(program, program, "--config", configuration, (char *)NULL);
+        _exit(127);
+    }
+    while (!strstr(text, "READY=1")) {
+        if (poll(&ready, 1, READY_MS) != 1) {
+            give_up("the daemon is not ready");
+        }
+        const ssize_t n = recv(bench.notify_fd, text, sizeof text - 1, 0);
+        text[n > 0 ? n : 0] = '\0';
+    }
+}
+
+/* A client that wants every signal and reads none. */
+static void connect_deaf_client(void)
+{
+    sd_bus_slot *slot = NULL;
+    int r = sd_bus_new(&bench.deaf);
+    r = r < 0 ? r : sd_bus_set_address(bench.deaf, bench.bus.address);
+    r = r < 0 ? r : sd_bus_set_bus_client(bench.deaf, 1);
+    r = r < 0 ? r : sd_bus_start(bench.deaf);
+    r = r < 0 ? r
+              : sd_bus_match_signal(bench.deaf, &slot, NULL, NULL, ISO_CONTRACT_INTERFACE, NULL,
+                                    NULL, NULL);
+    if (r < 0) {
+        errno = -r;
+        give_up("the bus");
+    }
+}
+
+/* ---- presses ---- */
+
+static int64_t set_button(int level)
+{
+    const struct door_bench_edge edge = {now_ns(), DOOR_BENCH_EXIT, level};
+    atomic_store(&bench.shared->level[DOOR_BENCH_EXIT], level);
+    if (write(bench.edges[1], &edge, sizeof edge) != sizeof edge) {
+        give_up("an edge");
+    }
+    return edge.t_ns;
+}
+
+/* The time at which the relay was switched to that level. */
+static int64_t await_relay(int level)
+{
+    struct door_bench_edge edge = {.level = -1};
+    struct pollfd ready = {.fd = bench.switchings[0], .events = POLLIN};
+    while (edge.line != DOOR_BENCH_RELAY || edge.level != level) {
+        if (poll(&ready, 1, PATIENCE_MS) != 1) {
+            errno = ETIMEDOUT;
+            give_up("the relay");
+        }
+        if (read(bench.switchings[0], &edge, sizeof edge) != sizeof edge) {
+            give_up("a switching");
+        }
+    }
+    return edge.t_ns;
+}
+
+static void press(int i)
+{
+    const int64_t pressed_ns = set_button(1);
+    wait_ms(PRESS_MS);
+    (void)set_button(0);
+    const int64_t on_ns = await_relay(1), off_ns = await_relay(0);
+    bench.to_line_ms[i] = (double)(on_ns - pressed_ns) / 1e6;
+    bench.off_error_ms[i] = (double)(off_ns - on_ns) / 1e6 - UNLOCK_MS;
+    wait_ms(PAUSE_MS + i % 17);
+}
+
+/* ---- figures ---- */
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void print_times(const char *what, double *ms, int n, double most_ms)
+{
+    int above = 0;
+    for (int i = 0; i < n; i++) {
+        above += ms[i] > most_ms || ms[i] < -most_ms;
+    }
+    qsort(ms, (size_t)n, sizeof *ms, by_value);
+    printf("%-28s median %7.2f ms, 99 %% %7.2f ms, least %7.2f ms, most %7.2f ms; beyond %g ms: "
+           "%d of %d\n",
+           what, ms[n / 2], ms[n * 99 / 100], ms[0], ms[n - 1], most_ms, above, n);
+}
+
+static void count_losses(void)
+{
+    size_t size = 0;
+    char *log = scratch_read(scratch_path(bench.directory, "log"), &size);
+    printf("frames of %d ms meanwhile: %d; fsync of %d s: %d; the daemon said %zu bytes\n",
+           FRAME_MS, atomic_load(&bench.shared->frames), SYNC_MS / 1000,
+           atomic_load(&bench.shared->syncs), size);
+    free(log);
+}
+
+static void measure(int presses)
+{
+    bench.to_line_ms = calloc((size_t)presses, sizeof *bench.to_line_ms);
+    bench.off_error_ms = calloc((size_t)presses, sizeof *bench.off_error_ms);
+    atomic_store(&bench.shared->frames, 0);
+    atomic_store(&bench.shared->syncs, 0);
+    atomic_store(&bench.shared->sync_ms, SYNC_MS);
+    atomic_store(&bench.shared->frame_ms, FRAME_MS);
+    for (int i = 0; i < presses; i++) {
+        press(i);
+    }
+    bench_print_machine();
+    print_times("exit button, edge to relay:", bench.to_line_ms, presses, 20);
+    print_times("relay, off against unlock_ms:", bench.off_error_ms, presses, 20);
+    count_losses();
+    free(bench.to_line_ms);
+    free(bench.off_error_ms);
+}
+
+int main(int argc, char **argv)
+{
+    void *directory = NULL;
+    if (argc < 5 || argc > 6) {
+        fprintf(stderr, "usage: bench_door DAEMON PRELOAD RECORDING DATA [PRESSES]\n");
+        return 2;
+    }
+    const int presses = argc == 6 ? (int)strtol(argv[5], NULL, 10) : PRESSES;
+    if (presses < 1 || !private_bus_start(&bench.bus) || scratch_setup(&directory)) {
+        return 1;
+    }
+    bench.directory = directory;
+    const char *configuration = scratch_path(bench.directory, "c.conf");
+    write_configuration(configuration, argv[3], argv[4]);
+    connect_lines();
+    listen_to_daemon();
+    start_daemon(argv[1], argv[2], configuration);
+    connect_deaf_client();
+    measure(presses);
+    atomic_store(&bench.shared->sync_ms, 0);
+    (void)kill(bench.daemon, SIGKILL); /* its disk would take minutes for what is queued */
+    (void)waitpid(bench.daemon, NULL, 0);
+    sd_bus_unref(bench.deaf);
+    private_bus_stop(&bench.bus);
+    return scratch_teardown(&directory);
+}

@@ -1,0 +1,30 @@
+/* What bench_door and the library that it loads into the daemon (door_preload.c) tell each other:
+ * memory and pipes that the daemon inherits. Line 0 of the chip "bench" is the relay, line 1 the
+ * exit button. */
+#ifndef TESTS_BENCH_DOOR_BENCH_H
+#define TESTS_BENCH_DOOR_BENCH_H
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+/* Which descriptors they are: "MEMORY EDGES SWITCHINGS". */
+#define DOOR_BENCH_VARIABLE "ISOTHERM_BENCH_DOOR"
+
+enum { DOOR_BENCH_RELAY, DOOR_BENCH_EXIT, DOOR_BENCH_LINES };
+
+/* In the shared memory. */
+struct door_bench {
+    atomic_int level[DOOR_BENCH_LINES];
+    atomic_int sync_ms;  /* how long fsync and fdatasync take */
+    atomic_int frame_ms; /* how long the processor is busy with a frame, besides what it does */
+    atomic_int frames, syncs;
+};
+
+/* An edge of the exit button, to the daemon; a switching of the relay, from it. Times by
+ * CLOCK_MONOTONIC. */
+struct door_bench_edge {
+    int64_t t_ns;
+    int32_t line, level;
+};
+
+#endif
