@@ -1,107 +1,19 @@
 /* Files of an earlier time: every subset of them, put among the present ones, is refused; and no
  * interruption of a write is taken for that. The stores are opened as the daemon opens them. */
-#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/firmware/cmocka_headers.h"
 
 #include "firmware/lockout_file.h"
 #include "firmware/parts.h"
+#include "tests/firmware/file_mix.h"
 #include "tests/firmware/puppets.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/scratch.h"
-
-enum { FILES_MAX = 20, NAME_SIZE = 64, PATH_SIZE = 512 };
-
-/* ---- directories ---- */
-
-struct file {
-    char name[NAME_SIZE];
-    void *bytes;
-    size_t size;
-};
-
-/* What a directory held at one time. */
-struct state {
-    size_t n;
-    struct file files[FILES_MAX];
-};
-
-static void path_of(char path[PATH_SIZE], const char *directory, const char *name)
-{
-    (void)snprintf(path, PATH_SIZE, "%s/%s", directory, name);
-}
-
-static void take(const char *directory, struct state *out)
-{
-    const struct dirent *entry;
-    char path[PATH_SIZE];
-    DIR *stream = opendir(directory);
-    assert_non_null(stream);
-    out->n = 0;
-    while ((entry = readdir(stream))) {
-        if (entry->d_name[0] != '.') {
-            assert_true(out->n < FILES_MAX);
-            struct file *file = &out->files[out->n++];
-            assert_true(strlen(entry->d_name) < sizeof file->name);
-            memcpy(file->name, entry->d_name, strlen(entry->d_name) + 1);
-            path_of(path, directory, file->name);
-            file->bytes = scratch_read(path, &file->size);
-        }
-    }
-    (void)closedir(stream);
-}
-
-static void let_go(struct state *state)
-{
-    for (size_t i = 0; i < state->n; i++) {
-        free(state->files[i].bytes);
-    }
-    state->n = 0;
-}
-
-static const struct file *find(const struct state *state, const char *name)
-{
-    for (size_t i = 0; i < state->n; i++) {
-        if (strcmp(state->files[i].name, name) == 0) {
-            return &state->files[i];
-        }
-    }
-    return NULL;
-}
-
-static void put(const char *directory, const struct file *file)
-{
-    char path[PATH_SIZE];
-    path_of(path, directory, file->name);
-    scratch_write(path, file->bytes, file->size);
-    assert_int_equal(chmod(path, 0600), 0);
-}
-
-static void clear(const char *directory)
-{
-    struct state state;
-    char path[PATH_SIZE];
-    take(directory, &state);
-    for (size_t i = 0; i < state.n; i++) {
-        path_of(path, directory, state.files[i].name);
-        assert_int_equal(unlink(path), 0);
-    }
-    let_go(&state);
-}
-
-static void put_back(const char *directory, const struct state *state)
-{
-    clear(directory);
-    for (size_t i = 0; i < state->n; i++) {
-        put(directory, &state->files[i]);
-    }
-}
 
 /* ---- the stores ---- */
 
@@ -268,12 +180,13 @@ static const struct history {
     {"everything", everything},
 };
 
-static void play(const char *directory, void (*history)(struct iso_parts *parts), struct state *out)
+static void play(const char *directory, void (*history)(struct iso_parts *parts),
+                 struct mix_state *out)
 {
     struct iso_parts *parts = open_parts(directory);
     history(parts);
     close_parts(parts);
-    take(directory, out);
+    mix_take(directory, out);
 }
 
 /* A life before it: every store has been written, and more than once. */
@@ -289,10 +202,10 @@ static void begin(struct iso_parts *parts)
 
 static size_t tried, refused;
 
-static int opens(const char *directory, const struct state *state)
+static int opens(const char *directory, const struct mix_state *state)
 {
     struct iso_fault fault = {""};
-    put_back(directory, state);
+    mix_put_back(directory, state);
     const int error = try_open(directory, &fault);
     if (error) {
         print_message("%s\n", fault.text);
@@ -301,11 +214,11 @@ static int opens(const char *directory, const struct state *state)
 }
 
 /* What is there is refused, in one line that names a file of it. */
-static void expect_refusal(const char *directory, const struct state *state, const char *what,
+static void expect_refusal(const char *directory, const struct mix_state *state, const char *what,
                            unsigned mask)
 {
     struct iso_fault fault = {""};
-    put_back(directory, state);
+    mix_put_back(directory, state);
     const int error = try_open(directory, &fault);
     tried++;
     refused += error != 0;
@@ -317,59 +230,16 @@ static void expect_refusal(const char *directory, const struct state *state, con
     }
 }
 
-/* The names of files that are not the same in both; how many. */
-static size_t differing(const struct state *a, const struct state *b,
-                        char names[FILES_MAX][NAME_SIZE])
-{
-    const struct state *both[] = {a, b};
-    size_t n = 0;
-    for (int s = 0; s < 2; s++) {
-        for (size_t i = 0; i < both[s]->n; i++) {
-            const struct file *one = &both[s]->files[i], *other = find(both[1 - s], one->name);
-            const bool same = other && other->size == one->size &&
-                              memcmp(other->bytes, one->bytes, one->size) == 0;
-            if (!same && (s == 0 || !other)) {
-                assert_true(n < FILES_MAX);
-                memcpy(names[n++], one->name, NAME_SIZE);
-            }
-        }
-    }
-    return n;
-}
-
-/* The files of `a`, but those of the mask as they are in `b`, where some are missing. */
-static void mix(const struct state *a, const struct state *b, char names[FILES_MAX][NAME_SIZE],
-                size_t n, unsigned mask, struct state *out)
-{
-    out->n = 0;
-    for (size_t i = 0; i < a->n; i++) {
-        size_t at = 0;
-        while (at < n && strcmp(names[at], a->files[i].name) != 0) {
-            at++;
-        }
-        if (at == n || !(mask & 1u << at)) {
-            out->files[out->n++] = a->files[i];
-        }
-    }
-    for (size_t at = 0; at < n; at++) {
-        const struct file *file = find(b, names[at]);
-        if (file && mask & 1u << at) {
-            assert_true(out->n < FILES_MAX);
-            out->files[out->n++] = *file;
-        }
-    }
-}
-
 /* All mixtures of two directories but the two themselves. */
-static void expect_no_mixture(const char *directory, const struct state *a, const struct state *b,
-                              const char *what)
+static void expect_no_mixture(const char *directory, const struct mix_state *a,
+                              const struct mix_state *b, const char *what)
 {
-    char names[FILES_MAX][NAME_SIZE];
-    struct state mixed;
-    const size_t n = differing(a, b, names);
+    char names[MIX_FILES_MAX][MIX_NAME_SIZE];
+    struct mix_state mixed;
+    const size_t n = mix_differing(a, b, names);
     assert_true(n >= 2);
     for (unsigned mask = 1; mask < (1u << n) - 1; mask++) {
-        mix(a, b, names, n, mask, &mixed);
+        mix_states(a, b, names, n, mask, &mixed);
         expect_refusal(directory, &mixed, what, mask);
     }
     print_message("%-18s %zu files differ: %u mixtures refused\n", what, n, (1u << n) - 2);
@@ -377,7 +247,7 @@ static void expect_no_mixture(const char *directory, const struct state *a, cons
 
 struct world {
     char *directory;
-    struct state before;
+    struct mix_state before;
 };
 
 static int setup(void **state)
@@ -398,7 +268,7 @@ static int teardown(void **state)
 {
     struct world *world = *state;
     void *directory = world->directory;
-    let_go(&world->before);
+    mix_let_go(&world->before);
     return scratch_teardown(&directory);
 }
 
@@ -406,13 +276,13 @@ static void every_subset_of_earlier_files_is_refused(void **state)
 {
     const struct world *world = *state;
     for (size_t i = 0; i < sizeof histories / sizeof *histories; i++) {
-        struct state after;
-        put_back(world->directory, &world->before);
+        struct mix_state after;
+        mix_put_back(world->directory, &world->before);
         play(world->directory, histories[i].play, &after);
         expect_no_mixture(world->directory, &world->before, &after, histories[i].name);
         assert_int_equal(opens(world->directory, &world->before), 0);
         assert_int_equal(opens(world->directory, &after), 0);
-        let_go(&after);
+        mix_let_go(&after);
     }
     print_message("%zu subsets of earlier files, %zu refused\n", tried, refused);
 }
@@ -420,18 +290,18 @@ static void every_subset_of_earlier_files_is_refused(void **state)
 static void files_of_two_histories_are_refused(void **state)
 {
     const struct world *world = *state;
-    struct state one, other;
-    put_back(world->directory, &world->before);
+    struct mix_state one, other;
+    mix_put_back(world->directory, &world->before);
     play(world->directory, enrolments, &one);
-    put_back(world->directory, &world->before);
+    mix_put_back(world->directory, &world->before);
     play(world->directory, enrolments, &other);
     expect_no_mixture(world->directory, &one, &other, "two histories");
-    let_go(&one);
-    let_go(&other);
+    mix_let_go(&one);
+    mix_let_go(&other);
 }
 
 /* Only the key is left: a new appliance, which knows nobody. */
-static bool is_new(const struct state *state)
+static bool is_new(const struct mix_state *state)
 {
     return state->n == 0 || (state->n == 1 && strcmp(state->files[0].name, "gallery.db.key") == 0);
 }
@@ -439,9 +309,9 @@ static bool is_new(const struct state *state)
 static void every_subset_of_missing_files_is_refused(void **state)
 {
     const struct world *world = *state;
-    const struct state *whole = &world->before;
+    const struct mix_state *whole = &world->before;
     for (unsigned mask = 1; mask < 1u << whole->n; mask++) {
-        struct state rest = {.n = 0};
+        struct mix_state rest = {.n = 0};
         for (size_t i = 0; i < whole->n; i++) {
             if (!(mask & 1u << i)) {
                 rest.files[rest.n++] = whole->files[i];
@@ -472,12 +342,12 @@ static void expect_people_of_before(struct iso_parts *parts)
 static void a_directory_of_the_version_before_is_upgraded(void **state)
 {
     const struct world *world = *state;
-    struct state before, after;
+    struct mix_state before, after;
     struct iso_lockout_file file;
     struct iso_audit_report report;
-    take(ISOTHERM_SOURCE_DIR "/tests/firmware/state_1", &before);
+    mix_take(ISOTHERM_SOURCE_DIR "/tests/firmware/state_1", &before);
     assert_int_equal(before.n, 8);
-    put_back(world->directory, &before);
+    mix_put_back(world->directory, &before);
     struct iso_parts *parts = open_parts(world->directory);
     expect_people_of_before(parts);
     assert_int_equal(iso_audit_verify(parts->audit, 0, NULL, NULL, &report, NULL), 0);
@@ -496,8 +366,8 @@ static void a_directory_of_the_version_before_is_upgraded(void **state)
     assert_true(report.sound);
     close_parts(parts);
     expect_no_mixture(world->directory, &before, &after, "version before");
-    let_go(&before);
-    let_go(&after);
+    mix_let_go(&before);
+    mix_let_go(&after);
 }
 
 /* ---- an administrator ---- */
@@ -523,14 +393,14 @@ static int find_accepted(void *context, const char *line)
 /* Without the files of these names, which are as they were before, or missing. */
 static void replace(const struct world *world, const char *const *names, bool by_older)
 {
-    char path[PATH_SIZE];
+    char path[MIX_PATH_SIZE];
     for (; *names; names++) {
-        const struct file *file = find(&world->before, *names);
+        const struct mix_file *file = mix_find(&world->before, *names);
         assert_non_null(file);
         if (by_older) {
-            put(world->directory, file);
+            mix_put(world->directory, file);
         } else {
-            path_of(path, world->directory, *names);
+            mix_path_of(path, world->directory, *names);
             assert_int_equal(unlink(path), 0);
         }
     }
@@ -540,10 +410,10 @@ static void an_administrator_accepts_an_older_gallery(void **state)
 {
     static const char *const older[] = {"gallery.db", "gallery.db.anchor", NULL};
     const struct world *world = *state;
-    struct state after;
+    struct mix_state after;
     struct iso_fault fault = {""};
     int n = 0;
-    put_back(world->directory, &world->before);
+    mix_put_back(world->directory, &world->before);
     play(world->directory, enrolments, &after);
     replace(world, older, true);
     assert_int_equal(try_open(world->directory, &fault), -ESTALE);
@@ -554,7 +424,7 @@ static void an_administrator_accepts_an_older_gallery(void **state)
     assert_int_equal(iso_audit_read(parts->audit, 1, UINT32_MAX, find_accepted, &n), 0);
     assert_int_equal(n, 2);
     close_parts(parts);
-    let_go(&after);
+    mix_let_go(&after);
 }
 
 static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
@@ -564,7 +434,7 @@ static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
     const struct world *world = *state;
     struct iso_lockout_file file;
     struct iso_fault fault = {""};
-    put_back(world->directory, &world->before);
+    mix_put_back(world->directory, &world->before);
     replace(world, lost, false);
     assert_int_equal(try_open(world->directory, &fault), -ESTALE);
     accept(world->directory, "/audit.log: from an earlier time");
@@ -577,7 +447,7 @@ static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
 /* ---- interruptions ---- */
 
 static const char *watched; /* directory, while every state of it between two calls is tried */
-static struct state *moments;
+static struct mix_state *moments;
 static size_t n_moments;
 enum { MOMENTS_MAX = 600 };
 
@@ -587,7 +457,7 @@ static void moment(void)
         const char *directory = watched;
         watched = NULL;
         assert_true(n_moments < MOMENTS_MAX);
-        take(directory, &moments[n_moments++]);
+        mix_take(directory, &moments[n_moments++]);
         watched = directory;
     }
 }
@@ -616,26 +486,26 @@ WRAP(int, unlink, (const char *path), (path))
 static void no_interruption_is_taken_for_an_attack(void **state)
 {
     const struct world *world = *state;
-    struct state after;
+    struct mix_state after;
     moments = calloc(MOMENTS_MAX, sizeof *moments);
     assert_non_null(moments);
     n_moments = 0;
-    put_back(world->directory, &world->before);
+    mix_put_back(world->directory, &world->before);
     struct iso_parts *parts = open_parts(world->directory);
     watched = world->directory;
     everything(parts);
     segments(parts);
     watched = NULL;
     close_parts(parts);
-    take(world->directory, &after);
+    mix_take(world->directory, &after);
     for (size_t i = 0; i < n_moments; i++) {
         assert_int_equal(opens(world->directory, &moments[i]), 0);
-        let_go(&moments[i]);
+        mix_let_go(&moments[i]);
     }
     assert_true(n_moments > 100);
     print_message("%zu interruptions, all of them open\n", n_moments);
     free(moments);
-    let_go(&after);
+    mix_let_go(&after);
 }
 
 int main(void)
