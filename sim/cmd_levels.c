@@ -28,7 +28,7 @@ struct arguments {
     struct corpora people, alike;
     const char *out, *model, *metric;
     struct sim_rate strangers; /* let in at `balanced`: what came of it */
-    size_t not_enrolled;       /* people, likewise */
+    size_t not_enrolled[2];    /* people of each crowd, likewise */
 };
 
 #define FIELD(name) offsetof(struct arguments, name)
@@ -106,7 +106,7 @@ static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
         .threshold = NAN,
         .all_levels = true,
         .allow_duplicate = true, /* of many people some look alike, and are enrolled */
-        .not_enrolled = &arguments->not_enrolled,
+        .not_enrolled = &arguments->not_enrolled[crowd],
     };
     struct sim_corpus *corpus = NULL;
     (void)snprintf(name, sizeof name, "%s-%zu", crowd == SIM_CROWD_ALIKE ? "alike" : "people",
@@ -151,9 +151,10 @@ static int run(void *target, struct iso_fault *fault)
         return error;
     }
     sim_level_print(counts, stdout);
-    if (arguments->not_enrolled > 0) {
-        printf("\n%zu %s could not be enrolled and count as refused at each visit.\n",
-               arguments->not_enrolled, iso_plural(arguments->not_enrolled, "person", "people"));
+    const size_t absent = arguments->not_enrolled[SIM_CROWD_PEOPLE];
+    if (absent > 0) {
+        printf("\n%zu %s could not be enrolled: each of their visits counts as refused.\n", absent,
+               iso_plural(absent, "person", "people"));
     }
     arguments->strangers = counts[ISO_LEVEL_BALANCED].strangers;
     return 0;
