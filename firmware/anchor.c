@@ -144,6 +144,10 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
         error = iso_storage_reword(path, error, fault);
     }
     error = error ? error : read_slots(anchor, fault);
+    /* What a power cut may still take away is not told to the other stores (heads.h). */
+    if (!error && sync && fdatasync(anchor->fd)) {
+        error = iso_storage_refused(path, -errno, fault);
+    }
     if (error) {
         iso_anchor_close(anchor);
         return error;

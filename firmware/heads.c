@@ -23,7 +23,7 @@ struct claim {
 struct store {
     bool found;
     char path[PATH_MAX];
-    uint64_t at_open;
+    uint64_t count; /* as it was found, or as it was written since: while stores are upgraded */
 };
 
 struct iso_heads_board {
@@ -110,7 +110,7 @@ void iso_heads_found(struct iso_heads_board *board, enum iso_head head, const ch
     (void)pthread_mutex_lock(&board->lock);
     struct store *store = &board->stores[head];
     store->found = true;
-    store->at_open = count;
+    store->count = count;
     (void)snprintf(store->path, sizeof store->path, "%s", path);
     if (head != ISO_HEAD_LOG) { /* its link comes with iso_heads_record */
         raise_to(&board->now, head, count, NULL);
@@ -166,12 +166,12 @@ static int check_claim(const struct iso_heads_board *board, const struct claim *
 {
     for (int i = 0; i < ISO_HEADS; i++) {
         const struct store *store = &board->stores[i];
-        if (store->found && store->at_open < claim->known.count[i]) {
-            return iso_fault_set(
-                fault, -ESTALE,
-                "%s: from an earlier time: it is at %" PRIu64 ", and %s knows of %" PRIu64
-                "; put the newest in its place (or see --accept-state)",
-                store->path, store->at_open, claim->witness, claim->known.count[i]);
+        if (store->found && store->count < claim->known.count[i]) {
+            return iso_fault_set(fault, -ESTALE,
+                                 "%s: from an earlier time: it is at %" PRIu64
+                                 ", and %s knows of %" PRIu64
+                                 "; put the newest in its place (or see --accept-state)",
+                                 store->path, store->count, claim->witness, claim->known.count[i]);
         }
     }
     return claim->other_link
@@ -202,7 +202,7 @@ void iso_heads_accept(struct iso_heads_board *board)
     board->now = (struct iso_heads){{0}, {0}};
     for (int i = 0; i < ISO_HEADS; i++) {
         if (board->stores[i].found && i != ISO_HEAD_LOG) {
-            board->now.count[i] = board->stores[i].at_open;
+            board->now.count[i] = board->stores[i].count;
         }
     }
     (void)pthread_mutex_unlock(&board->lock);
@@ -222,6 +222,8 @@ void iso_heads_wrote(struct iso_heads_board *board, enum iso_head head, uint64_t
                      const uint8_t *link)
 {
     (void)pthread_mutex_lock(&board->lock);
+    struct store *store = &board->stores[head];
     raise_to(&board->now, head, count, link);
+    store->count = count > store->count ? count : store->count;
     (void)pthread_mutex_unlock(&board->lock);
 }

@@ -334,6 +334,9 @@ static int find_keys(struct iso_key_ring *ring, const char *credentials, struct 
                 : error          ? error
                                  : open_ring(ring, &masters, bytes, size, fault);
     }
+    if (!error) { /* what a power cut may still take away is not told to the other stores */
+        error = iso_directory_sync(ring->path, fault);
+    }
     free(bytes);
     sodium_memzero(&masters, sizeof masters);
     return error;

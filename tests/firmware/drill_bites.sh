@@ -107,7 +107,7 @@ mistake 'restart: the relay keeps its power' firmware/appliance.c \
 
 judge=(test_firmware_earlier_files)
 mistake 'earlier: nobody compares the stores' firmware/heads.c \
-    'store->found && store->at_open < claim->known.count[i]' 'store->found && store->at_open + 1 == 0'
+    'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
 mistake 'earlier: anchors know nothing' firmware/anchor.c \
     'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' ''
 mistake 'earlier: the gallery knows nothing' firmware/gallery_seal.c \

@@ -176,6 +176,9 @@ static void look(void)
         return;
     }
     storage_world_start(&w);
+    if (iso_heads_check(iso_key_ring_board(stores_ring(directory)), &found->fault)) {
+        return; /* no fault of the disk is taken for an older file */
+    }
     const struct iso_appliance_status status = iso_appliance_status(w.rig->appliance);
     storage_people(w.rig->gallery, found->people, sizeof found->people);
     found->zoe = iso_gallery_find(w.rig->gallery, "zoe") != NULL;
