@@ -27,6 +27,8 @@
 #include "tests/firmware/cmocka_headers.h"
 
 #include "firmware/administration.h"
+#include "firmware/heads.h"
+#include "firmware/key_ring.h"
 #include "tests/firmware/storage_acts.h"
 #include "tests/firmware/stores.h"
 #include "tests/support/failing_disk.h"
@@ -162,8 +164,10 @@ static bool opens(struct found *found)
     if (iso_gallery_open(&options, &gallery, &found->fault)) {
         return false;
     }
+    const int error = iso_heads_check(iso_key_ring_board(options.ring), &found->fault);
     iso_gallery_close(gallery);
-    return true;
+    stores_forget(); /* what was found when the ring was opened is found anew */
+    return error == 0;
 }
 
 static void look(void)
