@@ -135,10 +135,6 @@ mistake 'storage log append: an exchange is believed' firmware/audit_rotate.c \
 judge=(storage_faults 3 'lockdown off')
 mistake 'storage lockdown off: ended in memory only' firmware/appliance_refusal.c \
     'appliance->lockout = *before;' '(void)before;'
-judge=(storage_faults 3 'rotate')
-mistake 'storage rotate: the key gets no place again' firmware/key_ring.c \
-    'ring->beside = error != 0;' 'ring->beside = false;' \
-    firmware/key_ring.c 'return error || !ring->beside ? error : take_place(ring, fault);' 'return error;'
 
 judge=(test_firmware_slow_disk)
 mistake 'door: it waits for its records' firmware/appliance_door.c \
