@@ -47,8 +47,10 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
         tell_change(appliance, &news);
     }
     if (iso_audit_writer_take_result(appliance->log, &error, &fault)) {
+        const int said = appliance->log_error; /* each fault once, until the log is written again */
         iso__appliance_note_storage(appliance, error, &fault);
-        (void)iso__appliance_say_fault(appliance, error, &fault);
+        (void)iso__appliance_say_fault(appliance, error == said ? 0 : error, &fault);
+        appliance->log_error = error;
     }
 }
 

@@ -22,6 +22,7 @@ struct iso_appliance {
     bool blind; /* the door is at fault because the sensor sees nothing */
     struct iso_door_guard *door;
     struct iso_audit_writer *log;
+    int log_error; /* of the last posted record, as far as is known */
     struct iso_suspension suspension;
     int64_t start_ns;
     enum iso_appliance_mode mode;

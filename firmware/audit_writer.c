@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "drivers/process/thread.h"
+#include "firmware/stack_wipe.h"
 
 /* All texts of the longest record together; the line of a longer one would not fit either. */
 enum { TEXT_BYTES = 3072 };
@@ -231,6 +232,7 @@ static void *run(void *context)
         }
         if (writer->n > 0) {
             (void)write_first(writer, NULL);
+            iso_stack_wipe(); /* the record's names */
         } else if (!writer->ending) {
             (void)pthread_cond_wait(&writer->changed, &writer->mutex);
         }

@@ -19,7 +19,7 @@
 #include "core/clock.h"
 #include "firmware/door_control.h"
 
-enum { ISO_DOOR_GUARD_PRIORITY = 30, ISO_DOOR_GUARD_NEWS = 64 };
+enum { ISO_DOOR_GUARD_PRIORITY = 20, ISO_DOOR_GUARD_NEWS = 64 };
 
 /* A change of the door: what caused it, and what the door is now. */
 struct iso_door_news {
