@@ -66,7 +66,9 @@ mistake 'drop: a visit goes on while blind' firmware/appliance.c \
         iso_track_reset(&appliance->track);' '' \
     firmware/decision.c \
     'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
-    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns'
+    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
+    firmware/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
+    firmware/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
 mistake 'gone: the sensor is kept' firmware/sensor_keeper.c '    close_sensor(keeper, now_ns);
     return ISO_SENSOR_GONE;
 }
@@ -86,12 +88,13 @@ mistake 'corrupt: a score that is no number counts' firmware/decision.c \
     '!(frame->score < options->threshold) &&' \
     firmware/decision.c 'frame->score - frame->second_score >= options->margin;' \
     '!(frame->score - frame->second_score < options->margin);' \
-    firmware/appliance_visit.c 'if (!person) {
-        return false;' 'if (!person) {
-        return true;'
+    firmware/appliance_visit.c 'return person && is_valid_at(person, now_s);' \
+    'return !person || is_valid_at(person, now_s);'
 mistake 'blank: a visit has no end' firmware/decision.c \
     'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
-    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns'
+    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
+    firmware/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
+    firmware/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
 mistake 'blank: nobody is whoever was there before' firmware/appliance_frame.c \
     '    if (extraction->outcome != ISO_CAPTURE_OK) {' \
     '    if (extraction->outcome != ISO_CAPTURE_OK && extraction->outcome != ISO_CAPTURE_NOBODY) {' \
