@@ -170,9 +170,9 @@ static void a_stopped_door_stays_so(void **state)
     wired_door_press();
     assert_int_equal(iso_door_guard_look(guard).state, ISO_DOOR_STOPPED);
     iso_door_guard_free(guard); /* its thread has ended when this returns */
-    guard = NULL;
     assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 0);
-    assert_int_equal(open_guard(20), 0);
+    iso_door_io_close(io);
+    assert_int_equal(open_guard(20), 0); /* for the tear-down */
 }
 
 int main(void)
