@@ -87,10 +87,11 @@
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
  * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "repeats": it delivers
- * frames of the last ten minutes again; "lost"), "sensor-fault" s, "storage-fault" s (what the disk
- * refused last, "" since it works again), "sensor-health" s (what its driver says of it while it
- * runs, "" while all is well), "sensor-calibration" s (what it measures by, "" if it knows itself;
- * it begins with "nominal" if the intrinsics are the model's and were not measured on this camera),
+ * frames of the last ten minutes again; "lost"), "sensor-fault" s, "clock-fault" s (that it was set
+ * back behind the log, "" while it is right), "storage-fault" s (what the disk refused last, ""
+ * since it works again), "sensor-health" s (what its driver says of it while it runs, "" while all
+ * is well), "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with
+ * "nominal" if the intrinsics are the model's and were not measured on this camera),
  * "sensor-devices" s (what the back end sees, "" if it cannot tell, or not while it is lost),
  * "door" s (back end), "door-state" s, "door-lines" s (those that are wired), "door-fault" s (""
  * while its lines work), "mode" s
@@ -223,11 +224,11 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_DOOR_NOT_UNLOCKED "not-unlocked" /* its lock could not be switched */
 
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
-#define ISO_CONTRACT_EVENTS                                                                    \
-    "attack", "delete", "door", "door-test", "enroll", "export", "forget", "gallery", "grant", \
-        "identify", "import", "learn", "lockdown", "lockout", "log-recovered", "log-rotated",  \
-        "log-sealed", "picture", "records-lost", "rename", "rotate-keys", "sensor", "start",   \
-        "state-accepted", "stop", "validity", "verify", "visit"
+#define ISO_CONTRACT_EVENTS                                                                        \
+    "attack", "clock", "delete", "door", "door-test", "enroll", "export", "forget", "gallery",     \
+        "grant", "identify", "import", "learn", "lockdown", "lockout", "log-recovered",            \
+        "log-rotated", "log-sealed", "picture", "records-lost", "rename", "rotate-keys", "sensor", \
+        "start", "state-accepted", "stop", "validity", "verify", "visit"
 
 /* Errors. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

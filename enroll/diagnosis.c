@@ -174,6 +174,19 @@ static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
+/* The door goes on, but not for everybody. */
+static void judge_clock(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *fault = cli_state_text(state, "clock-fault");
+
+    if (fault && *fault) {
+        cli_diagnosis_add(
+            diagnosis, "clock", CLI_CHECK_BAD, fault,
+            "set the clock: timedatectl; if it is right, and an earlier date was not: "
+            "isotherm lockout clear");
+    }
+}
+
 static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     static const struct {
@@ -318,6 +331,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_devices(diagnosis, state);
     judge_calibration(diagnosis, state);
     judge_service(diagnosis, state);
+    judge_clock(diagnosis, state);
     judge_door(diagnosis, state);
     judge_lines(diagnosis, state);
     judge_model(diagnosis, state);

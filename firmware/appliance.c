@@ -374,6 +374,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     look_at_sensor(appliance, now_ns);
     now_ns = iso_times_now_ns(&appliance->parts.times);
     iso__appliance_lockout_time(appliance, now_ns);
+    iso__appliance_clock_time(appliance);
     iso__appliance_storage_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
@@ -433,6 +434,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .sensor_model = appliance->keeper.model,
         .sensor_calibration = appliance->keeper.calibration,
         .sensor_fault = appliance->keeper.fault,
+        .clock_fault = appliance->clock_fault.text,
         .storage_fault = iso__appliance_storage_fault(appliance),
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,

@@ -236,6 +236,8 @@ int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_faul
     error = save_or_undo(appliance, &before, fault);
     if (error) {
         iso_storage_add(fault, "the lock-out is as before");
+    } else {
+        iso__appliance_accept_clock(appliance);
     }
     return error;
 }

@@ -12,7 +12,7 @@ static void record(struct iso_appliance *appliance, const char *reason, const ch
     struct iso_audit_record record = iso_audit_record_of("sensor");
     record.reason = reason;
     record.note = note;
-    (void)iso__appliance_record(appliance, &record);
+    (void)iso__appliance_note(appliance, &record);
 }
 
 static void tell_stuck(struct iso_appliance *appliance)

@@ -53,6 +53,7 @@ struct iso_appliance {
     char last_outcome[48 + ISO_PERSON_NAME_SIZE];
     struct iso_appliance_counts counts;
     struct iso_lockout lockout;
+    struct iso_fault clock_fault;   /* the clock was set back; "": it was not */
     int64_t lockout_save_ns;        /* when to try again to keep it; ISO_NEVER_NS: it is kept */
     struct iso_fault storage_fault; /* what the disk refused last; "" since it works again */
     int64_t gallery_retry_ns;       /* when to try again to read the gallery, while it is lost */
@@ -152,6 +153,21 @@ bool iso__appliance_repeats(struct iso_appliance *appliance, const struct iso_fr
 
 /* The sensor was opened anew: what it did before is no fault of now. The frames stay known. */
 void iso__appliance_repeat_reset(struct iso_appliance *appliance);
+
+/* ---- a clock that was set back (appliance_clock.c) ---- */
+
+/* Whether the date is more than a minute before the latest one in the log. */
+bool iso__appliance_clock_is_behind(const struct iso_appliance *appliance);
+
+/* The date by which limits are judged while the clock is not behind, seconds since 1970: it does
+ * not go back by the minute that is tolerated. */
+int64_t iso__appliance_date_s(const struct iso_appliance *appliance);
+
+/* Tells and records that the clock is behind, or right again. */
+void iso__appliance_clock_time(struct iso_appliance *appliance);
+
+/* An administrator says that the clock is right and the log's date was not; on record. */
+void iso__appliance_accept_clock(struct iso_appliance *appliance);
 
 /* ---- people who were removed (appliance_forget.c) ---- */
 

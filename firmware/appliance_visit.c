@@ -31,29 +31,30 @@ double iso__appliance_threshold(const struct iso_appliance *appliance)
     return iso_config_threshold_among(appliance->parts.config, n_people);
 }
 
-static bool is_valid_at(const struct iso_person *person, int64_t now_s)
+static bool is_valid_at(const struct iso_appliance *appliance, const struct iso_person *person,
+                        int64_t now_s)
 {
     if (person->valid_from_s == 0 && person->valid_until_s == 0) {
         return true;
     }
-    return iso_wall_is_set(now_s) && now_s >= person->valid_from_s &&
+    return iso_wall_is_set(now_s) && !iso__appliance_clock_is_behind(appliance) &&
+           now_s >= person->valid_from_s &&
            (person->valid_until_s == 0 || now_s <= person->valid_until_s);
 }
 
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person_id)
 {
     const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, person_id);
-    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
-    return person && is_valid_at(person, now_s);
+    return person && is_valid_at(appliance, person, iso__appliance_date_s(appliance));
 }
 
 size_t iso__appliance_count_valid(const struct iso_appliance *appliance)
 {
-    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    const int64_t now_s = iso__appliance_date_s(appliance);
     size_t n = 0, valid = 0;
     const struct iso_person *people = iso_gallery_people(appliance->parts.gallery, &n);
     for (size_t i = 0; i < n; i++) {
-        valid += is_valid_at(&people[i], now_s);
+        valid += is_valid_at(appliance, &people[i], now_s);
     }
     return valid;
 }

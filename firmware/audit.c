@@ -112,6 +112,7 @@ static int take_record(struct iso_audit *audit, const struct iso_audit_reader *r
         return refuse(audit, -ESTALE, audit->last, "is of another log than the anchor", fault);
     }
     note_gallery(audit, reader->record.text);
+    iso__audit_note_clock(audit, reader->record.text);
     return 0;
 }
 
@@ -532,6 +533,8 @@ int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *rec
         (void)!iso__audit_write_anchor(audit, NULL); /* or before the next record */
     }
     tell(audit, record);
+    iso__audit_note_clock(audit, audit->json.text);
+    explicit_bzero(audit->json.text, sizeof audit->json.text); /* it may name somebody */
     return 0;
 }
 

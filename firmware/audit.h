@@ -94,6 +94,10 @@ uint64_t iso_audit_first(const struct iso_audit *audit);
 /* The newest number of changes that the log knows of this gallery; 0 if it does not know it. */
 uint64_t iso_audit_gallery_changes(const struct iso_audit *audit, const char *gallery);
 
+/* The latest date that any of its records has, or knew, in seconds since 1970; 0 if it has none. A
+ * record "clock" with the reason "accepted" begins anew with its own date. */
+int64_t iso_audit_latest_s(const struct iso_audit *audit);
+
 /* Hands out at most `max` records (without newline) from sequence `from` on; ends early if `each`
  * returns non-zero, which is then the result. -EIO, -EBADMSG, -ENOMEM. */
 int iso_audit_read(struct iso_audit *audit, uint64_t from, uint32_t max,

@@ -34,6 +34,8 @@ struct iso_audit {
     char gallery[20];       /* that the newest record spoke of, and its changes */
     uint64_t gallery_changes;
 
+    _Atomic int64_t latest_s; /* the latest date that the records know; any thread may ask */
+
     struct iso_json_line json;
     char line[ISO_AUDIT_LINE_MAX];
 };
@@ -57,6 +59,9 @@ void iso__audit_tell_anchor(const struct iso_audit *audit);
 /* Whether the closed segments are those that the anchor knows of; -ESTALE. closed: the segment that
  * was read last is one of them. */
 int iso__audit_check_closed(const struct iso_audit *audit, bool closed, struct iso_fault *fault);
+
+/* Takes note of the dates in a record's text. (audit_clock.c) */
+void iso__audit_note_clock(struct iso_audit *audit, const char *text);
 
 /* Room for the mark of the record that comes next; then the record of so many bytes. */
 int iso__audit_reserve_mark(struct iso_audit *audit);

@@ -232,7 +232,7 @@ static void *run(void *context)
         }
         if (writer->n > 0) {
             (void)write_first(writer, NULL);
-            iso_stack_wipe(); /* the record's names */
+            iso_stack_wipe(); /* the record may have named somebody */
         } else if (!writer->ending) {
             (void)pthread_cond_wait(&writer->changed, &writer->mutex);
         }

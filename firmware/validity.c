@@ -5,15 +5,13 @@
 
 #include "firmware/times.h"
 
-enum { DATE_SIZE = 32 };
-
-static const char *date_of(int64_t seconds, char text[DATE_SIZE])
+const char *iso_validity_date(int64_t seconds, char text[ISO_VALIDITY_DATE_SIZE])
 {
     const time_t time = (time_t)seconds;
     struct tm fields;
     if (!gmtime_r(&time, &fields) ||
-        strftime(text, DATE_SIZE, "%Y-%m-%dT%H:%M:%SZ", &fields) == 0) {
-        (void)snprintf(text, DATE_SIZE, "@%lld", (long long)seconds);
+        strftime(text, ISO_VALIDITY_DATE_SIZE, "%Y-%m-%dT%H:%M:%SZ", &fields) == 0) {
+        (void)snprintf(text, ISO_VALIDITY_DATE_SIZE, "@%lld", (long long)seconds);
     }
     return text;
 }
@@ -37,7 +35,7 @@ bool iso_validity_is_fine(const struct iso_validity *before,
                           char flaw[ISO_VALIDITY_FLAW_SIZE])
 {
     const struct iso_validity after = iso_validity_after(before, change);
-    char date[DATE_SIZE];
+    char date[ISO_VALIDITY_DATE_SIZE];
     if (after.from_s < 0 || after.until_s < 0) {
         (void)snprintf(flaw, ISO_VALIDITY_FLAW_SIZE, "the time of validity is before 1970");
         return false;
@@ -50,7 +48,7 @@ bool iso_validity_is_fine(const struct iso_validity *before,
         iso_wall_is_set(now_s) && !change->expired) {
         (void)snprintf(flaw, ISO_VALIDITY_FLAW_SIZE,
                        "the time of validity ended in the past, %s (--expired: it is meant so)",
-                       date_of(after.until_s, date));
+                       iso_validity_date(after.until_s, date));
         return false;
     }
     return true;
@@ -59,12 +57,12 @@ bool iso_validity_is_fine(const struct iso_validity *before,
 void iso_validity_text(const struct iso_validity *validity, char text[ISO_VALIDITY_TEXT_SIZE])
 {
     const bool from = validity->from_s != 0, until = validity->until_s != 0;
-    char first[DATE_SIZE], last[DATE_SIZE];
+    char first[ISO_VALIDITY_DATE_SIZE], last[ISO_VALIDITY_DATE_SIZE];
     if (!from && !until) {
         (void)snprintf(text, ISO_VALIDITY_TEXT_SIZE, "no limits");
         return;
     }
     (void)snprintf(text, ISO_VALIDITY_TEXT_SIZE, "%s%s%s%s%s", from ? "from " : "",
-                   from ? date_of(validity->from_s, first) : "", from && until ? " " : "",
-                   until ? "until " : "", until ? date_of(validity->until_s, last) : "");
+                   from ? iso_validity_date(validity->from_s, first) : "", from && until ? " " : "",
+                   until ? "until " : "", until ? iso_validity_date(validity->until_s, last) : "");
 }

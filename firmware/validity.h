@@ -33,4 +33,8 @@ bool iso_validity_is_fine(const struct iso_validity *before,
 /* "no limits", "from 2026-12-01T00:00:00Z", "until ...", "from ... until ...". */
 void iso_validity_text(const struct iso_validity *validity, char text[ISO_VALIDITY_TEXT_SIZE]);
 
+/* A date as text, UTC: "2026-11-21T08:33:20Z". Returns the text. */
+enum { ISO_VALIDITY_DATE_SIZE = 32 };
+const char *iso_validity_date(int64_t seconds, char text[ISO_VALIDITY_DATE_SIZE]);
+
 #endif

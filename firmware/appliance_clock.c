@@ -1,0 +1,79 @@
+/* A clock that was set back behind the newest record of the log: what it says of anybody's limits
+ * is not to be believed. */
+#include <errno.h>
+#include <stdio.h>
+#include <syslog.h>
+
+#include "firmware/appliance_state.h"
+#include "firmware/validity.h"
+
+/* A clock that is kept right by the network is corrected by less. */
+static const int64_t tolerance_s = 60;
+
+static int64_t wall_s(const struct iso_appliance *appliance)
+{
+    return iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+}
+
+bool iso__appliance_clock_is_behind(const struct iso_appliance *appliance)
+{
+    return wall_s(appliance) + tolerance_s < iso_audit_latest_s(appliance->parts.audit);
+}
+
+int64_t iso__appliance_date_s(const struct iso_appliance *appliance)
+{
+    const int64_t now_s = wall_s(appliance), latest_s = iso_audit_latest_s(appliance->parts.audit);
+    return now_s < latest_s && !iso__appliance_clock_is_behind(appliance) ? latest_s : now_s;
+}
+
+/* `first`: what it announces happens only if it is on the disk. */
+static bool record(struct iso_appliance *appliance, const char *reason, int64_t before_s,
+                   bool first)
+{
+    struct iso_fault fault = {""};
+    struct iso_audit_record record = iso_audit_record_of("clock");
+    char before[ISO_VALIDITY_DATE_SIZE], after[ISO_VALIDITY_DATE_SIZE];
+    record.reason = reason;
+    record.before = iso_validity_date(before_s, before);
+    record.after = iso_validity_date(wall_s(appliance), after);
+    return (first ? iso__appliance_record_first(appliance, &record, &fault)
+                  : iso__appliance_note(appliance, &record)) == 0;
+}
+
+static void tell_behind(struct iso_appliance *appliance)
+{
+    const int64_t latest_s = iso_audit_latest_s(appliance->parts.audit);
+    char date[ISO_VALIDITY_DATE_SIZE];
+    (void)iso_fault_set(&appliance->clock_fault, -ERANGE,
+                        "the clock was set back: the log has a record of %s; people with time "
+                        "limits are not let in",
+                        iso_validity_date(latest_s, date));
+    iso__appliance_say(appliance, LOG_WARNING, "%s", appliance->clock_fault.text);
+    (void)record(appliance, "behind", latest_s, false);
+}
+
+static void tell_right(struct iso_appliance *appliance)
+{
+    appliance->clock_fault.text[0] = '\0';
+    iso__appliance_say(appliance, LOG_NOTICE, "the clock is right again");
+    (void)record(appliance, "right", iso_audit_latest_s(appliance->parts.audit), false);
+}
+
+void iso__appliance_clock_time(struct iso_appliance *appliance)
+{
+    const bool behind = iso__appliance_clock_is_behind(appliance);
+    const bool told = appliance->clock_fault.text[0] != '\0';
+    if (behind && !told) {
+        tell_behind(appliance);
+    } else if (!behind && told) {
+        tell_right(appliance);
+    }
+}
+
+void iso__appliance_accept_clock(struct iso_appliance *appliance)
+{
+    if (iso__appliance_clock_is_behind(appliance) &&
+        record(appliance, "accepted", iso_audit_latest_s(appliance->parts.audit), true)) {
+        appliance->clock_fault.text[0] = '\0';
+    }
+}

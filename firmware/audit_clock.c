@@ -1,0 +1,41 @@
+/* The latest date that the log knows. */
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "firmware/audit_state.h"
+
+/* The date of a member of a record's text, seconds since 1970; 0 if there is none. Quotes within
+ * values are escaped: a name cannot look like a member. */
+static int64_t date_of(const char *text, const char *member)
+{
+    struct tm date = {0};
+    const char *found = strstr(text, member);
+    if (!found ||
+        sscanf(found + strlen(member), "%4d-%2d-%2dT%2d:%2d:%2d", &date.tm_year, &date.tm_mon,
+               &date.tm_mday, &date.tm_hour, &date.tm_min, &date.tm_sec) != 6) {
+        return 0;
+    }
+    date.tm_year -= 1900;
+    date.tm_mon -= 1;
+    return (int64_t)timegm(&date);
+}
+
+void iso__audit_note_clock(struct iso_audit *audit, const char *text)
+{
+    const int64_t written_s = date_of(text, "\"time\":\"");
+    const bool of_clock = strstr(text, "\"event\":\"clock\"") != NULL;
+    if (of_clock && strstr(text, "\"reason\":\"accepted\"")) {
+        audit->latest_s = written_s;
+        return;
+    }
+    /* What was known before may stand in records that are gone since. */
+    const int64_t known_s = of_clock ? date_of(text, "\"before\":\"") : 0;
+    const int64_t latest_s = written_s > known_s ? written_s : known_s;
+    audit->latest_s = latest_s > audit->latest_s ? latest_s : audit->latest_s;
+}
+
+int64_t iso_audit_latest_s(const struct iso_audit *audit)
+{
+    return audit->latest_s;
+}

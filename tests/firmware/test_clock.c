@@ -1,0 +1,136 @@
+/* The clock set back behind the log's newest record: who has time limits stays out, others come in,
+ * the fault is told and on record, and a restart forgets nothing of it. */
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "tests/firmware/puppets.h"
+#include "tests/firmware/rig.h"
+#include "tests/firmware/stores.h"
+
+enum { ANNA = 50, BOB = 80 }; /* until an hour after the start; without limits */
+
+static const int64_t hour_ns = 3600 * ISO_NS_PER_S;
+
+static int setup(void **state)
+{
+    if (rig_setup(state)) {
+        return -1;
+    }
+    struct rig *rig = *state;
+    const struct iso_person anna = {.name = "anna",
+                                    .valid_until_s = rig->wall_ns / ISO_NS_PER_S + 3600};
+    const struct iso_template tmpl = puppet_template(ANNA, PUPPET_ALGORITHM);
+    assert_int_equal(iso_gallery_add(rig->gallery, &anna, &tmpl, NULL), 0);
+    rig_enrol(rig, "bob", BOB);
+    rig_start(rig);
+    return 0;
+}
+
+/* Somebody comes; what is reported of the visit. */
+static const char *visit(struct rig *rig, int face)
+{
+    rig_run(rig, 8000); /* the one before has left, and the door has locked */
+    (void)rig_news(rig);
+    rig_show(rig, face, 2);
+    rig_run(rig, 200);
+    return rig_news(rig);
+}
+
+static const char *fault(const struct rig *rig)
+{
+    return iso_appliance_status(rig->appliance).clock_fault;
+}
+
+/* As after the end of the process; the log has been closed and is read again. */
+static void restart(struct rig *rig)
+{
+    struct iso_audit_options options = stores_audit(rig->directory);
+    options.sync = false;
+    iso_appliance_stop(rig->appliance);
+    iso_appliance_free(rig->appliance);
+    iso_audit_close(rig->audit);
+    assert_int_equal(iso_audit_open(&options, &rig->parts.times, &rig->audit, NULL), 0);
+    rig->parts.audit = rig->audit;
+    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_start(rig->appliance, NULL), 0);
+}
+
+static void who_has_expired_stays_out_when_the_clock_is_set_back(void **state)
+{
+    struct rig *rig = *state;
+    assert_non_null(strstr(visit(rig, ANNA), "visit allow anna"));
+    rig->wall_ns += 2 * hour_ns;
+    assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
+    assert_string_equal(fault(rig), "");
+
+    rig->wall_ns -= 2 * hour_ns;
+    assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
+    assert_non_null(strstr(visit(rig, BOB), "visit allow bob"));
+    assert_non_null(strstr(fault(rig), "the clock was set back"));
+    assert_int_equal(iso_appliance_status(rig->appliance).people_valid, 1);
+    assert_non_null(strstr(rig_record(rig, "clock"), "\"reason\":\"behind\""));
+
+    rig->wall_ns += 3 * hour_ns;
+    assert_non_null(strstr(visit(rig, BOB), "visit allow bob"));
+    assert_string_equal(fault(rig), "");
+    assert_non_null(strstr(rig_record(rig, "clock"), "\"reason\":\"right\""));
+    assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
+}
+
+/* Twice: the records of the first run were written by the clock that is behind. */
+static void a_restart_forgets_nothing_of_it(void **state)
+{
+    struct rig *rig = *state;
+    rig->wall_ns += 2 * hour_ns;
+    (void)visit(rig, BOB);
+    rig->wall_ns -= 2 * hour_ns;
+    for (int i = 0; i < 2; i++) {
+        restart(rig);
+        assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
+        assert_non_null(strstr(visit(rig, BOB), "visit allow bob"));
+        assert_non_null(strstr(fault(rig), "the clock was set back"));
+    }
+}
+
+/* A clock that ran ahead for a while has left a date in the log that has not come yet. */
+static void an_administrator_accepts_the_clock(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_fault why = {""};
+    rig->wall_ns += 1000 * hour_ns;
+    (void)visit(rig, BOB);
+    rig->wall_ns -= 1000 * hour_ns;
+    assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
+    assert_int_equal(iso_appliance_clear_lockout(rig->appliance, &why), 0);
+    assert_string_equal(fault(rig), "");
+    assert_non_null(strstr(rig_record(rig, "clock"), "\"reason\":\"accepted\""));
+    assert_non_null(strstr(visit(rig, ANNA), "visit allow anna"));
+    restart(rig);
+    assert_non_null(strstr(visit(rig, ANNA), "visit allow anna"));
+    assert_string_equal(fault(rig), "");
+}
+
+/* What the network's time corrects is no fault; nor does it let anybody in for a minute more. */
+static void a_small_correction_is_no_fault(void **state)
+{
+    struct rig *rig = *state;
+    rig->wall_ns += hour_ns + 5 * ISO_NS_PER_S;
+    assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
+    rig->wall_ns -= 50 * ISO_NS_PER_S;
+    assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
+    assert_string_equal(fault(rig), "");
+    assert_string_equal(rig_record(rig, "clock"), "");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(who_has_expired_stays_out_when_the_clock_is_set_back, setup,
+                                        rig_teardown),
+        cmocka_unit_test_setup_teardown(a_restart_forgets_nothing_of_it, setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(an_administrator_accepts_the_clock, setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(a_small_correction_is_no_fault, setup, rig_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
