@@ -20,7 +20,7 @@ cmake -S "$copy" -B "$copy/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
 }
 
 drill() {
-    cmake --build "$copy/build" --target "${judge[0]}" >"$copy/log" 2>&1 || {
+    cmake --build "$copy/build" --target "${judge[0]##*/}" >"$copy/log" 2>&1 || {
         tail -n 20 "$copy/log" >&2
         echo "drill_bites: $1: does not build" >&2
         exit 1
@@ -158,6 +158,16 @@ mistake 'suspended: frames from before count' firmware/appliance_frame.c \
 mistake 'suspended: a visit goes on' firmware/appliance.c \
     'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times)) {' \
     'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times) && 0) {'
+judge=(../core/test_presentation_frame_memory)
+mistake 'repeats: one frame is remembered' core/presentation/frame_memory.c \
+    'memory->n = memory->n < memory->options.capacity ? memory->n + 1 : memory->n;' 'memory->n = 1;'
+mistake 'repeats: an offset makes a frame new' core/presentation/frame_memory.c \
+    '(z_mm - before_mm) * steps_per_mm' 'z_mm * steps_per_mm'
+mistake 'repeats: some pixels make a frame new' core/presentation/frame_memory.h \
+    '#define ISO_FINGERPRINT_SAME 0.4' '#define ISO_FINGERPRINT_SAME 0.99'
+judge=(../e2e/test_e2e_appliance)
+mistake 'repeats: a frame that is known counts' firmware/appliance_frame.c \
+    'return !repeats && !is_echo(appliance);' 'return (repeats || !repeats) && !is_echo(appliance);'
 [ "$missed" -eq 0 ] || {
     echo "drill_bites: $missed mistakes were not noticed" >&2
     exit 1
