@@ -8,6 +8,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/contract.h"
@@ -498,6 +499,24 @@ static void help_is_shown_however_it_is_asked_for(void **state)
 }
 
 /* With --replace nobody stays as is. A file for an appliance needs no passphrase. */
+/* What is no file is refused before the daemon gets it: nobody waits for the writer of a FIFO. */
+static void import_reads_files_alone(void **state)
+{
+    static const char *const said[] = {"is a FIFO, not a file", "is a symbolic link, not a file",
+                                       "is a directory, not a file"};
+    const char *paths[] = {scratch_path(*state, "fifo"), scratch_path(*state, "link"), *state};
+
+    assert_int_equal(mkfifo(paths[0], 0600), 0);
+    assert_int_equal(symlink("/dev/zero", paths[1]), 0);
+    for (size_t i = 0; i < COUNT(paths); i++) {
+        char words[256];
+        (void)snprintf(words, sizeof words, "import %s", paths[i]);
+        const struct cli_result result = cli_run(&two_people, words);
+        cli_expect_exit(&result, 4);
+        assert_non_null(strstr(result.err, said[i]));
+    }
+}
+
 static void import_says_whether_people_were_replaced(void **state)
 {
     static const char sealed[32] = ISO_CONTRACT_PEOPLE_MAGIC "\002";
@@ -516,6 +535,7 @@ static void import_says_whether_people_were_replaced(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(import_reads_files_alone, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(import_says_whether_people_were_replaced, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test(help_is_shown_however_it_is_asked_for),

@@ -41,6 +41,7 @@ fresh_tree
 passes "$root/cmake/check_layers.sh" "$copy"
 passes "$root/tests/gate/docs.sh" "$copy"
 passes "$root/tests/gate/open_files.sh" "$copy"
+passes "$root/tests/gate/threads.sh" "$copy"
 
 what='a file that is opened without the helper'
 printf 'int a(void) { return open("a", 0); }\n' >"$copy/firmware/b.c"
@@ -50,6 +51,11 @@ fresh_tree
 what='a second call beside one that has a reason'
 printf 'void b(void) { fopen("b", "re"); }\n' >>"$copy/sim/writer.c"
 refuses "$root/tests/gate/open_files.sh" "$copy"
+
+fresh_tree
+what='a thread with a stack of any size'
+printf 'void b(void) { pthread_create(0, 0, 0, 0); }\n' >"$copy/firmware/b.c"
+refuses "$root/tests/gate/threads.sh" "$copy"
 
 fresh_tree
 what='a lower layer that includes a higher one'
