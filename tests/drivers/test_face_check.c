@@ -310,7 +310,7 @@ static void a_cascade_that_is_none_is_refused(void **state)
     assert_string_equal(fault.text, "/nonexistent/cascade.xml: No such file or directory");
     assert_int_equal(iso_face_check_new(HEAD, &check, &fault), -EBADMSG);
     assert_non_null(strstr(fault.text, "head.model: not a cascade that OpenCV can read"));
-    assert_int_equal(iso_face_check_new("/", &check, &fault), -EBADMSG);
+    assert_int_equal(iso_face_check_new("/", &check, &fault), -EISDIR);
     assert_null(check);
     iso_face_check_free(NULL);
 }
