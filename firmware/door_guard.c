@@ -22,6 +22,7 @@ struct iso_door_guard {
     int news_fd;           /* readable while there are news */
     pthread_mutex_t mutex; /* of what follows, and of the door's lines */
     struct iso_door_control control;
+    int64_t granted_until_ns; /* of the last grant */
     bool ending;
     struct iso_door_news news[ISO_DOOR_GUARD_NEWS]; /* a ring */
     size_t first, n, missed;
@@ -95,8 +96,12 @@ static void step(struct iso_door_guard *guard)
     iso_door_control_step(&guard->control, fd >= 0, now_ns(guard));
 }
 
-/* Times that have passed are due at once: a time of 0 would disarm the timer. */
-static void arm_timer(const struct iso_door_guard *guard, int64_t due_ns)
+/* Without a timer the thread looks so often. */
+static const int blind_ms = 5;
+
+/* Times that have passed are due at once: a time of 0 would disarm the timer. False: there is no
+ * timer. */
+static bool arm_timer(const struct iso_door_guard *guard, int64_t due_ns)
 {
     struct itimerspec when = {.it_value.tv_sec = 0};
     if (due_ns != ISO_NEVER_NS) {
@@ -104,7 +109,7 @@ static void arm_timer(const struct iso_door_guard *guard, int64_t due_ns)
         when.it_value.tv_sec = (time_t)(at_ns / ISO_NS_PER_S);
         when.it_value.tv_nsec = (long)(at_ns % ISO_NS_PER_S);
     }
-    (void)timerfd_settime(guard->timer_fd, TFD_TIMER_ABSTIME, &when, NULL);
+    return timerfd_settime(guard->timer_fd, TFD_TIMER_ABSTIME, &when, NULL) == 0;
 }
 
 /* Waits for an edge, for the time that is due, or to be woken. A descriptor of lines that do not
@@ -116,8 +121,8 @@ static void wait_for_something(const struct iso_door_guard *guard, int lines_fd,
         {.fd = guard->timer_fd, .events = POLLIN},
         {.fd = lines_fd, .events = POLLIN},
     };
-    arm_timer(guard, due_ns);
-    (void)poll(ready, sizeof ready / sizeof *ready, -1);
+    const bool armed = arm_timer(guard, due_ns);
+    (void)poll(ready, sizeof ready / sizeof *ready, armed ? -1 : blind_ms);
     make_quiet(guard->wake_fd);
     make_quiet(guard->timer_fd);
 }
@@ -244,6 +249,7 @@ static int grant(struct iso_door_guard *guard, int64_t until_ns, enum iso_door_a
         return -ESTALE;
     }
     *answer = did;
+    guard->granted_until_ns = until_ns;
     return 0;
 }
 
@@ -289,9 +295,13 @@ void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault)
 int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wiegand_card *card,
                              struct iso_fault *fault)
 {
+    int error = -EACCES;
     (void)pthread_mutex_lock(&guard->mutex);
-    const bool unlocked = guard->control.door.state == ISO_DOOR_UNLOCKED;
-    const int error = unlocked ? iso_door_io_send_card(guard->options.io, card, fault) : -EACCES;
+    if (guard->control.door.state == ISO_DOOR_UNLOCKED) {
+        error = now_ns(guard) <= guard->granted_until_ns
+                    ? iso_door_io_send_card(guard->options.io, card, fault)
+                    : iso_fault_set(fault, -ESTALE, "the verdict is too old to send the card");
+    }
     (void)pthread_mutex_unlock(&guard->mutex);
     return error;
 }

@@ -68,7 +68,8 @@ int iso_door_guard_may_test(struct iso_door_guard *guard, struct iso_fault *faul
     __attribute__((warn_unused_result));
 void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault);
 
-/* As iso_door_io_send_card; moreover -EACCES, without a fault, if the door is not unlocked. */
+/* Sends the card of who was granted last. As iso_door_io_send_card; moreover -EACCES, without a
+ * fault, if the door is not unlocked, and -ESTALE if it is later than that grant's until_ns. */
 int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wiegand_card *card,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 

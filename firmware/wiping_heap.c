@@ -20,8 +20,63 @@ typedef int iso_wiping_heap_is_left_out;
 #include <string.h>
 
 /* The C library's own, under the names that it keeps for programs which replace them. */
-extern void __libc_free(void *memory);                  /* NOLINT(bugprone-reserved-identifier) */
-extern void *__libc_realloc(void *memory, size_t size); /* NOLINT(bugprone-reserved-identifier) */
+// NOLINTBEGIN(bugprone-reserved-identifier)
+extern void *__libc_malloc(size_t size);
+extern void *__libc_calloc(size_t n, size_t size);
+extern void *__libc_memalign(size_t alignment, size_t size);
+extern void *__libc_valloc(size_t size);
+extern void *__libc_pvalloc(size_t size);
+extern void *__libc_realloc(void *memory, size_t size);
+extern void __libc_free(void *memory);
+// NOLINTEND(bugprone-reserved-identifier)
+
+/* The rest of the set, unchanged: memory of another heap, such as that of a library which is loaded
+ * before all others, must not come to free(). */
+
+void *malloc(size_t size)
+{
+    return __libc_malloc(size);
+}
+
+void *calloc(size_t n, size_t size)
+{
+    return __libc_calloc(n, size);
+}
+
+void *memalign(size_t alignment, size_t size)
+{
+    return __libc_memalign(alignment, size);
+}
+
+void *aligned_alloc(size_t alignment, size_t size)
+{
+    return __libc_memalign(alignment, size);
+}
+
+void *valloc(size_t size)
+{
+    return __libc_valloc(size);
+}
+
+void *pvalloc(size_t size)
+{
+    return __libc_pvalloc(size);
+}
+
+int posix_memalign(void **memory, size_t alignment, size_t size)
+{
+    const int before = errno;
+    if (alignment % sizeof(void *) != 0 || alignment == 0 || (alignment & (alignment - 1)) != 0) {
+        return EINVAL;
+    }
+    void *got = __libc_memalign(alignment, size);
+    errno = before;
+    if (!got) {
+        return ENOMEM;
+    }
+    *memory = got;
+    return 0;
+}
 
 void free(void *memory)
 {

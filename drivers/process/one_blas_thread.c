@@ -14,6 +14,7 @@
 #include <limits.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/auxv.h>
 #include <unistd.h>
 
 /* More than any environment has that is not an attack on the program's memory. */
@@ -27,6 +28,9 @@ static void start_again_without_threads(int argc, char **argv, char **environmen
     static char path[PATH_MAX];
     size_t n = 0;
     (void)argc;
+    if (getauxval(AT_BASE) == 0) {
+        return; /* called by the loader's own name: /proc/self/exe is the loader */
+    }
     for (; environment[n]; n++) {
         if (n == ENVIRONMENT_MAX || strncmp(environment[n], name, sizeof name - 1) == 0) {
             return;

@@ -163,6 +163,28 @@ static void news_that_nobody_takes_are_counted(void **state)
     assert_int_equal(recorded, 2 + 2 * ISO_DOOR_GUARD_NEWS); /* and none is lost there */
 }
 
+/* The door stays unlocked for longer than the verdict is good for. */
+static void the_card_of_an_old_grant_is_not_sent(void **state)
+{
+    const struct iso_wiegand_card card = {17, 4711};
+    enum iso_door_answer answer = ISO_DOOR_NOT_ASKED;
+    struct iso_fault fault = {""};
+    (void)state;
+    const int64_t until_ns = iso_times_boot_ns(&times) + 20 * ISO_NS_PER_MS;
+    int error = iso_door_guard_grant(guard, until_ns, &answer);
+    if (error == -ESTALE) {
+        return; /* the test itself was stopped for so long */
+    }
+    assert_int_equal(error, 0);
+    while (iso_times_boot_ns(&times) <= until_ns) {
+        poll(NULL, 0, 5);
+    }
+    assert_int_equal(iso_door_guard_look(guard).state, ISO_DOOR_UNLOCKED);
+    error = iso_door_guard_send_card(guard, &card, &fault);
+    assert_int_equal(error, -ESTALE);
+    assert_string_equal(fault.text, "the verdict is too old to send the card");
+}
+
 static void a_stopped_door_stays_so(void **state)
 {
     (void)state;
@@ -188,6 +210,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(news_come_in_order_and_none_is_recorded_twice, setup_slow,
                                         teardown),
         TEST(news_that_nobody_takes_are_counted),
+        cmocka_unit_test_setup_teardown(the_card_of_an_old_grant_is_not_sent, setup_slow, teardown),
         TEST(a_stopped_door_stays_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
