@@ -30,7 +30,8 @@ void iso__audit_note_clock(struct iso_audit *audit, const char *text)
         return;
     }
     /* What was known before may stand in records that are gone since. */
-    const int64_t known_s = of_clock ? date_of(text, "\"before\":\"") : 0;
+    const bool has_known = of_clock || strstr(text, "\"event\":\"log-rotated\"");
+    const int64_t known_s = has_known ? date_of(text, "\"before\":\"") : 0;
     const int64_t latest_s = written_s > known_s ? written_s : known_s;
     audit->latest_s = latest_s > audit->latest_s ? latest_s : audit->latest_s;
 }

@@ -13,6 +13,7 @@
 #include "firmware/audit_state.h"
 #include "firmware/directory.h"
 #include "firmware/storage_fault.h"
+#include "firmware/validity.h"
 
 /* The key of a closed segment: below it none is needed any more. */
 static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
@@ -123,11 +124,14 @@ static int begin_beside(struct iso_audit *audit, const char *beside, int *fd,
 static int append_note(struct iso_audit *audit, uint64_t first, struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of("log-rotated");
-    char note[96];
+    char note[96], latest[ISO_VALIDITY_DATE_SIZE];
     (void)snprintf(note, sizeof note,
                    "the segment before begins with record %" PRIu64 ", the log with %" PRIu64,
                    first, audit->first);
     record.note = note;
+    if (audit->latest_s > 0) { /* only the newest segment is read at the next start */
+        record.before = iso_validity_date(audit->latest_s, latest);
+    }
     if (audit->gallery[0]) {
         record.gallery = audit->gallery;
         record.gallery_changes = audit->gallery_changes;

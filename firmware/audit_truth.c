@@ -37,6 +37,9 @@ int iso__audit_recover(struct iso_audit *audit, struct iso_fault *fault)
                               audit->path);
     } else {
         const struct iso_audit given_up = *audit;
+        if (found->latest_s < audit->latest_s) { /* it stands in a segment that was not read */
+            found->latest_s = audit->latest_s;
+        }
         *audit = *found;
         *found = given_up;
     }

@@ -42,11 +42,13 @@ static const char *fault(const struct rig *rig)
     return iso_appliance_status(rig->appliance).clock_fault;
 }
 
-/* As after the end of the process; the log has been closed and is read again. */
-static void restart(struct rig *rig)
+/* As after the end of the process; the log has been closed and is read again. segment_bytes: the
+ * log goes on in a new segment when one has so many. */
+static void restart_with(struct rig *rig, uint64_t segment_bytes)
 {
     struct iso_audit_options options = stores_audit(rig->directory);
     options.sync = false;
+    options.segment_bytes = segment_bytes;
     iso_appliance_stop(rig->appliance);
     iso_appliance_free(rig->appliance);
     iso_audit_close(rig->audit);
@@ -54,6 +56,11 @@ static void restart(struct rig *rig)
     rig->parts.audit = rig->audit;
     assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
     assert_int_equal(iso_appliance_start(rig->appliance, NULL), 0);
+}
+
+static void restart(struct rig *rig)
+{
+    restart_with(rig, stores_audit(rig->directory).segment_bytes);
 }
 
 static void who_has_expired_stays_out_when_the_clock_is_set_back(void **state)
@@ -89,6 +96,22 @@ static void a_restart_forgets_nothing_of_it(void **state)
         restart(rig);
         assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
         assert_non_null(strstr(visit(rig, BOB), "visit allow bob"));
+        assert_non_null(strstr(fault(rig), "the clock was set back"));
+    }
+}
+
+/* Each record begins a segment: only the newest one is read. */
+static void nor_does_a_new_segment_of_the_log(void **state)
+{
+    struct rig *rig = *state;
+    rig->wall_ns += 2 * hour_ns;
+    (void)visit(rig, BOB);
+    rig->wall_ns -= 2 * hour_ns;
+    restart_with(rig, 1);
+    for (int i = 0; i < 2; i++) {
+        assert_non_null(strstr(visit(rig, BOB), "visit allow bob"));
+        restart_with(rig, 1);
+        assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
         assert_non_null(strstr(fault(rig), "the clock was set back"));
     }
 }
@@ -129,6 +152,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(who_has_expired_stays_out_when_the_clock_is_set_back, setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(a_restart_forgets_nothing_of_it, setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(nor_does_a_new_segment_of_the_log, setup, rig_teardown),
         cmocka_unit_test_setup_teardown(an_administrator_accepts_the_clock, setup, rig_teardown),
         cmocka_unit_test_setup_teardown(a_small_correction_is_no_fault, setup, rig_teardown),
     };
