@@ -9,7 +9,7 @@
 
 enum {
     FINE = 4,        /* samples of the pattern a pixel, along a row */
-    SPECK_PX = 3,    /* size of its specks */
+    SPECK_PX = 2,    /* size of its specks */
     NOISE_LEVELS = 4 /* of a picture: uniform, so many either way */
 };
 
