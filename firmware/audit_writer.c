@@ -228,7 +228,11 @@ static void *run(void *context)
     (void)pthread_mutex_lock(&writer->mutex);
     while (writer->n > 0 || !writer->ending || has_to_admit(writer)) {
         if (has_to_admit(writer)) {
+            const bool before_a_record = writer->n > 0;
             admit_losses(writer);
+            if (!before_a_record) {
+                continue; /* a record that was queued meanwhile stands behind the losses */
+            }
         }
         if (writer->n > 0) {
             (void)write_first(writer, NULL);

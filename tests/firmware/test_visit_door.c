@@ -40,7 +40,9 @@ static int get_inputs(void *self, struct iso_door_inputs *out, struct iso_fault 
 {
     const int error = blind ? iso_fault_set(fault, -EIO, "the contact is cut")
                             : iso_door_null_ops.get_inputs(self, out, fault);
-    out->active[ISO_DOOR_CONTACT] |= contact;
+    if (!error) {
+        out->active[ISO_DOOR_CONTACT] |= contact;
+    }
     return error;
 }
 
