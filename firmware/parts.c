@@ -278,15 +278,24 @@ int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fa
     return lacking == -ENOENT && !*config->recognition.cascade ? 0 : lacking;
 }
 
+/* Nothing is open yet. NULL for want of memory; iso_parts_close ends it. */
+static struct iso_parts *new_parts(const struct iso_config *config, const struct iso_times *times)
+{
+    struct iso_parts *parts = calloc(1, sizeof *parts);
+    if (parts) {
+        parts->config = *config;
+        parts->times = *times;
+    }
+    return parts;
+}
+
 int iso_parts_check(const struct iso_config *config, const struct iso_times *times,
                     struct iso_fault *fault)
 {
-    struct iso_parts *parts = calloc(1, sizeof *parts);
+    struct iso_parts *parts = new_parts(config, times);
     if (!parts) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    parts->config = *config;
-    parts->times = *times;
     const int error = open_files(parts, fault);
     iso_parts_close(parts);
     return error;
@@ -295,12 +304,10 @@ int iso_parts_check(const struct iso_config *config, const struct iso_times *tim
 int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
                    struct iso_parts **out, struct iso_fault *fault)
 {
-    struct iso_parts *parts = calloc(1, sizeof *parts);
+    struct iso_parts *parts = new_parts(config, times);
     if (!parts) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    parts->config = *config;
-    parts->times = *times;
     int error = open_files(parts, fault);
     if (!error) {
         error = iso_parts_open_stores(parts, fault);
@@ -320,12 +327,10 @@ int iso_parts_accept(const struct iso_config *config, const struct iso_times *ti
                      struct iso_fault *fault)
 {
     struct iso_fault why;
-    struct iso_parts *parts = calloc(1, sizeof *parts);
+    struct iso_parts *parts = new_parts(config, times);
     if (!parts) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    parts->config = *config;
-    parts->times = *times;
     int error = open_files(parts, fault);
     error = error ? error : iso_parts_accept_stores(parts, &why, fault);
     if (!error) {
@@ -356,12 +361,10 @@ static int print_log(struct iso_parts *parts, FILE *out, struct iso_fault *fault
 int iso_parts_print_log(const struct iso_config *config, const struct iso_times *times, FILE *out,
                         struct iso_fault *fault)
 {
-    struct iso_parts *parts = calloc(1, sizeof *parts);
+    struct iso_parts *parts = new_parts(config, times);
     if (!parts) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    parts->config = *config;
-    parts->times = *times;
     int error = open_ring(parts, fault);
     error = error ? error : open_log(parts, fault);
     error = error ? error : print_log(parts, out, fault);
