@@ -10,9 +10,9 @@
  * with the mutex held: it must neither wait nor call the guard. The same news then wait in a ring
  * for whoever tells people of them (iso_door_guard_next).
  *
- * Without a thread the caller steps the door: for clocks that are injected. With it the clock has
- * to be CLOCK_BOOTTIME, so that a door that was unlocked before the machine was suspended locks as
- * soon as it is resumed. */
+ * Tests that inject a clock use the guard without a thread: the caller then steps the door. With a
+ * thread the clock must be CLOCK_BOOTTIME, which runs while the machine is suspended: a door that
+ * was unlocked before a suspension locks when the machine resumes. */
 #ifndef ISO_FIRMWARE_DOOR_GUARD_H
 #define ISO_FIRMWARE_DOOR_GUARD_H
 

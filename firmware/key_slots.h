@@ -1,8 +1,8 @@
 /* The keys of a ring in memory, each in a slot of its own that it keeps: whoever has found a key
  * can go on reading it while another thread makes or drops keys of another use.
  *
- * The keys of one use belong to one thread at a time: that thread looks for them, and changes them.
- * Changes are made by one thread at a time, for which the owner of the slots sees. */
+ * Only one thread at a time looks for the keys of one use and changes them. Only one thread at a
+ * time makes a change; the owner of the slots ensures that. */
 #ifndef ISO_FIRMWARE_KEY_SLOTS_H
 #define ISO_FIRMWARE_KEY_SLOTS_H
 
@@ -34,8 +34,8 @@ struct iso_key_slots {
 /* What the slots hold. */
 void iso_key_slots_list(const struct iso_key_slots *slots, struct iso_key_list *out);
 
-/* From now on the slots hold these keys, those that they held already where they were. Wipes the
- * list, and the keys that are dropped. */
+/* Makes the slots hold the keys of this list. A key that is in a slot already keeps its slot. Wipes
+ * the list, and the slots of the keys that are not in it. */
 void iso_key_slots_take(struct iso_key_slots *slots, struct iso_key_list *keys);
 
 /* As iso_key_ring_find and iso_key_ring_newest. */

@@ -61,11 +61,11 @@ int iso_parts_open_each_store(struct iso_parts *parts, struct iso_fault *fault)
 int iso_parts_compare_stores(const struct iso_parts *parts, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Opens the stores as iso_parts_open_stores does. If they are of different times, takes them as
- * they are all the same: writes "state-accepted" into the log, and every store anew, so that they
- * agree from then on. A lock-out file that cannot be used becomes a lockdown. *why is what was
- * accepted,
- * "" if there was nothing. The errors of opening and writing them. */
+/* Opens the stores as iso_parts_open_stores does, but accepts stores that are of different times.
+ * It then writes the record "state-accepted" into the log, and writes every store again; from then
+ * on the stores agree. A lock-out file that cannot be used becomes a lockdown. *why says what was
+ * accepted; it is "" if the stores agreed already. Returns the errors of opening and writing the
+ * stores. */
 int iso_parts_accept_stores(struct iso_parts *parts, struct iso_fault *why, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -6,9 +6,9 @@
  * compared with that of the half second before. At a silhouette a sway of a few millimetres changes
  * it by some hundred millimetres, because near pixels take the place of far ones. The noise of a
  * structured-light sensor changes it by more than 100 mm in one or two cells at edges, even from
- * one frame to the next. A scene moves from the first such change on, and for `quiet_ns`
- * after the last one. Before the first change nothing is known to move. Pure: the time is the
- * frames'. */
+ * one frame to the next. A change is seen in at least four cells at once. The scene counts as
+ * moving from the first change until `quiet_ns` after the last one. Until the first change it
+ * counts as still. Pure: the only clock is the frames' time stamps. */
 #ifndef ISO_CORE_FIND_SCENE_MOTION_H
 #define ISO_CORE_FIND_SCENE_MOTION_H
 

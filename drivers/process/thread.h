@@ -17,9 +17,9 @@ enum { ISO_THREAD_STACK_BYTES = 2 << 20 };
 int iso_thread_start(pthread_t *thread, void *(*run)(void *context), void *context)
     __attribute__((warn_unused_result));
 
-/* The same with this priority (1 and more) of SCHED_FIFO where the process may have it
- * (RLIMIT_RTPRIO), and with the ordinary scheduling elsewhere; *realtime (may be NULL) says which.
- */
+/* Does the same with the scheduling policy SCHED_FIFO and this priority (1 or more). If the process
+ * may not use it (RLIMIT_RTPRIO), the thread gets the ordinary policy. *realtime says which policy
+ * the thread has; realtime may be NULL. */
 int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), void *context,
                               int priority, bool *realtime) __attribute__((warn_unused_result));
 

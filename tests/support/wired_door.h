@@ -10,8 +10,8 @@ extern const struct iso_door_io_ops wired_door_ops;
 /* Opens it with everything without power. */
 struct iso_door_io *wired_door_open(void);
 
-/* Sets an input; exit button and tamper are active for whoever looks next even if they are not any
- * more by then. */
+/* Sets an input. If the exit button or the tamper contact was active for a moment only, the next
+ * reading of the inputs still shows it as active. */
 void wired_door_set(enum iso_door_input input, bool active);
 
 /* Presses the exit button and lets go of it. */
