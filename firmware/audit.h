@@ -14,11 +14,13 @@
  * go, with their keys; the record that begins a segment ("log-rotated") says so.
  *
  * A record is written by one write(); with `sync` it is on the disk when append returns, and the
- * anchor, too. Without it the anchor only follows at open, close and with each segment, so that it
- * never comes to the disk before what it speaks of; then a missing end is found up to there only. A
- * record that does not fit on the disk leaves nothing behind. A line that was cut short by a crash
- * is taken away at the next open, which is itself put on record (if there is room). One process at
- * a time has the log. */
+ * anchor, too. Records that are appended as a group are synchronised together: if that fails none
+ * of them is written, and a crash meanwhile leaves the first few of them, or none. Without `sync`
+ * the anchor only follows at open, close and with each segment, so that it never comes to the disk
+ * before what it speaks of; then a missing end is found up to there only. A record that does not
+ * fit on the disk leaves nothing behind. A line that was cut short by a crash is taken away at the
+ * next open, which is itself put on record (if there is room). One process at a time has the log.
+ */
 #ifndef ISO_FIRMWARE_AUDIT_H
 #define ISO_FIRMWARE_AUDIT_H
 
@@ -63,7 +65,8 @@ struct iso_audit_options {
     int segments;           /* closed ones that are kept, at most 60 */
     bool migrate; /* a log of the version before, in plain text, is sealed at the first start */
     struct iso_key_ring *ring; /* outlives the log */
-    /* Told of every record after it was written, with the head behind it. NULL: nobody. */
+    /* Told of every record after it was written, with the head behind it. Somebody may wait for the
+     * record, and others wait for the log: it must not wait for anything. NULL: nobody. */
     void (*written)(void *context, const struct iso_audit_record *record, uint64_t sequence,
                     const char *head);
     void *context;
@@ -86,6 +89,21 @@ void iso_audit_close(struct iso_audit *audit);
  * it cannot be written or synchronised, -ENOMEM, -EINVAL it is too long. */
 int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *record,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* One record of a group, and what became of it. */
+struct iso_audit_entry {
+    const struct iso_audit_record *record; /* the caller's, until the group is written */
+    uint64_t sequence;                     /* its number; 0: it was not written */
+    int error;                             /* why it was not, as of iso_audit_append; else 0 */
+    struct iso_fault fault;                /* the same in words */
+    char head[ISO_AUDIT_HEAD_SIZE];        /* of the log behind the record */
+};
+
+/* Writes n records in their order and synchronises them together, so that many cost no more time
+ * than one. A record that cannot be written (it is too long, the disk is full) does not keep the
+ * others from being written; if they cannot be synchronised none is. A group that reaches the end
+ * of a segment becomes two. The entries say what became of each. */
+void iso_audit_append_group(struct iso_audit *audit, struct iso_audit_entry *entries, size_t n);
 
 /* Sequence of the last record, 0 if there is none; of the first that is kept. */
 uint64_t iso_audit_last(const struct iso_audit *audit);

@@ -61,7 +61,8 @@ static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_
     if (iso__audit_reserve_mark(audit)) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
     }
-    const struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
+    struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
+    known.count[ISO_HEAD_LOG] = 0; /* the anchor is written behind all of them */
     const size_t sealed = iso_audit_line_close(&audit->seal, audit->last + 1, &known, line,
                                                length - 1, audit->line, &audit->link);
     if (fwrite(audit->line, 1, sealed, out) != sealed) {

@@ -157,7 +157,8 @@ int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
         snprintf(beside, sizeof beside, "%s.new", audit->path) >= PATH_MAX) {
         return iso_fault_set(fault, -EIO, "%s: no segment can be added", audit->path);
     }
-    int error = begin_beside(audit, beside, &fd, fault);
+    int error = iso__audit_catch_up(audit, fault); /* the new segment's header proves it */
+    error = error ? error : begin_beside(audit, beside, &fd, fault);
     const bool begun = !error;
     error = error ? error : exchange(audit, beside, old.first, empty, fault);
     if (error) {

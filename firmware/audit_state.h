@@ -31,6 +31,7 @@ struct iso_audit {
     size_t n_marks, mark_capacity;
 
     struct iso_heads known; /* what the newest record that was read knows of the other stores */
+    uint64_t proved;        /* the anchor had this value at least, as records that were read say */
     char gallery[20];       /* that the newest record spoke of, and its changes */
     uint64_t gallery_changes;
 
@@ -67,8 +68,26 @@ void iso__audit_note_clock(struct iso_audit *audit, const char *text);
 int iso__audit_reserve_mark(struct iso_audit *audit);
 void iso__audit_count_line(struct iso_audit *audit, size_t bytes);
 
-/* Writes `length` bytes of audit->line behind the segment's end: 0 with them on the disk. */
-int iso__audit_write_line(struct iso_audit *audit, size_t length);
+/* Synchronises a segment's file, if records are to be synchronised. A negative errno. */
+int iso__audit_sync(const struct iso_audit *audit, int fd);
+
+/* Writes the anchor, if it is behind the records and they are to be synchronised. An error of
+ * storage_fault.h. */
+int iso__audit_catch_up(struct iso_audit *audit, struct iso_fault *fault);
+
+/* Reads a segment to its end: the head, and how many bytes stand behind the last whole line. The
+ * errors of iso_audit_open. (audit_scan.c) */
+int iso__audit_scan(struct iso_audit *audit, const char *path, size_t *torn,
+                    struct iso_fault *fault);
+
+/* Compares the end that was found with the anchor: it may be ahead of it by one group of records.
+ * Then the anchor follows before the next record, and not here: it may be an old one, which the
+ * other stores know. closed: what was read is a closed segment, since there is no other. -ESTALE,
+ * or an error of writing the anchor. (audit_scan.c) */
+int iso__audit_check_end(struct iso_audit *audit, bool closed, struct iso_fault *fault);
+
+/* Describes that the log is not of this time: returns -ESTALE. (audit_scan.c) */
+int iso__audit_stale(const struct iso_audit *audit, const char *what, struct iso_fault *fault);
 
 /* A segment that begins behind the present head, under the newest key, in the open file `fd`; 0
  * with it on the disk. */

@@ -32,7 +32,7 @@ struct iso_audit_writer {
     pthread_mutex_t mutex; /* of what follows; nobody holds it while the disk works */
     pthread_cond_t changed;
     bool ending;
-    bool writing;          /* the first slot is being written */
+    size_t group;          /* so many slots, from the first on, are being written */
     uint64_t queued, done; /* tickets: the last that was given, the last that is finished */
     uint64_t last;         /* sequence of the last record of the log */
     uint64_t appended;     /* ticket of the record that was appended last; 0: it found no room */
@@ -48,6 +48,13 @@ struct iso_audit_writer {
     struct iso_fault fault;
     size_t first, n;
     struct slot slots[ISO_AUDIT_WRITER_RECORDS]; /* a ring */
+    struct {
+        uint64_t lost; /* how many it admits; 0: the group begins with a record */
+        struct iso_audit_record record;
+        char note[64];
+    } admission;
+    struct iso_audit_entry entries[1 + ISO_AUDIT_WRITER_RECORDS]; /* of the group */
+    size_t n_entries;
 };
 
 /* ---- slots ---- */
@@ -98,6 +105,12 @@ static void stamp(const struct iso_audit_writer *writer, struct iso_audit_record
 
 /* ---- the queue; the mutex is held ---- */
 
+/* The slot with i others before it. */
+static struct slot *slot_at(struct iso_audit_writer *writer, size_t i)
+{
+    return &writer->slots[(writer->first + i) % ISO_AUDIT_WRITER_RECORDS];
+}
+
 static void lose(struct iso_audit_writer *writer, int error, const struct iso_fault *fault)
 {
     if (writer->lost++ == 0) {
@@ -108,8 +121,11 @@ static void lose(struct iso_audit_writer *writer, int error, const struct iso_fa
     writer->fault = *fault;
 }
 
-/* A slot for a record, filled in, if there are so many places free. Only the outcome of an awaited
- * record may take the last one. */
+/* How many places have to be free. The last one is for the outcome of an awaited record, and the
+ * one before it for the awaited record. */
+enum { PLACES_TO_TELL_OUTCOME = 1, PLACES_TO_APPEND, PLACES_TO_POST };
+
+/* A slot for a record, filled in, if there are so many places free. */
 static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_record *record,
                    size_t places, struct slot **out, struct iso_fault *fault)
 {
@@ -117,7 +133,7 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
         return iso_fault_set(fault, -ENOBUFS,
                              "the log's queue is full: %zu records wait for the disk", writer->n);
     }
-    struct slot *slot = &writer->slots[(writer->first + writer->n) % ISO_AUDIT_WRITER_RECORDS];
+    struct slot *slot = slot_at(writer, writer->n);
     if (!fill(slot, record)) {
         wipe(slot);
         return iso_fault_set(fault, -EINVAL, "the log: the record is too long");
@@ -130,31 +146,7 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
     return 0;
 }
 
-static struct slot *find(struct iso_audit_writer *writer, uint64_t ticket)
-{
-    for (size_t i = 0; i < writer->n; i++) {
-        struct slot *slot = &writer->slots[(writer->first + i) % ISO_AUDIT_WRITER_RECORDS];
-        if (slot->ticket == ticket) {
-            return slot;
-        }
-    }
-    return NULL;
-}
-
 /* ---- writing ---- */
-
-/* Writes a record; the mutex is held before and after, and not meanwhile. */
-static int write_record(struct iso_audit_writer *writer, const struct iso_audit_record *record,
-                        struct iso_fault *fault)
-{
-    (void)pthread_mutex_unlock(&writer->mutex);
-    (void)pthread_mutex_lock(&writer->log_mutex);
-    const int error = iso_audit_append(writer->audit, record, fault);
-    (void)pthread_mutex_lock(&writer->mutex);
-    writer->last = iso_audit_last(writer->audit);
-    (void)pthread_mutex_unlock(&writer->log_mutex);
-    return error;
-}
 
 /* Whether it is time to put losses on record: in the place where the first of them would have
  * stood, once, and again with each later record as long as the log cannot be written. */
@@ -164,62 +156,112 @@ static bool has_to_admit(const struct iso_audit_writer *writer)
            (writer->n > 0 || writer->lost != writer->lost_tried);
 }
 
-static void admit_losses(struct iso_audit_writer *writer)
+/* The record of the losses. */
+static void begin_admission(struct iso_audit_writer *writer)
 {
-    char note[64];
-    struct iso_audit_record record = iso_audit_record_of("records-lost");
-    struct iso_fault fault = {""};
+    struct iso_audit_record *record = &writer->admission.record;
     const uint64_t lost = writer->lost;
-    (void)snprintf(note, sizeof note, "%" PRIu64 " %s", lost, lost == 1 ? "record" : "records");
-    record.note = note;
-    stamp(writer, &record);
+    (void)snprintf(writer->admission.note, sizeof writer->admission.note, "%" PRIu64 " %s", lost,
+                   lost == 1 ? "record" : "records");
+    *record = iso_audit_record_of("records-lost");
+    record->note = writer->admission.note;
+    stamp(writer, record);
+    writer->admission.lost = lost;
     writer->lost_tried = lost;
-    if (write_record(writer, &record, &fault) == 0) {
-        writer->lost -= lost; /* others may have been lost meanwhile */
+    writer->entries[writer->n_entries++].record = record;
+}
+
+static void end_admission(struct iso_audit_writer *writer, const struct iso_audit_entry *entry)
+{
+    if (!entry->error) {
+        writer->lost -= writer->admission.lost; /* others may have been lost meanwhile */
         writer->lost_behind = writer->queued;
     }
 }
 
-static void note_result(struct iso_audit_writer *writer, const struct slot *slot, int error,
-                        const struct iso_fault *fault)
+static void note_awaited(struct iso_audit_writer *writer, const struct slot *slot,
+                         const struct iso_audit_entry *entry)
 {
-    if (slot->awaited) {
-        writer->awaited.ticket = slot->ticket;
-        writer->awaited.sequence = error ? 0 : writer->last;
-        writer->awaited.error = error;
-        writer->awaited.fault = *fault;
-    } else if (error) {
-        lose(writer, error, fault);
-    } else {
-        writer->finished = true;
-    }
+    writer->awaited.ticket = slot->ticket;
+    writer->awaited.sequence = entry ? entry->sequence : 0;
+    writer->awaited.error = entry ? entry->error : -ECANCELED;
+    writer->awaited.fault = entry ? entry->fault : (struct iso_fault){""};
 }
 
-/* Writes the first record of the queue and takes it out. */
-static int write_first(struct iso_audit_writer *writer, struct iso_fault *fault)
+/* Takes a record into the group. One that was cancelled is not written; an outcome of one that was
+ * queued before it knows that by now: the two are never in one group, unless that was cancelled. */
+static void begin_slot(struct iso_audit_writer *writer, struct slot *slot)
 {
-    struct slot *slot = &writer->slots[writer->first];
-    struct iso_fault own = {""};
-    int error = -ECANCELED;
-    writer->writing = true;
     if (slot->outcome_of) {
         const bool known = slot->outcome_of == writer->awaited.ticket;
         slot->record.grant = known ? writer->awaited.sequence : 0;
     }
-    if (!slot->cancelled) {
-        error = write_record(writer, &slot->record, &own);
+    if (slot->cancelled) {
+        note_awaited(writer, slot, NULL);
+    } else {
+        writer->entries[writer->n_entries++].record = &slot->record;
     }
-    note_result(writer, slot, error, &own);
-    writer->writing = false;
+}
+
+/* Takes everything that is queued; but losses that have to be admitted between two records end the
+ * group there. */
+static void begin_group(struct iso_audit_writer *writer)
+{
+    writer->n_entries = 0;
+    writer->group = 0;
+    writer->admission.lost = 0;
+    if (has_to_admit(writer)) {
+        begin_admission(writer);
+    }
+    const uint64_t end = writer->lost > 0 && writer->done < writer->lost_behind
+                             ? writer->lost_behind
+                             : UINT64_MAX;
+    while (writer->group < writer->n && slot_at(writer, writer->group)->ticket <= end) {
+        begin_slot(writer, slot_at(writer, writer->group++));
+    }
+}
+
+/* Takes the first record out of the queue; entry is NULL for one that was cancelled. */
+static void end_slot(struct iso_audit_writer *writer, const struct iso_audit_entry *entry)
+{
+    struct slot *slot = slot_at(writer, 0);
+    if (entry && slot->awaited) {
+        note_awaited(writer, slot, entry);
+    } else if (entry && entry->error) {
+        lose(writer, entry->error, &entry->fault);
+    } else if (entry) {
+        writer->finished = true;
+    }
     writer->done = slot->ticket;
     wipe(slot);
     writer->first = (writer->first + 1) % ISO_AUDIT_WRITER_RECORDS;
     writer->n--;
-    (void)pthread_cond_broadcast(&writer->changed);
-    if (error && fault) {
-        *fault = own;
+}
+
+static void end_group(struct iso_audit_writer *writer)
+{
+    const struct iso_audit_entry *entry = writer->entries;
+    if (writer->admission.lost > 0) {
+        end_admission(writer, entry++);
     }
-    return error;
+    while (writer->group > 0) {
+        end_slot(writer, slot_at(writer, 0)->cancelled ? NULL : entry++);
+        writer->group--;
+    }
+    (void)pthread_cond_broadcast(&writer->changed);
+}
+
+/* Writes a group; the mutex is held before and after, and not meanwhile. */
+static void write_group(struct iso_audit_writer *writer)
+{
+    begin_group(writer);
+    (void)pthread_mutex_unlock(&writer->mutex);
+    (void)pthread_mutex_lock(&writer->log_mutex);
+    iso_audit_append_group(writer->audit, writer->entries, writer->n_entries);
+    (void)pthread_mutex_lock(&writer->mutex);
+    writer->last = iso_audit_last(writer->audit);
+    (void)pthread_mutex_unlock(&writer->log_mutex);
+    end_group(writer);
 }
 
 static void *run(void *context)
@@ -227,17 +269,10 @@ static void *run(void *context)
     struct iso_audit_writer *writer = context;
     (void)pthread_mutex_lock(&writer->mutex);
     while (writer->n > 0 || !writer->ending || has_to_admit(writer)) {
-        if (has_to_admit(writer)) {
-            const bool before_a_record = writer->n > 0;
-            admit_losses(writer);
-            if (!before_a_record) {
-                continue; /* a record that was queued meanwhile stands behind the losses */
-            }
-        }
-        if (writer->n > 0) {
-            (void)write_first(writer, NULL);
-            iso_stack_wipe(); /* the record may have named somebody */
-        } else if (!writer->ending) {
+        if (writer->n > 0 || has_to_admit(writer)) {
+            write_group(writer);
+            iso_stack_wipe(); /* records may have named somebody */
+        } else {
             (void)pthread_cond_wait(&writer->changed, &writer->mutex);
         }
     }
@@ -248,10 +283,9 @@ static void *run(void *context)
 /* Without a thread: whoever has queued a record writes it. */
 static int write_now(struct iso_audit_writer *writer, struct iso_fault *fault)
 {
-    if (has_to_admit(writer)) {
-        admit_losses(writer);
-    }
-    return write_first(writer, fault);
+    write_group(writer);
+    const struct iso_audit_entry *own = &writer->entries[writer->n_entries - 1];
+    return own->error ? iso_fault_set(fault, own->error, "%s", own->fault.text) : 0;
 }
 
 /* ---- new and free ---- */
@@ -311,7 +345,8 @@ static int post(struct iso_audit_writer *writer, const struct iso_audit_record *
     struct iso_fault own = {""};
     struct slot *slot = NULL;
     (void)pthread_mutex_lock(&writer->mutex);
-    int error = enqueue(writer, record, outcome ? 1 : 2, &slot, &own);
+    int error = enqueue(writer, record, outcome ? PLACES_TO_TELL_OUTCOME : PLACES_TO_POST, &slot,
+                        &own);
     if (error) {
         lose(writer, error, &own);
     } else {
@@ -353,13 +388,12 @@ static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t w
     return writer->done >= ticket;
 }
 
-/* Nobody waits for this record any more. */
+/* Nobody waits for this record any more: it is not written, unless its group is being written. */
 static void give_up(struct iso_audit_writer *writer, uint64_t ticket)
 {
-    struct slot *slot = find(writer, ticket);
-    const bool begun = writer->writing && slot == &writer->slots[writer->first];
-    if (slot && !begun) {
-        slot->cancelled = true;
+    for (size_t i = writer->group; i < writer->n; i++) {
+        struct slot *slot = slot_at(writer, i);
+        slot->cancelled = slot->cancelled || slot->ticket == ticket;
     }
 }
 
@@ -368,7 +402,7 @@ static int append(struct iso_audit_writer *writer, const struct iso_audit_record
 {
     struct slot *slot = NULL;
     writer->appended = 0;
-    const int error = enqueue(writer, record, 2, &slot, fault);
+    const int error = enqueue(writer, record, PLACES_TO_APPEND, &slot, fault);
     if (error) {
         return error;
     }

@@ -2,13 +2,18 @@
  *
  * Records wait in a queue of ISO_AUDIT_WRITER_RECORDS, and are written in the order in which they
  * came; the log gives them their sequences when it writes them, so that the chain has no gap. A
- * record bears the time at which it was queued. Who posts a record goes on at once; who appends one
- * waits until it is on the disk, but no longer than he said. A record that nobody waits for any
- * more is taken out of the queue if its writing has not begun.
+ * record bears the time at which it was queued. The thread takes all records that are queued as one
+ * group and synchronises them together (iso_audit_append_group), so that the speed of the disk
+ * bounds the number of groups in a second, and not that of records. Who posts a record goes on at
+ * once; who appends one waits until its group is on the disk, but no longer than he said. A record
+ * that nobody waits for any more is taken out of the queue if its writing has not begun.
  *
- * A record that finds no room in the queue, and one that was posted and cannot be written, is lost;
- * the losses are counted, and the log has a record "records-lost" with their number as soon as it
- * can be written again.
+ * The last two places of the queue are for a record that is appended and for its outcome: posted
+ * records, however many, never keep a grant from being queued.
+ *
+ * A posted record that finds no place, and one that cannot be written, is lost; the losses are
+ * counted, and the log has a record "records-lost" with their number as soon as it can be written
+ * again. What the lost records said is not kept.
  *
  * Without a thread every call writes before it returns, by the one who calls: for clocks that are
  * injected. With it all calls but new and free may come from any thread; only one thread appends.
@@ -40,14 +45,14 @@ int iso_audit_writer_post(struct iso_audit_writer *writer, const struct iso_audi
  * the disk. *sequence (may be NULL) is then its number.
  *   -ETIMEDOUT it was not in time. It may get to the disk later: what it announces must not happen,
  *              and iso_audit_writer_post_outcome says so
- *   -ENOBUFS   the queue is full
+ *   -ENOBUFS   the queue is full: records that were appended before wait for the disk
  * and the errors of iso_audit_append. */
 int iso_audit_writer_append(struct iso_audit_writer *writer, const struct iso_audit_record *record,
                             int64_t wait_ns, uint64_t *sequence, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Posts what came of the record that was appended last: one place in the queue is kept for it, so
- * that it does not get lost behind an append that found room. Its member `grant` becomes the
+ * that it does not get lost behind an append that found a place. Its member `grant` becomes the
  * sequence of that record, or 0 if that one was not written. Errors as of post. */
 int iso_audit_writer_post_outcome(struct iso_audit_writer *writer,
                                   const struct iso_audit_record *record, struct iso_fault *fault)

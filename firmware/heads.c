@@ -49,9 +49,7 @@ void iso_heads_put(const struct iso_heads *heads, uint8_t bytes[ISO_HEADS_BYTES]
 
 void iso_heads_put_counts(const struct iso_heads *heads, uint8_t bytes[ISO_HEADS_COUNT_BYTES])
 {
-    struct iso_heads others = *heads;
-    others.count[ISO_HEAD_LOG] = 0;
-    (void)put_counts(&others, bytes);
+    (void)put_counts(heads, bytes);
 }
 
 struct iso_heads iso_heads_get_counts(const uint8_t bytes[ISO_HEADS_COUNT_BYTES])

@@ -48,8 +48,9 @@ struct iso_heads {
 void iso_heads_put(const struct iso_heads *heads, uint8_t bytes[ISO_HEADS_BYTES]);
 struct iso_heads iso_heads_get(const uint8_t bytes[ISO_HEADS_BYTES]);
 
-/* The counts of the other stores alone, for the records of the log, which are chained to each
- * other. */
+/* The counts alone, for the records of the log: they are chained to each other, and need no link.
+ * There the log's own count is 1 + the value that its anchor had on the disk when the record was
+ * written; 0: the record does not say. */
 void iso_heads_put_counts(const struct iso_heads *heads, uint8_t bytes[ISO_HEADS_COUNT_BYTES]);
 struct iso_heads iso_heads_get_counts(const uint8_t bytes[ISO_HEADS_COUNT_BYTES]);
 

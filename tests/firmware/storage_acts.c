@@ -154,6 +154,28 @@ static int append(struct storage_world *w, struct iso_fault *fault)
     return error;
 }
 
+/* The same records in two groups, the first of which reaches the end of the segment. */
+static int append_groups(struct storage_world *w, struct iso_fault *fault)
+{
+    enum { GROUP = 5 };
+    const struct iso_audit_record record = iso_audit_record_of("x");
+    int error = 0;
+    for (int i = 0; i < 2; i++) {
+        struct iso_audit_entry entries[GROUP];
+        for (int k = 0; k < GROUP; k++) {
+            entries[k] = (struct iso_audit_entry){.record = &record};
+        }
+        iso_audit_append_group(w->rig->audit, entries, GROUP);
+        for (int k = 0; k < GROUP; k++) {
+            w->records_told += !entries[k].error;
+            if (entries[k].error) {
+                error = iso_fault_set(fault, entries[k].error, "%s", entries[k].fault.text);
+            }
+        }
+    }
+    return error;
+}
+
 static int visit(struct storage_world *w, struct iso_fault *fault)
 {
     (void)fault;
@@ -289,6 +311,7 @@ const struct storage_act storage_acts[] = {
     {"import", prepare_import, import_people, false, false},
     {"rotate keys", prepare_two, rotate_keys, false, false},
     {"log append", prepare_two, append, false, false},
+    {"log groups", prepare_two, append_groups, false, false, .unknown_records = 5},
     {"visit", prepare_two, visit, false, false},
     {"lock-out", prepare_two, fail_at_the_door, false, true},
     {"lockdown on", prepare_two, begin_lockdown, false, true},

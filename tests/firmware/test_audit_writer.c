@@ -220,7 +220,8 @@ static void a_full_queue_takes_nothing_and_says_what_was_lost(void **state)
     while (post("more") == 0) {
         posted++;
     }
-    assert_int_equal(posted, ISO_AUDIT_WRITER_RECORDS - 1);
+    assert_int_equal(posted, ISO_AUDIT_WRITER_RECORDS - 2);
+    assert_int_equal(append("has a place", MOMENT_MS, NULL), -ETIMEDOUT);
     assert_int_equal(append("no room", -1, NULL), -ENOBUFS); /* at once */
     assert_int_equal(post("lost, too"), -ENOBUFS);
     assert_true(iso_audit_writer_take_result(writer, &error, &fault));
@@ -243,10 +244,44 @@ static void the_outcome_of_a_grant_has_its_place(void **state)
     for (int i = 0; i < ISO_AUDIT_WRITER_RECORDS - 3; i++) {
         assert_int_equal(post("more"), 0);
     }
+    assert_int_equal(post("no room"), -ENOBUFS);
     assert_int_equal(append("the last but one", MOMENT_MS, NULL), -ETIMEDOUT);
     assert_int_equal(post("no room"), -ENOBUFS);
     assert_int_equal(post_outcome("the last"), 0);
     assert_int_equal(post_outcome("one too many"), -ENOBUFS);
+}
+
+/* However many wait, the disk works once for them and once for the anchor. */
+static void what_is_queued_is_synchronised_together(void **state)
+{
+    struct iso_audit_report report;
+    (void)state;
+    hang();
+    const int before = slow_disk_calls(); /* of the record that hangs; its anchor comes */
+    for (int i = 0; i < 100; i++) {
+        assert_int_equal(post("more"), 0);
+    }
+    slow_disk_go_on();
+    audit = iso_audit_writer_hold(writer);
+    assert_int_equal(slow_disk_calls(), before + 3);
+    assert_int_equal(iso_audit_last(audit), 101);
+    assert_int_equal(iso_audit_verify(audit, 0, NULL, NULL, &report, NULL), 0);
+    assert_true(report.sound);
+    iso_audit_writer_release(writer);
+}
+
+/* One record that is too long for its line is lost alone. */
+static void a_group_loses_only_what_cannot_be_written(void **state)
+{
+    static char text[2000]; /* each of its characters takes six in JSON */
+    (void)state;
+    memset(text, 1, sizeof text - 1);
+    hang();
+    assert_int_equal(post("before"), 0);
+    assert_int_equal(post(text), 0);
+    assert_int_equal(post("behind"), 0);
+    assert_string_equal(told_by_log(), "noted hanging; noted before; noted behind; "
+                                       "records-lost 1 record; ");
 }
 
 static void a_disk_that_is_full_loses_records_and_says_so(void **state)
@@ -299,6 +334,8 @@ int main(void)
         TEST(an_outcome_belongs_to_its_record),
         TEST(a_full_queue_takes_nothing_and_says_what_was_lost),
         TEST(the_outcome_of_a_grant_has_its_place),
+        TEST(what_is_queued_is_synchronised_together),
+        TEST(a_group_loses_only_what_cannot_be_written),
         TEST(a_disk_that_is_full_loses_records_and_says_so),
         WITHOUT(a_disk_that_is_full_loses_records_and_says_so),
         TEST(what_is_queued_is_written_at_the_end),

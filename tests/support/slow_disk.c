@@ -17,7 +17,7 @@ static struct {
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     bool hangs, stops;
-    int waiting;
+    int waiting, calls, takes_ms;
 } disk = {.mutex = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
 
 int __wrap_fsync(int fd);
@@ -39,6 +39,21 @@ void slow_disk_hang(void)
 void slow_disk_go_on(void)
 {
     set(false);
+}
+
+void slow_disk_take_ms(int ms)
+{
+    (void)pthread_mutex_lock(&disk.mutex);
+    disk.takes_ms = ms;
+    (void)pthread_mutex_unlock(&disk.mutex);
+}
+
+int slow_disk_calls(void)
+{
+    (void)pthread_mutex_lock(&disk.mutex);
+    const int calls = disk.calls;
+    (void)pthread_mutex_unlock(&disk.mutex);
+    return calls;
 }
 
 int slow_disk_waiting(void)
@@ -75,7 +90,9 @@ static void pass(void)
 {
     (void)pthread_mutex_lock(&disk.mutex);
     const bool stops = disk.stops;
+    const struct timespec takes = {.tv_nsec = disk.takes_ms * 1000000L};
     disk.stops = false;
+    disk.calls++;
     disk.waiting++;
     (void)pthread_cond_broadcast(&disk.changed);
     while (disk.hangs) {
@@ -83,6 +100,9 @@ static void pass(void)
     }
     disk.waiting--;
     (void)pthread_mutex_unlock(&disk.mutex);
+    if (takes.tv_nsec > 0) {
+        (void)nanosleep(&takes, NULL);
+    }
     if (stops) {
         (void)raise(SIGSTOP);
     }

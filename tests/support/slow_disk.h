@@ -1,7 +1,8 @@
 /* A disk that takes its time: fsync and fdatasync of a test program do not return until the test
- * lets them. The linker puts it before the calls of everything that is linked statically
- * (isotherm_slow_disk() in CMake). For tests with threads: the order of things is what they test,
- * and nothing depends on how long something takes. Nothing is synchronised really. */
+ * lets them, or until a stated time is over. The linker puts it before the calls of everything that
+ * is linked statically (isotherm_slow_disk() in CMake). For tests with threads: the order of things
+ * is what they test, and nothing depends on how long something takes. Nothing is synchronised
+ * really. */
 #ifndef TESTS_SUPPORT_SLOW_DISK_H
 #define TESTS_SUPPORT_SLOW_DISK_H
 
@@ -10,6 +11,12 @@ void slow_disk_hang(void);
 
 /* Who waits goes on, and nobody waits any more. */
 void slow_disk_go_on(void);
+
+/* From now on each call takes so many milliseconds; 0: it takes none. */
+void slow_disk_take_ms(int ms);
+
+/* How many calls there were; those that wait are among them. */
+int slow_disk_calls(void);
 
 /* How many threads wait now. */
 int slow_disk_waiting(void);
