@@ -26,7 +26,7 @@ struct storage_act {
     bool opens;           /* the act opens the stores, and no client is told anything */
     bool may_be_stricter; /* after an error a door may be shut until the next restart only */
     int unknown_records;  /* so many records that were not said to be written may be there after a
-                             restart, if they could not be taken away again; 0: one */
+                             restart, if they could not be taken away again */
 };
 
 extern const struct storage_act storage_acts[];

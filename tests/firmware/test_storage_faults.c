@@ -294,7 +294,7 @@ static void judge_log(const struct point *point)
 {
     const struct report *report = &shared->report;
     const struct found *found = &shared->found;
-    const int unknown = point->act->unknown_records > 0 ? point->act->unknown_records : 1;
+    const int unknown = point->act->unknown_records;
     const int spare = point->kind >= FAILING_DISK_BROKEN && !point->goes_on ? unknown : 0;
     if (found->records < report->records_told || found->records > report->records_told + spare) {
         violation(point, "%d records were said to be written, there are %d", report->records_told,
