@@ -8,6 +8,7 @@
 #include <string.h>
 #include <syslog.h>
 
+#include "drivers/process/thread.h"
 #include "firmware/appliance_state.h"
 
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode)
@@ -166,6 +167,7 @@ int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_applia
         return -ENOMEM;
     }
     const struct iso_frame_memory_options memory = iso_frame_memory_options_default();
+    iso_thread_mutex_init(&appliance->recorded_mutex);
     appliance->parts = *parts;
     appliance->ended = ISO_APPLIANCE_CLAIMED;
     int error = iso_frame_memory_new(&memory, &appliance->shown) ? -ENOMEM : 0;
@@ -189,6 +191,7 @@ void iso_appliance_free(struct iso_appliance *appliance)
         iso_sensor_keeper_done(&appliance->keeper);
         iso_enrolment_wipe(&appliance->enrolment);
         iso_frame_memory_free(appliance->shown);
+        (void)pthread_mutex_destroy(&appliance->recorded_mutex);
         explicit_bzero(appliance, sizeof *appliance); /* the frame worked on last */
         free(appliance);
     }
@@ -380,7 +383,8 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso__appliance_picture_time(appliance, now_ns);
     const int64_t lines_ns = earliest(door_due_ns(appliance),
                                       iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
-    return earliest(lines_ns, iso__appliance_due_ns(appliance));
+    return earliest(earliest(lines_ns, iso__appliance_door_events_due_ns(appliance)),
+                    iso__appliance_due_ns(appliance));
 }
 
 void iso_appliance_stop(struct iso_appliance *appliance)
@@ -388,6 +392,7 @@ void iso_appliance_stop(struct iso_appliance *appliance)
     const struct iso_audit_record record = iso_audit_record_of("stop");
     iso_door_guard_stop(appliance->door);
     iso__appliance_tell_door(appliance);
+    iso__appliance_flush_door(appliance);
     iso_sensor_keeper_done(&appliance->keeper);
     iso__appliance_end_attack(appliance);
     (void)iso__appliance_note(appliance, &record);

@@ -2,12 +2,15 @@
 #ifndef ISO_FIRMWARE_APPLIANCE_STATE_H
 #define ISO_FIRMWARE_APPLIANCE_STATE_H
 
+#include <pthread.h>
+
 #include "core/find/scene_motion.h"
 #include "core/presentation/frame_memory.h"
 #include "core/presentation/liveness.h"
 #include "firmware/appliance.h"
 #include "firmware/attack_tally.h"
 #include "firmware/audit_writer.h"
+#include "firmware/door_events.h"
 #include "firmware/door_guard.h"
 #include "firmware/enrolment.h"
 #include "firmware/hint_filter.h"
@@ -21,6 +24,9 @@ struct iso_appliance {
     struct iso_sensor_keeper keeper;
     bool blind; /* the door is at fault because the sensor sees nothing */
     struct iso_door_guard *door;
+    pthread_mutex_t recorded_mutex;  /* of `recorded`, which the door's thread has, too */
+    struct iso_door_events recorded; /* changes of the door as they are put on record */
+    struct iso_door_events told;     /* the same as people are told of them */
     struct iso_audit_writer *log;
     int log_error; /* of the last posted record, as far as is known */
     struct iso_suspension suspension;
@@ -122,8 +128,15 @@ const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
 /* Before the first of the others. -ENOMEM, or an errno of the descriptors. */
 int iso__appliance_new_door(struct iso_appliance *appliance);
 
-/* Tells what the door has done, and what the log could not be told. */
+/* Tells what the door has done, and what the log could not be told. Changes that chatter are folded
+ * (door_events.h). */
 void iso__appliance_tell_door(struct iso_appliance *appliance);
+
+/* Puts on record, and tells, whatever was folded: before the end. */
+void iso__appliance_flush_door(struct iso_appliance *appliance);
+
+/* When iso__appliance_tell_door has to put folded changes on record, by the clock of the steps. */
+int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance);
 
 void iso__appliance_refuse_at_door(struct iso_appliance *appliance);
 

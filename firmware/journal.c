@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <syslog.h>
-#include <systemd/sd-journal.h>
 
 #include "core/contract.h"
 
@@ -64,17 +63,4 @@ size_t iso_journal_fields(const struct iso_audit_record *record, uint64_t sequen
         add(&out, "ISOTHERM_SENSOR=%s", record->sensor);
     }
     return out.n;
-}
-
-void iso_journal_record(void *context, const struct iso_audit_record *record, uint64_t sequence,
-                        const char *head)
-{
-    char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
-    struct iovec vectors[ISO_JOURNAL_FIELDS_MAX];
-    const size_t n = iso_journal_fields(record, sequence, head, fields);
-    (void)context;
-    for (size_t i = 0; i < n; i++) {
-        vectors[i] = (struct iovec){fields[i], strlen(fields[i])};
-    }
-    (void)sd_journal_sendv(vectors, (int)n);
 }

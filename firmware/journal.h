@@ -5,15 +5,38 @@
  *   ISOTHERM_DOOR (what the door did after "allow"), ISOTHERM_REASON, ISOTHERM_SCORE,
  * ISOTHERM_THRESHOLD, ISOTHERM_FRAMES, ISOTHERM_ATTACK_FRAMES, ISOTHERM_SENSOR
  *
+ * A thread sends the entries, since the journal may be stuck, and the log must not wait for it:
+ * they wait in a queue of ISO_JOURNAL_ENTRIES. An entry that finds no place is not sent; the next
+ * one that does says how many those were (ISOTHERM_UNSENT). The audit log has all of them.
+ *
  * ISOTHERM_HEAD is the head of the log behind the record (audit.h): a journal that is kept
  * elsewhere bears witness against a log that is put back. */
 #ifndef ISO_FIRMWARE_JOURNAL_H
 #define ISO_FIRMWARE_JOURNAL_H
 
+#include <stddef.h>
+#include <sys/uio.h>
+
 #include "firmware/audit.h"
 
-/* For iso_audit_options.written; context is not used. What cannot be sent is lost. */
-void iso_journal_record(void *context, const struct iso_audit_record *record, uint64_t sequence,
+enum { ISO_JOURNAL_ENTRIES = 128 };
+
+struct iso_journal;
+
+/* Sends an entry of n fields, and may take as long as it likes; what it returns is not looked at.
+ * It is sd_journal_sendv, but for tests. */
+typedef int iso_journal_send(const struct iovec *fields, int n);
+
+/* Starts the thread. -ENOMEM, -EAGAIN no thread can be had. */
+int iso_journal_new(iso_journal_send *send, struct iso_journal **out)
+    __attribute__((warn_unused_result));
+
+/* Sends what is queued, but waits for that for a second at most. NULL is fine. */
+void iso_journal_free(struct iso_journal *journal);
+
+/* For iso_audit_options.written, with the journal as its context: queues an entry, and waits for
+ * nothing. */
+void iso_journal_record(void *journal, const struct iso_audit_record *record, uint64_t sequence,
                         const char *head);
 
 /* The fields, as texts "NAME=value"; returns how many there are. */

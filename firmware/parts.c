@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <systemd/sd-journal.h>
 
 #include "drivers/shipped.h"
 #include "drivers/vision/face_detector.h"
-#include "firmware/journal.h"
 #include "firmware/lockout_file.h"
 
 static const char *or_shipped(const char *path, const char *shipped)
@@ -171,6 +171,10 @@ enum { LOG_SEGMENTS = 8 };
 static int open_log(struct iso_parts *parts, struct iso_fault *fault)
 {
     const struct iso_config *config = &parts->config;
+    const int error = config->log.journal ? iso_journal_new(sd_journal_sendv, &parts->journal) : 0;
+    if (error) {
+        return iso_fault_set(fault, error, "the journal: %s", strerror(-error));
+    }
     const struct iso_audit_options options = {
         .path = config->log.path,
         .sync = config->log.sync,
@@ -178,7 +182,8 @@ static int open_log(struct iso_parts *parts, struct iso_fault *fault)
         .segments = LOG_SEGMENTS - 1,
         .migrate = config->seal.migrate,
         .ring = parts->ring,
-        .written = config->log.journal ? iso_journal_record : NULL,
+        .written = parts->journal ? iso_journal_record : NULL,
+        .context = parts->journal,
     };
     return iso_audit_open(&options, &parts->times, &parts->audit, fault);
 }
@@ -378,6 +383,7 @@ void iso_parts_close(struct iso_parts *parts)
         iso_door_io_close(parts->door_io);
         iso_cards_free(parts->cards);
         iso_audit_close(parts->audit);
+        iso_journal_free(parts->journal);
         iso_gallery_close(parts->gallery);
         iso_key_ring_close(parts->ring);
         iso_pipeline_close(&parts->pipeline);

@@ -7,6 +7,7 @@
 #include "core/fault.h"
 #include "firmware/appliance.h"
 #include "firmware/crew.h"
+#include "firmware/journal.h"
 
 struct iso_parts {
     struct iso_config config;
@@ -15,6 +16,7 @@ struct iso_parts {
     struct iso_pipeline pipeline;
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
+    struct iso_journal *journal; /* NULL: the log is not told there */
     struct iso_audit *audit;
     struct iso_door_io *door_io;
     struct iso_cards *cards; /* NULL: none are sent */

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 
 #include "tests/firmware/cmocka_headers.h"
 
+#include "firmware/journal.h"
 #include "tests/firmware/rig.h"
 #include "tests/firmware/stores.h"
 #include "tests/support/slow_disk.h"
@@ -46,6 +48,7 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
+    slow_disk_take_ms(0);
     slow_disk_go_on();
     return rig_teardown(state);
 }
@@ -206,6 +209,116 @@ static void a_full_queue_lets_nobody_in(void **state)
     assert_non_null(strstr(last_record(rig, "records-lost"), " records\""));
 }
 
+/* ---- a contact that chatters ---- */
+
+enum { DISK_MS = 20, CHATTER_HZ = 200, RECORDS_MAX = 60 };
+
+static atomic_bool chatters;
+
+/* Opens and closes the contact CHATTER_HZ times a second. */
+static void *chatter(void *context)
+{
+    const struct timespec half = {.tv_nsec = 1000000000L / (2 * CHATTER_HZ)};
+    (void)context;
+    while (chatters) {
+        wired_door_set(ISO_DOOR_CONTACT, true);
+        (void)nanosleep(&half, NULL);
+        wired_door_set(ISO_DOOR_CONTACT, false);
+        (void)nanosleep(&half, NULL);
+    }
+    return NULL;
+}
+
+/* The record of the grant is waited for by no more than 250 ms. */
+static void a_chattering_contact_keeps_nobody_out(void **state)
+{
+    struct rig *rig = *state;
+    pthread_t thread;
+    int admitted = 0;
+    start(rig);
+    const uint64_t before = iso_audit_writer_last(iso_appliance_log(rig->appliance));
+    slow_disk_take_ms(DISK_MS);
+    chatters = true;
+    assert_int_equal(pthread_create(&thread, NULL, chatter, NULL), 0);
+    wired_door_await(ISO_DOOR_BUZZER, 2 * CHATTER_HZ); /* it has been going on for a while */
+    for (int i = 0; i < VISITS_MAX && admitted < 3; i++) {
+        admitted += strstr(come(rig), "visit allow anna match 2") != NULL;
+    }
+    chatters = false;
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    slow_disk_take_ms(0);
+    assert_int_equal(admitted, 3);
+    iso_appliance_stop(rig->appliance);
+    assert_string_equal(last_record(rig, "records-lost"), "");
+    const uint64_t last = iso_audit_writer_last(iso_appliance_log(rig->appliance));
+    assert_in_range(last - before, 1, RECORDS_MAX);
+}
+
+/* ---- a journal that is stuck ---- */
+
+static struct {
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    bool stuck;
+} journal = {.mutex = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
+
+static int send_when_it_works(const struct iovec *fields, int n)
+{
+    (void)fields;
+    (void)n;
+    (void)pthread_mutex_lock(&journal.mutex);
+    while (journal.stuck) {
+        (void)pthread_cond_wait(&journal.changed, &journal.mutex);
+    }
+    (void)pthread_mutex_unlock(&journal.mutex);
+    return 0;
+}
+
+static void let_journal_work(void)
+{
+    (void)pthread_mutex_lock(&journal.mutex);
+    journal.stuck = false;
+    (void)pthread_cond_broadcast(&journal.changed);
+    (void)pthread_mutex_unlock(&journal.mutex);
+}
+
+/* The log of the rig, told to this journal. */
+static void open_told_log(struct rig *rig, struct iso_journal *to)
+{
+    struct iso_audit_options audit = stores_audit(rig->directory);
+    audit.written = iso_journal_record;
+    audit.context = to;
+    iso_appliance_free(rig->appliance);
+    iso_audit_close(rig->audit);
+    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
+    rig->parts.audit = rig->audit;
+    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+}
+
+static void a_stuck_journal_keeps_nobody_out(void **state)
+{
+    struct rig *rig = *state;
+    struct iso_journal *to = NULL;
+    const char *news = "";
+    journal.stuck = true;
+    assert_int_equal(iso_journal_new(send_when_it_works, &to), 0);
+    open_told_log(rig, to);
+    start(rig);
+    for (int i = 0; i < VISITS_MAX && !strstr(news, "visit allow anna match 2"); i++) {
+        news = come(rig); /* once, but on a machine that takes 250 ms to wake up a thread */
+    }
+    assert_true(journal.stuck);
+    assert_non_null(strstr(news, "visit allow anna match 2"));
+    let_journal_work();
+    iso_appliance_stop(rig->appliance);
+    settle(rig);
+    iso_journal_free(to);
+    rig->audit = NULL;
+    iso_appliance_free(rig->appliance);
+    iso_audit_close(rig->parts.audit);
+    rig->appliance = NULL;
+}
+
 static void *remove_anna(void *context)
 {
     struct rig *rig = context;
@@ -282,6 +395,8 @@ int main(void)
         TEST(a_grant_that_is_not_on_record_lets_nobody_in),
         TEST(a_grant_that_was_not_begun_is_forgotten),
         TEST(a_full_queue_lets_nobody_in),
+        TEST(a_chattering_contact_keeps_nobody_out),
+        TEST(a_stuck_journal_keeps_nobody_out),
         TEST(administration_does_not_keep_the_door_waiting),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,50 @@
+/* Which changes of the door are told one by one, and which are folded: an input that chatters (a
+ * wet contact, a loose wire, somebody who plays with the exit button) makes hundreds of changes in
+ * a second. Pure, time comes as an argument.
+ *
+ * Changes by the contact, the tamper switch, the exit button and by faults are limited, each kind
+ * for itself (event_limit.h). All others pass: they come from decisions and from times of the door.
+ *
+ * What is lost of folded changes is when each of them was, and in which state the door was in
+ * between. Kept are the first ones, the number, the length, and the state behind them. */
+#ifndef ISO_FIRMWARE_DOOR_EVENTS_H
+#define ISO_FIRMWARE_DOOR_EVENTS_H
+
+#include "firmware/door_guard.h"
+#include "firmware/event_limit.h"
+
+enum iso_door_source {
+    ISO_DOOR_BY_CONTACT,
+    ISO_DOOR_BY_TAMPER,
+    ISO_DOOR_BY_EXIT_BUTTON,
+    ISO_DOOR_BY_FAULT,
+    ISO_DOOR_SOURCES
+};
+
+/* All zero: nothing has happened. */
+struct iso_door_events {
+    struct iso_event_limit limits[ISO_DOOR_SOURCES];
+    enum iso_door_event causes[ISO_DOOR_SOURCES]; /* of the newest change of each */
+    struct iso_door_news newest;                  /* of all of them */
+};
+
+/* What is said of folded changes. */
+struct iso_door_burst {
+    enum iso_door_event cause; /* of the last of them */
+    enum iso_door_state state; /* of the door now */
+    char text[96];             /* "contact changed 212 times in 10.0 s; now locked" */
+};
+
+/* Takes a change in. True: it is told by itself. */
+bool iso_door_events_take(struct iso_door_events *events, const struct iso_door_news *news,
+                          int64_t now_ns);
+
+/* What has to be told now of folded changes; false: nothing more. `ending`: all that was folded. To
+ * be called until it is false, before iso_door_events_take and when something is due. */
+bool iso_door_events_next(struct iso_door_events *events, bool ending, int64_t now_ns,
+                          struct iso_door_burst *out);
+
+/* When iso_door_events_next will have something; ISO_NEVER_NS if nothing is due. */
+int64_t iso_door_events_due_ns(const struct iso_door_events *events);
+
+#endif

@@ -1,0 +1,44 @@
+/* Limits how many records one source of events makes: a contact that chatters must not fill the
+ * log. Pure, time comes as an argument.
+ *
+ *   PASSING  the first ISO_EVENT_LIMIT_BURST events of a second pass, each by itself
+ *            one more in that second                                        -> FOLDING
+ *   FOLDING  events are counted, and nothing else is kept of them
+ *            ten seconds of it: a report, and counting begins anew          -> FOLDING
+ *            a second without an event: a report, if anything was counted   -> PASSING */
+#ifndef ISO_FIRMWARE_EVENT_LIMIT_H
+#define ISO_FIRMWARE_EVENT_LIMIT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { ISO_EVENT_LIMIT_BURST = 5 };
+
+/* All zero: PASSING, and nothing has happened. */
+struct iso_event_limit {
+    int64_t second_ns; /* when the present second began */
+    int passed;        /* events that have passed in it */
+    bool folding;
+    uint64_t folded;   /* since the last report */
+    int64_t since_ns;  /* when counting began */
+    int64_t newest_ns; /* the newest event that was counted */
+};
+
+/* What was folded: how many events within how long a time. */
+struct iso_event_report {
+    uint64_t events;
+    int64_t length_ns;
+};
+
+/* Takes an event in. True: it passes. False: it was counted. */
+bool iso_event_limit_take(struct iso_event_limit *limit, int64_t now_ns);
+
+/* True if a report is due, with *out; `ending`: whatever was counted is due. To be called before
+ * iso_event_limit_take with the same time, and when iso_event_limit_due_ns says so. */
+bool iso_event_limit_report(struct iso_event_limit *limit, bool ending, int64_t now_ns,
+                            struct iso_event_report *out);
+
+/* When iso_event_limit_report will do something; ISO_NEVER_NS if nothing is due. */
+int64_t iso_event_limit_due_ns(const struct iso_event_limit *limit);
+
+#endif
