@@ -98,7 +98,7 @@ const char *iso__appliance_sensor_state(const struct iso_appliance *appliance)
     if (!appliance->keeper.sensor) {
         return "lost";
     }
-    return !appliance->keeper.sees ? "silent" : appliance->stuck ? "repeats" : "started";
+    return !appliance->keeper.sees ? "silent" : appliance->repeats.stuck ? "repeats" : "started";
 }
 
 static void init_sensor(struct iso_appliance *appliance, int64_t now_ns)

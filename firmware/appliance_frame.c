@@ -348,6 +348,7 @@ int64_t iso__appliance_due_ns(const struct iso_appliance *appliance)
     int64_t due_ns = decision_ns < attack_ns ? decision_ns : attack_ns;
     due_ns = lockout_ns < due_ns ? lockout_ns : due_ns;
     due_ns = appliance->lockout_save_ns < due_ns ? appliance->lockout_save_ns : due_ns;
+    due_ns = appliance->lockout_read_ns < due_ns ? appliance->lockout_read_ns : due_ns;
     due_ns = appliance->gallery_retry_ns < due_ns ? appliance->gallery_retry_ns : due_ns;
     if (appliance->picture_due && appliance->picture_end_ns < due_ns) {
         due_ns = appliance->picture_end_ns;

@@ -5,6 +5,7 @@
 #include <syslog.h>
 
 #include "firmware/appliance_state.h"
+#include "firmware/heads.h"
 #include "firmware/lockout_file.h"
 #include "firmware/storage_fault.h"
 
@@ -13,13 +14,22 @@ static int64_t now_ns(const struct iso_appliance *appliance)
     return iso_times_now_ns(&appliance->parts.times);
 }
 
-static const int64_t save_again_ns = ISO_NS_PER_S;
+static const int64_t save_again_ns = ISO_NS_PER_S, read_again_ns = 3 * ISO_NS_PER_S;
+
+/* What the file says is not known, and the disk may let it be read later. */
+static bool is_unread(const struct iso_appliance *appliance)
+{
+    return appliance->lockout_read_ns != ISO_NEVER_NS;
+}
 
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_appliance_parts *parts = &appliance->parts;
     const struct iso_lockout_record record = iso_lockout_record_of(&appliance->lockout,
                                                                    now_ns(appliance));
+    if (is_unread(appliance)) {
+        return iso_fault_set(fault, -EIO, "%s", appliance->lockout_fault.text);
+    }
     return *parts->lockout_path ? iso_lockout_save(parts->lockout_path, parts->ring, &record, fault)
                                 : 0;
 }
@@ -107,6 +117,77 @@ static int load(const struct iso_appliance *appliance, struct iso_lockout_file *
     return 0;
 }
 
+/* Takes what the file says. A lockdown that began before it could be read goes on. */
+static void take_file(struct iso_appliance *appliance, const struct iso_lockout_file *file)
+{
+    const bool lockdown = appliance->lockout.lockdown;
+    iso_lockout_restore(&appliance->lockout, &file->record, now_ns(appliance));
+    const bool added = lockdown && !appliance->lockout.lockdown;
+    appliance->lockout.lockdown = lockdown || appliance->lockout.lockdown;
+    if (file->number == 0 || added) { /* from now on there is a sealed one, and it is known */
+        (void)!save(appliance, NULL);
+    }
+    if (iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE) {
+        iso__appliance_say(appliance, LOG_WARNING, "%s, as before the restart",
+                           iso_reason_name(iso_lockout_refusal(&appliance->lockout)));
+    }
+}
+
+/* Errors that say nothing of what is in the file. */
+static bool may_pass(int error)
+{
+    return iso_storage_is_refusal(error) || error == -ENOMEM || error == -ENFILE ||
+           error == -EMFILE;
+}
+
+static void record_reading(struct iso_appliance *appliance, const char *reason, const char *note)
+{
+    struct iso_audit_record record = iso_audit_record_of("lockout");
+    record.reason = reason;
+    record.note = note;
+    (void)iso__appliance_note(appliance, &record);
+}
+
+static void try_again_later(struct iso_appliance *appliance, const struct iso_fault *fault)
+{
+    const bool said = is_unread(appliance);
+    appliance->lockout_read_ns = now_ns(appliance) + read_again_ns;
+    appliance->lockout_fault = *fault;
+    if (!said) {
+        iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until it can be read",
+                           fault->text);
+        record_reading(appliance, "unreadable", fault->text);
+    }
+}
+
+/* Reads the file, for the first time or again. What it knows of the other stores was compared with
+ * them before the start, unless it could not be read then. */
+static void read_file(struct iso_appliance *appliance)
+{
+    const bool again = is_unread(appliance);
+    struct iso_lockout_file file;
+    struct iso_fault fault = {""};
+    int error = load(appliance, &file, &fault);
+    if (may_pass(error)) {
+        try_again_later(appliance, &fault);
+        return;
+    }
+    appliance->lockout_read_ns = ISO_NEVER_NS;
+    if (!error && again) {
+        error = iso_heads_check(iso_key_ring_board(appliance->parts.ring), &fault);
+    }
+    if (error) {
+        suspect(appliance, error, &fault);
+        return;
+    }
+    take_file(appliance, &file);
+    if (again) {
+        iso_decision_reset(&appliance->decision); /* who was not compared begins anew */
+        iso__appliance_say(appliance, LOG_NOTICE, "the lock-out file can be read again");
+        record_reading(appliance, "readable", NULL);
+    }
+}
+
 void iso__appliance_start_lockout(struct iso_appliance *appliance)
 {
     const struct iso_config_lockout *config = &appliance->parts.config->lockout;
@@ -117,26 +198,13 @@ void iso__appliance_start_lockout(struct iso_appliance *appliance)
         .longest_ns = config->longest_ms * ISO_NS_PER_MS,
         .forget_ns = config->forget_ms * ISO_NS_PER_MS,
     };
-    struct iso_lockout_file file;
-    struct iso_fault fault = {""};
     iso_lockout_init(&appliance->lockout, &options);
     appliance->lockout_save_ns = ISO_NEVER_NS;
+    appliance->lockout_read_ns = ISO_NEVER_NS;
     if (!appliance->parts.lockout_path) {
         appliance->parts.lockout_path = "";
     }
-    const int error = load(appliance, &file, &fault);
-    if (error) {
-        suspect(appliance, error, &fault);
-        return;
-    }
-    iso_lockout_restore(&appliance->lockout, &file.record, now_ns(appliance));
-    if (file.number == 0) { /* from now on there is a sealed one, and it is known */
-        (void)!save(appliance, NULL);
-    }
-    if (iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE) {
-        iso__appliance_say(appliance, LOG_WARNING, "%s, as before the restart",
-                           iso_reason_name(iso_lockout_refusal(&appliance->lockout)));
-    }
+    read_file(appliance);
 }
 
 static bool is_locked(const struct iso_appliance *appliance)
@@ -146,7 +214,8 @@ static bool is_locked(const struct iso_appliance *appliance)
 
 static enum iso_reason refusal_of(const struct iso_appliance *appliance)
 {
-    return is_locked(appliance) ? iso_lockout_refusal(&appliance->lockout)
+    return is_locked(appliance)   ? iso_lockout_refusal(&appliance->lockout)
+           : is_unread(appliance) ? ISO_REASON_NO_LOCKOUT
            : iso_gallery_state(appliance->parts.gallery, NULL) ? ISO_REASON_NO_GALLERY
                                                                : ISO_REASON_NONE;
 }
@@ -158,6 +227,9 @@ bool iso__appliance_is_shut(const struct iso_appliance *appliance)
 
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
 {
+    if (t_ns >= appliance->lockout_read_ns) {
+        read_file(appliance);
+    }
     const bool was_locked = is_locked(appliance);
     if (t_ns >= appliance->lockout_save_ns) {
         (void)!save(appliance, NULL);
@@ -227,6 +299,9 @@ static int record_act(struct iso_appliance *appliance, const char *event, const 
 int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_lockout before = appliance->lockout;
+    if (is_unread(appliance)) { /* it may hold a lockdown, which this does not end */
+        return iso_fault_set(fault, -EIO, "%s", appliance->lockout_fault.text);
+    }
     int error = record_act(appliance, "lockout", "cleared", fault);
     if (error) {
         return error;
@@ -257,17 +332,21 @@ static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fau
     return iso_fault_set(fault, unkept, "%s", own.text);
 }
 
+/* This replaces a file that cannot be read, too. */
 static int end_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_lockout before = appliance->lockout;
+    const int64_t read_ns = appliance->lockout_read_ns;
     int error = record_act(appliance, "lockdown", "off", fault);
     if (error) {
         return error;
     }
     appliance->lockout.lockdown = false;
+    appliance->lockout_read_ns = ISO_NEVER_NS;
     iso_decision_reset(&appliance->decision);
     error = save_or_undo(appliance, &before, fault);
     if (error) {
+        appliance->lockout_read_ns = read_ns;
         iso_storage_add(fault, "the lockdown goes on");
     }
     return error;

@@ -16,6 +16,7 @@
 #include "firmware/hint_filter.h"
 #include "firmware/image_tally.h"
 #include "firmware/lockout.h"
+#include "firmware/repeat_watch.h"
 #include "firmware/suspension.h"
 #include "firmware/track.h"
 
@@ -37,11 +38,10 @@ struct iso_appliance {
     bool complaining; /* the last frame failed: the next failure is not told again */
     struct iso_track track;
     struct iso_liveness liveness;
-    uint64_t liveness_track;        /* of motion.track, whose frames it holds */
-    struct iso_frame_memory *shown; /* the frames that were evidence */
-    int repeats;                    /* usable frames in a row that repeat earlier ones */
-    bool stuck;                     /* that was told as a fault of the sensor */
-    struct iso_track_motion motion; /* of the frame worked on; all zero without a fitted face */
+    uint64_t liveness_track;         /* of motion.track, whose frames it holds */
+    struct iso_frame_memory *shown;  /* the frames that were evidence */
+    struct iso_repeat_watch repeats; /* whether usable frames repeat earlier ones */
+    struct iso_track_motion motion;  /* of the frame worked on; all zero without a fitted face */
     struct iso_scene_motion scene_motion;
     struct iso_hint_filter hints;
     struct iso_attack_tally attacks;
@@ -61,6 +61,8 @@ struct iso_appliance {
     struct iso_lockout lockout;
     struct iso_fault clock_fault;   /* the clock was set back; "": it was not */
     int64_t lockout_save_ns;        /* when to try again to keep it; ISO_NEVER_NS: it is kept */
+    int64_t lockout_read_ns;        /* when to try again to read it; ISO_NEVER_NS: it is known */
+    struct iso_fault lockout_fault; /* why it could not be read */
     struct iso_fault storage_fault; /* what the disk refused last; "" since it works again */
     int64_t gallery_retry_ns;       /* when to try again to read the gallery, while it is lost */
 
@@ -222,17 +224,19 @@ size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
 
 /* ---- lock-out and lockdown (appliance_refusal.c) ---- */
 
-/* As it was before a restart; a lockdown if that cannot be known, or the file is gone. */
+/* As it was before a restart. A file that is damaged, old or gone is a lockdown. One that the disk
+ * does not let be read is tried again every few seconds, and nobody is let in meanwhile. */
 void iso__appliance_start_lockout(struct iso_appliance *appliance);
 
-/* Writes what has to outlast a restart. An errno of writing it. */
+/* Writes what has to outlast a restart. An errno of writing it; -EIO what is there could not be
+ * read yet, and is not replaced. */
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault);
 
-/* It is t_ns: a lock may be over. */
+/* It is t_ns: a lock may be over, or the file may be read. */
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns);
 
-/* Whether nobody is let in, or recognised for a client: a lockdown, a lock-out, or a gallery that
- * is out of service. */
+/* Whether nobody is let in, or recognised for a client: a lockdown, a lock-out, a lock-out file
+ * that cannot be read yet, or a gallery that is out of service. */
 bool iso__appliance_is_shut(const struct iso_appliance *appliance);
 
 /* Has the verdict say nothing but that, if it is so. */

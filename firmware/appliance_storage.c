@@ -19,7 +19,8 @@ void iso__appliance_note_storage(struct iso_appliance *appliance, int error,
 
 const char *iso__appliance_storage_fault(const struct iso_appliance *appliance)
 {
-    return appliance->storage_fault.text;
+    const bool unread = appliance->lockout_read_ns != ISO_NEVER_NS;
+    return unread ? appliance->lockout_fault.text : appliance->storage_fault.text;
 }
 
 void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)

@@ -9,8 +9,8 @@
 const char *iso_reason_name(enum iso_reason reason)
 {
     static const char *const names[ISO_REASONS] = {
-        "none",   "match",      "unknown",  "left",       "not-valid",     "unlogged",
-        "attack", "locked-out", "lockdown", "no-gallery", "not-on-record", "stale",
+        "none",       "match",    "unknown",    "left",       "not-valid",     "unlogged", "attack",
+        "locked-out", "lockdown", "no-gallery", "no-lockout", "not-on-record", "stale",
     };
     return (unsigned)reason < ISO_REASONS ? names[reason] : NULL;
 }

@@ -44,6 +44,7 @@ enum iso_reason {
     ISO_REASON_LOCKED_OUT,
     ISO_REASON_LOCKDOWN,
     ISO_REASON_NO_GALLERY, /* the gallery is out of service (gallery.h) */
+    ISO_REASON_NO_LOCKOUT, /* the lock-out file cannot be read yet */
     /* Of the door, behind the decision. */
     ISO_REASON_NOT_ON_RECORD, /* the record did not get to the disk in time */
     ISO_REASON_STALE,         /* its frames were too old when the lock was to be switched */
@@ -51,7 +52,7 @@ enum iso_reason {
 };
 
 /* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack", "locked-out", "lockdown",
- * "no-gallery", "not-on-record", "stale"; NULL outside. */
+ * "no-gallery", "no-lockout", "not-on-record", "stale"; NULL outside. */
 const char *iso_reason_name(enum iso_reason reason);
 
 /* All-zero is DENY. */
