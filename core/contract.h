@@ -88,8 +88,9 @@
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
  * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "repeats": it delivers
  * frames of the last ten minutes again; "lost"), "sensor-fault" s, "clock-fault" s (that it was set
- * back behind the log, "" while it is right), "storage-fault" s (what the disk refused last, ""
- * since it works again), "sensor-health" s (what its driver says of it while it runs, "" while all
+ * back behind the log, "" while it is right), "stale-fault" s (that a grant has hardly enough time,
+ * "" while it has), "storage-fault" s (what the disk refused last, "" since it works again),
+ * "sensor-health" s (what its driver says of it while it runs, "" while all
  * is well), "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with
  * "nominal" if the intrinsics are the model's and were not measured on this camera),
  * "sensor-devices" s (what the back end sees, "" if it cannot tell, or not while it is lost),

@@ -187,6 +187,18 @@ static void judge_clock(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
+/* Nothing is said while grants have enough time. */
+static void judge_time(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *fault = cli_state_text(state, "stale-fault");
+
+    if (fault && *fault) {
+        cli_diagnosis_add(diagnosis, "time", CLI_CHECK_ODD, fault,
+                          "choose a faster mode of the camera, relieve the machine, or raise "
+                          "[sensor] stale_ms in isotherm.conf(5)");
+    }
+}
+
 static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     static const struct {
@@ -332,6 +344,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_calibration(diagnosis, state);
     judge_service(diagnosis, state);
     judge_clock(diagnosis, state);
+    judge_time(diagnosis, state);
     judge_door(diagnosis, state);
     judge_lines(diagnosis, state);
     judge_model(diagnosis, state);

@@ -31,6 +31,7 @@ static const struct row {
     {"Appliance", "running for", "uptime-ms", UNIT_DURATION},
     {"Appliance", "doing", "mode", UNIT_TEXT},
     {"Appliance", "clock", "clock-fault", UNIT_TEXT},
+    {"Appliance", "time for a grant", "stale-fault", UNIT_TEXT},
     {"Appliance", "last outcome", "last-outcome", UNIT_TEXT},
     {"Appliance", "records in the log", "log-sequence", UNIT_COUNT},
     {"Appliance", "fault of the disk", "storage-fault", UNIT_TEXT},

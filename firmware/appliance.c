@@ -69,7 +69,7 @@ int iso__appliance_note(struct iso_appliance *appliance, const struct iso_audit_
 int iso__appliance_record_grant(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault)
 {
-    static const int64_t wait_ns = 250 * ISO_NS_PER_MS;
+    static const int64_t wait_ns = ISO_GRANT_WAIT_MS * ISO_NS_PER_MS;
     const struct iso_times *times = &appliance->parts.times;
     const int64_t begin_ns = iso_times_boot_ns(times);
     struct iso_fault own = {""};
@@ -132,6 +132,7 @@ static void on_sensor_back(struct iso_appliance *appliance)
     iso__appliance_say(appliance, LOG_NOTICE, "sensor %s started",
                        iso_sensor_name(appliance->keeper.sensor));
     (void)iso__appliance_note(appliance, &record);
+    iso__appliance_stale_sensor(appliance);
 }
 
 /* The safe state and its end: whoever was before the camera may be another by now, and what was
@@ -440,6 +441,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .sensor_calibration = appliance->keeper.calibration,
         .sensor_fault = appliance->keeper.fault,
         .clock_fault = appliance->clock_fault.text,
+        .stale_fault = appliance->stale_fault.text,
         .storage_fault = iso__appliance_storage_fault(appliance),
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,

@@ -209,6 +209,7 @@ struct iso_appliance_status {
     const char *sensor_calibration; /* "" while unknown, or if it has none */
     const char *sensor_fault;       /* the last one; "" */
     const char *clock_fault;        /* that the clock was set back; "" while it is right */
+    const char *stale_fault;        /* that grants have hardly enough time (stale_budget.h); "" */
     const char *storage_fault;      /* what the disk refused last; "" since it works again */
     char sensor_health[64];         /* what its driver says of it; "" while all is well */
     size_t people_valid;            /* who may come in at this time */

@@ -329,6 +329,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     enum iso_capture capture = judge(appliance, frame);
     const bool evidence = counts(appliance, frame);
     if (capture == ISO_CAPTURE_OK) {
+        iso__appliance_stale_frame(appliance, frame);
         appliance->complaining = false;
         capture = evidence ? take_face(appliance, frame->t_ns, arrival_ns) : capture;
     } else if (iso_capture_is_attack(capture)) {

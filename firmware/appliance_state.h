@@ -17,6 +17,7 @@
 #include "firmware/image_tally.h"
 #include "firmware/lockout.h"
 #include "firmware/repeat_watch.h"
+#include "firmware/stale_budget.h"
 #include "firmware/suspension.h"
 #include "firmware/track.h"
 
@@ -63,8 +64,11 @@ struct iso_appliance {
     int64_t lockout_save_ns;        /* when to try again to keep it; ISO_NEVER_NS: it is kept */
     int64_t lockout_read_ns;        /* when to try again to read it; ISO_NEVER_NS: it is known */
     struct iso_fault lockout_fault; /* why it could not be read */
-    struct iso_fault storage_fault; /* what the disk refused last; "" since it works again */
-    int64_t gallery_retry_ns;       /* when to try again to read the gallery, while it is lost */
+    struct iso_stale_budget stale_budget; /* the time that a grant needs */
+    struct iso_fault stale_fault;         /* it comes near stale_ms; "": it does not */
+    bool stale_told;                      /* a warning said so, since the sensor was opened */
+    struct iso_fault storage_fault;       /* what the disk refused last; "" since it works again */
+    int64_t gallery_retry_ns; /* when to try again to read the gallery, while it is lost */
 
     /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
     int64_t deadline_ns;                 /* of the claim, or of the action */
@@ -168,6 +172,14 @@ bool iso__appliance_repeats(struct iso_appliance *appliance, const struct iso_fr
 
 /* The sensor was opened anew: what it did before is no fault of now. The frames stay known. */
 void iso__appliance_repeat_reset(struct iso_appliance *appliance);
+
+/* ---- the time that a grant needs (appliance_stale.c) ---- */
+
+/* The sensor was opened: takes its rate in, and warns if there is too little time. */
+void iso__appliance_stale_sensor(struct iso_appliance *appliance);
+
+/* The work on a usable frame has ended: takes in how long it took, and warns as above. */
+void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct iso_frame *frame);
 
 /* ---- a clock that was set back (appliance_clock.c) ---- */
 

@@ -481,6 +481,8 @@ static void a_killed_daemon_forgets_nobody(void **state)
 static void a_recording_that_comes_again_opens_nothing(void **state)
 {
     static const char *const recordings[] = {"p01-v1", NULL};
+    static const char *const others[] = {"p02-v1", "p02-v2", "p04-v1", "p04-v2",
+                                         "p05-v1", "p05-v2", NULL};
     struct appliance *appliance = *state;
 
     appliance_end_daemon(appliance, SIGTERM);
@@ -503,6 +505,10 @@ static void a_recording_that_comes_again_opens_nothing(void **state)
     assert_non_null(strstr(result->out, "its frames repeat earlier ones"));
 
     appliance_expect(appliance_run(appliance, "verify p01", "p01-v2"), 0); /* new frames */
+    status = appliance_run_json(appliance, "status", NULL, 0);
+    assert_string_equal(text_of(status, "sensor-state"), "repeats"); /* three of them, not 15 */
+    json_decref(status);
+    (void)appliance_visit(appliance, others);
     status = appliance_run_json(appliance, "status", NULL, 0);
     assert_string_equal(text_of(status, "sensor-state"), "started");
     json_decref(status);

@@ -328,6 +328,10 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
          4,
          "fault    disk        g.db: the disk refused: Input/output error; nothing was changed\n"
          "                     -> look what the kernel says"},
+        {{.stale_fault = "a grant may need 830 ms"},
+         0,
+         "warning  time        a grant may need 830 ms\n"
+         "                     -> choose a faster mode"},
         {{.model = ""}, 4, "fault    model       not loaded\n"},
         {{.version = "0.0.1"}, 0, "warning  version     0.0.1\n"},
         {{0}, 0, "warning  gallery     0 people, 0 usable templates\n"},

@@ -135,9 +135,9 @@ static int stream_next_due_ns(void *self, int64_t *due_ns)
 
 static int stream_describe(void *self, struct iso_sensor_description *out)
 {
-    (void)self;
+    const struct puppet_sensor *sensor = ((const struct stream *)self)->sensor;
     *out = (struct iso_sensor_description){
-        .model = "puppet9", .width_px = WIDTH_PX, .height_px = 1};
+        .model = "puppet9", .width_px = WIDTH_PX, .height_px = 1, .rate_hz = sensor->rate_hz};
     return 0;
 }
 

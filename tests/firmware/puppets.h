@@ -33,6 +33,7 @@ struct puppet_sensor {
     uint64_t forgotten;                      /* frames before those, all of them fetched */
     int open_error, start_error, wait_error; /* what the next call of each fails with; stays */
     const char *text;                        /* what it says then; NULL: something */
+    double rate_hz;                          /* nominal; 0: it does not say */
     bool scene_moves;                        /* something but the face, every second */
     bool streams;                            /* it has no next_due_ns: silence is a fault */
     int opened, closed;                      /* how often it was */

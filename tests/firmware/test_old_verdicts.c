@@ -253,6 +253,30 @@ static void a_test_of_the_door_does_not_wait_for_its_record(void **state)
     assert_int_equal(relay_switchings, 0);
 }
 
+/* ---- a warning before it comes to that ---- */
+
+static void a_slow_sensor_is_told_at_the_start(void **state)
+{
+    struct rig *rig = *state;
+    rig->sensor.rate_hz = 3;
+    iso_appliance_free(rig->appliance);
+    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    rig_start(rig);
+    assert_non_null(strstr(rig->warned, "a grant may need 916 ms (2 frames at 3 a second, "));
+    assert_string_equal(iso_appliance_status(rig->appliance).stale_fault, rig->warned);
+}
+
+static void a_slow_machine_is_told_when_it_was_measured(void **state)
+{
+    struct rig *rig = *state;
+    assert_string_equal(iso_appliance_status(rig->appliance).stale_fault, "");
+    delays.frame_ms = 600;
+    come(rig);
+    assert_non_null(strstr(iso_appliance_status(rig->appliance).stale_fault, "ms of work), and "
+                                                                             "[sensor] stale_ms "
+                                                                             "is 1000"));
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, rig_teardown)
@@ -267,6 +291,8 @@ int main(void)
         TEST(a_lock_that_was_switched_too_late_is_switched_back),
         TEST(the_door_locks_after_a_suspension),
         TEST(a_test_of_the_door_does_not_wait_for_its_record),
+        TEST(a_slow_sensor_is_told_at_the_start),
+        TEST(a_slow_machine_is_told_when_it_was_measured),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,35 @@
+/* Whether grants have enough time: the sensor's rate and the working time against stale_ms. */
+#include <syslog.h>
+
+#include "firmware/appliance_state.h"
+
+/* The system's log is told once, until the sensor is opened anew. */
+static void judge(struct iso_appliance *appliance)
+{
+    struct iso_fault fault = {""};
+    if (iso_stale_budget_is_tight(&appliance->stale_budget, &fault) && !appliance->stale_told) {
+        iso__appliance_say(appliance, LOG_WARNING, "%s", fault.text);
+        appliance->stale_told = true;
+    }
+    appliance->stale_fault = fault;
+}
+
+void iso__appliance_stale_sensor(struct iso_appliance *appliance)
+{
+    const struct iso_config *config = appliance->parts.config;
+    struct iso_stale_budget *budget = &appliance->stale_budget;
+    struct iso_sensor_description description;
+    const int error = iso_sensor_describe(appliance->keeper.sensor, &description);
+    budget->stale_ns = config->sensor.stale_ms * ISO_NS_PER_MS;
+    budget->agree = config->decision.agree;
+    budget->rate_hz = error ? 0 : description.rate_hz;
+    appliance->stale_told = false;
+    judge(appliance);
+}
+
+void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct iso_frame *frame)
+{
+    const int64_t took_ns = iso_times_now_ns(&appliance->parts.times) - frame->t_ns;
+    iso_stale_budget_measure(&appliance->stale_budget, took_ns);
+    judge(appliance);
+}

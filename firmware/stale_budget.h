@@ -1,0 +1,37 @@
+/* How long a grant needs, and how long its frames may be old: whoever is let in was seen at most
+ * stale_ms ago when the lock is switched. Pure.
+ *
+ *   needed = frames that agree x period of the sensor
+ *            + the wait for the record of the grant, at most
+ *            + working time of a frame, from its exposure to the end of the work on it
+ *
+ * If that comes near stale_ms, a busy moment makes a grant a refusal ("stale"). The working time is
+ * a mean of usable frames in which a new one counts for a sixteenth; 0 until there is one. */
+#ifndef ISO_FIRMWARE_STALE_BUDGET_H
+#define ISO_FIRMWARE_STALE_BUDGET_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+
+/* How long the record of a grant is waited for, at most. */
+enum { ISO_GRANT_WAIT_MS = 250 };
+
+struct iso_stale_budget {
+    int64_t stale_ns;
+    int agree;      /* frames that have to agree, 1 or more */
+    double rate_hz; /* of the sensor, nominal; 0: not known, and its period is left out */
+    int64_t work_ns;
+    bool measured; /* work_ns is of a frame at least */
+};
+
+/* Takes the working time of a usable frame in. */
+void iso_stale_budget_measure(struct iso_stale_budget *budget, int64_t took_ns);
+
+int64_t iso_stale_budget_needed_ns(const struct iso_stale_budget *budget);
+
+/* Whether that is more than four fifths of stale_ns; then with a fault of one line. */
+bool iso_stale_budget_is_tight(const struct iso_stale_budget *budget, struct iso_fault *fault);
+
+#endif
