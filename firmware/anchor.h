@@ -2,9 +2,10 @@
  * copy of the store that is put back is recognised.
  *
  * A store counts its changes. It writes a change, and then the anchor: so the store's number is
- * that of the anchor or, after a kill between the two, one more. A store that is behind its anchor
- * is an old one. If the anchor cannot be written the store is one ahead, and has to catch up
- * (iso_anchor_set again) before the next change.
+ * that of the anchor or, after a kill between the two, one more; for the log, which writes groups
+ * of records, as many more as a group has. A store that is behind its anchor is an old one. If the
+ * anchor cannot be written the store is ahead of it, and has to catch up (iso_anchor_set again)
+ * before the next change.
  *
  * What an anchor can tell: that its store was exchanged for an older one, or cut short. An anchor
  * that was exchanged with its store is found by what the other stores know (heads.h), and what it

@@ -182,7 +182,7 @@ static void csv_has_a_column_for_every_member_that_the_daemon_writes(void **stat
     static const char call[] = "(line, \"";
     const struct fake_script script = {.n_records = 1};
     size_t size, n = 0;
-    char *bytes = scratch_read(ISOTHERM_SOURCE_DIR "/firmware/audit.c", &size);
+    char *bytes = scratch_read(ISOTHERM_SOURCE_DIR "/firmware/audit_append.c", &size);
     char *source = strndup(bytes, size), name[64];
     const struct cli_result result = cli_run(&script, "log --csv --full");
 

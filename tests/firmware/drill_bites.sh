@@ -122,8 +122,8 @@ mistake 'earlier: the key ring has no number' firmware/key_ring.c \
 mistake 'earlier: another history of the log is taken' firmware/heads.c \
     'claim->other_link = true;' 'claim->other_link = false;'
 mistake 'earlier: nobody counts closed segments' firmware/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
-mistake 'earlier: a count is known before it is written' firmware/audit.c \
-    'const struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));' \
+mistake 'earlier: a count is known before it is written' firmware/audit_append.c \
+    'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));' \
     'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
         known.count[ISO_HEAD_LOCKOUT]++;'
 
@@ -135,6 +135,9 @@ mistake 'storage enrol: out of service, and it goes on' firmware/gallery_truth.c
 judge=(storage_faults 3 'log append')
 mistake 'storage log append: an exchange is believed' firmware/audit_rotate.c \
     '(void)!iso__audit_recover(audit, NULL);' ';'
+judge=(storage_faults 3 'log groups')
+mistake 'storage log groups: a failed group counts' firmware/audit_append.c \
+    'put_back(audit, before);' '(void)put_back;'
 judge=(storage_faults 3 'lockdown off')
 mistake 'storage lockdown off: ended in memory only' firmware/appliance_refusal.c \
     'appliance->lockout = *before;' '(void)before;'
@@ -143,11 +146,20 @@ judge=(test_firmware_slow_disk)
 mistake 'door: it waits for its records' firmware/appliance_door.c \
     'iso_audit_writer_post(appliance->log, &record, NULL)' \
     'iso_audit_writer_append(appliance->log, &record, ISO_NEVER_NS, NULL, NULL)'
+mistake 'chatter: each edge is a record' firmware/event_limit.c \
+    'limit->passed < ISO_EVENT_LIMIT_BURST' 'limit->passed < 1000000'
+judge=(test_firmware_audit_group)
+mistake 'group: an old anchor is taken' firmware/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'
+mistake 'group: one record ahead, and no more' firmware/audit_scan.c \
+    'audit->proved > anchor->value' 'audit->last > anchor->value + 1'
+judge=(test_firmware_lockout_unread)
+mistake 'lock-out: what cannot be read is a lockdown' firmware/appliance_refusal.c 'if (may_pass(error)) {' 'if (may_pass(error) && 0) {'
 judge=(test_firmware_audit_writer)
-mistake 'log: a grant that was given up is written' firmware/audit_writer.c 'slot->cancelled = true;' ';'
-mistake 'log: a late grant has no outcome behind it' firmware/audit_writer.c \
+mistake 'log: a grant that was given up is written' firmware/audit_writer.c \
+    'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled;'
+mistake 'log: a late grant has no outcome behind it' firmware/audit_group.c \
     'known ? writer->awaited.sequence : 0;' 'known ? 0 : 0;'
-mistake 'log: what was lost is not said' firmware/audit_writer.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
+mistake 'log: what was lost is not said' firmware/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
 judge=(test_firmware_old_verdicts)
 mistake 'stale: a record may take any time' firmware/appliance.c 'took_ns > wait_ns' 'took_ns < 0'
 mistake 'stale: nobody asks how old a grant is' firmware/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'
