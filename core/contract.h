@@ -95,7 +95,8 @@
  * "nominal" if the intrinsics are the model's and were not measured on this camera),
  * "sensor-devices" s (what the back end sees, "" if it cannot tell, or not while it is lost),
  * "door" s (back end), "door-state" s, "door-lines" s (those that are wired), "door-fault" s (""
- * while its lines work), "mode" s
+ * while its lines work), "door-realtime" b (false: its thread has no real-time priority, and the
+ * door may be late on a busy machine), "mode" s
  * ("watch", "claimed", "enroll", "verify", "identify"), "people" u (of whom "people-valid" u may
  * come in at this time), "templates" u (of which the running algorithm can use "templates-usable"
  * u), "capacity" u, "frames" t, "last-outcome" s, "image-check" s ("off", "flag", "veto",

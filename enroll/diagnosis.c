@@ -265,6 +265,17 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
+/* A daemon that does not know of it tells nothing, and nothing is said if all is well. */
+static void judge_priority(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    if (json_is_false(json_object_get(state, "door-realtime"))) {
+        cli_diagnosis_add(diagnosis, "door thread", CLI_CHECK_ODD,
+                          "no real-time priority: the door may be late on a busy machine",
+                          "start the daemon by its unit, whose LimitRTPRIO=, RestrictRealtime= and "
+                          "SystemCallFilter= permit it; see REAL TIME in isothermd(8)");
+    }
+}
+
 static void judge_model(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *model = cli_state_text(state, "model");
@@ -347,6 +358,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_time(diagnosis, state);
     judge_door(diagnosis, state);
     judge_lines(diagnosis, state);
+    judge_priority(diagnosis, state);
     judge_model(diagnosis, state);
     judge_image_check(diagnosis, state);
     judge_disk(diagnosis, state);

@@ -21,6 +21,7 @@ enum unit {
     UNIT_MM_S,
     UNIT_DEGREES_S,
     UNIT_ON_OFF,
+    UNIT_PRIORITY, /* left out if it is as it should be */
 };
 
 static const struct row {
@@ -46,6 +47,7 @@ static const struct row {
     {"Door", "fault", "door-fault", UNIT_TEXT},
     {"Door", "driver", "door", UNIT_TEXT},
     {"Door", "lines", "door-lines", UNIT_TEXT},
+    {"Door", "thread", "door-realtime", UNIT_PRIORITY},
     {"Door", "lockdown", "lockdown", UNIT_ON_OFF},
     {"Door", "locked out for", "lockout-ms", UNIT_DURATION},
     {"People", "enrolled", "people", UNIT_COUNT},
@@ -99,6 +101,9 @@ static bool format_value(const json_t *value, enum unit unit, char text[VALUE_SI
         iso_duration_text(json_integer_value(value) / 1000, duration);
         (void)snprintf(text, VALUE_SIZE, "%s", duration);
         return json_integer_value(value) > 0;
+    case UNIT_PRIORITY:
+        (void)snprintf(text, VALUE_SIZE, "without real-time priority: isotherm doctor");
+        return json_is_false(value);
     case UNIT_ON_OFF:
         (void)snprintf(text, VALUE_SIZE, "%s",
                        json_is_true(value) ? "on: nobody is let in" : "off");

@@ -436,6 +436,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
     struct iso_appliance_status status = {
         .mode = appliance->mode,
         .door = door.state,
+        .door_ordinary = door.ordinary,
         .sensor_state = iso__appliance_sensor_state(appliance),
         .sensor_model = appliance->keeper.model,
         .sensor_calibration = appliance->keeper.calibration,

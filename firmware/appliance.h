@@ -204,6 +204,7 @@ struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
     char door_fault[256];           /* why its lines do not work; "" while they do */
+    bool door_ordinary;             /* its thread has no real-time priority */
     const char *sensor_state;       /* "started", "silent", "repeats", "lost" */
     const char *sensor_model;       /* "" while unknown */
     const char *sensor_calibration; /* "" while unknown, or if it has none */

@@ -75,6 +75,7 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
 static void *run(void *context)
 {
     struct iso_audit_writer *writer = context;
+    iso_thread_set_name("isothermd-log");
     (void)pthread_mutex_lock(&writer->mutex);
     while (writer->n > 0 || !writer->ending || iso__audit_writer_has_to_admit(writer)) {
         if (writer->n > 0 || iso__audit_writer_has_to_admit(writer)) {

@@ -188,6 +188,9 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
               : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",
                                       iso_audit_writer_last(iso_appliance_log(bus->appliance)));
     r = r < 0 ? r : append_counts(reply, &status.counts);
+    r = r < 0 ? r
+              : sd_bus_message_append(reply, "{sv}", "door-realtime", "b",
+                                      (int)!status.door_ordinary);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "lockdown", "b", (int)status.lockdown);
     r = r < 0 ? r
               : sd_bus_message_append(reply, "{sv}", "lockout-ms", "x",

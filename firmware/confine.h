@@ -9,8 +9,8 @@
  *            the sensor replays recordings: its slot may name any)
  *   calls    (seccomp) those that a daemon with cameras and door lines needs. Sockets other than
  *            local ones and those of the kernel's device news are refused, as is what else is not
- *            needed; to execute a program, to trace one or to change mounts, modules or users ends
- *            the process.
+ *            needed, such as a real-time priority; to execute a program, to trace one or to
+ *            change mounts, modules or users ends the process.
  *
  * Threads that were there before are not bound by "files" (those that libraries start before
  * main(); the unit file has the linear algebra start none), but by "calls". Builds with a sanitizer
@@ -30,8 +30,8 @@ int iso_confine_memory(struct iso_fault *fault) __attribute__((warn_unused_resul
 int iso_confine_files(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Calls of all threads, for good; when everything is open. -ENOTSUP the build confines nothing, or
- * another errno; each with a fault. */
+/* Calls of all threads, for good; when everything is open and the real-time threads run. -ENOTSUP
+ * the build confines nothing, or another errno; each with a fault. */
 int iso_confine_calls(struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

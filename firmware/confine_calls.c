@@ -1,6 +1,7 @@
 /* seccomp: what the daemon, its libraries and their threads call; taken from systemd's group
  * @system-service (systemd.exec(5)), less what starts programs, changes users or priorities of
- * others, and less sockets that leave the machine. */
+ * others, less sockets that leave the machine, and less what changes scheduling policies: the
+ * threads that are real-time ones have been started by then (drivers/process/thread.h). */
 #include <errno.h>
 #include <seccomp.h>
 #include <stddef.h>
@@ -178,9 +179,6 @@ static const char *const allowed[] = {
     "sched_get_priority_min",
     "sched_getscheduler",
     "sched_setaffinity",
-    "sched_setattr",
-    "sched_setparam",
-    "sched_setscheduler",
     "sched_yield",
     "set_robust_list",
     "set_thread_area",

@@ -106,6 +106,7 @@ static void *help(void *context)
 {
     struct helper *helper = context;
     struct iso_crew *crew = helper->crew;
+    iso_thread_set_name("isothermd-crew");
     unsigned joined = 0; /* batches so far */
     (void)pthread_mutex_lock(&crew->lock);
     while (!crew->ending) {

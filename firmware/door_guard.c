@@ -17,6 +17,7 @@ struct iso_door_guard {
     struct iso_door_guard_options options;
     pthread_t thread;
     bool running;          /* the thread is there */
+    bool ordinary;         /* without a real-time priority */
     int wake_fd;           /* wakes the thread; -1 without one */
     int timer_fd;          /* readable when something is due */
     int news_fd;           /* readable while there are news */
@@ -130,6 +131,7 @@ static void wait_for_something(const struct iso_door_guard *guard, int lines_fd,
 static void *run(void *context)
 {
     struct iso_door_guard *guard = context;
+    iso_thread_set_name("isothermd-door");
     (void)prctl(PR_SET_TIMERSLACK, 1UL);
     (void)pthread_mutex_lock(&guard->mutex);
     while (!guard->ending) {
@@ -208,9 +210,11 @@ int iso_door_guard_start(struct iso_door_guard *guard)
     if (!guard->options.threaded) {
         return 0;
     }
+    bool realtime = false;
     const int error = iso_thread_start_realtime(&guard->thread, run, guard, ISO_DOOR_GUARD_PRIORITY,
-                                                NULL);
+                                                &realtime);
     guard->running = error == 0;
+    guard->ordinary = !realtime;
     return error;
 }
 
@@ -312,6 +316,7 @@ struct iso_door_look iso_door_guard_look(struct iso_door_guard *guard)
     (void)pthread_mutex_lock(&guard->mutex);
     const struct iso_door_control *control = &guard->control;
     look.state = control->door.state;
+    look.ordinary = guard->ordinary;
     (void)snprintf(look.fault, sizeof look.fault, "%s", control->broken ? control->fault : "");
     (void)pthread_mutex_unlock(&guard->mutex);
     return look;

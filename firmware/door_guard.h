@@ -4,7 +4,8 @@
  *
  * The thread waits for an edge of the inputs, for the next time that is due, or to be woken. Every
  * call from another thread holds the guard's mutex for as long as lines are switched, a few
- * milliseconds at most. The thread has a real-time priority where the process may have one.
+ * milliseconds at most. The thread has a real-time priority where the process may have one;
+ * iso_door_guard_look tells whether it has.
  *
  * Each change of the door is handed to `record` at once, by the thread in which it happened and
  * with the mutex held: it must neither wait nor call the guard. The same news then wait in a ring
@@ -77,6 +78,7 @@ int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wieg
 struct iso_door_look {
     enum iso_door_state state;
     char fault[256]; /* of the lines; "" while they work */
+    bool ordinary;   /* its thread has no real-time priority, as the process may not have one */
 };
 
 struct iso_door_look iso_door_guard_look(struct iso_door_guard *guard);

@@ -103,6 +103,7 @@ static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
 static void *run(void *context)
 {
     struct iso_wiegand_out *out = context;
+    iso_thread_set_name("isothermd-card");
     (void)prctl(PR_SET_TIMERSLACK, 1UL);
     (void)pthread_mutex_lock(&out->mutex);
     while (!out->end) {
@@ -133,7 +134,7 @@ int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegan
         return iso_fault_set(fault, -ENOMEM, "wiegand: out of memory");
     }
     new->lines = *lines;
-    (void)pthread_mutex_init(&new->mutex, NULL);
+    iso_thread_mutex_init(&new->mutex);
     (void)pthread_cond_init(&new->changed, NULL);
     const int error = iso_thread_start_realtime(&new->thread, run, new, ISO_WIEGAND_PRIORITY,
                                                 &new->report.realtime);

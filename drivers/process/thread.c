@@ -3,8 +3,9 @@
 #include <errno.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/prctl.h>
 
-/* priority 0: the ordinary scheduling */
+/* priority 0: what the caller has */
 static int start(pthread_t *thread, void *(*run)(void *context), void *context, int priority)
 {
     const struct sched_param parameters = {.sched_priority = priority};
@@ -35,10 +36,18 @@ int iso_thread_start(pthread_t *thread, void *(*run)(void *context), void *conte
     return start(thread, run, context, 0);
 }
 
+static bool has_priority_itself(int priority)
+{
+    struct sched_param own;
+    return sched_getscheduler(0) == SCHED_FIFO && sched_getparam(0, &own) == 0 &&
+           own.sched_priority == priority;
+}
+
 int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), void *context,
                               int priority, bool *realtime)
 {
-    int error = start(thread, run, context, priority);
+    const bool inherits = has_priority_itself(priority);
+    int error = start(thread, run, context, inherits ? 0 : priority);
     const bool has_priority = error == 0;
     if (error == -EPERM) {
         error = start(thread, run, context, 0);
@@ -47,6 +56,11 @@ int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), vo
         *realtime = has_priority;
     }
     return error;
+}
+
+void iso_thread_set_name(const char *name)
+{
+    (void)prctl(PR_SET_NAME, name);
 }
 
 void iso_thread_mutex_init(pthread_mutex_t *mutex)

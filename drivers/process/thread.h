@@ -19,9 +19,13 @@ int iso_thread_start(pthread_t *thread, void *(*run)(void *context), void *conte
 
 /* Does the same with the scheduling policy SCHED_FIFO and this priority (1 or more). If the process
  * may not use it (RLIMIT_RTPRIO), the thread gets the ordinary policy. *realtime says which policy
- * the thread has; realtime may be NULL. */
+ * the thread has; realtime may be NULL. A thread that has this policy and priority itself passes
+ * them on without asking for them: so it also works where sched_setscheduler is forbidden. */
 int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), void *context,
                               int priority, bool *realtime) __attribute__((warn_unused_result));
+
+/* Gives the calling thread a name, at most 15 bytes, by which ps(1) and top(1) show it. */
+void iso_thread_set_name(const char *name);
 
 /* A mutex whose holder has the priority of whoever waits for it: a thread of low priority does not
  * keep one of high priority waiting because others keep the processors busy. */

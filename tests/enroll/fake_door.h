@@ -59,6 +59,7 @@ struct fake_script {
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
     const char *storage_fault;                                  /* NULL: "" */
     const char *stale_fault;                                    /* NULL: "" */
+    bool door_ordinary;                                         /* "door-realtime" is false */
     const char *door, *door_fault;                              /* back end and its lines, so too */
     unsigned n_records;                                         /* in the log, numbered from 1 */
     const char *last_record; /* its members from "event" on; NULL: like the others */

@@ -332,6 +332,7 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
          0,
          "warning  time        a grant may need 830 ms\n"
          "                     -> choose a faster mode"},
+        {{.door_ordinary = true}, 0, "warning  door thread no real-time priority"},
         {{.model = ""}, 4, "fault    model       not loaded\n"},
         {{.version = "0.0.1"}, 0, "warning  version     0.0.1\n"},
         {{0}, 0, "warning  gallery     0 people, 0 usable templates\n"},

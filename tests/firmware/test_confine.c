@@ -3,7 +3,10 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <link.h>
+#include <pthread.h>
+#include <sched.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +19,7 @@
 
 #include "tests/firmware/cmocka_headers.h"
 
+#include "drivers/process/thread.h"
 #include "firmware/confine.h"
 #include "tests/support/child_end.h"
 #include "tests/support/scratch.h"
@@ -130,6 +134,67 @@ static int device_news(void)
     return socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, 15) < 0 ? errno : 0;
 }
 
+static int become_realtime(void)
+{
+    const struct sched_param parameters = {.sched_priority = 1};
+    return sched_setscheduler(0, SCHED_FIFO, &parameters) ? errno : 0;
+}
+
+static int change_priority(void)
+{
+    const struct sched_param parameters = {.sched_priority = 0};
+    return sched_setparam(0, &parameters) ? errno : 0;
+}
+
+static void *nothing(void *context)
+{
+    return context;
+}
+
+static int start_a_realtime_thread(void)
+{
+    pthread_t thread;
+    bool realtime = true;
+    const int error = iso_thread_start_realtime(&thread, nothing, NULL, 1, &realtime);
+    return error ? -error : pthread_join(thread, NULL) || realtime;
+}
+
+static void *ask_policy(void *context)
+{
+    int *policy = context;
+    *policy = sched_getscheduler(0);
+    return NULL;
+}
+
+/* As the thread of the door does when its lines come back: the sender of card numbers gets its
+ * thread anew. */
+static void *confine_and_pass_on(void *context)
+{
+    int *result = context, policy = -1;
+    pthread_t thread;
+    bool realtime = false;
+    struct iso_fault fault;
+    *result = CANNOT;
+    if (iso_confine_calls(&fault) == 0) {
+        const int error = iso_thread_start_realtime(&thread, ask_policy, &policy, 1, &realtime);
+        *result = error || pthread_join(thread, NULL) || !realtime || policy != SCHED_FIFO;
+    }
+    return NULL;
+}
+
+/* 0: a real-time thread of a confined process has started another one. */
+static int pass_priority_on(void)
+{
+    pthread_t thread;
+    bool realtime = false;
+    int result = CANNOT;
+    if (iso_thread_start_realtime(&thread, confine_and_pass_on, &result, 1, &realtime) ||
+        pthread_join(thread, NULL)) {
+        return 1;
+    }
+    return realtime ? result : CANNOT;
+}
+
 static void its_stores_can_be_written(void **state)
 {
     (void)state;
@@ -232,6 +297,34 @@ static void it_has_no_network(void **state)
     assert_int_equal(attempt(device_news), 0);
 }
 
+/* A thread of ordinary priority stays one, whatever the limits of the process allow. */
+static void it_cannot_become_realtime(void **state)
+{
+    (void)state;
+    assert_int_equal(attempt(become_realtime), EPERM);
+    assert_int_equal(attempt(change_priority), EPERM);
+    assert_int_equal(attempt(start_a_realtime_thread), 0); /* it gets an ordinary one */
+}
+
+static void a_realtime_thread_passes_its_priority_on(void **state)
+{
+    int status = 0;
+    (void)state;
+    fflush(NULL);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        _exit(pass_priority_on());
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    if (WEXITSTATUS(status) == CANNOT) {
+        print_message("no real-time thread may be started here, or this build confines nothing\n");
+        skip();
+    }
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
 /* By the limit that there is: locked, or a reason why not; and never a core file. */
 static void its_memory_stays_its_own(void **state)
 {
@@ -260,6 +353,7 @@ int main(void)
         TEST(what_is_not_named_cannot_be_read), TEST(a_replayed_recording_may_be_anywhere),
         TEST(it_cannot_become_another_program), TEST(it_has_no_network),
         TEST(its_memory_stays_its_own),         TEST(what_lies_beside_a_library_can_be_read),
+        TEST(it_cannot_become_realtime),        TEST(a_realtime_thread_passes_its_priority_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
