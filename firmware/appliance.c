@@ -187,7 +187,7 @@ int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_applia
 void iso_appliance_free(struct iso_appliance *appliance)
 {
     if (appliance) {
-        iso_door_guard_free(appliance->door); /* its thread posts records */
+        iso__appliance_free_door(appliance); /* its thread posts records */
         iso_audit_writer_free(appliance->log);
         iso_sensor_keeper_done(&appliance->keeper);
         iso_enrolment_wipe(&appliance->enrolment);
@@ -308,19 +308,20 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     appliance->gallery_retry_ns = ISO_NEVER_NS;
     init_watch(appliance);
     iso_suspension_init(&appliance->suspension, &appliance->parts.times);
+    int error = iso__appliance_start_door(appliance, fault); /* first: it does not need the disk */
+    if (error) {
+        return error;
+    }
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
+    iso__appliance_record_door(appliance);
     iso__appliance_unlearn(appliance);
     tell_unusable(appliance);
     tell_same_names(appliance);
     iso__appliance_start_lockout(appliance);
     tell_image_check(appliance);
-    int error = first_look(appliance, now_ns, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_door_guard_start(appliance->door);
+    error = first_look(appliance, iso_times_now_ns(&appliance->parts.times), fault);
     iso__appliance_tell_door(appliance);
-    return error ? iso_fault_set(fault, error, "the door has no thread: %s", strerror(-error)) : 0;
+    return error;
 }
 
 /* Who was there before the machine was suspended is not there any more. */

@@ -31,6 +31,7 @@
 #include "firmware/config.h"
 #include "firmware/decision.h"
 #include "firmware/door_control.h"
+#include "firmware/door_guard.h"
 #include "firmware/gallery.h"
 #include "firmware/pipeline.h"
 #include "firmware/sensor_keeper.h"
@@ -95,6 +96,8 @@ struct iso_appliance_parts {
     struct iso_sensor_source sensor;
     struct iso_pipeline pipeline;
     struct iso_door_io *door_io;
+    struct iso_door_guard *door; /* of door_io, started already, whose changes nobody has taken yet;
+                                  * NULL: the appliance makes one and starts it */
     const struct iso_cards *cards; /* sent to an access controller; NULL: there is none */
     struct iso_key_ring *ring;     /* of gallery and log */
     const char *lockout_path;      /* lockout_file.h; NULL or "": forgotten at the end */
@@ -113,9 +116,9 @@ int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_applia
     __attribute__((warn_unused_result));
 void iso_appliance_free(struct iso_appliance *appliance);
 
-/* Opens the sensor and puts the door to work. A sensor that is not there is no failure: it is tried
- * again, and the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a sensor
- * that there cannot be. */
+/* Puts the door to work and then opens the sensor. A sensor that is not there is no failure: it is
+ * tried again, and the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a
+ * sensor that there cannot be. */
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -2,9 +2,12 @@
  * told. */
 #include <errno.h>
 #include <stdio.h>
+#include <string.h>
 #include <syslog.h>
 
+#include "drivers/terminal/words.h"
 #include "firmware/appliance_state.h"
+#include "firmware/door_options.h"
 
 static bool is_alarm(const struct iso_door_news *news)
 {
@@ -35,14 +38,22 @@ static void record_folded(struct iso_appliance *appliance, bool ending)
 }
 
 /* On record what the door does; it does so whether there is room for the record or not. Called by
- * the door's thread, too: a record that cannot be queued is counted by the writer, which tells. */
+ * the door's thread, too: a record that cannot be queued is counted by the writer, which tells. The
+ * record bears the time of the change, which may have waited for a log. */
 static void record_change(void *context, const struct iso_door_news *news)
 {
     struct iso_appliance *appliance = context;
+    const struct iso_times *times = &appliance->parts.times;
+    const int64_t age_ns = iso_times_boot_ns(times) - news->t_ns;
     (void)pthread_mutex_lock(&appliance->recorded_mutex);
     record_folded(appliance, false);
-    if (iso_door_events_take(&appliance->recorded, news, now_ns(appliance))) {
-        post(appliance, iso_door_event_name(news->cause), iso_door_state_name(news->state));
+    if (iso_door_events_take(&appliance->recorded, news, now_ns(appliance) - age_ns)) {
+        struct iso_audit_record record = iso_audit_record_of("door");
+        record.reason = iso_door_event_name(news->cause);
+        record.note = iso_door_state_name(news->state);
+        record.wall_ns = iso_times_wall_ns(times) - age_ns;
+        record.monotonic_ns = now_ns(appliance) - age_ns;
+        (void)!iso_audit_writer_post(appliance->log, &record, NULL);
     }
     (void)pthread_mutex_unlock(&appliance->recorded_mutex);
 }
@@ -118,29 +129,51 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
 int iso__appliance_new_door(struct iso_appliance *appliance)
 {
     const struct iso_appliance_parts *parts = &appliance->parts;
-    const struct iso_config_door *config = &parts->config->door;
-    const struct iso_door_guard_options options = {
-        .door =
-            {
-                .fail = config->fail,
-                .unlock_ns = config->unlock_ms * ISO_NS_PER_MS,
-                .held_ns = config->held_ms * ISO_NS_PER_MS,
-                .refused_ns = config->refused_ms * ISO_NS_PER_MS,
-                .pulse_ns = config->relay_pulse_ms * ISO_NS_PER_MS,
-            },
-        .timing =
-            {
-                .poll_ns = config->poll_ms * ISO_NS_PER_MS,
-                .retry_ns = config->retry_ms * ISO_NS_PER_MS,
-                .retry_max_ns = config->retry_max_ms * ISO_NS_PER_MS,
-            },
-        .clock = parts->times.boottime.now_ns ? parts->times.boottime : parts->times.monotonic,
-        .io = parts->door_io,
-        .threaded = parts->threads,
-        .record = record_change,
-        .context = appliance,
-    };
-    return iso_door_guard_new(&options, &appliance->door);
+    const struct iso_door_guard_options options = iso_door_options_of(
+        &parts->config->door, &parts->times, parts->door_io, parts->threads);
+    appliance->door = parts->door;
+    return parts->door ? 0 : iso_door_guard_new(&options, &appliance->door);
+}
+
+void iso__appliance_free_door(struct iso_appliance *appliance)
+{
+    if (appliance->parts.door) {
+        iso_door_guard_detach(appliance->door);
+    } else {
+        iso_door_guard_free(appliance->door);
+    }
+}
+
+/* Changes that happened before the log was open, more than could be kept. */
+static void record_missing(struct iso_appliance *appliance, size_t n)
+{
+    char note[64];
+    struct iso_audit_record record = iso_audit_record_of("records-lost");
+    (void)snprintf(note, sizeof note, "%zu %s", n, iso_plural(n, "record", "records"));
+    record.note = note;
+    if (n > 0) {
+        (void)iso__appliance_note(appliance, &record);
+    }
+}
+
+int iso__appliance_start_door(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const int error = appliance->parts.door ? 0 : iso_door_guard_start(appliance->door);
+    if (error) {
+        return iso_fault_set(fault, error, "the door has no thread: %s", strerror(-error));
+    }
+    if (iso_door_guard_look(appliance->door).ordinary) {
+        iso__appliance_say(appliance, LOG_WARNING,
+                           "the thread of the door has no real-time priority: on a busy machine "
+                           "the door may be late; see REAL TIME in isothermd(8)");
+    }
+    return 0;
+}
+
+void iso__appliance_record_door(struct iso_appliance *appliance)
+{
+    const size_t missing = iso_door_guard_attach(appliance->door, record_change, appliance);
+    record_missing(appliance, missing);
 }
 
 void iso__appliance_refuse_at_door(struct iso_appliance *appliance)

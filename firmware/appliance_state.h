@@ -133,6 +133,13 @@ const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
 
 /* Before the first of the others. -ENOMEM, or an errno of the descriptors. */
 int iso__appliance_new_door(struct iso_appliance *appliance);
+void iso__appliance_free_door(struct iso_appliance *appliance);
+
+/* Puts the door to work, unless it works already. -EAGAIN, -ENOMEM: no thread can be had. */
+int iso__appliance_start_door(struct iso_appliance *appliance, struct iso_fault *fault);
+
+/* Puts on record what the door has done since it was put to work, and from then on each change. */
+void iso__appliance_record_door(struct iso_appliance *appliance);
 
 /* Tells what the door has done, and what the log could not be told. Changes that chatter are folded
  * (door_events.h). */

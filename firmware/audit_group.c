@@ -8,6 +8,9 @@
 
 void iso__audit_writer_stamp(const struct iso_audit_writer *writer, struct iso_audit_record *record)
 {
+    if (record->wall_ns || record->monotonic_ns) {
+        return; /* a record that bears a time already keeps it */
+    }
     record->wall_ns = iso_times_wall_ns(writer->times);
     record->monotonic_ns = iso_times_now_ns(writer->times);
 }

@@ -124,7 +124,6 @@ static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
 {
     const struct iso_appliance_events events = iso_bus_events(daemon->bus, on_message);
     daemon->lent = iso_parts_lend(daemon->parts, &events);
-    daemon->lent.threads = true;
     const int error = iso_appliance_new(&daemon->lent, &daemon->appliance);
     return error ? fail(error, "appliance", fault) : iso_appliance_start(daemon->appliance, fault);
 }
@@ -184,7 +183,7 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
         error = iso_bus_check_address(config->bus.address, fault);
     }
     if (!error) {
-        error = iso_parts_open(config, &times, &daemon->parts, fault);
+        error = iso_parts_open(config, &times, true, &daemon->parts, fault);
     }
     if (!error) {
         error = iso_bus_open(config->bus.address, &daemon->bus, fault);

@@ -59,15 +59,42 @@ static void on_changed(void *context, enum iso_door_event cause)
     }
     struct iso_door_news *news = &guard->news[(guard->first + guard->n) % ISO_DOOR_GUARD_NEWS];
     *news = (struct iso_door_news){
+        .t_ns = now_ns(guard),
         .cause = cause,
         .state = control->door.state,
         .tamper = control->door.tamper,
     };
     (void)snprintf(news->fault, sizeof news->fault, "%s", control->broken ? control->fault : "");
     guard->n++;
-    guard->options.record(guard->options.context, news);
+    if (guard->options.record) {
+        guard->options.record(guard->options.context, news);
+    }
     if (guard->options.threaded) {
         make_readable(guard->news_fd);
+    }
+}
+
+size_t iso_door_guard_attach(struct iso_door_guard *guard,
+                             void (*record)(void *context, const struct iso_door_news *news),
+                             void *context)
+{
+    (void)pthread_mutex_lock(&guard->mutex);
+    const size_t missing = guard->missed;
+    for (size_t i = 0; i < guard->n; i++) {
+        record(context, &guard->news[(guard->first + i) % ISO_DOOR_GUARD_NEWS]);
+    }
+    guard->options.record = record;
+    guard->options.context = context;
+    (void)pthread_mutex_unlock(&guard->mutex);
+    return missing;
+}
+
+void iso_door_guard_detach(struct iso_door_guard *guard)
+{
+    if (guard) {
+        (void)pthread_mutex_lock(&guard->mutex);
+        guard->options.record = NULL;
+        (void)pthread_mutex_unlock(&guard->mutex);
     }
 }
 

@@ -9,7 +9,8 @@
  *
  * Each change of the door is handed to `record` at once, by the thread in which it happened and
  * with the mutex held: it must neither wait nor call the guard. The same news then wait in a ring
- * for whoever tells people of them (iso_door_guard_next).
+ * for whoever tells people of them (iso_door_guard_next). A guard can start before there is anybody
+ * who keeps records: its changes wait until iso_door_guard_attach.
  *
  * Tests that inject a clock use the guard without a thread: the caller then steps the door. With a
  * thread the clock must be CLOCK_BOOTTIME, which runs while the machine is suspended: a door that
@@ -22,8 +23,9 @@
 
 enum { ISO_DOOR_GUARD_PRIORITY = 20, ISO_DOOR_GUARD_NEWS = 64 };
 
-/* A change of the door: what caused it, and what the door is now. */
+/* A change of the door: when it happened, what caused it, and what the door is then. */
 struct iso_door_news {
+    int64_t t_ns; /* by the guard's clock */
     enum iso_door_event cause;
     enum iso_door_state state;
     bool tamper;
@@ -36,7 +38,7 @@ struct iso_door_guard_options {
     struct iso_clock clock;
     struct iso_door_io *io; /* may be lost; has to outlive the guard */
     bool threaded;
-    void (*record)(void *context, const struct iso_door_news *news); /* REQUIRED */
+    void (*record)(void *context, const struct iso_door_news *news); /* NULL: see attach */
     void *context;
 };
 
@@ -48,6 +50,16 @@ int iso_door_guard_new(const struct iso_door_guard_options *options, struct iso_
 
 /* Ends the thread; iso_door_guard_stop comes before. NULL is fine. */
 void iso_door_guard_free(struct iso_door_guard *guard);
+
+/* Hands over what has happened since the start, oldest first, and from then on each change at once.
+ * Returns how many changes of before are missing: only the newest ISO_DOOR_GUARD_NEWS are kept.
+ * Call it once, before any news are taken, for a guard that was made without `record`. */
+size_t iso_door_guard_attach(struct iso_door_guard *guard,
+                             void (*record)(void *context, const struct iso_door_news *news),
+                             void *context);
+
+/* Whoever keeps records ends; nothing of the guard calls `record` any more. NULL is fine. */
+void iso_door_guard_detach(struct iso_door_guard *guard);
 
 /* Puts the door to work, and with it its thread. -EAGAIN, -ENOMEM: no thread can be had. */
 int iso_door_guard_start(struct iso_door_guard *guard) __attribute__((warn_unused_result));

@@ -9,6 +9,7 @@
 
 #include "drivers/shipped.h"
 #include "drivers/vision/face_detector.h"
+#include "firmware/door_options.h"
 #include "firmware/lockout_file.h"
 
 static const char *or_shipped(const char *path, const char *shipped)
@@ -150,6 +151,23 @@ static int open_door(struct iso_parts *parts, struct iso_fault *fault)
         error = iso_door_io_reopen(parts->door_io, &unpowered, fault);
     }
     return passes(error) ? 0 : error;
+}
+
+static int start_door(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_door_guard_options options = iso_door_options_of(
+        &parts->config.door, &parts->times, parts->door_io, true);
+    int error = iso_door_guard_new(&options, &parts->door);
+    error = error ? error : iso_door_guard_start(parts->door);
+    return error ? iso_fault_set(fault, error, "the door has no thread: %s", strerror(-error)) : 0;
+}
+
+static void stop_door(struct iso_parts *parts)
+{
+    if (parts->door) {
+        iso_door_guard_stop(parts->door);
+        iso_door_guard_free(parts->door);
+    }
 }
 
 static int open_ring(struct iso_parts *parts, struct iso_fault *fault)
@@ -306,19 +324,23 @@ int iso_parts_check(const struct iso_config *config, const struct iso_times *tim
     return error;
 }
 
-int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
+int iso_parts_open(const struct iso_config *config, const struct iso_times *times, bool threads,
                    struct iso_parts **out, struct iso_fault *fault)
 {
     struct iso_parts *parts = new_parts(config, times);
     if (!parts) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
+    parts->threads = threads;
     int error = open_files(parts, fault);
     if (!error) {
-        error = iso_parts_open_stores(parts, fault);
+        error = open_door(parts, fault);
+    }
+    if (!error && threads) {
+        error = start_door(parts, fault);
     }
     if (!error) {
-        error = open_door(parts, fault);
+        error = iso_parts_open_stores(parts, fault);
     }
     if (error) {
         iso_parts_close(parts);
@@ -380,6 +402,7 @@ int iso_parts_print_log(const struct iso_config *config, const struct iso_times 
 void iso_parts_close(struct iso_parts *parts)
 {
     if (parts) {
+        stop_door(parts);
         iso_door_io_close(parts->door_io);
         iso_cards_free(parts->cards);
         iso_audit_close(parts->audit);
@@ -410,6 +433,8 @@ struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
         .sensor = {open_sensor, parts},
         .pipeline = parts->pipeline,
         .door_io = parts->door_io,
+        .door = parts->door,
+        .threads = parts->threads,
         .cards = parts->cards,
         .ring = parts->ring,
         .lockout_path = parts->lockout_path,

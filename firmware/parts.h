@@ -8,6 +8,7 @@
 #include "firmware/appliance.h"
 #include "firmware/crew.h"
 #include "firmware/journal.h"
+#include "firmware/door_guard.h"
 
 struct iso_parts {
     struct iso_config config;
@@ -19,7 +20,9 @@ struct iso_parts {
     struct iso_journal *journal; /* NULL: the log is not told there */
     struct iso_audit *audit;
     struct iso_door_io *door_io;
-    struct iso_cards *cards; /* NULL: none are sent */
+    struct iso_door_guard *door; /* works already; NULL without threads */
+    bool threads;                /* iso_appliance_parts.threads */
+    struct iso_cards *cards;     /* NULL: none are sent */
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
 };
 
@@ -40,13 +43,15 @@ int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fa
 int iso_parts_check(const struct iso_config *config, const struct iso_times *times,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Opens them in an order in which the door's lines are touched last. Every error of
- * iso_parts_check, iso_crew_new, iso_pipeline_open, iso_key_ring_open, iso_gallery_open,
- * iso_audit_open, iso_cards_load and iso_door_io_open, with nothing left open; -ESTALE if one of
- * the stores is of an earlier time than another knows (heads.h). But with -ENODEV, -EBUSY, -EACCES
- * or -EIO of the door its lines are lost and may come back. What `times` points to must outlive the
- * parts. */
-int iso_parts_open(const struct iso_config *config, const struct iso_times *times,
+/* Opens them: first what is only read, then the door's lines, then the stores. With `threads` the
+ * door is put to work as soon as its lines are open, so that the exit button does not wait for a
+ * slow disk: the door is locked then, and nobody is let in before there is an appliance. Every
+ * error of iso_parts_check, iso_crew_new, iso_pipeline_open, iso_key_ring_open, iso_gallery_open,
+ * iso_audit_open, iso_cards_load, iso_door_io_open and iso_door_guard_start, with nothing left open
+ * and the door's lines without power; -ESTALE if one of the stores is of an earlier time than
+ * another knows (heads.h). But with -ENODEV, -EBUSY, -EACCES or -EIO of the door its lines are lost
+ * and may come back. What `times` points to must outlive the parts. */
+int iso_parts_open(const struct iso_config *config, const struct iso_times *times, bool threads,
                    struct iso_parts **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

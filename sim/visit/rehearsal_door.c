@@ -147,7 +147,7 @@ int sim_rehearsal_door_open(struct sim_rehearsal_door *door,
     door->trace = trace;
     const struct iso_times times = sim_virtual_clock_times(clock);
     int error = make_config(setup, &door->config, fault);
-    error = error ? error : iso_parts_open(&door->config, &times, &door->parts, fault);
+    error = error ? error : iso_parts_open(&door->config, &times, false, &door->parts, fault);
     if (error) {
         return error;
     }

@@ -87,7 +87,7 @@ static void read_template(const struct appliance *appliance, struct runs *runs)
     assert_int_equal(iso_config_load(appliance->configuration, &config, &fault), 0);
     (void)snprintf(config.gallery.path, sizeof config.gallery.path, "%s/gallery.db", stores);
     (void)snprintf(config.log.path, sizeof config.log.path, "%s/audit.log", stores);
-    if (iso_parts_open(&config, &times, &parts, &fault)) {
+    if (iso_parts_open(&config, &times, false, &parts, &fault)) {
         fail_msg("%s", fault.text);
     }
     runs->n = 0;

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <poll.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -16,11 +17,15 @@ static struct iso_door_io *io;
 static struct iso_door_guard *guard;
 static struct iso_times times;
 static atomic_int recorded;
+static int64_t recorded_ns; /* of the last record */
+static bool records = true; /* of the next guard, from its start on */
 
 static void record(void *context, const struct iso_door_news *news)
 {
     (void)context;
     assert_non_null(iso_door_state_name(news->state));
+    assert_true(news->t_ns >= recorded_ns);
+    recorded_ns = news->t_ns;
     atomic_fetch_add(&recorded, 1);
 }
 
@@ -28,6 +33,7 @@ static int open_guard(int64_t unlock_ms)
 {
     times = iso_times_system();
     atomic_store(&recorded, 0);
+    recorded_ns = 0;
     io = wired_door_open();
     const struct iso_door_guard_options options = {
         .door = {.unlock_ns = unlock_ms * ISO_NS_PER_MS,
@@ -39,7 +45,7 @@ static int open_guard(int64_t unlock_ms)
         .clock = times.boottime,
         .io = io,
         .threaded = true,
-        .record = record,
+        .record = records ? record : NULL,
     };
     const int error = iso_door_guard_new(&options, &guard);
     return error ? error : iso_door_guard_start(guard);
@@ -49,6 +55,15 @@ static int setup(void **state)
 {
     (void)state;
     return open_guard(20);
+}
+
+static int setup_without_records(void **state)
+{
+    (void)state;
+    records = false;
+    const int error = open_guard(20);
+    records = true;
+    return error;
 }
 
 static int setup_slow(void **state)
@@ -197,6 +212,48 @@ static void a_stopped_door_stays_so(void **state)
     assert_int_equal(open_guard(20), 0); /* for the tear-down */
 }
 
+static void await_lock(void)
+{
+    while (iso_door_guard_look(guard).state != ISO_DOOR_LOCKED) {
+        (void)poll(NULL, 0, 1);
+    }
+}
+
+/* The door works before there is a log; what it does then is handed over when there is one. */
+static void changes_wait_for_whoever_keeps_records(void **state)
+{
+    (void)state;
+    wired_door_press();
+    wired_door_await(ISO_DOOR_RELAY, 2);
+    await_lock();
+    const int64_t before_ns = iso_times_boot_ns(&times);
+    assert_int_equal(atomic_load(&recorded), 0);
+    assert_int_equal(iso_door_guard_attach(guard, record, NULL), 0);
+    assert_int_equal(atomic_load(&recorded), 3); /* start, exit-button, time */
+    assert_true(recorded_ns > 0 && recorded_ns <= before_ns);
+    wired_door_press();
+    wired_door_await(ISO_DOOR_RELAY, 4);
+    await_lock();
+    assert_int_equal(atomic_load(&recorded), 5);
+    iso_door_guard_detach(guard);
+    wired_door_press();
+    wired_door_await(ISO_DOOR_RELAY, 6);
+    await_lock();
+    assert_int_equal(atomic_load(&recorded), 5);
+}
+
+static void changes_that_are_too_many_are_counted(void **state)
+{
+    (void)state;
+    for (unsigned press = 1; press <= ISO_DOOR_GUARD_NEWS; press++) {
+        wired_door_press();
+        wired_door_await(ISO_DOOR_RELAY, 2 * press);
+    }
+    await_lock();
+    assert_int_equal(iso_door_guard_attach(guard, record, NULL), ISO_DOOR_GUARD_NEWS + 1);
+    assert_int_equal(atomic_load(&recorded), ISO_DOOR_GUARD_NEWS);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
@@ -212,6 +269,10 @@ int main(void)
         TEST(news_that_nobody_takes_are_counted),
         cmocka_unit_test_setup_teardown(the_card_of_an_old_grant_is_not_sent, setup_slow, teardown),
         TEST(a_stopped_door_stays_so),
+        cmocka_unit_test_setup_teardown(changes_wait_for_whoever_keeps_records,
+                                        setup_without_records, teardown),
+        cmocka_unit_test_setup_teardown(changes_that_are_too_many_are_counted,
+                                        setup_without_records, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
