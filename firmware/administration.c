@@ -10,6 +10,7 @@
 
 #include "drivers/terminal/words.h"
 #include "firmware/appliance_state.h"
+#include "firmware/disk_wait.h"
 
 static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
 {
@@ -63,7 +64,8 @@ static int write_file(int fd, const uint8_t *bytes, size_t size, struct iso_faul
         }
         at += (size_t)n;
     }
-    return fsync(fd) ? iso_fault_set(fault, -errno, "the file cannot be written: %m") : 0;
+    return iso_disk_wait_fsync(fd) ? iso_fault_set(fault, -errno, "the file cannot be written: %m")
+                                   : 0;
 }
 
 static int read_file(int fd, uint8_t **bytes, size_t *size, struct iso_fault *fault)

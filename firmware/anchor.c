@@ -11,6 +11,7 @@
 #include "core/math/bytes.h"
 #include "drivers/file/file.h"
 #include "firmware/data_file.h"
+#include "firmware/disk_wait.h"
 #include "firmware/storage_fault.h"
 
 enum {
@@ -145,7 +146,7 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
     }
     error = error ? error : read_slots(anchor, fault);
     /* What a power cut may still take away is not told to the other stores (heads.h). */
-    if (!error && sync && fdatasync(anchor->fd)) {
+    if (!error && sync && iso_disk_wait_fdatasync(anchor->fd)) {
         error = iso_storage_refused(path, -errno, fault);
     }
     if (error) {
@@ -207,7 +208,7 @@ int iso_anchor_set(struct iso_anchor *anchor, const struct iso_anchor_state *sta
     const struct iso_heads known = iso_heads_now(iso_key_ring_board(anchor->ring));
     fill_slot(anchor, turn, state, &known, slot);
     const ssize_t n = pwrite(anchor->fd, slot, sizeof slot, (off_t)(turn & 1) * SLOT_BYTES);
-    if (n != sizeof slot || (anchor->sync && fdatasync(anchor->fd))) {
+    if (n != sizeof slot || (anchor->sync && iso_disk_wait_fdatasync(anchor->fd))) {
         const bool cut_short = n >= 0 && n != sizeof slot;
         (void)iso_storage_refused(anchor->path, cut_short ? -ENOSPC : -errno, fault);
         return -EIO;

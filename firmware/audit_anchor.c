@@ -7,6 +7,7 @@
 
 #include "core/math/bytes.h"
 #include "firmware/audit_state.h"
+#include "firmware/disk_wait.h"
 #include "firmware/storage_fault.h"
 
 /* ---- the anchor: first sequence u64, head[32], sealing u8, lax u8, first sequence of the segment
@@ -57,7 +58,7 @@ bool iso__audit_anchor_is_sealing(const struct iso_audit *audit)
 int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
 {
     const struct iso_anchor_state state = iso__audit_anchor_state(audit, false);
-    if (!audit->options.sync && audit->fd >= 0 && fdatasync(audit->fd)) {
+    if (!audit->options.sync && audit->fd >= 0 && iso_disk_wait_fdatasync(audit->fd)) {
         return iso_storage_refused(audit->path, -errno, fault);
     }
     const int error = iso_anchor_set(audit->anchor, &state, fault);

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "firmware/audit_state.h"
+#include "firmware/disk_wait.h"
 #include "firmware/storage_fault.h"
 
 struct iso_audit_record iso_audit_record_of(const char *event)
@@ -126,7 +127,7 @@ static size_t format(struct iso_audit *audit, const struct iso_audit_record *rec
 
 int iso__audit_sync(const struct iso_audit *audit, int fd)
 {
-    return audit->options.sync && fdatasync(fd) ? -errno : 0;
+    return audit->options.sync && iso_disk_wait_fdatasync(fd) ? -errno : 0;
 }
 
 /* Takes away what stands behind the last record, so that the next one begins a line. */

@@ -16,6 +16,7 @@
 #include "firmware/audit_state.h"
 #include "firmware/data_file.h"
 #include "firmware/directory.h"
+#include "firmware/disk_wait.h"
 
 static int may_migrate(const struct iso_audit *audit, struct iso_fault *fault)
 {
@@ -100,7 +101,7 @@ static int seal_file(struct iso_audit *audit, int fd, struct iso_fault *fault)
         error = iso_fault_set(fault, -ENOMEM, "%s: %m", audit->path);
     }
     error = error ? error : seal_lines(audit, in, out, fault);
-    if (out && (fflush(out) || fsync(fd)) && !error) {
+    if (out && (fflush(out) || iso_disk_wait_fsync(fd)) && !error) {
         error = iso_fault_set(fault, errno == ENOSPC || errno == EFBIG ? -ENOSPC : -EIO, "%s: %m",
                               audit->path);
     }

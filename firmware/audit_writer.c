@@ -7,6 +7,7 @@
 
 #include "drivers/process/thread.h"
 #include "firmware/audit_writer_state.h"
+#include "firmware/disk_wait.h"
 #include "firmware/stack_wipe.h"
 
 /* ---- slots ---- */
@@ -137,7 +138,9 @@ void iso_audit_writer_free(struct iso_audit_writer *writer)
         writer->ending = true;
         (void)pthread_cond_broadcast(&writer->changed);
         (void)pthread_mutex_unlock(&writer->mutex);
+        iso_disk_wait_begin();
         (void)pthread_join(writer->thread, NULL);
+        iso_disk_wait_end();
     }
     (void)pthread_cond_destroy(&writer->changed);
     (void)pthread_mutex_destroy(&writer->mutex);
@@ -189,11 +192,13 @@ static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t w
         until.tv_sec += (time_t)(wait_ns / ISO_NS_PER_S + end_ns / ISO_NS_PER_S);
         until.tv_nsec = (long)(end_ns % ISO_NS_PER_S);
     }
+    iso_disk_wait_begin();
     while (writer->done < ticket && error != ETIMEDOUT) {
         error = wait_ns == ISO_NEVER_NS
                     ? pthread_cond_wait(&writer->changed, &writer->mutex)
                     : pthread_cond_timedwait(&writer->changed, &writer->mutex, &until);
     }
+    iso_disk_wait_end();
     return writer->done >= ticket;
 }
 
@@ -272,7 +277,9 @@ struct iso_audit *iso_audit_writer_hold(struct iso_audit_writer *writer)
     (void)pthread_mutex_lock(&writer->mutex);
     (void)wait_for(writer, writer->queued, ISO_NEVER_NS);
     (void)pthread_mutex_unlock(&writer->mutex);
+    iso_disk_wait_begin();
     (void)pthread_mutex_lock(&writer->log_mutex);
+    iso_disk_wait_end();
     return writer->audit;
 }
 

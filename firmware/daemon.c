@@ -14,6 +14,7 @@
 
 #include "firmware/bus.h"
 #include "firmware/confine.h"
+#include "firmware/life_sign.h"
 #include "firmware/parts.h"
 #include "firmware/stack_wipe.h"
 
@@ -39,6 +40,7 @@ struct daemon {
     bool bus_lost;               /* as it was told */
     int64_t bus_try_ns;          /* when to connect next, while it is gone */
     int64_t bus_wait_ns;         /* how long after the next failure */
+    struct iso_life_sign *life;  /* NULL without a service manager */
     uint64_t watchdog_us;        /* 0: nobody watches */
     uint64_t progress;           /* as it was when the watchdog was fed last */
     int64_t fed_ns;              /* and when that was */
@@ -120,6 +122,34 @@ static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
     return r < 0 ? fail(r, "event loop", fault) : 0;
 }
 
+static void notify(void *context, const char *text)
+{
+    (void)context;
+    (void)sd_notify(0, text);
+}
+
+/* How often the service manager is told of a main thread that waits for the disk. */
+static const int64_t life_tick_ns = 5 * ISO_NS_PER_S;
+
+static int start_life_sign(struct daemon *daemon, struct iso_fault *fault)
+{
+    if (sd_watchdog_enabled(0, &daemon->watchdog_us) <= 0) {
+        daemon->watchdog_us = 0;
+    }
+    const int64_t quarter_ns = (int64_t)(daemon->watchdog_us / 4) * 1000;
+    const struct iso_life_sign_options options = {
+        .tick_ns = quarter_ns > 0 && quarter_ns < life_tick_ns ? quarter_ns : life_tick_ns,
+        .limit_ns = ISO_LIFE_SIGN_LIMIT_S * ISO_NS_PER_S,
+        .watchdog = daemon->watchdog_us > 0,
+        .send = notify,
+    };
+    if (!getenv("NOTIFY_SOCKET")) {
+        return 0;
+    }
+    const int error = iso_life_sign_new(&options, &daemon->life);
+    return error ? fail(error, "life sign", fault) : 0;
+}
+
 static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
 {
     const struct iso_appliance_events events = iso_bus_events(daemon->bus, on_message);
@@ -183,6 +213,9 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
         error = iso_bus_check_address(config->bus.address, fault);
     }
     if (!error) {
+        error = start_life_sign(daemon, fault);
+    }
+    if (!error) {
         error = iso_parts_open(config, &times, true, &daemon->parts, fault);
     }
     if (!error) {
@@ -230,6 +263,7 @@ static void tell_service_manager(struct daemon *daemon, int64_t now_ns)
     if (daemon->watchdog_us && progress != daemon->progress &&
         now_ns - daemon->fed_ns >= period_ns) {
         (void)sd_notify(0, "WATCHDOG=1");
+        iso_life_sign_renew(daemon->life);
         daemon->progress = progress;
         daemon->fed_ns = now_ns;
     }
@@ -312,6 +346,7 @@ static void tear_down(struct daemon *daemon)
     iso_bus_close(daemon->bus);
     iso_appliance_free(daemon->appliance);
     iso_parts_close(daemon->parts);
+    iso_life_sign_free(daemon->life);
     sd_event_unref(daemon->event);
     release_signals();
 }
@@ -329,15 +364,14 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
     struct daemon daemon = {.sensor.fd = -1, .door.fd = -1};
     int error = set_up(&daemon, config, fault);
     if (!error) {
-        if (sd_watchdog_enabled(0, &daemon.watchdog_us) <= 0) {
-            daemon.watchdog_us = 0;
-        }
         warn_of_key(config, daemon.parts);
         say_what_is_open(&daemon);
         iso_daemon_say(LOG_INFO, "ready");
+        iso_life_sign_enter(daemon.life, ISO_LIFE_RUNNING);
         (void)sd_notify(0, "READY=1\nSTATUS=Watching the door");
         error = loop(&daemon, fault);
         (void)sd_notify(0, "STOPPING=1");
+        iso_life_sign_enter(daemon.life, ISO_LIFE_STOPPING);
     }
     tear_down(&daemon);
     return error;

@@ -10,6 +10,7 @@
 
 #include "drivers/file/file.h"
 #include "firmware/directory.h"
+#include "firmware/disk_wait.h"
 #include "firmware/storage_fault.h"
 
 int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t *size,
@@ -32,7 +33,7 @@ static int write_whole(int fd, const void *bytes, size_t size)
     if ((size_t)written < size) {
         return -ENOSPC;
     }
-    return fsync(fd) ? -errno : 0;
+    return iso_disk_wait_fsync(fd) ? -errno : 0;
 }
 
 int iso_data_file_replace(const char *path, const void *bytes, size_t size, struct iso_fault *fault)
@@ -79,5 +80,5 @@ void iso_data_file_overwrite(int fd)
         const off_t left = size - at;
         (void)!pwrite(fd, zeros, left < (off_t)sizeof zeros ? (size_t)left : sizeof zeros, at);
     }
-    (void)fsync(fd);
+    (void)iso_disk_wait_fsync(fd);
 }

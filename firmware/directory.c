@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "firmware/disk_wait.h"
 #include "firmware/storage_fault.h"
 
 int iso_directory_sync(const char *path, struct iso_fault *fault)
@@ -28,7 +29,7 @@ int iso_directory_sync(const char *path, struct iso_fault *fault)
         const int error = iso_fault_set(fault, -errno, "%s: %m", directory);
         return iso_storage_reword(directory, error, fault);
     }
-    const int error = fsync(fd) ? -errno : 0;
+    const int error = iso_disk_wait_fsync(fd) ? -errno : 0;
     (void)close(fd);
     return error ? iso_storage_refused(directory, error, fault) : 0;
 }

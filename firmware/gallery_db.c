@@ -432,8 +432,7 @@ int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
  * open no more was ended by SQLite, because of an error of the disk. */
 static bool roll_back(struct iso_gallery_db *db)
 {
-    return !sqlite3_get_autocommit(db->sqlite) &&
-           sqlite3_exec(db->sqlite, "ROLLBACK", NULL, NULL, NULL) == SQLITE_OK;
+    return !sqlite3_get_autocommit(db->sqlite) && iso__gallery_execute(db, "ROLLBACK", NULL) == 0;
 }
 
 /* An anchor that cannot be written is written before the next change. */

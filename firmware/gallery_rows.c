@@ -339,7 +339,7 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
     if (error) {
         iso_gallery_seal_wipe(&db->seal);
         db->seal = old;
-    } else if (sqlite3_exec(db->sqlite, "VACUUM", NULL, NULL, NULL) != SQLITE_OK) {
+    } else if (iso__gallery_execute(db, "VACUUM", NULL)) {
         /* What is free was to go, too: it is overwritten, but not by a new key's records. The
          * connection cannot be relied on any more. */
         error = iso__gallery_settle(db, 0, fault);

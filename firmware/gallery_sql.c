@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "drivers/file/file.h"
+#include "firmware/disk_wait.h"
 #include "firmware/gallery_db_state.h"
 #include "firmware/storage_fault.h"
 
@@ -80,9 +81,10 @@ int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault)
 
 int iso__gallery_execute(const struct iso_gallery_db *db, const char *sql, struct iso_fault *fault)
 {
-    return sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL) == SQLITE_OK
-               ? 0
-               : iso__gallery_fail(db, fault);
+    iso_disk_wait_begin();
+    const int result = sqlite3_exec(db->sqlite, sql, NULL, NULL, NULL);
+    iso_disk_wait_end();
+    return result == SQLITE_OK ? 0 : iso__gallery_fail(db, fault);
 }
 
 int iso__gallery_prepare(const struct iso_gallery_db *db, const char *sql, sqlite3_stmt **out,
@@ -96,7 +98,9 @@ int iso__gallery_prepare(const struct iso_gallery_db *db, const char *sql, sqlit
 int iso__gallery_finish(const struct iso_gallery_db *db, sqlite3_stmt *statement,
                         struct iso_fault *fault)
 {
+    iso_disk_wait_begin();
     const int step = sqlite3_step(statement);
+    iso_disk_wait_end();
     const int error = step == SQLITE_DONE ? 0 : iso__gallery_fail(db, fault);
     (void)sqlite3_finalize(statement);
     return error;
@@ -107,8 +111,10 @@ int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *ans
 {
     sqlite3_stmt *query = NULL;
     int error = 0;
+    iso_disk_wait_begin(); /* the first question may bring back what a journal holds */
     int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
     step = step == SQLITE_OK ? sqlite3_step(query) : step;
+    iso_disk_wait_end();
     if (step == SQLITE_ROW) {
         const unsigned char *text = sqlite3_column_text(query, 0);
         (void)snprintf(answer, size, "%s", text ? (const char *)text : "");
