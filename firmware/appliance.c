@@ -306,6 +306,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
     appliance->start_ns = now_ns;
     appliance->gallery_retry_ns = ISO_NEVER_NS;
+    appliance->look_due_ns = ISO_NEVER_NS;
     init_watch(appliance);
     iso_suspension_init(&appliance->suspension, &appliance->parts.times);
     int error = iso__appliance_start_door(appliance, fault); /* first: it does not need the disk */
@@ -333,10 +334,32 @@ static void follow_suspension(struct iso_appliance *appliance)
     }
 }
 
+/* A step that comes so much later than it was due was held up by something else than the sensor: by
+ * the disk, by a frame that took long, or by other work of the machine. */
+static const int64_t stall_ns = 50 * ISO_NS_PER_MS;
+
+static void excuse_stall(struct iso_appliance *appliance, int64_t now_ns)
+{
+    const int64_t due_ns = appliance->look_due_ns;
+    if (due_ns != ISO_NEVER_NS && now_ns - due_ns >= stall_ns) {
+        iso_sensor_keeper_excuse(&appliance->keeper, now_ns - due_ns, now_ns);
+    }
+}
+
+/* The time that a driver takes in the look itself is the sensor's. */
+static void note_next_look(struct iso_appliance *appliance)
+{
+    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    const int64_t due_ns = iso_sensor_keeper_due_ns(&appliance->keeper, now_ns);
+    appliance->look_due_ns = due_ns > now_ns ? due_ns : now_ns;
+}
+
 static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
 {
     const struct iso_frame *frame = NULL;
+    excuse_stall(appliance, now_ns);
     const enum iso_sensor_news news = iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame);
+    note_next_look(appliance);
     follow_sight(appliance); /* before what was seen now is looked at */
     switch (news) {
     case ISO_SENSOR_FRAME:

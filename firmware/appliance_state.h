@@ -24,7 +24,8 @@
 struct iso_appliance {
     struct iso_appliance_parts parts;
     struct iso_sensor_keeper keeper;
-    bool blind; /* the door is at fault because the sensor sees nothing */
+    int64_t look_due_ns; /* when the sensor has to be looked at next; ISO_NEVER_NS: not known */
+    bool blind;          /* the door is at fault because the sensor sees nothing */
     struct iso_door_guard *door;
     pthread_mutex_t recorded_mutex;  /* of `recorded`, which the door's thread has, too */
     struct iso_door_events recorded; /* changes of the door as they are put on record */

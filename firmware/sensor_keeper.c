@@ -166,6 +166,19 @@ enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, in
     return ISO_SENSOR_GONE;
 }
 
+static int64_t later_by(int64_t t_ns, int64_t by_ns, int64_t now_ns)
+{
+    return t_ns + by_ns < now_ns ? t_ns + by_ns : now_ns;
+}
+
+void iso_sensor_keeper_excuse(struct iso_sensor_keeper *keeper, int64_t held_up_ns, int64_t now_ns)
+{
+    if (keeper->sensor) {
+        keeper->heard_ns = later_by(keeper->heard_ns, held_up_ns, now_ns);
+        keeper->seen_ns = later_by(keeper->seen_ns, held_up_ns, now_ns);
+    }
+}
+
 int64_t iso_sensor_keeper_due_ns(const struct iso_sensor_keeper *keeper, int64_t now_ns)
 {
     int64_t due_ns;

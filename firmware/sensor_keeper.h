@@ -11,7 +11,12 @@
  * A camera that hiccups is not opened anew at once, but nobody can be seen meanwhile: `sees` tells
  * that sooner. It falls with the sensor's loss, and pause_ns after the exposure of the last frame
  * that was whole and not late; it rises with the next one, not with the opening of a sensor that
- * has still to show that it works. */
+ * has still to show that it works.
+ *
+ * Both times count what the sensor has to answer for. While the caller itself is held up, by a slow
+ * disk say, nobody looks what the sensor has; the caller says so by iso_sensor_keeper_excuse, and
+ * that time does not count. The rule for frames is another: a late one is of no use, whoever made
+ * it late. */
 #ifndef ISO_FIRMWARE_SENSOR_KEEPER_H
 #define ISO_FIRMWARE_SENSOR_KEEPER_H
 
@@ -68,6 +73,10 @@ void iso_sensor_keeper_init(struct iso_sensor_keeper *keeper,
  * call. */
 enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, int64_t now_ns,
                                             const struct iso_frame **frame);
+
+/* Before the next look: the caller was held up for the last held_up_ns and did not look, although
+ * it should have. A sensor that is dead is found as many milliseconds later, and no more. */
+void iso_sensor_keeper_excuse(struct iso_sensor_keeper *keeper, int64_t held_up_ns, int64_t now_ns);
 
 /* When to look again, if nothing is to be missed. */
 int64_t iso_sensor_keeper_due_ns(const struct iso_sensor_keeper *keeper, int64_t now_ns);

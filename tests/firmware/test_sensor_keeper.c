@@ -239,6 +239,50 @@ static void opening_again_what_was_lost_is_no_sight_yet(void **state)
     assert_true(keeper.sees);
 }
 
+/* The caller waited for the disk: what the sensor has is looked at before it is called silent. */
+static void a_caller_that_was_held_up_does_not_blame_the_sensor(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    puppet_sensor_add(&sensor, 1100 * MS, 42, ISO_CAPTURE_OK);
+    puppet_sensor_add(&sensor, 1150 * MS, 42, ISO_CAPTURE_OK); /* is old when it is looked at */
+    puppet_sensor_add(&sensor, 11200 * MS, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    now_ns = 1100 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    now_ns = 11105 * MS;
+    iso_sensor_keeper_excuse(&keeper, 10000 * MS, now_ns);
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_true(keeper.sees);
+    now_ns = 11200 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_true(keeper.sees);
+}
+
+/* What a sensor did not show before the stall and behind it counts together: one that has died is
+ * found however often its caller is held up. */
+static void a_dead_sensor_is_found_behind_a_stall(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    puppet_sensor_add(&sensor, 1100 * MS, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    now_ns = 1100 * MS;
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    for (int stall = 1; stall <= 3; stall++) {
+        now_ns += 10000 * MS;
+        iso_sensor_keeper_excuse(&keeper, 10000 * MS, now_ns);
+        now_ns += 100 * MS;
+        assert_int_equal(look(), ISO_SENSOR_QUIET);
+        assert_true(keeper.sees);
+    }
+    now_ns += 100 * MS; /* 400 ms, without the stalls */
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_false(keeper.sees);
+    now_ns += 600 * MS;
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
@@ -255,6 +299,9 @@ int main(void)
         TEST(frames_that_come_late_are_no_sight),
         TEST(damaged_frames_are_no_sight),
         TEST(opening_again_what_was_lost_is_no_sight_yet),
+        cmocka_unit_test_setup_teardown(a_caller_that_was_held_up_does_not_blame_the_sensor, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(a_dead_sensor_is_found_behind_a_stall, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -427,6 +427,105 @@ static void a_door_that_works_already_is_taken_over(void **state)
     iso_door_guard_free(guard);
 }
 
+/* ---- a sensor whose frames wait for a main thread that waits for the disk ---- */
+
+enum { PAUSE_MS = 100, STALL_MS = 3 * PAUSE_MS };
+
+static int setup_fail_safe(void **state)
+{
+    if (setup(state)) {
+        return -1;
+    }
+    struct rig *rig = *state;
+    iso_appliance_free(rig->appliance);
+    rig->config.door.fail = ISO_DOOR_FAIL_SAFE;
+    rig->config.sensor.pause_ms = PAUSE_MS;
+    rig->config.sensor.stale_ms = PAUSE_MS;
+    rig->config.sensor.silence_ms = 2 * PAUSE_MS;
+    rig->sensor.streams = true;
+    return iso_appliance_new(&rig->parts, &rig->appliance);
+}
+
+/* A frame without anybody, as a camera has one all the time. */
+static void show_nobody(struct rig *rig)
+{
+    const int64_t now_ns = iso_times_now_ns(&rig->parts.times);
+    puppet_sensor_add(&rig->sensor, now_ns, 0, ISO_CAPTURE_NO_FACE);
+}
+
+/* Removes anna, for which the disk takes STALL_MS; frames of before and behind wait meanwhile. */
+static void stall(struct rig *rig)
+{
+    const struct timespec stall = {.tv_nsec = STALL_MS * 1000000L};
+    pthread_t thread;
+    void *result = NULL;
+    slow_disk_hang();
+    assert_int_equal(pthread_create(&thread, NULL, remove_anna, rig), 0);
+    slow_disk_await();
+    show_nobody(rig);
+    (void)nanosleep(&stall, NULL);
+    slow_disk_go_on();
+    assert_int_equal(pthread_join(thread, &result), 0);
+    assert_null(result);
+}
+
+static void a_slow_disk_does_not_release_a_fail_safe_door(void **state)
+{
+    struct rig *rig = *state;
+    show_nobody(rig);
+    start(rig);
+    wired_door_await(ISO_DOOR_RELAY, 1); /* the magnet holds */
+    (void)iso_appliance_step(rig->appliance);
+    stall(rig);
+    (void)iso_appliance_step(rig->appliance); /* the old frame */
+    for (int i = 0; i < 20; i++) {
+        show_nobody(rig);
+        (void)iso_appliance_step(rig->appliance);
+    }
+    assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 1);
+    assert_true(wired_door_level(ISO_DOOR_RELAY));
+    assert_null(strstr(rig_news(rig), "fault"));
+}
+
+/* Frames from before the stall are no reason to let anybody in, although it was not their fault. */
+static void frames_from_before_a_stall_let_nobody_in(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "berta", 60);
+    show_nobody(rig);
+    start(rig);
+    wired_door_await(ISO_DOOR_RELAY, 1);
+    (void)iso_appliance_step(rig->appliance);
+    for (int i = 0; i < 4; i++) {
+        puppet_sensor_add(&rig->sensor, iso_times_now_ns(&rig->parts.times), 60, ISO_CAPTURE_OK);
+    }
+    stall(rig);
+    for (int i = 0; i < 6; i++) {
+        (void)iso_appliance_step(rig->appliance);
+    }
+    assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 1);
+    assert_null(strstr(rig_news(rig), "visit allow"));
+}
+
+/* Its camera was unplugged during the stall. */
+static void a_dead_sensor_is_a_fault_behind_a_stall(void **state)
+{
+    struct rig *rig = *state;
+    char all[4096] = "";
+    show_nobody(rig);
+    start(rig);
+    wired_door_await(ISO_DOOR_RELAY, 1);
+    (void)iso_appliance_step(rig->appliance);
+    stall(rig);
+    while (!strstr(all, "door fault fault")) { /* the test's time-out ends it if it never comes */
+        (void)iso_appliance_step(rig->appliance);
+        (void)strncat(all, rig_news(rig), sizeof all - strlen(all) - 1);
+        wait_a_moment();
+    }
+    wired_door_await(ISO_DOOR_RELAY, 2);
+    assert_false(wired_door_level(ISO_DOOR_RELAY));
+}
+
 /* ---- a process that is stopped ---- */
 
 /* In a process of its own, which stops itself when the record of the grant is to be synchronised.
@@ -468,7 +567,8 @@ static void a_stopped_process_lets_nobody_in_when_it_goes_on(void **state)
 
 int main(void)
 {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
+#define TEST(f)      cmocka_unit_test_setup_teardown(f, setup, teardown)
+#define TEST_SAFE(f) cmocka_unit_test_setup_teardown(f, setup_fail_safe, teardown)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stopped_process_lets_nobody_in_when_it_goes_on),
         TEST(whoever_is_known_is_let_in_while_the_disk_works),
@@ -482,6 +582,9 @@ int main(void)
         TEST(administration_does_not_keep_the_door_waiting),
         TEST(the_exit_button_works_before_the_start_is_on_record),
         TEST(a_door_that_works_already_is_taken_over),
+        TEST_SAFE(a_slow_disk_does_not_release_a_fail_safe_door),
+        TEST_SAFE(frames_from_before_a_stall_let_nobody_in),
+        TEST_SAFE(a_dead_sensor_is_a_fault_behind_a_stall),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
