@@ -90,6 +90,7 @@ first_ms = 600000
 END
     cp -r "$source_dir/sim/stored" "$container_root/srv/stored"
     cp "$intrude" "$container_root/srv/intrude"
+    cp "$slow_sync" "$container_root/srv/slow_sync.so"
 }
 
 # ---- the story ----
@@ -101,9 +102,11 @@ everything_works() {
     a_stranger_is_refused
     p01_is_let_in
     exposure 1.3
+    the_door_is_real_time
     calls_are_filtered
     leave_open
     files_are_restricted
+    a_slow_disk_is_waited_for
 }
 
 state_is_lasting() {
@@ -164,7 +167,9 @@ purge_leaves_nothing() {
 }
 
 intrude=$story_scratch/intrude
+slow_sync=$story_scratch/slow_sync.so
 gcc -D_GNU_SOURCE -O1 -o "$intrude" "$here/intrude.c"
+gcc -D_GNU_SOURCE -O1 -shared -fPIC -o "$slow_sync" "$here/slow_sync.c"
 container_unpack "$tar"
 case $way in
 packages) install_packages ;;

@@ -5,11 +5,13 @@
  *   intrude PID read PATH       opens PATH for reading
  *   intrude PID internet        opens a TCP socket
  *   intrude PID execute PATH    executes PATH
+ *   intrude PID realtime        gives its first thread a real-time priority
  *
  * Prints one word: "done", the name of the error (such as EACCES), or "killed" if the process ended
  * by a signal. Exit status 0 in all of these cases, 1 if it could not try. x86-64 only. */
 #include <errno.h>
 #include <fcntl.h>
+#include <sched.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,6 +51,9 @@ static bool read_call(int argc, char **argv, struct call *call)
         *call = (struct call){SYS_openat, {AT_FDCWD, 0, O_RDONLY, 0}, 1, path};
     } else if (argc == 3 && strcmp(what, "internet") == 0) {
         *call = (struct call){SYS_socket, {AF_INET, SOCK_STREAM, 0, 0}, -1, NULL};
+    } else if (argc == 3 && strcmp(what, "realtime") == 0) {
+        /* The bytes of the "path" are those of a struct sched_param with the priority 1. */
+        *call = (struct call){SYS_sched_setscheduler, {0, SCHED_FIFO, 0, 0}, 2, "\001"};
     } else if (argc == 4 && has_path && strcmp(what, "execute") == 0) {
         *call = (struct call){SYS_execve, {0, 0, 0, 0}, 0, path};
     } else {
@@ -135,7 +140,8 @@ int main(int argc, char **argv)
 {
     struct call call;
     if (!read_call(argc, argv, &call)) {
-        fputs("usage: intrude PID create|read|execute PATH, or intrude PID internet\n", stderr);
+        fputs("usage: intrude PID create|read|execute PATH, or intrude PID internet|realtime\n",
+              stderr);
         return 1;
     }
     return intrude((pid_t)strtol(argv[1], NULL, 10), &call);

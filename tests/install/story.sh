@@ -178,6 +178,85 @@ exposure() {
     say "systemd-analyze security: exposure $story_level (at most $1)"
 }
 
+# thread_policy NAME: priority and policy of a thread of the daemon; "20 1" is SCHED_FIFO with priority 20, "0 0" an ordinary one
+thread_policy() {
+    inside sh -c "cat /proc/$(daemon_pid)/task/*/stat" | awk -v name="($1)" '$2 == name { print $40, $41 }'
+}
+
+# has_policy NAME POLICY
+has_policy() {
+    story_policy=$(thread_policy "$1")
+    [ "$story_policy" = "$2" ] || die "the thread $1 has priority and policy '$story_policy', not '$2'"
+}
+
+doctor_misses_priority() {
+    isotherm doctor 2>/dev/null | grep -q 'door thread *no real-time priority'
+}
+
+# The machine around a container may forbid to raise limits, and systemd then sets the one that may be. The daemon has to tell of it;
+# the right to do without the limit shows the rest.
+replace_priority_limit() {
+    has_policy isothermd-door '0 0'
+    doctor_misses_priority || die 'isotherm doctor does not tell that the thread of the door has no real-time priority'
+    inside journalctl --no-pager --unit isothermd | grep -q 'the thread of the door has no real-time priority' ||
+        die 'the journal does not tell that the thread of the door has no real-time priority'
+    say 'skipped: LimitRTPRIO=, which this container may not have; journal and doctor tell of it'
+    inside install -d /etc/systemd/system/isothermd.service.d
+    printf '[Service]\nCapabilityBoundingSet=CAP_SYS_NICE\nAmbientCapabilities=CAP_SYS_NICE\n' |
+        inside tee /etc/systemd/system/isothermd.service.d/priority.conf >/dev/null
+    inside systemctl daemon-reload
+    inside systemctl restart isothermd
+}
+
+the_door_is_real_time() {
+    inside systemd-run --quiet --wait --property User=nobody --property LimitRTPRIO=20 chrt --fifo 20 true 2>/dev/null || replace_priority_limit
+    has_policy isothermd-door '20 1'
+    has_policy isothermd '0 0'
+    has_policy isothermd-log '0 0'
+    ends EPERM realtime
+    has_policy isothermd '0 0'
+    if doctor_misses_priority; then
+        die 'isotherm doctor says that the thread of the door has no real-time priority'
+    fi
+    say 'the thread of the door is real-time (SCHED_FIFO, 20); the others are not, and cannot become it'
+    if inside rm /etc/systemd/system/isothermd.service.d/priority.conf 2>/dev/null; then
+        inside systemctl daemon-reload
+        inside systemctl restart isothermd
+    fi
+}
+
+restarts() {
+    inside systemctl show --property NRestarts --value isothermd
+}
+
+answers() {
+    isotherm status >/dev/null 2>&1
+}
+
+# The disk takes 1.5 s for an fsync; the unit waits 6 s for a start, and 6 s for a sign of life. Both take longer, by many fsyncs.
+a_slow_disk_is_waited_for() {
+    inside install -d /etc/systemd/system/isothermd.service.d
+    printf '[Service]\nTimeoutStartSec=6\nWatchdogSec=6\nEnvironment=LD_PRELOAD=/srv/slow_sync.so SLOW_SYNC_MS=1500\n' |
+        inside tee /etc/systemd/system/isothermd.service.d/slow.conf >/dev/null
+    inside systemctl daemon-reload
+    inside systemctl reset-failed isothermd
+    story_restarts=$(restarts)
+    story_began=$(date +%s)
+    inside systemctl restart isothermd || die 'a start on a slow disk is not waited for'
+    story_start=$(($(date +%s) - story_began))
+    story_pid=$(daemon_pid)
+    story_began=$(date +%s)
+    isotherm key rotate >/dev/null 2>&1 || true # the client gives up before the daemon is done
+    wait_for 60 'the daemon does not answer after a rotation of the keys on a slow disk' answers
+    story_rotation=$(($(date +%s) - story_began))
+    [ "$(daemon_pid)" = "$story_pid" ] && [ "$(restarts)" = "$story_restarts" ] || die 'the daemon was restarted because of a slow disk'
+    [ "$story_start" -gt 6 ] && [ "$story_rotation" -gt 6 ] || die "too quick to show anything: $story_start s, $story_rotation s"
+    inside rm /etc/systemd/system/isothermd.service.d/slow.conf
+    inside systemctl daemon-reload
+    inside systemctl restart isothermd
+    say "a slow disk ends nothing: a start of $story_start s and a rotation of keys of $story_rotation s, where 6 s are allowed"
+}
+
 # The unit is part of multi-user.target: it is active before that, or at most so many seconds later.
 active_within() {
     story_unit_us=$(inside systemctl show --property ActiveEnterTimestampMonotonic --value isothermd)

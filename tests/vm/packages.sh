@@ -66,6 +66,7 @@ wait_for 90 'p01 does not pull the relay' relay_is_on
 nobody_is_there
 say 'p01: relay 1'
 
+the_door_is_real_time
 calls_are_filtered
 leave_open
 files_are_restricted
