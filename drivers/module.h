@@ -1,4 +1,5 @@
-/* Modules: shared objects with the back ends that pull in large libraries (OpenCV, libcamera). A
+/* Modules: shared objects with the back ends that pull in other libraries (OpenCV, libcamera, the
+ * TPM software stack). A
  * program loads one when its configuration asks for it, so that it runs without these libraries
  * where it does not.
  *

@@ -51,7 +51,7 @@ found=$(imports "$library" | grep -E "$impure" || true)
 [ -z "$found" ] || fault "$library is not pure" "$found"
 
 for binary in $programs; do
-    found=$(ldd "$binary" | grep -E 'not found|lib(opencv_|camera|LLVM|icu|GL|glapi)' || true)
+    found=$(ldd "$binary" | grep -E 'not found|lib(opencv_|camera|tss2-|LLVM|icu|GL|glapi)' || true)
     [ -z "$found" ] || fault "$binary needs what belongs to modules" "$found"
 done
 

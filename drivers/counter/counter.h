@@ -1,0 +1,46 @@
+/* A counter in hardware: a number that only rises, whoever has the disk. It shows that a state
+ * directory is of an earlier time (firmware/state_counter.h). */
+#ifndef ISO_DRIVERS_COUNTER_COUNTER_H
+#define ISO_DRIVERS_COUNTER_COUNTER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+
+/* What a back end does. One thread at a time calls these; each may take as long as the device does,
+ * which is some 100 ms for a TPM. All return 0 or a negative errno with one line in *fault, and
+ * leave *value untouched then:
+ *   -ENOENT the device answers, and does not have the counter (read, increment)
+ *   -EBADMSG the device has something else in its place
+ *   -EAGAIN the device wants to be asked later
+ *   -EACCES the device refuses it
+ *   -EIO    the device is not there, or does not answer as it should */
+struct iso_counter_ops {
+    const char *name; /* "tpm2" */
+    int (*read)(void *self, uint64_t *value, struct iso_fault *fault);
+    /* Makes the counter, and counts once, so that it can be read. A counter that was made and never
+     * counted is taken. Its first value is above that of every counter that the device had before.
+     */
+    int (*define)(void *self, uint64_t *value, struct iso_fault *fault);
+    /* *value: the number behind it. */
+    int (*increment)(void *self, uint64_t *value, struct iso_fault *fault);
+    void (*close)(void *self);
+};
+
+/* ops NULL: there is none. */
+struct iso_counter {
+    const struct iso_counter_ops *ops;
+    void *self;
+};
+
+/* Lets the device go; the counter in it stays. One that is not there is fine. */
+static inline void iso_counter_close(struct iso_counter *counter)
+{
+    if (counter->ops) {
+        counter->ops->close(counter->self);
+        counter->ops = NULL;
+    }
+}
+
+#endif

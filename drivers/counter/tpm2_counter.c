@@ -1,0 +1,275 @@
+#include "drivers/counter/tpm2_counter.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tss2/tss2_esys.h>
+#include <tss2/tss2_rc.h>
+#include <tss2/tss2_tcti_device.h>
+#include <tss2/tss2_tctildr.h>
+#include <unistd.h>
+
+enum { VALUE_BYTES = 8, REFUSED = 0x0bf, CODE = 0xffff };
+
+static const TPMA_NV counter_attributes = TPMA_NV_AUTHREAD | TPMA_NV_AUTHWRITE | TPMA_NV_NO_DA |
+                                          (TPM2_NT_COUNTER << TPMA_NV_TPM2_NT_SHIFT);
+
+struct tpm2_counter {
+    char *tcti_name;
+    uint32_t index;
+    TSS2_TCTI_CONTEXT *tcti;
+    bool tcti_is_loaded; /* by Tss2_TctiLdr_Initialize */
+    ESYS_CONTEXT *esys;  /* NULL: the TPM is not open */
+    ESYS_TR handle;      /* of the index; ESYS_TR_NONE until it is found */
+};
+
+/* ---- the TPM ---- */
+
+/* The TPM's own codes, with or without a resource manager before it. */
+static bool is_of_tpm(TSS2_RC rc)
+{
+    const TSS2_RC layer = rc & TSS2_RC_LAYER_MASK;
+    return layer == TSS2_TPM_RC_LAYER || layer == TSS2_RESMGR_TPM_RC_LAYER;
+}
+
+/* An error that names a handle, parameter or session has its number in the higher bits. */
+static bool is_tpm_rc(TSS2_RC rc, TPM2_RC expected)
+{
+    const TPM2_RC code = rc & CODE;
+    return is_of_tpm(rc) && (code & TPM2_RC_FMT1 ? (code & REFUSED) : code) == expected;
+}
+
+static void release(struct tpm2_counter *counter)
+{
+    if (counter->esys) {
+        Esys_Finalize(&counter->esys);
+    }
+    if (counter->tcti && counter->tcti_is_loaded) {
+        Tss2_TctiLdr_Finalize(&counter->tcti);
+    } else if (counter->tcti) {
+        Tss2_Tcti_Finalize(counter->tcti);
+        free(counter->tcti);
+        counter->tcti = NULL;
+    }
+    counter->handle = ESYS_TR_NONE;
+}
+
+/* What the code says. A TPM that did not answer is opened anew by the next call. */
+static int refuse(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
+                  struct iso_fault *fault)
+{
+    const bool password = is_tpm_rc(rc, TPM2_RC_BAD_AUTH) || is_tpm_rc(rc, TPM2_RC_AUTH_FAIL);
+    const bool later = is_tpm_rc(rc, TPM2_RC_NV_RATE) || is_tpm_rc(rc, TPM2_RC_RETRY) ||
+                       is_tpm_rc(rc, TPM2_RC_YIELDED) || is_tpm_rc(rc, TPM2_RC_TESTING);
+    const int error = password ? -EACCES : later ? -EAGAIN : -EIO;
+    (void)iso_fault_set(fault, error, "the TPM at %s: counter 0x%08x cannot be %s: %s",
+                        counter->tcti_name, (unsigned)counter->index, what, Tss2_RC_Decode(rc));
+    if (!is_of_tpm(rc)) {
+        release(counter);
+    }
+    return error;
+}
+
+/* The ordinary way without a loader, so that nothing is loaded once the process is confined. */
+static TSS2_RC open_device(struct tpm2_counter *counter, const char *path)
+{
+    size_t size = 0;
+    TSS2_RC rc = Tss2_Tcti_Device_Init(NULL, &size, NULL);
+    TSS2_TCTI_CONTEXT *tcti = rc ? NULL : calloc(1, size);
+    if (!tcti) {
+        return rc ? rc : TSS2_ESYS_RC_MEMORY;
+    }
+    rc = Tss2_Tcti_Device_Init(tcti, &size, path);
+    if (rc) {
+        free(tcti);
+        return rc;
+    }
+    counter->tcti = tcti;
+    counter->tcti_is_loaded = false;
+    return 0;
+}
+
+static TSS2_RC open_tcti(struct tpm2_counter *counter)
+{
+    static const char device[] = "device:";
+    if (strncmp(counter->tcti_name, device, strlen(device)) == 0) {
+        return open_device(counter, counter->tcti_name + strlen(device));
+    }
+    counter->tcti_is_loaded = true;
+    return Tss2_TctiLdr_Initialize(counter->tcti_name, &counter->tcti);
+}
+
+static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
+{
+    const char *path = strchr(counter->tcti_name, '/');
+    if (counter->esys) {
+        return 0;
+    }
+    /* The software stack does not say why. */
+    if (strncmp(counter->tcti_name, "device:/", 8) == 0 && access(path, R_OK | W_OK)) {
+        return iso_fault_set(fault, -EIO, "the TPM at %s: %m", counter->tcti_name);
+    }
+    TSS2_RC rc = open_tcti(counter);
+    rc = rc ? rc : Esys_Initialize(&counter->esys, counter->tcti, NULL);
+    if (rc) {
+        release(counter);
+        return iso_fault_set(fault, -EIO, "the TPM at %s cannot be reached: %s", counter->tcti_name,
+                             Tss2_RC_Decode(rc));
+    }
+    return 0;
+}
+
+/* ---- the index ---- */
+
+static int absent(const struct tpm2_counter *counter, struct iso_fault *fault)
+{
+    return iso_fault_set(fault, -ENOENT, "the TPM at %s has no counter 0x%08x", counter->tcti_name,
+                         (unsigned)counter->index);
+}
+
+/* Another use of the same index is not touched. */
+static int check_index(struct tpm2_counter *counter, struct iso_fault *fault)
+{
+    const TPMA_NV least = counter_attributes & ~TPMA_NV_NO_DA;
+    TPM2B_NV_PUBLIC *index = NULL;
+    const TSS2_RC rc = Esys_NV_ReadPublic(counter->esys, counter->handle, ESYS_TR_NONE,
+                                          ESYS_TR_NONE, ESYS_TR_NONE, &index, NULL);
+    if (rc) {
+        return refuse(counter, rc, "looked at", fault);
+    }
+    const TPMA_NV found = index->nvPublic.attributes;
+    Esys_Free(index);
+    return (found & (least | TPMA_NV_TPM2_NT_MASK | TPMA_NV_ORDERLY)) == least
+               ? 0
+               : iso_fault_set(fault, -EBADMSG,
+                               "the TPM at %s: index 0x%08x is in use, and not for a counter that "
+                               "serves here (attributes 0x%08x)",
+                               counter->tcti_name, (unsigned)counter->index, (unsigned)found);
+}
+
+/* The index may have been deleted since it was found: it is looked for each time. */
+static int find_index(struct tpm2_counter *counter, struct iso_fault *fault)
+{
+    int error = open_tpm(counter, fault);
+    if (error) {
+        return error;
+    }
+    if (counter->handle != ESYS_TR_NONE) {
+        (void)Esys_TR_Close(counter->esys, &counter->handle);
+    }
+    const TSS2_RC rc = Esys_TR_FromTPMPublic(counter->esys, counter->index, ESYS_TR_NONE,
+                                             ESYS_TR_NONE, ESYS_TR_NONE, &counter->handle);
+    if (rc) {
+        counter->handle = ESYS_TR_NONE;
+        return is_tpm_rc(rc, TPM2_RC_HANDLE) ? absent(counter, fault)
+                                             : refuse(counter, rc, "found", fault);
+    }
+    return check_index(counter, fault);
+}
+
+static int read_value(struct tpm2_counter *counter, uint64_t *value, struct iso_fault *fault)
+{
+    TPM2B_MAX_NV_BUFFER *data = NULL;
+    const TSS2_RC rc = Esys_NV_Read(counter->esys, counter->handle, counter->handle,
+                                    ESYS_TR_PASSWORD, ESYS_TR_NONE, ESYS_TR_NONE, VALUE_BYTES, 0,
+                                    &data);
+    if (rc) {
+        return is_tpm_rc(rc, TPM2_RC_NV_UNINITIALIZED) ? absent(counter, fault)
+                                                       : refuse(counter, rc, "read", fault);
+    }
+    const bool whole = data->size == VALUE_BYTES;
+    uint64_t found = 0;
+    for (size_t i = 0; whole && i < VALUE_BYTES; i++) {
+        found = found << 8 | data->buffer[i];
+    }
+    Esys_Free(data);
+    if (!whole) {
+        return refuse(counter, TSS2_ESYS_RC_MALFORMED_RESPONSE, "read", fault);
+    }
+    *value = found;
+    return 0;
+}
+
+static int count(struct tpm2_counter *counter, uint64_t *value, struct iso_fault *fault)
+{
+    const TSS2_RC rc = Esys_NV_Increment(counter->esys, counter->handle, counter->handle,
+                                         ESYS_TR_PASSWORD, ESYS_TR_NONE, ESYS_TR_NONE);
+    return rc ? refuse(counter, rc, "raised", fault) : read_value(counter, value, fault);
+}
+
+static int make_index(struct tpm2_counter *counter, struct iso_fault *fault)
+{
+    const TPM2B_AUTH no_password = {.size = 0};
+    const TPM2B_NV_PUBLIC index = {.nvPublic = {.nvIndex = counter->index,
+                                                .nameAlg = TPM2_ALG_SHA256,
+                                                .attributes = counter_attributes,
+                                                .dataSize = VALUE_BYTES}};
+    const TSS2_RC rc = Esys_NV_DefineSpace(counter->esys, ESYS_TR_RH_OWNER, ESYS_TR_PASSWORD,
+                                           ESYS_TR_NONE, ESYS_TR_NONE, &no_password, &index,
+                                           &counter->handle);
+    return rc ? refuse(counter, rc, "made", fault) : 0;
+}
+
+/* ---- operations ---- */
+
+static int read_counter(void *self, uint64_t *value, struct iso_fault *fault)
+{
+    const int error = find_index(self, fault);
+    return error ? error : read_value(self, value, fault);
+}
+
+static int define_counter(void *self, uint64_t *value, struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    int error = find_index(self, &why);
+    if (error == -ENOENT) {
+        error = make_index(self, fault);
+    } else if (error) {
+        (void)iso_fault_set(fault, error, "%s", why.text);
+    }
+    return error ? error : count(self, value, fault);
+}
+
+static int increment_counter(void *self, uint64_t *value, struct iso_fault *fault)
+{
+    const int error = find_index(self, fault);
+    return error ? error : count(self, value, fault);
+}
+
+static void close_counter(void *self)
+{
+    struct tpm2_counter *counter = self;
+    release(counter);
+    free(counter->tcti_name);
+    free(counter);
+}
+
+static const struct iso_counter_ops ops = {
+    .name = "tpm2",
+    .read = read_counter,
+    .define = define_counter,
+    .increment = increment_counter,
+    .close = close_counter,
+};
+
+int iso_tpm2_counter_open(const char *tcti, uint32_t index, struct iso_counter *out,
+                          struct iso_fault *fault)
+{
+    struct tpm2_counter *counter = calloc(1, sizeof *counter);
+    if (!counter || !(counter->tcti_name = strdup(tcti))) {
+        free(counter);
+        return iso_fault_set(fault, -ENOMEM, "the TPM at %s: out of memory", tcti);
+    }
+    counter->index = index;
+    counter->handle = ESYS_TR_NONE;
+    const int error = open_tpm(counter, fault);
+    if (error) {
+        close_counter(counter);
+        return error;
+    }
+    *out = (struct iso_counter){.ops = &ops, .self = counter};
+    return 0;
+}
