@@ -90,6 +90,7 @@
  * frames of the last ten minutes again; "lost"), "sensor-fault" s, "clock-fault" s (that it was set
  * back behind the log, "" while it is right), "stale-fault" s (that a grant has hardly enough time,
  * "" while it has), "storage-fault" s (what the disk refused last, "" since it works again),
+ * "counter-fault" s (of the counter of the state, "" while it works or none is configured),
  * "sensor-health" s (what its driver says of it while it runs, "" while all
  * is well), "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with
  * "nominal" if the intrinsics are the model's and were not measured on this camera),
@@ -227,8 +228,8 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
 #define ISO_CONTRACT_EVENTS                                                                        \
-    "attack", "clock", "delete", "door", "door-test", "enroll", "export", "forget", "gallery",     \
-        "grant", "identify", "import", "learn", "lockdown", "lockout", "log-recovered",            \
+    "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export", "forget",     \
+        "gallery", "grant", "identify", "import", "learn", "lockdown", "lockout", "log-recovered", \
         "log-rotated", "log-sealed", "picture", "records-lost", "rename", "rotate-keys", "sensor", \
         "start", "state-accepted", "stop", "validity", "verify", "visit"
 

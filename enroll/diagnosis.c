@@ -299,6 +299,21 @@ static void judge_disk(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
+/* Nothing is said of a counter that works, or of none. */
+static void judge_counter(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *fault = cli_state_text(state, "counter-fault");
+
+    if (fault && *fault) {
+        cli_diagnosis_add(diagnosis, "counter", CLI_CHECK_BAD, fault,
+                          strstr(fault, "has no counter")
+                              ? "somebody has deleted it from the TPM: look who, then stop the "
+                                "daemon and run isothermd --accept-state"
+                              : "is the TPM there, and may the daemon's user open it (group tss)? "
+                                "[seal] in isotherm.conf(5); journalctl --dmesg");
+    }
+}
+
 static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const json_int_t people = cli_state_number(state, "people", -1);
@@ -362,6 +377,7 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
     judge_model(diagnosis, state);
     judge_image_check(diagnosis, state);
     judge_disk(diagnosis, state);
+    judge_counter(diagnosis, state);
     judge_gallery(diagnosis, state);
 }
 

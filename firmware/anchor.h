@@ -10,8 +10,9 @@
  * What an anchor can tell: that its store was exchanged for an older one, or cut short. An anchor
  * that was exchanged with its store is found by what the other stores know (heads.h), and what it
  * knows of them stands in it. That the whole directory is of an earlier time cannot be told by what
- * lies in it. For that the head of the log goes to the system's journal with every record: a
- * journal that is kept elsewhere, or a note of `isotherm log verify`, shows it.
+ * lies in it, but by a counter in a TPM (state_counter.h). Where there is none, the head of the log
+ * goes to the system's journal with every record: a journal that is kept elsewhere, or a note of
+ * `isotherm log verify`, shows it.
  *
  * The file has two slots that are written in turn; one that was cut short is as good as none, and
  * the other is one behind. Slot: number of the key u32, then sealed: turn u64, value u64, extra[],

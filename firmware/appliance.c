@@ -404,6 +404,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso__appliance_lockout_time(appliance, now_ns);
     iso__appliance_clock_time(appliance);
     iso__appliance_storage_time(appliance, now_ns);
+    iso__appliance_counter_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
     const int64_t lines_ns = earliest(door_due_ns(appliance),
@@ -468,6 +469,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .clock_fault = appliance->clock_fault.text,
         .stale_fault = appliance->stale_fault.text,
         .storage_fault = iso__appliance_storage_fault(appliance),
+        .counter_fault = appliance->counter_fault.text,
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,
         .counts = appliance->counts,

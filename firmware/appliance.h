@@ -98,9 +98,10 @@ struct iso_appliance_parts {
     struct iso_door_io *door_io;
     struct iso_door_guard *door; /* of door_io, started already, whose changes nobody has taken yet;
                                   * NULL: the appliance makes one and starts it */
-    const struct iso_cards *cards; /* sent to an access controller; NULL: there is none */
-    struct iso_key_ring *ring;     /* of gallery and log */
-    const char *lockout_path;      /* lockout_file.h; NULL or "": forgotten at the end */
+    const struct iso_cards *cards;     /* sent to an access controller; NULL: there is none */
+    struct iso_key_ring *ring;         /* of gallery and log */
+    struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
+    const char *lockout_path;          /* lockout_file.h; NULL or "": forgotten at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_appliance_events events;
@@ -215,6 +216,7 @@ struct iso_appliance_status {
     const char *clock_fault;        /* that the clock was set back; "" while it is right */
     const char *stale_fault;        /* that grants have hardly enough time (stale_budget.h); "" */
     const char *storage_fault;      /* what the disk refused last; "" since it works again */
+    const char *counter_fault;      /* of the counter of the state; "" while it works */
     char sensor_health[64];         /* what its driver says of it; "" while all is well */
     size_t people_valid;            /* who may come in at this time */
     const char *last_outcome;       /* of a visit: "allow anna", "deny", ""; behind the name

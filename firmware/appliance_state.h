@@ -69,6 +69,10 @@ struct iso_appliance {
     struct iso_fault stale_fault;         /* it comes near stale_ms; "": it does not */
     bool stale_told;                      /* a warning said so, since the sensor was opened */
     struct iso_fault storage_fault;       /* what the disk refused last; "" since it works again */
+    struct iso_fault counter_fault;       /* of the counter of the state; "" while it works */
+    bool counter_due;                     /* its number has to be raised ... */
+    int64_t counter_due_ns;               /* ... since then ... */
+    bool counter_noted;                   /* ... and a record was written for that */
     int64_t gallery_retry_ns; /* when to try again to read the gallery, while it is lost */
 
     /* CLAIMED, ENROLL, VERIFY, IDENTIFY */
@@ -80,6 +84,10 @@ struct iso_appliance {
     bool picture_due;       /* a client waits for the next frame */
     int64_t picture_end_ns; /* until then */
 };
+
+/* Tells of faults of the counter of the state directory, and sees that changes are counted.
+ * (appliance_counter.c) */
+void iso__appliance_counter_time(struct iso_appliance *appliance, int64_t now_ns);
 
 /* A line for the system's log. */
 __attribute__((format(printf, 3, 4))) void iso__appliance_say(struct iso_appliance *appliance,

@@ -185,7 +185,9 @@ int iso_audit_open(const struct iso_audit_options *options, const struct iso_tim
 void iso_audit_close(struct iso_audit *audit)
 {
     if (audit) {
-        if (audit->opened && !audit->lost && audit->last > iso_anchor_state(audit->anchor)->value) {
+        if (audit->opened && !audit->lost &&
+            (audit->last > iso_anchor_state(audit->anchor)->value ||
+             iso__audit_wants_number(audit))) {
             (void)!iso__audit_write_anchor(audit, NULL);
         }
         if (audit->fd >= 0) {

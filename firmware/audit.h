@@ -29,6 +29,7 @@
 
 #include "core/fault.h"
 #include "firmware/key_ring.h"
+#include "firmware/state_counter.h"
 #include "firmware/times.h"
 #include "firmware/work_listener.h"
 
@@ -65,6 +66,8 @@ struct iso_audit_options {
     int segments;           /* closed ones that are kept, at most 60 */
     bool migrate; /* a log of the version before, in plain text, is sealed at the first start */
     struct iso_key_ring *ring; /* outlives the log */
+    /* Outlives the log; its number stands in the anchor. NULL: the number stays what it was. */
+    struct iso_state_counter *counter;
     /* Told of every record after it was written, with the head behind it. Somebody may wait for the
      * record, and others wait for the log: it must not wait for anything. NULL: nobody. */
     void (*written)(void *context, const struct iso_audit_record *record, uint64_t sequence,

@@ -11,7 +11,8 @@
 #include "firmware/storage_fault.h"
 
 /* ---- the anchor: first sequence u64, head[32], sealing u8, lax u8, first sequence of the segment
- * that is written u64 (0: unknown), closed segments from the first sequence on u16 ---- */
+ * that is written u64 (0: unknown), closed segments from the first sequence on u16, number of the
+ * counter of the state u32 (0: none, state_counter.h) ---- */
 
 /* lax: the log goes on without the anchor, as records are not synchronised. */
 enum {
@@ -20,7 +21,8 @@ enum {
     EXTRA_LAX,
     EXTRA_SEGMENT,
     EXTRA_CLOSED = EXTRA_SEGMENT + 8,
-    EXTRA_END = EXTRA_CLOSED + 2,
+    EXTRA_COUNTER = EXTRA_CLOSED + 2,
+    EXTRA_END = EXTRA_COUNTER + 4,
 };
 
 _Static_assert((int)EXTRA_END <= (int)ISO_ANCHOR_EXTRA_BYTES, "the anchor has room for it");
@@ -37,6 +39,11 @@ static uint16_t count_closed(const struct iso_audit *audit, uint64_t from, uint6
     return n;
 }
 
+static uint32_t found_number(const struct iso_audit *audit)
+{
+    return audit->anchor ? iso_get_u32(iso_anchor_state(audit->anchor)->extra + EXTRA_COUNTER) : 0;
+}
+
 struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, bool sealing)
 {
     struct iso_anchor_state state = {.value = audit->last};
@@ -47,12 +54,20 @@ struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, b
     (void)iso_put_u64(state.extra + EXTRA_SEGMENT, audit->segment_first);
     (void)iso_put_u16(state.extra + EXTRA_CLOSED,
                       count_closed(audit, audit->first, audit->segment_first));
+    (void)iso_put_u32(state.extra + EXTRA_COUNTER,
+                      audit->options.counter ? iso_state_counter_next(audit->options.counter)
+                                             : found_number(audit));
     return state;
 }
 
 bool iso__audit_anchor_is_sealing(const struct iso_audit *audit)
 {
     return audit->anchor && iso_anchor_state(audit->anchor)->extra[EXTRA_SEALING];
+}
+
+bool iso__audit_wants_number(const struct iso_audit *audit)
+{
+    return audit->options.counter && iso_state_counter_is_due(audit->options.counter);
 }
 
 int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
@@ -65,6 +80,10 @@ int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
     if (!error) {
         iso_heads_wrote(iso_key_ring_board(audit->options.ring), ISO_HEAD_LOG, state.value,
                         state.extra + EXTRA_HEAD);
+        if (audit->options.counter) {
+            iso_state_counter_wrote(audit->options.counter,
+                                    iso_get_u32(state.extra + EXTRA_COUNTER));
+        }
     }
     return error;
 }
@@ -78,6 +97,9 @@ void iso__audit_tell_anchor(const struct iso_audit *audit)
         return;
     }
     const struct iso_anchor_state *state = iso_anchor_state(audit->anchor);
+    if (audit->options.counter) {
+        iso_state_counter_found(audit->options.counter, found_number(audit));
+    }
     iso_heads_found(board, ISO_HEAD_LOG, audit->path, state->value);
     iso_heads_claim(board, audit->anchor_path, iso_anchor_known(audit->anchor));
     iso_heads_wrote(board, ISO_HEAD_LOG, state->value, state->extra + EXTRA_HEAD);

@@ -234,6 +234,23 @@ static void note_gallery(struct iso_audit *audit, const struct iso_audit_record 
     }
 }
 
+/* What the record tells of. The gallery changes by an administrator, or as it learns. */
+static enum iso_state_change change_of(const struct iso_audit *audit,
+                                       const struct iso_audit_record *record)
+{
+    static const char *const events[] = {"lockdown", "rotate-keys", "state-accepted"};
+    for (size_t i = 0; i < sizeof events / sizeof *events; i++) {
+        if (strcmp(record->event, events[i]) == 0) {
+            return ISO_STATE_ADMINISTRATOR;
+        }
+    }
+    if (record->gallery && (strcmp(record->gallery, audit->gallery) != 0 ||
+                            record->gallery_changes != audit->gallery_changes)) {
+        return ISO_STATE_ADMINISTRATOR;
+    }
+    return strcmp(record->event, "lockout") == 0 ? ISO_STATE_LOCKOUT : ISO_STATE_RECORD;
+}
+
 /* Writes the line of one record, without synchronising it. */
 static int write_record(struct iso_audit *audit, const struct iso_audit_record *record,
                         struct iso_fault *fault)
@@ -257,6 +274,9 @@ static int write_record(struct iso_audit *audit, const struct iso_audit_record *
     }
     iso__audit_count_line(audit, length);
     audit->link = link;
+    if (audit->options.counter) {
+        iso_state_counter_changed(audit->options.counter, change_of(audit, record));
+    }
     note_gallery(audit, record);
     iso__audit_note_clock(audit, audit->json.text);
     return 0;
@@ -297,7 +317,7 @@ static void commit(struct iso_audit *audit, const struct end *before,
         }
         return;
     }
-    if (audit->options.sync) {
+    if (audit->options.sync || iso__audit_wants_number(audit)) {
         (void)!iso__audit_write_anchor(audit, NULL); /* or before the next group */
     }
 }

@@ -43,6 +43,9 @@ struct iso_audit {
 
 #define ISO__AUDIT_ANCHOR "log"
 
+/* Whether the anchor has to be written for the number of the counter of the state. */
+bool iso__audit_wants_number(const struct iso_audit *audit);
+
 /* The anchor's state for the present head; sealing: a log in plain text is being sealed. */
 struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, bool sealing);
 bool iso__audit_anchor_is_sealing(const struct iso_audit *audit);

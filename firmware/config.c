@@ -14,6 +14,7 @@
 enum { LINE_MAX_BYTES = 190, FILE_MAX_BYTES = 65536 };
 
 _Static_assert(sizeof(enum iso_door_fail) == sizeof(int), "choices are stored as int");
+_Static_assert(sizeof(enum iso_counter_kind) == sizeof(int), "choices are stored as int");
 _Static_assert(sizeof(enum iso_image_check) == sizeof(int), "choices are stored as int");
 _Static_assert(sizeof(enum iso_icp_transform) == sizeof(int), "choices are stored as int");
 

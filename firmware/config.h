@@ -108,8 +108,13 @@ struct iso_config_enroll {
     double mouth_max_mm;
 };
 
+/* What shows that the whole state directory is of an earlier time. */
+enum iso_counter_kind { ISO_COUNTER_NONE = 0, ISO_COUNTER_TPM2 };
+
 struct iso_config_seal {
     char key[ISO_CONFIG_TEXT_SIZE]; /* "": beside the gallery */
+    enum iso_counter_kind counter;
+    char counter_tcti[ISO_CONFIG_TEXT_SIZE], counter_index[ISO_CONFIG_TEXT_SIZE];
     char
         credentials[ISO_CONFIG_TEXT_SIZE]; /* directory of the service manager's; not in the file */
     bool migrate;

@@ -114,6 +114,12 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"seal", "key", ISO_CONFIG_TEXT, false, AT(seal, key), 0, 0, NULL, "",
      "the key of the appliance, where it is no credential; beside the gallery if empty"},
+    {"seal", "counter", ISO_CONFIG_CHOICE, false, AT(seal, counter), 0, 0, "none|tpm2", "none",
+     "a counter in a TPM 2.0 by which a whole state directory of an earlier time is found"},
+    {"seal", "counter_tcti", ISO_CONFIG_TEXT, false, AT(seal, counter_tcti), 0, 0, NULL,
+     "device:/dev/tpmrm0", "how that TPM is reached (TCTI)"},
+    {"seal", "counter_index", ISO_CONFIG_TEXT, false, AT(seal, counter_index), 0, 0, NULL,
+     "0x01804953", "the counter's NV index in it, 0x01800000 to 0x01bfffff"},
     {"seal", "migrate", ISO_CONFIG_SWITCH, false, AT(seal, migrate), 0, 0, NULL, "yes",
      "take over an unsealed gallery and log of the version before, at the first start"},
 

@@ -153,8 +153,12 @@ static int start_life_sign(struct daemon *daemon, struct iso_fault *fault)
 static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
 {
     const struct iso_appliance_events events = iso_bus_events(daemon->bus, on_message);
+    int error = iso_parts_begin_counter(daemon->parts, true, fault);
+    if (error) {
+        return error;
+    }
     daemon->lent = iso_parts_lend(daemon->parts, &events);
-    const int error = iso_appliance_new(&daemon->lent, &daemon->appliance);
+    error = iso_appliance_new(&daemon->lent, &daemon->appliance);
     return error ? fail(error, "appliance", fault) : iso_appliance_start(daemon->appliance, fault);
 }
 

@@ -11,8 +11,9 @@
  * value of their anchor (anchor.h). So a kill, a power cut or a failed write at any moment leaves
  * files that agree; no difference between two files that an interruption can make is refused. And
  * files that agree are those that lay on the disk together at one moment: what cannot be told apart
- * is a whole directory of an earlier time (C. J. Fidge, "Timestamps in message-passing systems that
- * preserve the partial ordering", 1988: vector clocks and consistent cuts).
+ * is a whole directory of an earlier time, which state_counter.h shows (C. J. Fidge, "Timestamps in
+ * message-passing systems that preserve the partial ordering", 1988: vector clocks and consistent
+ * cuts).
  *
  * The board holds these counts in memory. The key ring owns it, since all stores have the ring. Its
  * functions may be called by several threads. */

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <systemd/sd-journal.h>
 
+#include "drivers/counter/tpm2_counter.h"
 #include "drivers/shipped.h"
 #include "drivers/vision/face_detector.h"
 #include "firmware/door_options.h"
@@ -130,6 +131,7 @@ static int open_files(struct iso_parts *parts, struct iso_fault *fault)
     }
     error = error ? error : check_sensor(config, fault);
     error = error ? error : check_door(config, fault);
+    error = error ? error : iso_parts_check_counter(config, fault);
     return error ? error : check_places(config, fault);
 }
 
@@ -200,6 +202,7 @@ static int open_log(struct iso_parts *parts, struct iso_fault *fault)
         .segments = LOG_SEGMENTS - 1,
         .migrate = config->seal.migrate,
         .ring = parts->ring,
+        .counter = parts->counter,
         .written = parts->journal ? iso_journal_record : NULL,
         .context = parts->journal,
     };
@@ -253,13 +256,14 @@ int iso_parts_compare_stores(const struct iso_parts *parts, struct iso_fault *fa
     }
     const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
     const uint64_t known = iso_audit_gallery_changes(parts->audit, version.gallery);
-    return version.changes >= known
-               ? 0
-               : iso_fault_set(
-                     fault, -ESTALE,
-                     "%s: an old gallery, the log knows %llu changes more; put the newest "
-                     "in its place",
-                     parts->config.gallery.path, (unsigned long long)(known - version.changes));
+    if (version.changes < known) {
+        return iso_fault_set(
+            fault, -ESTALE,
+            "%s: an old gallery, the log knows %llu changes more; put the newest in its place",
+            parts->config.gallery.path, (unsigned long long)(known - version.changes));
+    }
+    return parts->counter ? iso_state_counter_check(parts->counter, parts->config.log.path, fault)
+                          : 0;
 }
 
 int iso_parts_open_each_store(struct iso_parts *parts, struct iso_fault *fault)
@@ -270,6 +274,7 @@ int iso_parts_open_each_store(struct iso_parts *parts, struct iso_fault *fault)
         look_at_lockout(parts);
     }
     error = error ? error : open_gallery(parts, fault);
+    error = error ? error : iso_parts_open_counter(parts, fault);
     return error ? error : open_log(parts, fault);
 }
 
@@ -293,7 +298,10 @@ int iso_parts_rest_door(const struct iso_config *config, const struct iso_times 
 
 int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fault)
 {
-    const int error = iso_sensor_load(config->sensor.backend, fault);
+    int error = iso_sensor_load(config->sensor.backend, fault);
+    if (!error && config->seal.counter == ISO_COUNTER_TPM2) {
+        error = iso_tpm2_counter_load(fault);
+    }
     if (error || config->recognition.intensity == ISO_IMAGE_OFF) {
         return error;
     }
@@ -405,8 +413,13 @@ void iso_parts_close(struct iso_parts *parts)
         stop_door(parts);
         iso_door_io_close(parts->door_io);
         iso_cards_free(parts->cards);
+        if (parts->counter) {
+            /* Comes to the disk with the last anchor of the log. */
+            iso_state_counter_changed(parts->counter, ISO_STATE_ADMINISTRATOR);
+        }
         iso_audit_close(parts->audit);
         iso_journal_free(parts->journal);
+        iso_state_counter_free(parts->counter);
         iso_gallery_close(parts->gallery);
         iso_key_ring_close(parts->ring);
         iso_pipeline_close(&parts->pipeline);
@@ -437,6 +450,7 @@ struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
         .threads = parts->threads,
         .cards = parts->cards,
         .ring = parts->ring,
+        .counter = parts->counter,
         .lockout_path = parts->lockout_path,
         .gallery = parts->gallery,
         .audit = parts->audit,

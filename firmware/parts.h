@@ -7,8 +7,8 @@
 #include "core/fault.h"
 #include "firmware/appliance.h"
 #include "firmware/crew.h"
-#include "firmware/journal.h"
 #include "firmware/door_guard.h"
+#include "firmware/journal.h"
 
 struct iso_parts {
     struct iso_config config;
@@ -17,7 +17,8 @@ struct iso_parts {
     struct iso_pipeline pipeline;
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
-    struct iso_journal *journal; /* NULL: the log is not told there */
+    struct iso_journal *journal;       /* NULL: the log is not told there */
+    struct iso_state_counter *counter; /* NULL: none is configured, or it is not open yet */
     struct iso_audit *audit;
     struct iso_door_io *door_io;
     struct iso_door_guard *door; /* works already; NULL without threads */
@@ -55,10 +56,29 @@ int iso_parts_open(const struct iso_config *config, const struct iso_times *time
                    struct iso_parts **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Whether the configuration of the counter of the state (state_counter.h) is sound; touches no
+ * device. -EINVAL. (parts_counter.c) */
+int iso_parts_check_counter(const struct iso_config *config, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Opens that counter, if one is configured and parts->counter is NULL. The errors of
+ * iso_parts_check_counter and iso_tpm2_counter_open, -ENOMEM. (parts_counter.c) */
+int iso_parts_open_counter(struct iso_parts *parts, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Begins to count, when the stores have been compared and everything else is open, before anybody
+ * is let in: raises the number in the log's anchor and the counter. threaded: a thread does the
+ * later increments. Does nothing without a counter. The errors of iso_state_counter_begin,
+ * iso_state_counter_start_thread and iso_audit_renew_anchor; what the device refuses then. */
+int iso_parts_begin_counter(struct iso_parts *parts, bool threaded, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Opens key ring, gallery and log of parts whose config, times and pipeline are set, looks at the
- * lock-out file, and compares what they know of each other: a part of iso_parts_open. -ESTALE one
- * of them is of an earlier time than another knows; else the errors of iso_key_ring_open,
- * iso_gallery_open and iso_audit_open. What is open then is for iso_parts_close. */
+ * lock-out file, and compares what they know of each other, and with the counter: a part of
+ * iso_parts_open. -ESTALE one of them is of an earlier time than another knows, or all of them are
+ * of an earlier time than the counter; else the errors of iso_parts_open_counter,
+ * iso_key_ring_open, iso_gallery_open and iso_audit_open. What is open then is for iso_parts_close.
+ */
 int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -41,13 +41,18 @@ static int renew(struct iso_parts *parts, const char *why, struct iso_fault *fau
 int iso_parts_accept_stores(struct iso_parts *parts, struct iso_fault *why, struct iso_fault *fault)
 {
     *why = (struct iso_fault){""};
-    const int error = iso_parts_open_each_store(parts, fault);
+    int error = iso_parts_open_each_store(parts, fault);
     if (error) {
         return error;
     }
-    if (iso_parts_compare_stores(parts, why) == 0) {
+    error = iso_parts_compare_stores(parts, why);
+    if (error && error != -ESTALE) { /* the counter's device, about which nothing can be decided */
+        return iso_fault_set(fault, error, "%s", why->text);
+    }
+    if (!error) {
         return 0;
     }
     iso_heads_accept(iso_key_ring_board(parts->ring));
-    return renew(parts, why->text, fault);
+    error = iso_parts_begin_counter(parts, false, fault);
+    return error ? error : renew(parts, why->text, fault);
 }

@@ -355,7 +355,8 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
         templates += script->people[i].templates;
     }
     return sd_bus_reply_method_return(
-        call, "a{sv}", 22, "door-realtime", "b", (int)!script->door_ordinary, "stale-fault", "s",
+        call, "a{sv}", 23, "counter-fault", "s", script->counter_fault ? script->counter_fault : "",
+        "door-realtime", "b", (int)!script->door_ordinary, "stale-fault", "s",
         script->stale_fault ? script->stale_fault : "", "storage-fault", "s",
         script->storage_fault ? script->storage_fault : "", "uptime-ms", "x", (int64_t)7530000,
         "distance-mm", "d", 612.4, "fit-coverage", "d", 0.934, "sensor-devices", "s",

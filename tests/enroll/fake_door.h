@@ -57,6 +57,7 @@ struct fake_script {
     const char *sensor_fault, *sensor_calibration, *door_lines; /* NULL: "" */
     const char *sensor_devices;                                 /* NULL: none are told of */
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
+    const char *counter_fault;                                  /* NULL: "" */
     const char *storage_fault;                                  /* NULL: "" */
     const char *stale_fault;                                    /* NULL: "" */
     bool door_ordinary;                                         /* "door-realtime" is false */

@@ -333,6 +333,14 @@ static void doctor_names_each_fault_and_its_remedy(void **state)
          "warning  time        a grant may need 830 ms\n"
          "                     -> choose a faster mode"},
         {{.door_ordinary = true}, 0, "warning  door thread no real-time priority"},
+        {{.counter_fault = "the TPM at device:/dev/tpmrm0: No such file or directory"},
+         4,
+         "fault    counter     the TPM at device:/dev/tpmrm0: No such file or directory\n"
+         "                     -> is the TPM there"},
+        {{.counter_fault = "the TPM at device:/dev/tpmrm0 has no counter 0x01804953"},
+         4,
+         "fault    counter     the TPM at device:/dev/tpmrm0 has no counter 0x01804953\n"
+         "                     -> somebody has deleted it"},
         {{.model = ""}, 4, "fault    model       not loaded\n"},
         {{.version = "0.0.1"}, 0, "warning  version     0.0.1\n"},
         {{0}, 0, "warning  gallery     0 people, 0 usable templates\n"},

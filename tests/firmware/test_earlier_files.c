@@ -9,194 +9,10 @@
 #include "tests/firmware/cmocka_headers.h"
 
 #include "firmware/lockout_file.h"
-#include "firmware/parts.h"
-#include "tests/firmware/file_mix.h"
+#include "tests/firmware/puppet_counter.h"
 #include "tests/firmware/puppets.h"
-#include "tests/support/manual_clock.h"
+#include "tests/firmware/state_rig.h"
 #include "tests/support/scratch.h"
-
-/* ---- the stores ---- */
-
-static int64_t now_ns, wall_ns;
-static struct puppet_pipeline puppet;
-
-static struct iso_parts *new_parts(const char *directory)
-{
-    struct iso_parts *parts = calloc(1, sizeof *parts);
-    assert_non_null(parts);
-    parts->config = iso_config_default();
-    parts->times = (struct iso_times){.monotonic = manual_clock(&now_ns),
-                                      .wall_ns = manual_clock_now_ns,
-                                      .wall_context = &wall_ns};
-    parts->pipeline = puppet_pipeline(&puppet);
-    (void)snprintf(parts->config.gallery.path, sizeof parts->config.gallery.path, "%s/gallery.db",
-                   directory);
-    (void)snprintf(parts->config.log.path, sizeof parts->config.log.path, "%s/audit.log",
-                   directory);
-    return parts;
-}
-
-static void close_parts(struct iso_parts *parts)
-{
-    parts->pipeline = (struct iso_pipeline){0};
-    iso_parts_close(parts);
-}
-
-/* As the daemon does: 0, or why nobody is let in, with a fault. */
-static int try_open(const char *directory, struct iso_fault *fault)
-{
-    struct iso_parts *parts = new_parts(directory);
-    struct iso_lockout_file file;
-    int error = iso_parts_open_stores(parts, fault);
-    if (!error) {
-        error = iso_lockout_load(parts->lockout_path, parts->ring, &file, fault);
-        error = error == -ENOENT ? 0 : error;
-    }
-    close_parts(parts);
-    return error;
-}
-
-static struct iso_parts *open_parts(const char *directory)
-{
-    struct iso_fault fault = {""};
-    struct iso_parts *parts = new_parts(directory);
-    if (iso_parts_open_stores(parts, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    return parts;
-}
-
-/* ---- what happens in between ---- */
-
-static int faces;
-
-static void append(struct iso_parts *parts, const char *event)
-{
-    const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
-    struct iso_audit_record record = iso_audit_record_of(event);
-    record.gallery = strcmp(event, "gallery") == 0 ? version.gallery : NULL;
-    record.gallery_changes = version.changes;
-    assert_int_equal(iso_audit_append(parts->audit, &record, NULL), 0);
-}
-
-static void enrol(struct iso_parts *parts)
-{
-    struct iso_person person = {.enrolled_s = 1};
-    const struct iso_template tmpl = puppet_template(++faces, PUPPET_ALGORITHM);
-    (void)snprintf(person.name, sizeof person.name, "person %d", faces);
-    append(parts, "enroll");
-    assert_int_equal(iso_gallery_add(parts->gallery, &person, &tmpl, NULL), 0);
-    append(parts, "gallery");
-}
-
-static void lock_out(struct iso_parts *parts)
-{
-    const struct iso_lockout_record record = {.failures = 2, .locks = 1};
-    append(parts, "lockout");
-    assert_int_equal(iso_lockout_save(parts->lockout_path, parts->ring, &record, NULL), 0);
-}
-
-static void rotate(struct iso_parts *parts)
-{
-    uint32_t anchor = 0;
-    append(parts, "rotate-keys");
-    assert_int_equal(iso_gallery_rotate(parts->gallery, NULL, NULL), 0);
-    assert_int_equal(iso_audit_rotate_key(parts->audit, NULL), 0);
-    assert_int_equal(iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, NULL), 0);
-    assert_int_equal(iso_gallery_renew_anchor(parts->gallery, NULL), 0);
-    assert_int_equal(iso_audit_renew_anchor(parts->audit, NULL), 0);
-    lock_out(parts);
-    assert_int_equal(iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, NULL), 0);
-    assert_int_equal(iso_key_ring_change_key(parts->ring, NULL), 0);
-    append(parts, "rotate-keys");
-}
-
-static void enrolments(struct iso_parts *parts)
-{
-    for (int i = 0; i < 3; i++) {
-        enrol(parts);
-    }
-}
-
-static void one_enrolment(struct iso_parts *parts)
-{
-    append(parts, "claim");
-    enrol(parts);
-    append(parts, "visit");
-}
-
-static void records(struct iso_parts *parts)
-{
-    for (int i = 0; i < 5; i++) {
-        append(parts, "visit");
-    }
-}
-
-static void lock_outs(struct iso_parts *parts)
-{
-    for (int i = 0; i < 3; i++) {
-        lock_out(parts);
-    }
-    append(parts, "visit");
-}
-
-static void segments(struct iso_parts *parts)
-{
-    for (int i = 0; i < 2; i++) {
-        assert_int_equal(iso_audit_rotate_key(parts->audit, NULL), 0);
-        records(parts);
-    }
-}
-
-/* The keys in the ring stay, so that the old ring, with its key, opens everything. */
-static void new_key(struct iso_parts *parts)
-{
-    append(parts, "rotate-keys");
-    assert_int_equal(iso_key_ring_change_key(parts->ring, NULL), 0);
-    append(parts, "rotate-keys");
-}
-
-static void everything(struct iso_parts *parts)
-{
-    enrol(parts);
-    lock_out(parts);
-    rotate(parts);
-    enrol(parts);
-    lock_outs(parts);
-    records(parts);
-}
-
-static const struct history {
-    const char *name;
-    void (*play)(struct iso_parts *parts);
-} histories[] = {
-    {"enrolments", enrolments},
-    {"one enrolment", one_enrolment},
-    {"records", records},
-    {"lock-outs", lock_outs},
-    {"closed segments", segments},
-    {"rotation of keys", rotate},
-    {"the appliance's key", new_key},
-    {"everything", everything},
-};
-
-static void play(const char *directory, void (*history)(struct iso_parts *parts),
-                 struct mix_state *out)
-{
-    struct iso_parts *parts = open_parts(directory);
-    history(parts);
-    close_parts(parts);
-    mix_take(directory, out);
-}
-
-/* A life before it: every store has been written, and more than once. */
-static void begin(struct iso_parts *parts)
-{
-    enrolments(parts);
-    lock_outs(parts);
-    rotate(parts);
-    append(parts, "stop");
-}
 
 /* ---- subsets ---- */
 
@@ -206,7 +22,7 @@ static int opens(const char *directory, const struct mix_state *state)
 {
     struct iso_fault fault = {""};
     mix_put_back(directory, state);
-    const int error = try_open(directory, &fault);
+    const int error = state_rig_try(directory, &fault);
     if (error) {
         print_message("%s\n", fault.text);
     }
@@ -219,7 +35,7 @@ static void expect_refusal(const char *directory, const struct mix_state *state,
 {
     struct iso_fault fault = {""};
     mix_put_back(directory, state);
-    const int error = try_open(directory, &fault);
+    const int error = state_rig_try(directory, &fault);
     tried++;
     refused += error != 0;
     if (!error || !strstr(fault.text, directory) || strchr(fault.text, '\n')) {
@@ -254,12 +70,12 @@ static int setup(void **state)
 {
     static struct world world;
     void *directory = NULL;
-    faces = 0;
+    state_rig_faces = 0;
     if (scratch_setup(&directory)) {
         return -1;
     }
     world.directory = directory;
-    play(world.directory, begin, &world.before);
+    state_rig_begin(world.directory, &world.before);
     *state = &world;
     return 0;
 }
@@ -275,11 +91,11 @@ static int teardown(void **state)
 static void every_subset_of_earlier_files_is_refused(void **state)
 {
     const struct world *world = *state;
-    for (size_t i = 0; i < sizeof histories / sizeof *histories; i++) {
+    for (size_t i = 0; i < state_n_histories; i++) {
         struct mix_state after;
         mix_put_back(world->directory, &world->before);
-        play(world->directory, histories[i].play, &after);
-        expect_no_mixture(world->directory, &world->before, &after, histories[i].name);
+        state_rig_play(world->directory, state_histories[i].name, &after);
+        expect_no_mixture(world->directory, &world->before, &after, state_histories[i].name);
         assert_int_equal(opens(world->directory, &world->before), 0);
         assert_int_equal(opens(world->directory, &after), 0);
         mix_let_go(&after);
@@ -292,9 +108,9 @@ static void files_of_two_histories_are_refused(void **state)
     const struct world *world = *state;
     struct mix_state one, other;
     mix_put_back(world->directory, &world->before);
-    play(world->directory, enrolments, &one);
+    state_rig_play(world->directory, "enrolments", &one);
     mix_put_back(world->directory, &world->before);
-    play(world->directory, enrolments, &other);
+    state_rig_play(world->directory, "enrolments", &other);
     expect_no_mixture(world->directory, &one, &other, "two histories");
     mix_let_go(&one);
     mix_let_go(&other);
@@ -348,7 +164,7 @@ static void a_directory_of_the_version_before_is_upgraded(void **state)
     mix_take(ISOTHERM_SOURCE_DIR "/tests/firmware/state_1", &before);
     assert_int_equal(before.n, 8);
     mix_put_back(world->directory, &before);
-    struct iso_parts *parts = open_parts(world->directory);
+    struct iso_parts *parts = state_rig_open(world->directory);
     expect_people_of_before(parts);
     assert_int_equal(iso_audit_verify(parts->audit, 0, NULL, NULL, &report, NULL), 0);
     assert_true(report.sound);
@@ -358,13 +174,13 @@ static void a_directory_of_the_version_before_is_upgraded(void **state)
     assert_int_equal(file.number, 0);
     assert_int_equal(file.record.failures, 5);
     assert_int_equal(file.record.remaining_ns, 119500 * ISO_NS_PER_MS);
-    close_parts(parts);
-    play(world->directory, everything, &after);
-    parts = open_parts(world->directory);
+    state_rig_close(parts);
+    state_rig_play(world->directory, "everything", &after);
+    parts = state_rig_open(world->directory);
     expect_people_of_before(parts);
     assert_int_equal(iso_audit_verify(parts->audit, 0, NULL, NULL, &report, NULL), 0);
     assert_true(report.sound);
-    close_parts(parts);
+    state_rig_close(parts);
     expect_no_mixture(world->directory, &before, &after, "version before");
     mix_let_go(&before);
     mix_let_go(&after);
@@ -375,12 +191,12 @@ static void a_directory_of_the_version_before_is_upgraded(void **state)
 static void accept(const char *directory, const char *expected)
 {
     struct iso_fault why, fault = {""};
-    struct iso_parts *parts = new_parts(directory);
+    struct iso_parts *parts = state_rig_new(directory, &fault);
     if (iso_parts_accept_stores(parts, &why, &fault)) {
         fail_msg("%s", fault.text);
     }
     assert_non_null(strstr(why.text, expected));
-    close_parts(parts);
+    state_rig_close(parts);
 }
 
 static int find_accepted(void *context, const char *line)
@@ -414,16 +230,16 @@ static void an_administrator_accepts_an_older_gallery(void **state)
     struct iso_fault fault = {""};
     int n = 0;
     mix_put_back(world->directory, &world->before);
-    play(world->directory, enrolments, &after);
+    state_rig_play(world->directory, "enrolments", &after);
     replace(world, older, true);
-    assert_int_equal(try_open(world->directory, &fault), -ESTALE);
+    assert_int_equal(state_rig_try(world->directory, &fault), -ESTALE);
     assert_non_null(strstr(fault.text, "/gallery.db: from an earlier time"));
     accept(world->directory, "/gallery.db: from an earlier time");
     accept(world->directory, ""); /* there is nothing left to accept */
-    struct iso_parts *parts = open_parts(world->directory);
+    struct iso_parts *parts = state_rig_open(world->directory);
     assert_int_equal(iso_audit_read(parts->audit, 1, UINT32_MAX, find_accepted, &n), 0);
     assert_int_equal(n, 2);
-    close_parts(parts);
+    state_rig_close(parts);
     mix_let_go(&after);
 }
 
@@ -436,20 +252,22 @@ static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
     struct iso_fault fault = {""};
     mix_put_back(world->directory, &world->before);
     replace(world, lost, false);
-    assert_int_equal(try_open(world->directory, &fault), -ESTALE);
+    assert_int_equal(state_rig_try(world->directory, &fault), -ESTALE);
     accept(world->directory, "/audit.log: from an earlier time");
-    struct iso_parts *parts = open_parts(world->directory);
+    struct iso_parts *parts = state_rig_open(world->directory);
     assert_int_equal(iso_lockout_load(parts->lockout_path, parts->ring, &file, &fault), 0);
     assert_true(file.record.lockdown);
-    close_parts(parts);
+    state_rig_close(parts);
 }
 
 /* ---- interruptions ---- */
 
 static const char *watched; /* directory, while every state of it between two calls is tried */
 static struct mix_state *moments;
-static size_t n_moments;
 enum { MOMENTS_MAX = 600 };
+static struct puppet_counter counts[MOMENTS_MAX]; /* the counter at that moment */
+static struct puppet_counter counter;
+static size_t n_moments;
 
 static void moment(void)
 {
@@ -457,6 +275,7 @@ static void moment(void)
         const char *directory = watched;
         watched = NULL;
         assert_true(n_moments < MOMENTS_MAX);
+        counts[n_moments] = counter;
         mix_take(directory, &moments[n_moments++]);
         watched = directory;
     }
@@ -483,22 +302,29 @@ WRAP(int, fsync, (int fd), (fd))
 WRAP(int, fdatasync, (int fd), (fd))
 WRAP(int, unlink, (const char *path), (path))
 
-static void no_interruption_is_taken_for_an_attack(void **state)
+static int open_counter(struct iso_counter *out, struct iso_fault *fault)
 {
-    const struct world *world = *state;
+    (void)fault;
+    *out = puppet_counter(&counter);
+    return 0;
+}
+
+/* From a start to an end, both included. */
+static void try_interruptions(const struct world *world)
+{
     struct mix_state after;
     moments = calloc(MOMENTS_MAX, sizeof *moments);
     assert_non_null(moments);
     n_moments = 0;
     mix_put_back(world->directory, &world->before);
-    struct iso_parts *parts = open_parts(world->directory);
     watched = world->directory;
-    everything(parts);
-    segments(parts);
+    struct iso_parts *parts = state_rig_open(world->directory);
+    state_rig_everything(parts);
+    state_rig_close(parts);
     watched = NULL;
-    close_parts(parts);
     mix_take(world->directory, &after);
     for (size_t i = 0; i < n_moments; i++) {
+        counter = counts[i];
         assert_int_equal(opens(world->directory, &moments[i]), 0);
         mix_let_go(&moments[i]);
     }
@@ -506,6 +332,26 @@ static void no_interruption_is_taken_for_an_attack(void **state)
     print_message("%zu interruptions, all of them open\n", n_moments);
     free(moments);
     mix_let_go(&after);
+}
+
+static void no_interruption_is_taken_for_an_attack(void **state)
+{
+    try_interruptions(*state);
+}
+
+/* The moments between the write of the anchor and the increment are among them. */
+static void nor_with_a_counter(void **state)
+{
+    const struct world *world = *state;
+    counter = (struct puppet_counter){.incremented = moment};
+    state_rig_counter = open_counter;
+    mix_put_back(world->directory, &world->before);
+    state_rig_close(state_rig_open(world->directory)); /* it begins to count */
+    struct world counted = *world;
+    mix_take(world->directory, &counted.before);
+    try_interruptions(&counted);
+    mix_let_go(&counted.before);
+    state_rig_counter = NULL;
 }
 
 int main(void)
@@ -519,6 +365,7 @@ int main(void)
         TEST(an_administrator_accepts_an_older_gallery),
         TEST(what_is_accepted_without_a_lock_out_file_is_a_lockdown),
         TEST(no_interruption_is_taken_for_an_attack),
+        TEST(nor_with_a_counter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

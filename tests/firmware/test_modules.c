@@ -133,6 +133,16 @@ static void a_sensor_needs_its_module(void **state)
     assert_true(finds_its_modules(*state, "v4l2-stereo"));
 }
 
+static void a_counter_needs_its_module(void **state)
+{
+    static const char counter[] = "[seal]\ncounter = tpm2\ncounter_tcti = device:/nonexistent\n";
+    install(*state, "isotherm-vision.so");
+    expect_end(*state, counter, 3,
+               "/isotherm-tpm2.so is missing: install the package isotherm-tpm2");
+    install(*state, "isotherm-tpm2.so");
+    expect_end(*state, counter, 4, "the TPM at device:/nonexistent: No such file or directory");
+}
+
 static void libcamera_needs_both(void **state)
 {
     if (!is_built_for(*state, "libcamera-stereo")) {
@@ -230,6 +240,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_sensor_needs_its_module, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_counter_needs_its_module, setup, teardown),
         cmocka_unit_test_setup_teardown(libcamera_needs_both, setup, teardown),
         cmocka_unit_test_setup_teardown(the_check_of_a_configuration_asks_for_modules, setup,
                                         teardown),

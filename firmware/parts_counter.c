@@ -1,0 +1,69 @@
+/* The counter of the state directory as the configuration asks for it. */
+#include <errno.h>
+#include <string.h>
+
+#include "drivers/counter/tpm2_counter.h"
+#include "firmware/parts.h"
+
+int iso_parts_check_counter(const struct iso_config *config, struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    uint32_t index = 0;
+    if (config->seal.counter == ISO_COUNTER_NONE) {
+        return 0;
+    }
+    if (!*config->seal.counter_tcti) {
+        return iso_fault_set(fault, -EINVAL, "[seal] counter_tcti: is empty");
+    }
+    const int error = iso_tpm2_index_parse(config->seal.counter_index, &index, &why);
+    return error ? iso_fault_set(fault, error, "[seal] counter_index: %s", why.text) : 0;
+}
+
+int iso_parts_open_counter(struct iso_parts *parts, struct iso_fault *fault)
+{
+    const struct iso_config_seal *seal = &parts->config.seal;
+    struct iso_counter device = {0};
+    uint32_t index = 0;
+    if (parts->counter || seal->counter == ISO_COUNTER_NONE) {
+        return 0;
+    }
+    int error = iso_tpm2_index_parse(seal->counter_index, &index, fault);
+    error = error ? error : iso_tpm2_counter_open(seal->counter_tcti, index, &device, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_state_counter_new(&device, &parts->times, &parts->counter);
+    if (error) {
+        iso_counter_close(&device);
+        return iso_fault_set(fault, error, "the counter of the state: out of memory");
+    }
+    return 0;
+}
+
+/* The increment that the anchor brought. */
+static int check_increment(struct iso_state_counter *counter, struct iso_fault *fault)
+{
+    struct iso_fault why = {""};
+    int error = 0;
+    return iso_state_counter_take_news(counter, &error, &why) && error
+               ? iso_fault_set(fault, error, "%s", why.text)
+               : 0;
+}
+
+int iso_parts_begin_counter(struct iso_parts *parts, bool threaded, struct iso_fault *fault)
+{
+    struct iso_state_counter *counter = parts->counter;
+    if (!counter) {
+        return 0;
+    }
+    int error = iso_state_counter_begin(counter, fault);
+    error = error ? error : iso_audit_renew_anchor(parts->audit, fault);
+    error = error ? error : check_increment(counter, fault);
+    if (!error && threaded) {
+        error = iso_state_counter_start_thread(counter);
+        if (error) {
+            (void)iso_fault_set(fault, error, "the counter of the state: %s", strerror(-error));
+        }
+    }
+    return error;
+}

@@ -1,0 +1,109 @@
+/* Shows that a whole state directory was put back from an earlier time, by a counter in hardware
+ * (drivers/counter/counter.h) that nobody can turn back. What the stores know of each other
+ * (heads.h) cannot show that, as files that lay on the disk together at one moment agree.
+ *
+ * The anchor of the log has the counter's number. Since the stores know the log's head, and the log
+ * theirs, this one number stands for all of them. To raise it takes two steps, in this order:
+ *
+ *   1. the anchor is written with the counter's value + 1, and is on the disk
+ *   2. the counter is incremented
+ *
+ * After a kill between the two the anchor is one ahead of the counter, which is accepted and caught
+ * up at the next start. An anchor behind the counter is one of an earlier time. What a copy of the
+ * directory may be used for is so limited to the time until the number is raised next.
+ *
+ * A counter in a TPM can be incremented some 100,000 times, and takes 10 to 100 ms each time. So it
+ * is not raised for every record. (A daemon that its watchdog ends every 30 s would use 100,000
+ * increments in 35 days.) It is raised
+ *   - at the start, before anybody is let in, and at an orderly end
+ *   - with a record that says what an administrator has changed: the gallery, the keys, a lockdown,
+ *     what was accepted
+ *   - with the record of a lock-out, but not sooner than half an hour after the last time: whoever
+ *     stands at the door can bring it about again and again, and is not to wear out the TPM
+ *   - with any other record when an hour has passed since the last time.
+ * The number is raised with the write of the anchor that the record brings anyway, and the counter
+ * is incremented by a thread of its own. Neither the door nor a visitor waits for it. While an
+ * increment is under way, further changes wait for the record that comes after it.
+ *
+ * If the counter cannot be incremented while the appliance runs, the thread tries again and the
+ * appliance goes on: the number stands still meanwhile, and so protects less. A start without the
+ * counter is refused.
+ *
+ * Calls may come from any thread. */
+#ifndef ISO_FIRMWARE_STATE_COUNTER_H
+#define ISO_FIRMWARE_STATE_COUNTER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/fault.h"
+#include "drivers/counter/counter.h"
+#include "firmware/times.h"
+
+/* The anchor has 32 bits for it. A TPM does not live that long: its counters begin near 0. */
+#define ISO_STATE_COUNTER_MOST UINT64_C(0xfffffff0)
+
+struct iso_state_counter;
+
+/* Takes over the counter, which it closes at its end; times must outlive it. -ENOMEM; then the
+ * counter is still the caller's. */
+int iso_state_counter_new(const struct iso_counter *counter, const struct iso_times *times,
+                          struct iso_state_counter **out) __attribute__((warn_unused_result));
+
+/* Ends the thread, after one more attempt to increment a counter that is behind the anchor. NULL is
+ * fine. */
+void iso_state_counter_free(struct iso_state_counter *counter);
+
+/* ---- at the start ---- */
+
+/* The anchor, as it was found, has this number; 0: it never had one. Has no effect once the counter
+ * has begun. */
+void iso_state_counter_found(struct iso_state_counter *counter, uint32_t number);
+
+/* Compares the number that was found with the counter. `path` names the state in faults. 0 they
+ * agree, or neither exists yet. -ESTALE the state is of an earlier time, or its counter is gone or
+ * is another one, for an administrator to judge; -ERANGE the counter is beyond
+ * ISO_STATE_COUNTER_MOST; else the errors of struct iso_counter_ops, but for -ENOENT. */
+int iso_state_counter_check(struct iso_state_counter *counter, const char *path,
+                            struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Begins to count, whatever the number was: makes the counter if it is not there. The next anchor
+ * that is written has a new number. To be called after a successful check, or when an administrator
+ * accepts the state. Errors as of check, but for -ESTALE. */
+int iso_state_counter_begin(struct iso_state_counter *counter, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Leaves the increments to a thread from now on. Without it the call that says that the anchor was
+ * written increments the counter before it returns: for clocks that are injected. -EAGAIN, -ENOMEM
+ * no thread can be had. */
+int iso_state_counter_start_thread(struct iso_state_counter *counter)
+    __attribute__((warn_unused_result));
+
+/* ---- when the log writes ---- */
+
+/* What has changed; each may wait for so long since the number was raised last. */
+enum iso_state_change {
+    ISO_STATE_RECORD,        /* a record was written: an hour */
+    ISO_STATE_LOCKOUT,       /* half an hour */
+    ISO_STATE_ADMINISTRATOR, /* not at all */
+};
+
+/* Something has changed: the number is to be raised with the anchor that is written next, or with
+ * the first one after that time. */
+void iso_state_counter_changed(struct iso_state_counter *counter, enum iso_state_change change);
+
+/* Whether the next anchor would have a new number. */
+bool iso_state_counter_is_due(struct iso_state_counter *counter);
+
+/* The number for the anchor that is written now. */
+uint32_t iso_state_counter_next(struct iso_state_counter *counter);
+
+/* The anchor with this number is on the disk. */
+void iso_state_counter_wrote(struct iso_state_counter *counter, uint32_t number);
+
+/* What has gone wrong with the counter since the last call, or that it is well again. False:
+ * nothing new. *error: 0 it is well again. */
+bool iso_state_counter_take_news(struct iso_state_counter *counter, int *error,
+                                 struct iso_fault *fault);
+
+#endif

@@ -1,0 +1,216 @@
+/* The daemon with a counter in a software TPM: confined as ever, it counts, refuses a state
+ * directory of an earlier time in one line, and takes it when it is told to. */
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "tests/firmware/cmocka_headers.h"
+
+#include "tests/enroll/private_bus.h"
+#include "tests/enroll/run.h"
+#include "tests/firmware/file_mix.h"
+#include "tests/support/scratch.h"
+#include "tests/support/soft_tpm.h"
+
+#define DAEMON ISOTHERM_BINARY_DIR "/firmware/isothermd"
+#define CLIENT ISOTHERM_BINARY_DIR "/enroll/isotherm"
+#define DATA   ISOTHERM_SOURCE_DIR "/core/data"
+
+static struct private_bus bus;
+static struct soft_tpm tpm;
+static const char *state_directory, *configuration;
+
+static void configure(const char *directory, const char *index)
+{
+    static char text[2048], path[256], state_path[256];
+    (void)snprintf(path, sizeof path, "%s/c.conf", directory);
+    (void)snprintf(state_path, sizeof state_path, "%s/state", directory);
+    (void)snprintf(text, sizeof text,
+                   "[sensor]\npath = %s/slot\n[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\n"
+                   "[seal]\ncounter = tpm2\ncounter_tcti = %s\ncounter_index = %s\n"
+                   "[bus]\naddress = %s\n"
+                   "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n",
+                   directory, state_path, state_path, tpm.tcti, index, bus.address);
+    scratch_write_text(path, text);
+    configuration = path;
+    state_directory = state_path;
+}
+
+static int setup(void **state)
+{
+    const int error = scratch_setup(state);
+    assert_true(soft_tpm_start(&tpm, *state));
+    soft_tpm_make_device(&tpm, *state);
+    configure(*state, "0x01804953");
+    scratch_mkdir(state_directory);
+    return error;
+}
+
+static int teardown(void **state)
+{
+    soft_tpm_off(&tpm);
+    return scratch_teardown(state);
+}
+
+static void start(struct run *run)
+{
+    const char *const argv[] = {DAEMON, "--config", configuration, NULL};
+    run_start(run, argv);
+    run_until(run, "ready");
+}
+
+static void stop(struct run *run)
+{
+    assert_int_equal(kill(run->pid, SIGTERM), 0);
+    run_finish(run);
+    run_expect(run, 0);
+    if (strstr(run->err, "counter")) {
+        fail_msg("it said: %s", run->err);
+    }
+    run_free(run);
+}
+
+/* Ends by itself: with one line on standard error if it fails. */
+static void expect_end(const char *option, int exit, const char *words)
+{
+    const char *const argv[] = {DAEMON, "--config", configuration, option, NULL};
+    struct run run;
+    run_start(&run, argv);
+    run_finish(&run);
+    run_expect(&run, exit);
+    const char *said = exit ? run.err : run.out;
+    const char *newline = strchr(said, '\n');
+    if (!strstr(said, words) || !newline || (exit && newline[1] != '\0')) {
+        fail_msg("'%s' is not in: %s", words, said);
+    }
+    run_free(&run);
+}
+
+static void order(const char *verb, const char *object)
+{
+    const char *const argv[] = {CLIENT, "--bus", bus.address, verb, object, NULL};
+    struct run run;
+    run_start(&run, argv);
+    run_finish(&run);
+    run_expect(&run, 0);
+    run_free(&run);
+}
+
+static void a_directory_of_an_earlier_time_is_refused_and_accepted(void **state)
+{
+    struct mix_state before;
+    struct run run;
+    (void)state;
+    start(&run);
+    stop(&run);
+    mix_take(state_directory, &before);
+    start(&run);
+    order("lockdown", "on");
+    order("lockdown", "off");
+    stop(&run);
+    start(&run);
+    stop(&run);
+    mix_put_back(state_directory, &before);
+    expect_end(NULL, 4, "a.log: the state directory is of an earlier time: its counter says ");
+    expect_end("--print-log", 0, "\"event\":\"start\"");
+    expect_end("--accept-state", 0, "accepted and put on record");
+    expect_end("--accept-state", 0, "nothing to accept");
+    start(&run);
+    stop(&run);
+    expect_end("--print-log", 0, "\"event\":\"state-accepted\"");
+    mix_let_go(&before);
+}
+
+/* At whatever moment it comes: the increment may be under way. */
+static void a_power_cut_is_no_reason_to_refuse(void **state)
+{
+    struct run run;
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        start(&run);
+        order("lockdown", i % 2 ? "off" : "on");
+        assert_int_equal(kill(run.pid, SIGKILL), 0);
+        run_finish(&run);
+        run_free(&run);
+        soft_tpm_off(&tpm);
+        soft_tpm_on(&tpm);
+    }
+    start(&run);
+    stop(&run);
+}
+
+static void without_its_tpm_it_does_not_start(void **state)
+{
+    struct run run;
+    (void)state;
+    start(&run);
+    stop(&run);
+    soft_tpm_off(&tpm);
+    expect_end(NULL, 4, "the TPM at device:/");
+    expect_end("--accept-state", 4, "/tpm0: No such file or directory");
+    expect_end("--print-log", 0, "\"event\":\"stop\"");
+    soft_tpm_on(&tpm);
+    start(&run);
+    stop(&run);
+    soft_tpm_replace(&tpm);
+    expect_end(NULL, 4, "the counter of the state is gone from the TPM");
+}
+
+/* The door goes on without it, and says so; the next start is refused. */
+static void a_tpm_that_is_lost_later_is_told_of(void **state)
+{
+    const char *const argv[] = {CLIENT, "--bus", bus.address, "doctor", NULL};
+    struct run run, doctor;
+    (void)state;
+    start(&run);
+    soft_tpm_off(&tpm);
+    order("lockdown", "on");
+    run_until(&run, "the counter of the state stands still");
+    run_start(&doctor, argv);
+    run_finish(&doctor);
+    if (!strstr(doctor.out, "counter     the TPM at") || !strstr(doctor.out, "is the TPM there")) {
+        fail_msg("the doctor says: %s", doctor.out);
+    }
+    run_free(&doctor);
+    soft_tpm_on(&tpm);
+    run_until(&run, "the counter of the state works again");
+    assert_int_equal(kill(run.pid, SIGTERM), 0);
+    run_finish(&run);
+    run_expect(&run, 0);
+    run_free(&run);
+    start(&run);
+    stop(&run);
+}
+
+static void a_wrong_index_is_refused(void **state)
+{
+    configure(*state, "0x81000001");
+    expect_end("--check-config", 2,
+               "[seal] counter_index: '0x81000001' is no index of a TPM's owner");
+    expect_end(NULL, 2, "[seal] counter_index: ");
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(a_directory_of_an_earlier_time_is_refused_and_accepted),
+        TEST(a_power_cut_is_no_reason_to_refuse),
+        TEST(without_its_tpm_it_does_not_start),
+        TEST(a_tpm_that_is_lost_later_is_told_of),
+        TEST(a_wrong_index_is_refused),
+    };
+    void *directory = NULL;
+    if (scratch_setup(&directory)) {
+        return 1;
+    }
+    const bool there = soft_tpm_start(&tpm, directory);
+    soft_tpm_off(&tpm);
+    (void)scratch_teardown(&directory);
+    if (!there || !private_bus_start(&bus)) {
+        return TEST_SKIPPED;
+    }
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    private_bus_stop(&bus);
+    return failed;
+}
