@@ -1,13 +1,26 @@
 # isotherm_target(NAME): what every target of the project is compiled with.
 option(ISOTHERM_WERROR "Treat warnings as errors" ON)
 
+# What a frame of the stack may take, bytes: programs work with a stack of 256 KiB (drivers/process/limits.h). Sanitizers and code that is
+# not optimised need more for the same variables; tests keep what they like on the stack of a developer's machine.
+set(ISOTHERM_FRAME_BYTES_MAX 16384)
+
+function(isotherm_frames_bounded name)
+  if(NOT ISOTHERM_SANITIZE AND NOT ISOTHERM_COVERAGE AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+    target_compile_options(${name} PRIVATE -Wframe-larger-than=${ISOTHERM_FRAME_BYTES_MAX})
+  endif()
+endfunction()
+
 function(isotherm_target name)
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_compile_definitions(${name} PRIVATE _GNU_SOURCE
     ISOTHERM_VERSION="${PROJECT_VERSION}"
     ISOTHERM_DATA_DIR="${CMAKE_INSTALL_FULL_DATADIR}/isotherm")
-  target_compile_options(${name} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Wvla -fno-math-errno
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Wvla -Walloca -fno-math-errno
     $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes>)
+  if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests")
+    isotherm_frames_bounded(${name})
+  endif()
   if(ISOTHERM_WERROR)
     target_compile_options(${name} PRIVATE -Werror)
   endif()

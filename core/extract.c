@@ -252,6 +252,14 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_
     return error;
 }
 
+static int run_anew(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
+                    bool tracked)
+{
+    memset(&x->extraction, 0, sizeof x->extraction);
+    x->extraction.outcome = ISO_CAPTURE_NO_FACE;
+    return run(x, frame, last, tracked, &x->extraction);
+}
+
 static int check_and_run(struct iso_extractor *extractor, const struct iso_frame *frame,
                          enum iso_stage last, struct iso_extraction *out)
 {
@@ -262,20 +270,19 @@ static int check_and_run(struct iso_extractor *extractor, const struct iso_frame
     if (frame->width_px > ISO_EXTRACT_WIDTH_MAX || frame->height_px > ISO_EXTRACT_HEIGHT_MAX) {
         return -EINVAL;
     }
-    struct iso_extraction extraction = {.outcome = ISO_CAPTURE_NO_FACE};
+    struct iso_extraction *extraction = &extractor->extraction;
     bool tracked = is_tracked(extractor, frame);
-    error = run(extractor, frame, last, tracked, &extraction);
-    if (!error && tracked && extraction.outcome != ISO_CAPTURE_OK) { /* lost: look for it */
+    error = run_anew(extractor, frame, last, tracked);
+    if (!error && tracked && extraction->outcome != ISO_CAPTURE_OK) { /* lost: look for it */
         tracked = false;
-        extraction = (struct iso_extraction){.outcome = ISO_CAPTURE_NO_FACE};
-        error = run(extractor, frame, last, tracked, &extraction);
+        error = run_anew(extractor, frame, last, tracked);
     }
     if (!error) {
-        keep_track(extractor, frame, tracked, &extraction);
-        extraction.tracked = tracked;
-        *out = extraction;
+        keep_track(extractor, frame, tracked, extraction);
+        extraction->tracked = tracked;
+        *out = *extraction;
     }
-    iso_template_wipe(&extraction.tmpl);
+    explicit_bzero(extraction, sizeof *extraction);
     return error;
 }
 

@@ -46,6 +46,7 @@ struct iso_extractor {
     const struct iso_head_model *model;
     struct iso_extract_options options;
     uint32_t algorithm;
+    struct iso_extraction extraction; /* of the frame that is worked on */
 
     /* find */
     struct iso_frame coarse;

@@ -67,9 +67,11 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
     if (iso__appliance_record(appliance, &record)) {
         return;
     }
-    struct iso_template learned = appliance->extraction.tmpl;
-    learned.learned = true;
-    if (iso_gallery_add(gallery, &person, &learned, &fault)) {
+    struct iso_template *learned = &appliance->extraction.tmpl;
+    learned->learned = true;
+    const int error = iso_gallery_add(gallery, &person, learned, &fault);
+    learned->learned = false;
+    if (error) {
         iso__appliance_say(appliance, LOG_ERR, "what was learned could not be stored");
         record.note = fault.text;
         record.reason = "not-stored";
@@ -77,7 +79,6 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
     } else {
         iso__appliance_record_gallery(appliance, "gallery", NULL);
     }
-    iso_template_wipe(&learned);
 }
 
 void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verdict *verdict)

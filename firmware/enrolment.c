@@ -103,7 +103,8 @@ static int complete(struct iso_enrolment *enrolment, const struct iso_pipeline *
     for (int i = 0; i < enrolment->stage; i++) {
         frames[i] = &enrolment->frames[i];
     }
-    const int error = iso_template_fuse(frames, enrolment->stage, &enrolment->fused);
+    const int error = iso_template_fuse(&enrolment->registration, frames, enrolment->stage,
+                                        &enrolment->fused);
     return error ? error : judge(enrolment, pipeline, gallery);
 }
 

@@ -20,6 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/match/icp.h"
 #include "core/match/template.h"
 #include "firmware/pipeline.h"
 
@@ -61,8 +62,9 @@ struct iso_enrolment {
     int attack_frames;    /* since the last stage */
     enum iso_capture cue; /* of the last of them */
     struct iso_template frames[ISO_ENROLMENT_STAGES_MAX];
-    struct iso_template fused; /* COMPLETED: the template to keep */
-    int64_t duplicate_of;      /* DUPLICATE: who that is */
+    struct iso_template fused;             /* COMPLETED: the template to keep */
+    struct iso_icp_workspace registration; /* of the frames */
+    int64_t duplicate_of;                  /* DUPLICATE: who that is */
 };
 
 /* ACTIVE, with no frame yet. */

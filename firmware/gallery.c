@@ -171,11 +171,10 @@ static int check_item(const struct iso_gallery *gallery, const struct iso_galler
         return iso_fault_set(fault, -EINVAL, "%s has %zu templates", item->person.name, item->n);
     }
     for (size_t i = 0; i < item->n; i++) {
-        struct iso_template tmpl = {.algorithm = item->templates[i].algorithm};
-        const int error = iso_template_parse(item->templates[i].bytes, item->templates[i].size,
-                                             &tmpl);
-        const bool fits = tmpl.algorithm == item->templates[i].algorithm;
-        iso_template_wipe(&tmpl);
+        struct iso_template_facts facts = {.algorithm = item->templates[i].algorithm};
+        const int error = iso_template_check(item->templates[i].bytes, item->templates[i].size,
+                                             &facts);
+        const bool fits = facts.algorithm == item->templates[i].algorithm;
         if ((error && error != -EPROTONOSUPPORT) || (!error && !fits)) {
             return iso_fault_set(fault, -EINVAL, "a template of %s cannot be read",
                                  item->person.name);

@@ -19,10 +19,8 @@ struct restoring {
 /* A template that this version cannot read was not learned by it. */
 static bool is_learned(const void *bytes, size_t size)
 {
-    struct iso_template tmpl;
-    const bool learned = iso_template_parse(bytes, size, &tmpl) == 0 && tmpl.learned;
-    iso_template_wipe(&tmpl);
-    return learned;
+    struct iso_template_facts facts;
+    return iso_template_check(bytes, size, &facts) == 0 && facts.learned;
 }
 
 static void wipe(struct restoring *restoring)

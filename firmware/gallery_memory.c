@@ -71,17 +71,6 @@ static int reserve_template(struct iso_gallery_memory *memory)
 
 /* ---- one template ---- */
 
-static int keep_template(const struct iso_template *tmpl, struct iso_gallery_kept *out)
-{
-    struct iso_template *copy = malloc(sizeof *copy);
-    if (!copy) {
-        return -ENOMEM;
-    }
-    *copy = *tmpl;
-    out->tmpl = copy;
-    return 0;
-}
-
 static int keep_vector(const struct iso_metric *metric, const struct iso_template *tmpl,
                        struct iso_gallery_kept *out)
 {
@@ -90,24 +79,38 @@ static int keep_vector(const struct iso_metric *metric, const struct iso_templat
     return error == -ENODATA ? 0 : error;
 }
 
+/* A template as it is kept: itself, or its vector alone. */
+static int read_template(const struct iso_gallery_memory *memory, const void *bytes, size_t size,
+                         struct iso_gallery_kept *kept)
+{
+    kept->tmpl = malloc(sizeof *kept->tmpl);
+    if (!kept->tmpl) {
+        return -ENOMEM;
+    }
+    int error = iso_template_parse(bytes, size, kept->tmpl);
+    if (!error && kept->tmpl->algorithm != memory->algorithm) {
+        error = -EINVAL;
+    }
+    if (!error && memory->metric) {
+        error = keep_vector(memory->metric, kept->tmpl, kept);
+    }
+    if (error || memory->metric) {
+        iso_template_wipe(kept->tmpl);
+        free(kept->tmpl);
+        kept->tmpl = NULL;
+    }
+    return error;
+}
+
 /* A template as it is kept, and room for it. The people stay where they are. */
 static int prepare_template(struct iso_gallery_memory *memory, const void *bytes, size_t size,
                             struct iso_gallery_kept *out)
 {
-    struct iso_template tmpl;
-    int error = iso_template_parse(bytes, size, &tmpl);
-    if (error) {
-        return error;
-    }
     struct iso_gallery_kept kept = {.tmpl = NULL};
-    if (tmpl.algorithm != memory->algorithm) {
-        error = -EINVAL;
-    } else {
-        error = memory->metric ? keep_vector(memory->metric, &tmpl, &kept)
-                               : keep_template(&tmpl, &kept);
+    int error = read_template(memory, bytes, size, &kept);
+    if (!error) {
+        error = reserve_template(memory);
     }
-    iso_template_wipe(&tmpl);
-    error = error ? error : reserve_template(memory);
     if (error) {
         iso_gallery_memory_discard(&kept);
         return error;
@@ -256,14 +259,12 @@ static int load_usable(struct iso_gallery_memory *memory, struct iso_person *per
 /* Whether it is a template of that algorithm at all. */
 static int check_unusable(const void *bytes, size_t size, uint32_t algorithm)
 {
-    struct iso_template tmpl;
-    const int error = iso_template_parse(bytes, size, &tmpl);
+    struct iso_template_facts facts;
+    const int error = iso_template_check(bytes, size, &facts);
     if (error) {
         return error;
     }
-    const bool fits = tmpl.algorithm == algorithm;
-    iso_template_wipe(&tmpl);
-    return fits ? 0 : -EBADMSG;
+    return facts.algorithm == algorithm ? 0 : -EBADMSG;
 }
 
 static int load_template(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,

@@ -45,12 +45,11 @@ static int copy_template(const struct iso_gallery_db *from, sqlite3_stmt *row,
                                             .algorithm = (uint32_t)sqlite3_column_int64(row, 2)};
     const void *bytes = sqlite3_column_blob(row, 3);
     const size_t size = (size_t)sqlite3_column_bytes(row, 3);
-    struct iso_template tmpl;
+    struct iso_template_facts facts;
     if (place.number < 1 || place.person < 1 || !bytes || size > ISO_TEMPLATE_BYTES_MAX) {
         return iso_gallery_db_damaged(from, "a template cannot be read", fault);
     }
-    const int error = iso_template_parse(bytes, size, &tmpl);
-    iso_template_wipe(&tmpl);
+    const int error = iso_template_check(bytes, size, &facts);
     if (error && error != -EPROTONOSUPPORT) { /* a newer one is kept */
         return iso_gallery_db_damaged(from, "a template cannot be read", fault);
     }

@@ -16,6 +16,7 @@ struct pipeline {
     struct iso_metric *metric;           /* NULL: by cohort */
     struct iso_second_look *second_look; /* NULL: by cohort */
     struct iso_cohort *cohort;
+    struct iso_icp_workspace *registration; /* NULL: by metric */
     struct iso_extractor *extractor;
     struct iso_match_options match;
     enum iso_image_check image;
@@ -113,11 +114,14 @@ static int pipeline_search(void *self, const struct iso_candidates *among,
         return search_index(pipeline, among, probe, hits, capacity, n_hits);
     }
     if (pipeline->metric) {
-        return iso_search_by_metric(among->entries, among->n_entries, probe, pipeline->metric, hits,
+        return iso_search_by_metric(iso_second_look_workspace(pipeline->second_look),
+                                    among->entries, among->n_entries, probe, pipeline->metric, hits,
                                     capacity, n_hits);
     }
-    return iso_search(among->entries, among->n_entries, probe, pipeline->cohort, &pipeline->match,
-                      hits, capacity, n_hits);
+    const int error = iso_search(pipeline->registration, among->entries, among->n_entries, probe,
+                                 pipeline->cohort, &pipeline->match, hits, capacity, n_hits);
+    explicit_bzero(pipeline->registration, sizeof *pipeline->registration);
+    return error;
 }
 
 static const struct iso_metric *pipeline_metric(const void *self)
@@ -161,6 +165,7 @@ static void pipeline_close(void *self)
     iso_second_look_free(pipeline->second_look);
     iso_metric_free(pipeline->metric);
     iso_cohort_free(pipeline->cohort);
+    free(pipeline->registration);
     iso_head_model_free(pipeline->head);
     free(pipeline);
 }
@@ -249,8 +254,13 @@ static int load_cohort(struct pipeline *pipeline, const char *path, struct iso_f
     }
     error = iso_cohort_parse(bytes, size, &pipeline->cohort, &what);
     free(bytes);
-    return error ? refuse(path, error, what, fault)
-                 : check_algorithm(pipeline, path, iso_cohort_algorithm(pipeline->cohort), fault);
+    if (error) {
+        return refuse(path, error, what, fault);
+    }
+    pipeline->registration = calloc(1, sizeof *pipeline->registration);
+    return pipeline->registration
+               ? check_algorithm(pipeline, path, iso_cohort_algorithm(pipeline->cohort), fault)
+               : iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
 }
 
 static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_options *options,

@@ -23,6 +23,7 @@ struct iso_second_look {
     uint64_t looks;
     struct slot slots[SLOTS];
     struct iso_template opened[TEMPLATES];
+    struct iso_rerank_workspace rerank;
 };
 
 int iso_second_look_new(struct iso_second_look **out)
@@ -41,6 +42,11 @@ void iso_second_look_free(struct iso_second_look *look)
         sodium_memzero(look, sizeof *look);
         free(look);
     }
+}
+
+struct iso_rerank_workspace *iso_second_look_workspace(struct iso_second_look *look)
+{
+    return &look->rerank;
 }
 
 static void forget(struct slot *slot)
@@ -130,7 +136,8 @@ int iso_second_look_take(struct iso_second_look *look, const struct iso_metric *
         for (int k = 0; k < slot->n; k++) {
             person[k] = &slot->upper[k];
         }
-        hits[i].score = iso_rerank(metric, &probe->upper, person, slot->n, hits[i].score);
+        hits[i].score = iso_rerank(&look->rerank, metric, &probe->upper, person, slot->n,
+                                   hits[i].score);
     }
     qsort(hits, (size_t)n, sizeof *hits, falling);
     return 0;

@@ -16,6 +16,9 @@ struct iso_second_look;
 int iso_second_look_new(struct iso_second_look **out) __attribute__((warn_unused_result));
 void iso_second_look_free(struct iso_second_look *look);
 
+/* The working memory of the second look, for a search that needs no look at a gallery. */
+struct iso_rerank_workspace *iso_second_look_workspace(struct iso_second_look *look);
+
 /* Wipes the upper faces that are kept: somebody was removed, whose they may be. NULL is fine. */
 void iso_second_look_forget(struct iso_second_look *look);
 

@@ -1,6 +1,7 @@
 /* isotherm-sim eval: how well people in a corpus are recognised. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -114,23 +115,16 @@ static void choose_metric(struct sim_eval_options *eval)
     }
 }
 
-static int run(void *target, struct iso_fault *fault)
+static int run_all(struct arguments *arguments, struct sim_contest *contests,
+                   struct iso_fault *fault)
 {
-    struct arguments *arguments = target;
-    if (arguments->corpora.n == 0 || !arguments->out) {
-        return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
-    }
-    choose_metric(&arguments->eval);
-    if (arguments->eval.threads == 0) {
-        arguments->eval.threads = sim_threads_default(arguments->eval.extract.heat);
-    }
-    struct sim_contest contests[CORPORA_MAX];
     struct sim_training_set *training = NULL;
-    size_t n = arguments->corpora.n;
+    const size_t n = arguments->corpora.n;
     int error = make_directory(arguments->out, fault);
-    error = error ? error
-                  : sim_method_choice_apply(&arguments->choice, arguments->train, &arguments->eval,
-                                            &training, fault);
+    if (!error) {
+        error = sim_method_choice_apply(&arguments->choice, arguments->train, &arguments->eval,
+                                        &training, fault);
+    }
     for (size_t i = 0; i < n && !error; i++) {
         error = run_one(arguments, arguments->corpora.directory[i], &contests[i], fault);
     }
@@ -142,6 +136,25 @@ static int run(void *target, struct iso_fault *fault)
         sim_contest_text(&contests[i], stdout);
     }
     return sim_contest_csv(contests, n, arguments->out, fault);
+}
+
+static int run(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    if (arguments->corpora.n == 0 || !arguments->out) {
+        return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
+    }
+    choose_metric(&arguments->eval);
+    if (arguments->eval.threads == 0) {
+        arguments->eval.threads = sim_threads_default(arguments->eval.extract.heat);
+    }
+    struct sim_contest *contests = calloc(arguments->corpora.n, sizeof *contests);
+    if (!contests) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    const int error = run_all(arguments, contests, fault);
+    free(contests);
+    return error;
 }
 
 int sim_cmd_eval(int argc, char **argv)

@@ -133,14 +133,15 @@ static int extract_and_draw(const struct arguments *arguments,
 {
     struct iso_head_model *model = NULL;
     struct iso_extractor *extractor = NULL;
-    struct iso_extraction extraction;
+    struct iso_extraction *extraction = NULL;
     int error = sim_head_model_load(arguments->model, &model, fault);
     if (error) {
         return error;
     }
     error = iso_extractor_new(model, &arguments->extract, &extractor);
     if (!error) {
-        error = iso_extractor_run(extractor, frame, &extraction);
+        extraction = calloc(1, sizeof *extraction);
+        error = extraction ? iso_extractor_run(extractor, frame, extraction) : -ENOMEM;
     }
     if (error) {
         (void)iso_fault_set(fault, error, "extractor: %s",
@@ -148,7 +149,7 @@ static int extract_and_draw(const struct arguments *arguments,
         goto out;
     }
     struct sim_fit_subject subject = {
-        .model = model, .extractor = extractor, .extraction = &extraction, .frame = frame};
+        .model = model, .extractor = extractor, .extraction = extraction, .frame = frame};
     if (wants(arguments, "fit")) {
         error = draw_fit(arguments, recording, &subject, fault);
     }
@@ -156,6 +157,7 @@ static int extract_and_draw(const struct arguments *arguments,
         error = draw_face(arguments, &subject, fault);
     }
 out:
+    free(extraction);
     iso_extractor_free(extractor);
     iso_head_model_free(model);
     return error;

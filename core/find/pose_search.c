@@ -29,6 +29,12 @@ static const double much_worse_mm2 = 4.0;
 static const double yaws_rad[3] = {0.0, -0.55, 0.55};
 static const double pitches_rad[3] = {0.0, -0.35, 0.35};
 
+/* The best rough poses of a candidate, by rising cost. */
+struct rough_poses {
+    int n;
+    struct iso_pose_fit fit[OF_A_CANDIDATE];
+};
+
 /* The best poses so far, by rising cost. */
 struct ranking {
     int n, room; /* room <= FINALISTS */
@@ -83,7 +89,8 @@ static bool weigh_up(const struct iso_pose_search *search, struct iso_pose_fit *
 }
 
 /* Registers the mean face roughly with its nose tip at a candidate, from nine attitudes. */
-static struct ranking try_candidate(const struct iso_pose_search *search, struct iso_vec3 nose_mm)
+static struct rough_poses try_candidate(const struct iso_pose_search *search,
+                                        struct iso_vec3 nose_mm)
 {
     const struct iso_pose_options rough = {
         .iterations = 3,
@@ -104,7 +111,11 @@ static struct ranking try_candidate(const struct iso_pose_search *search, struct
             }
         }
     }
-    return best;
+    struct rough_poses poses = {.n = best.n};
+    for (int i = 0; i < best.n; i++) {
+        poses.fit[i] = best.fit[i];
+    }
+    return poses;
 }
 
 /* Whether two poses are the same but for what further steps would even out. */
@@ -185,8 +196,8 @@ static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, 
 }
 
 /* Whether the rough poses of other noses about as near lead to a face as well. */
-static bool another_face(const struct iso_pose_search *search, const struct ranking *rough, int n,
-                         const struct iso_pose_fit *found)
+static bool another_face(const struct iso_pose_search *search, const struct rough_poses *rough,
+                         int n, const struct iso_pose_fit *found)
 {
     struct iso_vec3 nose_mm = found->camera_from_face.translation_mm;
     struct ranking others = {.room = OTHERS};
@@ -212,7 +223,7 @@ int iso_pose_search(const struct iso_pose_search *search, const struct iso_candi
                     int n_candidates, struct iso_pose_fit *out, bool *several)
 {
     struct iso_pose_fit fits[ISO_CANDIDATE_PARTS_MAX];
-    struct ranking rough[ISO_CANDIDATES_MAX];
+    struct rough_poses rough[ISO_CANDIDATES_MAX];
     int n = 0, n_rough = 0;
     int i = 0;
     while (i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX) {

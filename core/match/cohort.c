@@ -120,13 +120,14 @@ uint32_t iso_cohort_algorithm(const struct iso_cohort *cohort)
     return cohort->templates[0].algorithm;
 }
 
-int iso_cohort_normalise(const struct iso_cohort *cohort, const struct iso_template *probe,
-                         const struct iso_match_options *options, struct iso_cohort_norm *out)
+int iso_cohort_normalise(struct iso_icp_workspace *work, const struct iso_cohort *cohort,
+                         const struct iso_template *probe, const struct iso_match_options *options,
+                         struct iso_cohort_norm *out)
 {
     double sum = 0.0;
     for (int i = 0; i < cohort->n; i++) {
         double distance;
-        int error = iso_match_distance(probe, &cohort->templates[i], options, &distance);
+        int error = iso_match_distance(work, probe, &cohort->templates[i], options, &distance);
         if (error) {
             return error;
         }

@@ -38,9 +38,9 @@ struct iso_cohort_norm {
 };
 
 /* Mean of the probe's distances to the cohort. -EINVAL, -ENODATA as for iso_match_distance. */
-int iso_cohort_normalise(const struct iso_cohort *cohort, const struct iso_template *probe,
-                         const struct iso_match_options *options, struct iso_cohort_norm *out)
-    __attribute__((warn_unused_result));
+int iso_cohort_normalise(struct iso_icp_workspace *work, const struct iso_cohort *cohort,
+                         const struct iso_template *probe, const struct iso_match_options *options,
+                         struct iso_cohort_norm *out) __attribute__((warn_unused_result));
 
 double iso_cohort_score(struct iso_cohort_norm norm, double distance_mm);
 

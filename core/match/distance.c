@@ -20,8 +20,9 @@ struct iso_match_options iso_match_options_default(void)
         .trim = 0.8, .icp_iterations = 10, .transform = ISO_ICP_RIGID};
 }
 
-int iso_match_distance(const struct iso_template *probe, const struct iso_template *gallery,
-                       const struct iso_match_options *options, double *distance_mm)
+int iso_match_distance(struct iso_icp_workspace *work, const struct iso_template *probe,
+                       const struct iso_template *gallery, const struct iso_match_options *options,
+                       double *distance_mm)
 {
     if (!iso_template_comparable(probe, gallery) || options->trim < 0.5 || options->trim > 1.0) {
         return -EINVAL;
@@ -42,7 +43,7 @@ int iso_match_distance(const struct iso_template *probe, const struct iso_templa
     }
     icp.group_weight = group_weight;
     struct iso_icp_result result;
-    int error = iso_icp(&source, &target, &icp, &result);
+    int error = iso_icp(work, &source, &target, &icp, &result);
     if (error) {
         return error;
     }

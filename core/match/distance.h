@@ -19,8 +19,8 @@ struct iso_match_options iso_match_options_default(void);
  * points. -EINVAL if algorithm or shape differ or options are out of range (every
  * landmark left out is, too), -ENODATA if fewer than 30 % of the points that are not left out are
  * present in both, -EDOM if an affine system is singular. */
-int iso_match_distance(const struct iso_template *probe, const struct iso_template *gallery,
-                       const struct iso_match_options *options, double *distance_mm)
-    __attribute__((warn_unused_result));
+int iso_match_distance(struct iso_icp_workspace *work, const struct iso_template *probe,
+                       const struct iso_template *gallery, const struct iso_match_options *options,
+                       double *distance_mm) __attribute__((warn_unused_result));
 
 #endif

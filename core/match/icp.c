@@ -5,15 +5,6 @@
 
 #include "core/match/rigid.h"
 
-/* The pairs of one iteration; all arrays run over the pairs. */
-struct pairs {
-    int n;
-    struct iso_vec3 source[ISO_ICP_POINTS_MAX], target[ISO_ICP_POINTS_MAX];
-    double weight[ISO_ICP_POINTS_MAX];   /* both ends present */
-    double distance[ISO_ICP_POINTS_MAX]; /* after the present transform, mm */
-    double trimmed[ISO_ICP_POINTS_MAX];  /* weight, or 0 beyond the trim */
-};
-
 static struct iso_vec3 point_of(const struct iso_icp_points *points, int i)
 {
     return iso_vec3((double)points->point_mm[i][0], (double)points->point_mm[i][1],
@@ -42,7 +33,7 @@ static int nearest_in_group(const struct iso_icp_points *target, int first, stru
 static void make_pairs(const struct iso_icp_points *source, const struct iso_icp_points *target,
                        const struct iso_affine *target_from_source,
                        const struct iso_icp_options *options, enum iso_icp_pairing pairing,
-                       struct pairs *pairs)
+                       struct iso_icp_workspace *pairs)
 {
     pairs->n = 0;
     for (int i = 0; i < source->n_groups * source->n_per_group; i++) {
@@ -98,14 +89,13 @@ static double select_smallest(double *a, int n, int k)
 }
 
 /* Keeps the closest share of the pairs; returns their weighted mean distance. */
-static double trim_pairs(struct pairs *pairs, double trim)
+static double trim_pairs(struct iso_icp_workspace *pairs, double trim)
 {
-    double scratch[ISO_ICP_POINTS_MAX];
     for (int i = 0; i < pairs->n; i++) {
-        scratch[i] = pairs->distance[i];
+        pairs->sorted[i] = pairs->distance[i];
     }
     int kept = (int)ceil(trim * pairs->n);
-    double limit = select_smallest(scratch, pairs->n, kept - 1);
+    double limit = select_smallest(pairs->sorted, pairs->n, kept - 1);
     double sum = 0.0, total = 0.0;
     for (int i = 0; i < pairs->n; i++) {
         pairs->trimmed[i] = pairs->distance[i] <= limit ? pairs->weight[i] : 0.0;
@@ -115,7 +105,7 @@ static double trim_pairs(struct pairs *pairs, double trim)
     return sum / total;
 }
 
-static int fit_transform(const struct pairs *pairs, enum iso_icp_transform kind,
+static int fit_transform(const struct iso_icp_workspace *pairs, enum iso_icp_transform kind,
                          struct iso_affine *target_from_source)
 {
     if (kind == ISO_ICP_AFFINE) {
@@ -141,33 +131,33 @@ static int check(const struct iso_icp_points *source, const struct iso_icp_point
     return same && size && sane ? 0 : -EINVAL;
 }
 
-int iso_icp(const struct iso_icp_points *source, const struct iso_icp_points *target,
-            const struct iso_icp_options *options, struct iso_icp_result *result)
+int iso_icp(struct iso_icp_workspace *work, const struct iso_icp_points *source,
+            const struct iso_icp_points *target, const struct iso_icp_options *options,
+            struct iso_icp_result *result)
 {
     enum { PAIRS_MIN = 12 };
     int error = check(source, target, options);
     if (error) {
         return error;
     }
-    struct pairs pairs;
     struct iso_icp_result found = {.target_from_source = iso_affine_identity()};
-    make_pairs(source, target, &found.target_from_source, options, ISO_ICP_ORDERED, &pairs);
-    if (pairs.n < PAIRS_MIN) {
+    make_pairs(source, target, &found.target_from_source, options, ISO_ICP_ORDERED, work);
+    if (work->n < PAIRS_MIN) {
         return -ENODATA;
     }
-    found.distance_mm = trim_pairs(&pairs, options->trim);
+    found.distance_mm = trim_pairs(work, options->trim);
     while (found.iterations < options->iterations_max && !found.converged) {
-        error = fit_transform(&pairs, options->transform, &found.target_from_source);
+        error = fit_transform(work, options->transform, &found.target_from_source);
         if (error) {
             return error;
         }
-        make_pairs(source, target, &found.target_from_source, options, options->pairing, &pairs);
-        double distance = trim_pairs(&pairs, options->trim);
+        make_pairs(source, target, &found.target_from_source, options, options->pairing, work);
+        double distance = trim_pairs(work, options->trim);
         found.converged = fabs(found.distance_mm - distance) < options->tolerance_mm;
         found.distance_mm = distance;
         found.iterations++;
     }
-    found.pairs = pairs.n;
+    found.pairs = work->n;
     *result = found;
     return 0;
 }

@@ -43,12 +43,24 @@ struct iso_icp_result {
     bool converged;
 };
 
+/* Working memory of a registration, 164 kB, to be allocated once and used by one thread at a time;
+ * nothing has to be in it. All arrays run over the pairs of one iteration. It holds faces when it
+ * was used: its owner wipes it. */
+struct iso_icp_workspace {
+    int n;
+    struct iso_vec3 source[ISO_ICP_POINTS_MAX], target[ISO_ICP_POINTS_MAX];
+    double weight[ISO_ICP_POINTS_MAX];   /* both ends present */
+    double distance[ISO_ICP_POINTS_MAX]; /* after the present transform, mm */
+    double trimmed[ISO_ICP_POINTS_MAX];  /* weight, or 0 beyond the trim */
+    double sorted[ISO_ICP_POINTS_MAX];   /* distances in another order */
+};
+
 /* Trimmed ICP (Besl and McKay 1992; Chetverikov, Svirko, Stepanov and Krsek 2002): pairs, the best
  * `trim` share of them, closed-form transform of those, again. The first pairing is ordered, so
  * that it starts well. Starts from the identity. -EINVAL for sizes that differ or options out of
  * range, -ENODATA with fewer than 12 pairs, -EDOM if an affine system is singular. */
-int iso_icp(const struct iso_icp_points *source, const struct iso_icp_points *target,
-            const struct iso_icp_options *options, struct iso_icp_result *result)
-    __attribute__((warn_unused_result));
+int iso_icp(struct iso_icp_workspace *work, const struct iso_icp_points *source,
+            const struct iso_icp_points *target, const struct iso_icp_options *options,
+            struct iso_icp_result *result) __attribute__((warn_unused_result));
 
 #endif

@@ -17,6 +17,13 @@ struct row {
     int32_t step;
 };
 
+/* A probe as people of a step see it: the score of one whose unscaled numbers are y is
+ * constant + scale * sum weight y + scale^2 * sum square y^2. */
+struct view {
+    double constant;
+    float weight[STRIDE_MAX], square[STRIDE_MAX];
+};
+
 struct iso_index {
     const struct iso_metric *metric;
     size_t stride; /* floats of a vector: the dimensions, and zeros to a multiple of ISO_LANES */
@@ -24,6 +31,7 @@ struct iso_index {
     struct row *row;                 /* by rising person */
     float *mean;                     /* [capacity][stride] */
     size_t people[ISO_METRIC_STEPS]; /* how many people have vectors of that variance */
+    struct view *views;              /* [ISO_METRIC_STEPS] working memory of a search */
 };
 
 /* ---- memory ---- */
@@ -32,6 +40,11 @@ int iso_index_new(const struct iso_metric *metric, struct iso_index **out)
 {
     struct iso_index *index = calloc(1, sizeof *index);
     if (!index) {
+        return -ENOMEM;
+    }
+    index->views = calloc(ISO_METRIC_STEPS, sizeof *index->views);
+    if (!index->views) {
+        free(index);
         return -ENOMEM;
     }
     index->metric = metric;
@@ -55,6 +68,7 @@ void iso_index_free(struct iso_index *index)
 {
     if (index) {
         forget(index);
+        free(index->views);
         free(index);
     }
 }
@@ -91,13 +105,6 @@ size_t iso_index_size(const struct iso_index *index)
 }
 
 /* ---- the closed form ---- */
-
-/* A probe as people of a step see it: the score of one whose unscaled numbers are y is
- * constant + scale * sum weight y + scale^2 * sum square y^2. */
-struct view {
-    double constant;
-    float weight[STRIDE_MAX], square[STRIDE_MAX];
-};
 
 static void make_view(const struct iso_metric *metric, const struct iso_metric_vector *probe,
                       int step, struct view *view)
@@ -302,7 +309,7 @@ static bool comes_before(const struct iso_search_hit *a, const struct iso_search
 int iso_index_search(const struct iso_index *index, const struct iso_metric_vector *probe,
                      struct iso_search_hit *hits, int capacity, int *n_hits)
 {
-    struct view views[ISO_METRIC_STEPS];
+    struct view *const views = index->views;
     struct candidate best[ISO_INDEX_HITS_MAX];
     struct iso_metric_vector person;
     if (probe->n != 1 || capacity < 0 || capacity > ISO_INDEX_HITS_MAX) {
@@ -327,7 +334,7 @@ int iso_index_search(const struct iso_index *index, const struct iso_metric_vect
         }
         hits[at] = hit;
     }
-    explicit_bzero(views, sizeof views);
+    explicit_bzero(views, ISO_METRIC_STEPS * sizeof *views);
     explicit_bzero(&person, sizeof person);
     *n_hits = n;
     return 0;

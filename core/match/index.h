@@ -21,8 +21,8 @@
  * finds are then scored anew by iso_metric_score, so that scores are the same to the bit as by any
  * other way.
  *
- * Used by one thread; searches of several are fine as long as nothing changes. All biometric:
- * wiped when it is moved, removed or freed. */
+ * Used by one thread at a time: a search, too, works in memory of the index. All biometric: wiped
+ * when it is moved, removed or freed, what a search leaves at its end. */
 #ifndef ISO_CORE_MATCH_INDEX_H
 #define ISO_CORE_MATCH_INDEX_H
 

@@ -9,84 +9,127 @@
 
 enum { POINTS_MAX = ISO_METRIC_VALUES_MAX / 3, PRESENT_PERCENT_MIN = 30 };
 
-/* The curves that are used, one after the other. */
+/* The points of the curves that are used, one after the other. */
 struct curves {
+    const struct iso_metric *metric;
+    const struct iso_template *tmpl;
     int n;
-    struct iso_vec3 measured_mm[POINTS_MAX], mean_mm[POINTS_MAX];
-    double weight[POINTS_MAX];
+    uint16_t at[POINTS_MAX]; /* the number of the point among all of a template's */
 };
 
-static struct iso_vec3 point_of(const float p[3])
+static struct iso_vec3 vector_of(const float p[3])
 {
     return iso_vec3((double)p[0], (double)p[1], (double)p[2]);
+}
+
+static double weight_of(const struct curves *curves, int k)
+{
+    return (double)curves->tmpl->weight[0][0][curves->at[k]];
+}
+
+static struct iso_vec3 measured_at(const struct curves *curves, int k)
+{
+    return vector_of(curves->tmpl->points_mm[0][0][curves->at[k]]);
+}
+
+static struct iso_vec3 mean_at(const struct curves *curves, int k)
+{
+    return vector_of(&curves->metric->curve_mm[(size_t)3 * (size_t)k]);
 }
 
 static void collect(const struct iso_metric *metric, const struct iso_template *t,
                     struct curves *curves)
 {
+    curves->metric = metric;
+    curves->tmpl = t;
     curves->n = 0;
     for (int r = 0; r < t->n_radii; r++) {
         for (int l = 0; l < ISO_LANDMARKS; l++) {
             for (int i = 0; (metric->landmarks >> l & 1) && i < t->n_points; i++) {
-                int k = curves->n++;
-                curves->measured_mm[k] = point_of(t->points_mm[r][l][i]);
-                curves->mean_mm[k] = point_of(&metric->curve_mm[(size_t)3 * (size_t)k]);
-                curves->weight[k] = (double)t->weight[r][l][i];
+                const int at = (r * ISO_LANDMARKS + l) * ISO_TEMPLATE_POINTS_MAX + i;
+                curves->at[curves->n++] = (uint16_t)at;
             }
         }
     }
 }
 
-static bool enough(const struct iso_metric *metric, const struct curves *curves)
+static bool enough(const struct curves *curves)
 {
     int present = 0;
     for (int k = 0; k < curves->n; k++) {
-        present += curves->weight[k] >= (double)metric->weight_min;
+        present += weight_of(curves, k) >= (double)curves->metric->weight_min;
     }
     return present >= 3 && 100 * present >= PRESENT_PERCENT_MIN * curves->n;
 }
 
-static void heights_less_mean(const struct iso_metric *metric, const struct iso_upper_face *face,
-                              float *residual_mm)
+static int fit_to_mean(const struct curves *curves, struct iso_rigid *mean_from_face)
 {
-    for (int i = 0; i < metric->n_nodes; i++) {
-        const int row = iso_upper_row(metric->node[i]);
-        const int column = iso_upper_column(metric->node[i]);
-        const bool there = face->kind[row][column] != ISO_UPPER_NONE;
-        residual_mm[i] = there ? face->z_mm[row][column] - metric->upper_mm[i] : 0.0f;
+    struct iso_rigid_sums sums = {.used = 0};
+    for (int k = 0; k < curves->n; k++) {
+        iso_rigid_sums_first(&sums, measured_at(curves, k), mean_at(curves, k),
+                             weight_of(curves, k));
     }
+    const int error = iso_rigid_sums_centre(&sums);
+    if (error) {
+        return error;
+    }
+    for (int k = 0; k < curves->n; k++) {
+        iso_rigid_sums_second(&sums, measured_at(curves, k), mean_at(curves, k),
+                              weight_of(curves, k));
+    }
+    *mean_from_face = iso_rigid_sums_fit(&sums);
+    return 0;
 }
 
-int iso_metric_residuals(const struct iso_metric *metric, const struct iso_template *tmpl,
-                         float *residual_mm)
+/* The curves of a template and the motion that takes them closest to the mean ones. */
+static int register_curves(const struct iso_metric *metric, const struct iso_template *tmpl,
+                           struct curves *curves, struct iso_rigid *mean_from_face)
 {
     if (tmpl->algorithm != metric->algorithm || tmpl->n_radii != metric->n_radii ||
         tmpl->n_points != metric->n_points) {
         return -EINVAL;
     }
+    collect(metric, tmpl, curves);
+    return enough(curves) ? fit_to_mean(curves, mean_from_face) : -ENODATA;
+}
+
+static void curve_residual(const struct curves *curves, const struct iso_rigid *mean_from_face,
+                           int k, float residual_mm[3])
+{
+    struct iso_vec3 left = {0.0, 0.0, 0.0};
+    if (weight_of(curves, k) >= (double)curves->metric->weight_min) {
+        left = iso_sub(iso_rigid_apply(mean_from_face, measured_at(curves, k)), mean_at(curves, k));
+    }
+    residual_mm[0] = (float)left.x;
+    residual_mm[1] = (float)left.y;
+    residual_mm[2] = (float)left.z;
+}
+
+/* The height of a node that is used, less the mean one. */
+static float height_residual(const struct iso_metric *metric, const struct iso_upper_face *face,
+                             int i)
+{
+    const int row = iso_upper_row(metric->node[i]), column = iso_upper_column(metric->node[i]);
+    const bool there = face->kind[row][column] != ISO_UPPER_NONE;
+    return there ? face->z_mm[row][column] - metric->upper_mm[i] : 0.0f;
+}
+
+int iso_metric_residuals(const struct iso_metric *metric, const struct iso_template *tmpl,
+                         float *residual_mm)
+{
     struct curves curves;
-    collect(metric, tmpl, &curves);
     struct iso_rigid mean_from_face;
-    int error = enough(metric, &curves) ? 0 : -ENODATA;
-    if (!error) {
-        error = iso_rigid_fit(curves.measured_mm, curves.mean_mm, curves.weight, curves.n,
-                              &mean_from_face);
+    const int error = register_curves(metric, tmpl, &curves, &mean_from_face);
+    if (error) {
+        return error;
     }
-    for (int k = 0; !error && k < curves.n; k++) {
-        struct iso_vec3 left = {0.0, 0.0, 0.0};
-        if (curves.weight[k] >= (double)metric->weight_min) {
-            left = iso_sub(iso_rigid_apply(&mean_from_face, curves.measured_mm[k]),
-                           curves.mean_mm[k]);
-        }
-        *residual_mm++ = (float)left.x;
-        *residual_mm++ = (float)left.y;
-        *residual_mm++ = (float)left.z;
+    for (int k = 0; k < curves.n; k++, residual_mm += 3) {
+        curve_residual(&curves, &mean_from_face, k, residual_mm);
     }
-    explicit_bzero(&curves, sizeof curves);
-    if (!error) {
-        heights_less_mean(metric, &tmpl->upper, residual_mm);
+    for (int i = 0; i < metric->n_nodes; i++) {
+        residual_mm[i] = height_residual(metric, &tmpl->upper, i);
     }
-    return error;
+    return 0;
 }
 
 double iso_metric_variance(int step)
@@ -150,24 +193,38 @@ static float normal_scale(const struct iso_metric *metric, const struct iso_metr
     return (float)sqrt(metric->n_dimensions / fmax(length, 1e-9));
 }
 
+/* Adds what one residual says: the value times its row of the projection. */
+static void project_value(const struct iso_metric *metric, int v, float residual_mm,
+                          struct iso_metric_vector *out)
+{
+    const float *axis = &metric->axis[(size_t)v * (size_t)metric->n_dimensions];
+    for (int d = 0; d < metric->n_dimensions; d++) {
+        out->mean[d] += residual_mm * axis[d];
+    }
+}
+
 int iso_metric_project(const struct iso_metric *metric, const struct iso_template *tmpl,
                        struct iso_metric_vector *out)
 {
-    float residual_mm[ISO_METRIC_VALUES_MAX];
-    int error = iso_metric_residuals(metric, tmpl, residual_mm);
+    struct curves curves;
+    struct iso_rigid mean_from_face;
+    const int error = register_curves(metric, tmpl, &curves, &mean_from_face);
     if (error) {
         return error;
     }
-    const int n = metric->n_dimensions;
     *out = (struct iso_metric_vector){.n = 1};
-    for (int d = 0; d < n; d++) {
+    for (int d = 0; d < metric->n_dimensions; d++) {
         out->mean[d] = -metric->centre[d];
     }
-    for (int v = 0; v < metric->n_values; v++) {
-        const float *axis = &metric->axis[(size_t)v * (size_t)n];
-        for (int d = 0; d < n; d++) {
-            out->mean[d] += residual_mm[v] * axis[d];
+    float residual_mm[3];
+    for (int k = 0; k < curves.n; k++) {
+        curve_residual(&curves, &mean_from_face, k, residual_mm);
+        for (int c = 0; c < 3; c++) {
+            project_value(metric, 3 * k + c, residual_mm[c], out);
         }
+    }
+    for (int i = 0; i < metric->n_nodes; i++) {
+        project_value(metric, 3 * curves.n + i, height_residual(metric, &tmpl->upper, i), out);
     }
     out->step = likeliest_step(metric, out->mean);
     out->worth = (float)(1.0 / iso_metric_variance(out->step));

@@ -4,21 +4,18 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/match/upper_surface.h"
-
-int iso_rerank_misfit(const struct iso_upper_face *probe,
+int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
                       const struct iso_upper_face *const *person, int n, double *rms_mm)
 {
-    struct iso_upper_surface surface;
     double least_mm = INFINITY;
     for (int i = 0; i < n; i++) {
         struct iso_upper_fit fit;
-        iso_upper_surface_of(person[i], &surface);
-        if (iso_upper_fit(probe, &surface, &fit) == 0) {
+        iso_upper_surface_of(person[i], &work->surface);
+        if (iso_upper_fit(&work->fit, probe, &work->surface, &fit) == 0) {
             least_mm = fmin(least_mm, fit.rms_mm);
         }
     }
-    explicit_bzero(&surface, sizeof surface);
+    explicit_bzero(work, sizeof *work);
     if (isinf(least_mm)) {
         return -ENODATA;
     }
@@ -32,11 +29,12 @@ double iso_rerank_fuse(const struct iso_rerank_weights *weights, double metric_s
            (double)weights->bias;
 }
 
-double iso_rerank(const struct iso_metric *metric, const struct iso_upper_face *probe,
-                  const struct iso_upper_face *const *person, int n, double metric_score)
+double iso_rerank(struct iso_rerank_workspace *work, const struct iso_metric *metric,
+                  const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
+                  int n, double metric_score)
 {
     double rms_mm;
-    if (!(metric->rerank.upper > 0.0f) || iso_rerank_misfit(probe, person, n, &rms_mm)) {
+    if (!(metric->rerank.upper > 0.0f) || iso_rerank_misfit(work, probe, person, n, &rms_mm)) {
         return metric_score;
     }
     return iso_rerank_fuse(&metric->rerank, metric_score, rms_mm);

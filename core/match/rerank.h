@@ -13,23 +13,32 @@
 #define ISO_CORE_MATCH_RERANK_H
 
 #include "core/match/metric.h"
+#include "core/match/upper_surface.h"
 
 /* Candidates that are worth a second look: what a search hands on. */
 enum { ISO_RERANK_CANDIDATES = 10 };
+
+/* Working memory, 104 kB, to be allocated once and used by one thread at a time; nothing has to be
+ * in it. Each function wipes what it leaves. */
+struct iso_rerank_workspace {
+    struct iso_upper_surface surface;
+    struct iso_upper_workspace fit;
+};
 
 /* How well the probe's upper face fits those of one person's templates: the least rms, mm, after
  * registration (upper_surface.h), at least ISO_RERANK_RMS_MIN_MM. -ENODATA if none can be
  * registered. */
 #define ISO_RERANK_RMS_MIN_MM 0.05
-int iso_rerank_misfit(const struct iso_upper_face *probe,
+int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
                       const struct iso_upper_face *const *person, int n, double *rms_mm)
     __attribute__((warn_unused_result));
 
 /* The fused score of a person with n templates whose score by the metric is known; that one itself
  * if surfaces say nothing (no upper face in a template, too little in common, weights of zero).
  * Some 0.1 ms a template. */
-double iso_rerank(const struct iso_metric *metric, const struct iso_upper_face *probe,
-                  const struct iso_upper_face *const *person, int n, double metric_score);
+double iso_rerank(struct iso_rerank_workspace *work, const struct iso_metric *metric,
+                  const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
+                  int n, double metric_score);
 
 /* From the misfit, for those who know it already. */
 double iso_rerank_fuse(const struct iso_rerank_weights *weights, double metric_score,

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <stddef.h>
-#include <string.h>
 
 enum { JACOBI_SWEEPS_MAX = 32 };
 
@@ -86,43 +85,42 @@ static void horn_matrix(const double s[3][3], double n[4][4])
     n[2][3] = n[3][2] = s[1][2] + s[2][1];
 }
 
+int iso_rigid_sums_centre(struct iso_rigid_sums *sums)
+{
+    if (sums->used < 3) {
+        return -EINVAL;
+    }
+    sums->source_mean = iso_scale(1.0 / sums->weight, sums->source_mean);
+    sums->target_mean = iso_scale(1.0 / sums->weight, sums->target_mean);
+    return 0;
+}
+
+struct iso_rigid iso_rigid_sums_fit(const struct iso_rigid_sums *sums)
+{
+    struct iso_rigid fit;
+    double h[4][4], quaternion[4];
+    horn_matrix(sums->s, h);
+    principal_eigenvector(h, quaternion);
+    fit.rotation = rotation_of_quaternion(quaternion);
+    fit.translation_mm = iso_sub(sums->target_mean,
+                                 iso_mat3_apply(&fit.rotation, sums->source_mean));
+    return fit;
+}
+
 int iso_rigid_fit(const struct iso_vec3 *source, const struct iso_vec3 *target,
                   const double *weight, int n, struct iso_rigid *target_from_source)
 {
-    struct iso_vec3 source_mean = {0, 0, 0}, target_mean = {0, 0, 0};
-    double total = 0.0;
-    int used = 0;
+    struct iso_rigid_sums sums = {.used = 0};
     for (int i = 0; i < n; i++) {
-        double w = weight ? weight[i] : 1.0;
-        used += w > 0.0;
-        total += w;
-        source_mean = iso_madd(source_mean, w, source[i]);
-        target_mean = iso_madd(target_mean, w, target[i]);
+        iso_rigid_sums_first(&sums, source[i], target[i], weight ? weight[i] : 1.0);
     }
-    if (used < 3) {
-        return -EINVAL;
+    const int error = iso_rigid_sums_centre(&sums);
+    if (error) {
+        return error;
     }
-    source_mean = iso_scale(1.0 / total, source_mean);
-    target_mean = iso_scale(1.0 / total, target_mean);
-
-    double s[3][3];
-    memset(s, 0, sizeof s);
     for (int i = 0; i < n; i++) {
-        double w = weight ? weight[i] : 1.0;
-        struct iso_vec3 a = iso_scale(w, iso_sub(source[i], source_mean));
-        struct iso_vec3 b = iso_sub(target[i], target_mean);
-        const double av[3] = {a.x, a.y, a.z}, bv[3] = {b.x, b.y, b.z};
-        for (int j = 0; j < 3; j++) {
-            for (int k = 0; k < 3; k++) {
-                s[j][k] += av[j] * bv[k];
-            }
-        }
+        iso_rigid_sums_second(&sums, source[i], target[i], weight ? weight[i] : 1.0);
     }
-    double h[4][4], quaternion[4];
-    horn_matrix(s, h);
-    principal_eigenvector(h, quaternion);
-    target_from_source->rotation = rotation_of_quaternion(quaternion);
-    target_from_source->translation_mm = iso_sub(
-        target_mean, iso_mat3_apply(&target_from_source->rotation, source_mean));
+    *target_from_source = iso_rigid_sums_fit(&sums);
     return 0;
 }

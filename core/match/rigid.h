@@ -13,4 +13,40 @@ int iso_rigid_fit(const struct iso_vec3 *source, const struct iso_vec3 *target,
                   const double *weight, int n, struct iso_rigid *target_from_source)
     __attribute__((warn_unused_result));
 
+/* The same fit in steps, for those who have no arrays of the points: each point is given twice, in
+ * the same order. Starts from all zero. */
+struct iso_rigid_sums {
+    int used; /* points of positive weight */
+    double weight;
+    struct iso_vec3 source_mean, target_mean; /* sums, before iso_rigid_sums_centre() */
+    double s[3][3];                           /* sum w source_i target_j, about the means */
+};
+
+static inline void iso_rigid_sums_first(struct iso_rigid_sums *sums, struct iso_vec3 source,
+                                        struct iso_vec3 target, double w)
+{
+    sums->used += w > 0.0;
+    sums->weight += w;
+    sums->source_mean = iso_madd(sums->source_mean, w, source);
+    sums->target_mean = iso_madd(sums->target_mean, w, target);
+}
+
+/* Between the two rounds. -EINVAL as iso_rigid_fit(). */
+int iso_rigid_sums_centre(struct iso_rigid_sums *sums) __attribute__((warn_unused_result));
+
+static inline void iso_rigid_sums_second(struct iso_rigid_sums *sums, struct iso_vec3 source,
+                                         struct iso_vec3 target, double w)
+{
+    const struct iso_vec3 a = iso_scale(w, iso_sub(source, sums->source_mean));
+    const struct iso_vec3 b = iso_sub(target, sums->target_mean);
+    const double av[3] = {a.x, a.y, a.z}, bv[3] = {b.x, b.y, b.z};
+    for (int j = 0; j < 3; j++) {
+        for (int k = 0; k < 3; k++) {
+            sums->s[j][k] += av[j] * bv[k];
+        }
+    }
+}
+
+struct iso_rigid iso_rigid_sums_fit(const struct iso_rigid_sums *sums);
+
 #endif

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/match/rerank.h"
-
 /* Puts a hit in its place by falling score; a person keeps the best one only. */
 static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct iso_search_hit hit)
 {
@@ -30,20 +28,20 @@ static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct
     hits[i] = hit;
 }
 
-int iso_search(const struct iso_search_entry *entries, int n_entries,
-               const struct iso_template *probe, const struct iso_cohort *cohort,
+int iso_search(struct iso_icp_workspace *work, const struct iso_search_entry *entries,
+               int n_entries, const struct iso_template *probe, const struct iso_cohort *cohort,
                const struct iso_match_options *options, struct iso_search_hit *hits, int capacity,
                int *n_hits)
 {
     struct iso_cohort_norm norm;
-    int error = iso_cohort_normalise(cohort, probe, options, &norm);
+    int error = iso_cohort_normalise(work, cohort, probe, options, &norm);
     if (error) {
         return error;
     }
     int n = 0;
     for (int i = 0; i < n_entries; i++) {
         double distance;
-        error = iso_match_distance(probe, entries[i].tmpl, options, &distance);
+        error = iso_match_distance(work, probe, entries[i].tmpl, options, &distance);
         if (error == -ENODATA) {
             continue; /* too few points in common with this one: it cannot be a hit */
         }
@@ -100,8 +98,9 @@ static void insert_candidate(struct candidate *list, int *n, struct candidate on
     list[i] = one;
 }
 
-static double look_again(const struct iso_search_entry *entries, const struct candidate *one,
-                         const struct iso_template *probe, const struct iso_metric *metric)
+static double look_again(struct iso_rerank_workspace *work, const struct iso_search_entry *entries,
+                         const struct candidate *one, const struct iso_template *probe,
+                         const struct iso_metric *metric)
 {
     enum { TEMPLATES_MAX = 16 };
     const struct iso_upper_face *person[TEMPLATES_MAX];
@@ -109,12 +108,13 @@ static double look_again(const struct iso_search_entry *entries, const struct ca
     for (; n < one->n && n < TEMPLATES_MAX; n++) {
         person[n] = &entries[one->first + n].tmpl->upper;
     }
-    return iso_rerank(metric, &probe->upper, person, n, one->score);
+    return iso_rerank(work, metric, &probe->upper, person, n, one->score);
 }
 
-int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,
-                         const struct iso_template *probe, const struct iso_metric *metric,
-                         struct iso_search_hit *hits, int capacity, int *n_hits)
+int iso_search_by_metric(struct iso_rerank_workspace *work, const struct iso_search_entry *entries,
+                         int n_entries, const struct iso_template *probe,
+                         const struct iso_metric *metric, struct iso_search_hit *hits, int capacity,
+                         int *n_hits)
 {
     struct candidate list[ISO_RERANK_CANDIDATES];
     struct iso_metric_vector seen, person = {.n = 0};
@@ -128,10 +128,11 @@ int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,
         }
     }
     for (int i = 0; !error && i < n; i++) {
-        insert_hit(hits, &n_found, capacity,
-                   (struct iso_search_hit){.person = entries[list[i].first].person,
-                                           .distance_mm = NAN,
-                                           .score = look_again(entries, &list[i], probe, metric)});
+        insert_hit(
+            hits, &n_found, capacity,
+            (struct iso_search_hit){.person = entries[list[i].first].person,
+                                    .distance_mm = NAN,
+                                    .score = look_again(work, entries, &list[i], probe, metric)});
     }
     explicit_bzero(&seen, sizeof seen);
     explicit_bzero(&person, sizeof person);

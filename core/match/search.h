@@ -6,6 +6,7 @@
 
 #include "core/match/cohort.h"
 #include "core/match/metric.h"
+#include "core/match/rerank.h"
 
 /* Refers to a template; the gallery keeps it alive. */
 struct iso_search_entry {
@@ -24,8 +25,8 @@ struct iso_search_hit {
  * gallery gives none. Entries that have too few points in common with the probe cannot be hits.
  * -EINVAL if algorithms differ or options are out of range, -ENODATA if the probe itself has too
  * few points for the cohort. */
-int iso_search(const struct iso_search_entry *entries, int n_entries,
-               const struct iso_template *probe, const struct iso_cohort *cohort,
+int iso_search(struct iso_icp_workspace *work, const struct iso_search_entry *entries,
+               int n_entries, const struct iso_template *probe, const struct iso_cohort *cohort,
                const struct iso_match_options *options, struct iso_search_hit *hits, int capacity,
                int *n_hits) __attribute__((warn_unused_result));
 
@@ -33,9 +34,9 @@ int iso_search(const struct iso_search_entry *entries, int n_entries,
  * stand side by side in `entries`. The ISO_RERANK_CANDIDATES best are looked at again (rerank.h);
  * hits are some of them, by their fused scores. -EINVAL if algorithms differ, -ENODATA if the probe
  * has too few points. */
-int iso_search_by_metric(const struct iso_search_entry *entries, int n_entries,
-                         const struct iso_template *probe, const struct iso_metric *metric,
-                         struct iso_search_hit *hits, int capacity, int *n_hits)
-    __attribute__((warn_unused_result));
+int iso_search_by_metric(struct iso_rerank_workspace *work, const struct iso_search_entry *entries,
+                         int n_entries, const struct iso_template *probe,
+                         const struct iso_metric *metric, struct iso_search_hit *hits, int capacity,
+                         int *n_hits) __attribute__((warn_unused_result));
 
 #endif

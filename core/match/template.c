@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/match/icp.h"
@@ -14,7 +15,11 @@ static const char magic[4] = {'I', 'S', 'O', 'T'};
 
 enum {
     HEADER_BYTES = 4 + 4 * 2 + 4 + ISO_TEMPLATE_SENSOR_MAX + 4,
+    SENSOR_BYTES = ISO_TEMPLATE_SENSOR_MAX,
+    SENSOR_AT = 4 + 4 * 2 + 4,
+    QUALITY_AT = SENSOR_AT + SENSOR_BYTES,
     POINT_BYTES = 7,
+    POINT_MAX_MM = 511,
     COUNTS_PER_MM = 64,
     LEARNED = 0x8000, /* bit of the number of frames */
 };
@@ -36,7 +41,7 @@ static bool point_fits(const float point_mm[3], float weight)
 {
     bool fits = weight >= 0.0f && weight <= 1.0f;
     for (int k = 0; k < 3; k++) {
-        fits = fits && fabsf(point_mm[k]) <= 511.0f; /* false for NaN */
+        fits = fits && fabsf(point_mm[k]) <= (float)POINT_MAX_MM; /* false for NaN */
     }
     return fits;
 }
@@ -110,7 +115,22 @@ int iso_template_serialise(const struct iso_template *t, void *bytes, size_t siz
     return (int)needed;
 }
 
-static const uint8_t *get_curves(const uint8_t *p, struct iso_template *t)
+/* Whether the curves that are written here are in range. */
+static bool curves_fit(const uint8_t *p, int n_radii, int n_points)
+{
+    bool fit = true;
+    for (int r = 0; r < n_radii; r++, p += 4) {
+        fit = fit && isfinite(iso_get_f32(p));
+    }
+    for (int i = 0; i < n_points; i++, p += POINT_BYTES) {
+        for (int k = 0; k < 3; k++) {
+            fit = fit && abs((int16_t)iso_get_u16(p + 2 * k)) <= POINT_MAX_MM * COUNTS_PER_MM;
+        }
+    }
+    return fit;
+}
+
+static void get_curves(const uint8_t *p, struct iso_template *t)
 {
     for (int r = 0; r < t->n_radii; r++, p += 4) {
         t->radius_mm[r] = iso_get_f32(p);
@@ -126,95 +146,92 @@ static const uint8_t *get_curves(const uint8_t *p, struct iso_template *t)
             }
         }
     }
-    return p;
+}
+
+/* What the header says. */
+static struct iso_template_facts facts_of(const uint8_t *p)
+{
+    return (struct iso_template_facts){
+        .algorithm = iso_get_u32(p + 12),
+        .n_radii = iso_get_u16(p + 6),
+        .n_points = iso_get_u16(p + 8),
+        .n_frames = iso_get_u16(p + 10) & ISO_TEMPLATE_FRAMES_MAX,
+        .learned = (iso_get_u16(p + 10) & LEARNED) != 0,
+    };
 }
 
 /* Whether the bytes are as many as they say, and as they were written. */
-static bool bytes_whole(const uint8_t *bytes, size_t size, const struct iso_template *t)
+static bool bytes_whole(const uint8_t *bytes, size_t size, const struct iso_template_facts *facts)
 {
-    const size_t curves = curves_size(t->n_radii, t->n_points);
+    const size_t curves = curves_size(facts->n_radii, facts->n_points);
     return size >= curves + 2 + 4 && size == curves + 2 + (size_t)iso_get_u16(bytes + curves) + 4 &&
            iso_get_u32(bytes + size - 4) == iso_crc32(0, bytes, size - 4);
 }
 
-int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
+/* Everything but the upper face, which is written to *upper: all zero if there is none. */
+static int check(const uint8_t *p, size_t size, struct iso_template_facts *facts,
+                 struct iso_upper_face *upper)
 {
-    const uint8_t *p = bytes;
     if (size < HEADER_BYTES + 4 || memcmp(p, magic, sizeof magic) != 0) {
         return -EBADMSG;
     }
     if (iso_get_u16(p + 4) != ISO_TEMPLATE_VERSION) {
         return -EPROTONOSUPPORT;
     }
-    struct iso_template t;
-    memset(&t, 0, sizeof t);
-    t.n_radii = iso_get_u16(p + 6);
-    t.n_points = iso_get_u16(p + 8);
-    t.n_frames = iso_get_u16(p + 10) & ISO_TEMPLATE_FRAMES_MAX;
-    t.learned = (iso_get_u16(p + 10) & LEARNED) != 0;
-    if (!counts_in_range(t.n_radii, t.n_points, t.n_frames) || !bytes_whole(p, size, &t)) {
+    *facts = facts_of(p);
+    if (!counts_in_range(facts->n_radii, facts->n_points, facts->n_frames) ||
+        !bytes_whole(p, size, facts)) {
         return -EBADMSG;
     }
-    t.algorithm = iso_get_u32(p + 12);
-    memcpy(t.sensor, p + 16, sizeof t.sensor);
-    p += 16 + sizeof t.sensor;
-    t.quality = iso_get_f32(p);
-    p = get_curves(p + 4, &t);
-    const size_t upper_size = iso_get_u16(p);
-    int error = upper_size > 0 ? iso_upper_face_get(p + 2, upper_size, &t.upper) : 0;
-    /* The checksum was right, so the writer wrote nonsense: still not a template. */
-    error = error || template_fits(&t) ? error : -EBADMSG;
-    if (!error) {
-        *out = t;
+    /* The checksum was right, so where this fails the writer wrote nonsense. */
+    const int n_points = facts->n_radii * ISO_LANDMARKS * facts->n_points;
+    if (!isfinite(iso_get_f32(p + QUALITY_AT)) || !memchr(p + SENSOR_AT, '\0', SENSOR_BYTES) ||
+        !curves_fit(p + HEADER_BYTES, facts->n_radii, n_points)) {
+        return -EBADMSG;
     }
-    iso_template_wipe(&t);
+    const uint8_t *block = p + curves_size(facts->n_radii, facts->n_points);
+    const size_t upper_size = iso_get_u16(block);
+    memset(upper, 0, sizeof *upper);
+    return upper_size > 0 ? iso_upper_face_get(block + 2, upper_size, upper) : 0;
+}
+
+int iso_template_check(const void *bytes, size_t size, struct iso_template_facts *out)
+{
+    struct iso_template_facts facts;
+    struct iso_upper_face upper;
+    const int error = check(bytes, size, &facts, &upper);
+    explicit_bzero(&upper, sizeof upper);
+    if (!error) {
+        *out = facts;
+    }
+    return error;
+}
+
+int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
+{
+    const uint8_t *p = bytes;
+    struct iso_template_facts facts;
+    struct iso_upper_face upper;
+    const int error = check(p, size, &facts, &upper);
+    if (!error) {
+        memset(out, 0, sizeof *out);
+        out->algorithm = facts.algorithm;
+        out->n_radii = facts.n_radii;
+        out->n_points = facts.n_points;
+        out->n_frames = facts.n_frames;
+        out->learned = facts.learned;
+        memcpy(out->sensor, p + SENSOR_AT, sizeof out->sensor);
+        out->quality = iso_get_f32(p + QUALITY_AT);
+        get_curves(p + HEADER_BYTES, out);
+        out->upper = upper;
+    }
+    explicit_bzero(&upper, sizeof upper);
     return error;
 }
 
 void iso_template_wipe(struct iso_template *tmpl)
 {
     explicit_bzero(tmpl, sizeof *tmpl);
-}
-
-/* Sums of weight * point and weight over the templates registered to the first. */
-struct fusion {
-    double sum_mm[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX][3];
-    double weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX];
-};
-
-static void fusion_add(struct fusion *fusion, const struct iso_template *t,
-                       const struct iso_affine *first_from_this)
-{
-    for (int r = 0; r < t->n_radii; r++) {
-        for (int l = 0; l < ISO_LANDMARKS; l++) {
-            for (int i = 0; i < t->n_points; i++) {
-                const float *q = t->points_mm[r][l][i];
-                struct iso_vec3 p = iso_affine_apply(
-                    first_from_this, iso_vec3((double)q[0], (double)q[1], (double)q[2]));
-                double w = (double)t->weight[r][l][i];
-                fusion->sum_mm[r][l][i][0] += w * p.x;
-                fusion->sum_mm[r][l][i][1] += w * p.y;
-                fusion->sum_mm[r][l][i][2] += w * p.z;
-                fusion->weight[r][l][i] += w;
-            }
-        }
-    }
-}
-
-static void fusion_finish(const struct fusion *fusion, int n, struct iso_template *out)
-{
-    for (int r = 0; r < out->n_radii; r++) {
-        for (int l = 0; l < ISO_LANDMARKS; l++) {
-            for (int i = 0; i < out->n_points; i++) {
-                double w = fusion->weight[r][l][i];
-                for (int k = 0; k < 3; k++) {
-                    out->points_mm[r][l][i][k] = w > 0.0 ? (float)(fusion->sum_mm[r][l][i][k] / w)
-                                                         : 0.0f;
-                }
-                out->weight[r][l][i] = (float)fmin(w / n, 1.0);
-            }
-        }
-    }
 }
 
 /* What a registration by ISO_ICP_RIGID found. */
@@ -230,50 +247,94 @@ static struct iso_rigid rigid_of(const struct iso_affine *a)
     return rigid;
 }
 
-int iso_template_fuse(const struct iso_template *const *templates, int n, struct iso_template *out)
+enum { FUSED_MAX = ISO_UPPER_FUSED_MAX };
+
+/* The templates that are fused, and the motions that take each to the first. */
+struct fusion {
+    int n;
+    const struct iso_template *const *templates;
+    struct iso_affine first_from[FUSED_MAX];
+    struct iso_rigid rigid[FUSED_MAX]; /* the same */
+};
+
+static int register_all(struct iso_icp_workspace *work, struct fusion *fusion)
 {
-    enum { FUSED_MAX = 64 };
+    const struct iso_icp_options options = iso_template_icp_options(0.8, 10);
+    const struct iso_template *first = fusion->templates[0];
+    const struct iso_icp_points to = iso_template_points(first);
+    for (int i = 0; i < fusion->n; i++) {
+        const struct iso_template *t = fusion->templates[i];
+        if (!iso_template_comparable(t, first)) {
+            return -EINVAL;
+        }
+        struct iso_icp_result registered = {.target_from_source = iso_affine_identity()};
+        const struct iso_icp_points points = iso_template_points(t);
+        const int error = i > 0 ? iso_icp(work, &points, &to, &options, &registered) : 0;
+        if (error) {
+            return error;
+        }
+        fusion->first_from[i] = registered.target_from_source;
+        fusion->rigid[i] = rigid_of(&registered.target_from_source);
+    }
+    return 0;
+}
+
+/* The mean of one point by weight. */
+static void fuse_point(const struct fusion *fusion, int r, int l, int i, struct iso_template *out)
+{
+    double sum_mm[3] = {0.0, 0.0, 0.0}, total = 0.0;
+    for (int k = 0; k < fusion->n; k++) {
+        const struct iso_template *t = fusion->templates[k];
+        const float *q = t->points_mm[r][l][i];
+        const struct iso_vec3 p = iso_affine_apply(
+            &fusion->first_from[k], iso_vec3((double)q[0], (double)q[1], (double)q[2]));
+        const double w = (double)t->weight[r][l][i];
+        sum_mm[0] += w * p.x;
+        sum_mm[1] += w * p.y;
+        sum_mm[2] += w * p.z;
+        total += w;
+    }
+    for (int k = 0; k < 3; k++) {
+        out->points_mm[r][l][i][k] = total > 0.0 ? (float)(sum_mm[k] / total) : 0.0f;
+    }
+    out->weight[r][l][i] = (float)fmin(total / fusion->n, 1.0);
+}
+
+static void fuse_all(const struct fusion *fusion, struct iso_template *out)
+{
+    const struct iso_upper_face *upper[FUSED_MAX];
+    double quality = 0.0;
+    unsigned frames = 0;
+    *out = *fusion->templates[0];
+    for (int k = 0; k < fusion->n; k++) {
+        upper[k] = &fusion->templates[k]->upper;
+        quality += (double)fusion->templates[k]->quality;
+        frames += fusion->templates[k]->n_frames;
+    }
+    out->n_frames = (uint16_t)(frames < ISO_TEMPLATE_FRAMES_MAX ? frames : ISO_TEMPLATE_FRAMES_MAX);
+    out->learned = false;
+    out->quality = (float)(quality / fusion->n);
+    for (int r = 0; r < out->n_radii; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < out->n_points; i++) {
+                fuse_point(fusion, r, l, i, out);
+            }
+        }
+    }
+    iso_upper_face_fuse(upper, fusion->rigid, fusion->n, &out->upper);
+}
+
+int iso_template_fuse(struct iso_icp_workspace *work, const struct iso_template *const *templates,
+                      int n, struct iso_template *out)
+{
     if (n < 1 || n > FUSED_MAX) {
         return -EINVAL;
     }
-    struct iso_icp_options options = iso_template_icp_options(0.8, 10);
-    struct iso_icp_points first = iso_template_points(templates[0]);
-    struct fusion fusion;
-    memset(&fusion, 0, sizeof fusion);
-    const struct iso_upper_face *upper[FUSED_MAX];
-    struct iso_rigid first_from_face[FUSED_MAX];
-    double quality = 0.0;
-    unsigned frames = 0;
-    int error = 0;
-    for (int i = 0; i < n && !error; i++) {
-        if (!iso_template_comparable(templates[i], templates[0])) {
-            error = -EINVAL;
-            break;
-        }
-        struct iso_icp_points points = iso_template_points(templates[i]);
-        struct iso_icp_result registered = {.target_from_source = iso_affine_identity()};
-        if (i > 0) {
-            error = iso_icp(&points, &first, &options, &registered);
-        }
-        if (!error) {
-            fusion_add(&fusion, templates[i], &registered.target_from_source);
-            upper[i] = &templates[i]->upper;
-            first_from_face[i] = rigid_of(&registered.target_from_source);
-            quality += (double)templates[i]->quality;
-            frames += templates[i]->n_frames;
-        }
+    struct fusion fusion = {.n = n, .templates = templates};
+    const int error = register_all(work, &fusion);
+    explicit_bzero(work, sizeof *work);
+    if (!error) { /* nothing fails from here on */
+        fuse_all(&fusion, out);
     }
-    if (!error) {
-        struct iso_template fused = *templates[0];
-        fused.n_frames = (uint16_t)(frames < ISO_TEMPLATE_FRAMES_MAX ? frames
-                                                                     : ISO_TEMPLATE_FRAMES_MAX);
-        fused.learned = false;
-        fused.quality = (float)(quality / n);
-        fusion_finish(&fusion, n, &fused);
-        iso_upper_face_fuse(upper, first_from_face, n, &fused.upper);
-        *out = fused;
-        iso_template_wipe(&fused);
-    }
-    explicit_bzero(&fusion, sizeof fusion);
     return error;
 }

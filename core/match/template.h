@@ -51,15 +51,30 @@ int iso_template_serialise(const struct iso_template *tmpl, void *bytes, size_t 
 int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
     __attribute__((warn_unused_result));
 
+/* What a serialised template says of itself. */
+struct iso_template_facts {
+    uint32_t algorithm;
+    uint16_t n_radii, n_points, n_frames;
+    bool learned;
+};
+
+/* Whether iso_template_parse() would read these bytes, with its errors, without a template to read
+ * them into. */
+int iso_template_check(const void *bytes, size_t size, struct iso_template_facts *out)
+    __attribute__((warn_unused_result));
+
 /* Overwrites it so that the compiler may not leave it out (biometric data). */
 void iso_template_wipe(struct iso_template *tmpl);
+
+struct iso_icp_workspace; /* icp.h */
 
 /* One template from several of the same person (1..64, all of one algorithm and shape): each is
  * registered to the first by trimmed ICP, then points are averaged by weight, and upper faces
  * moved along (the first keeps its place). -EINVAL for
  * none or templates that differ in shape or algorithm, -ENODATA if one has too few points in common
- * with the first to be registered. What was learned leaves no trace in it. */
-int iso_template_fuse(const struct iso_template *const *templates, int n, struct iso_template *out)
-    __attribute__((warn_unused_result));
+ * with the first to be registered. What was learned leaves no trace in it. `out` may not be one of
+ * them. `work` is wiped. */
+int iso_template_fuse(struct iso_icp_workspace *work, const struct iso_template *const *templates,
+                      int n, struct iso_template *out) __attribute__((warn_unused_result));
 
 #endif

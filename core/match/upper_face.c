@@ -73,7 +73,7 @@ int iso_upper_face_get(const uint8_t *bytes, size_t size, struct iso_upper_face 
 /* The height of a moved field above (x, y): the point of the field that the motion takes there is
  * found by fixed-point iteration on its height, starting from a guess. False where the field has no
  * surface. */
-static bool moved_height(const struct iso_upper_surface *surface, const struct iso_rigid *to,
+static bool moved_height(const struct iso_upper_face *face, const struct iso_rigid *to,
                          const struct iso_rigid *back, double x_mm, double y_mm, double *z_mm,
                          bool *measured)
 {
@@ -83,7 +83,7 @@ static bool moved_height(const struct iso_upper_surface *surface, const struct i
     for (int i = 0; i < STEPS; i++) {
         const struct iso_vec3 at = iso_rigid_apply(back, iso_vec3(x_mm, y_mm, z));
         struct iso_upper_place place;
-        found = iso_upper_surface_at(surface, at.x, at.y, &place);
+        found = iso_upper_face_at(face, at.x, at.y, &place);
         if (!found) {
             break;
         }
@@ -100,10 +100,6 @@ struct height {
     int count[2];
 };
 
-struct heights {
-    struct height at[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS];
-};
-
 static void add_height(struct height *height, double z_mm, bool measured)
 {
     height->sum_mm[measured] += z_mm;
@@ -111,69 +107,71 @@ static void add_height(struct height *height, double z_mm, bool measured)
 }
 
 static void add_moved(const struct iso_upper_face *face, const struct iso_rigid *first_from_face,
-                      struct heights *heights)
+                      const struct iso_rigid *face_from_first, int row, int column,
+                      struct height *height)
 {
-    struct iso_upper_surface surface;
-    const struct iso_rigid back = iso_rigid_inverse(first_from_face);
-    iso_upper_surface_of(face, &surface);
-    for (int row = 0; row < ISO_UPPER_ROWS; row++) {
-        for (int column = 0; column < ISO_UPPER_COLUMNS; column++) {
-            double z_mm = (double)face->z_mm[row][column];
-            bool measured = false;
-            if (moved_height(&surface, first_from_face, &back, iso_upper_x_mm(column),
-                             iso_upper_y_mm(row), &z_mm, &measured)) {
-                add_height(&heights->at[row][column], z_mm, measured);
-            }
-        }
+    double z_mm = (double)face->z_mm[row][column];
+    bool measured = false;
+    if (moved_height(face, first_from_face, face_from_first, iso_upper_x_mm(column),
+                     iso_upper_y_mm(row), &z_mm, &measured)) {
+        add_height(height, z_mm, measured);
     }
-    explicit_bzero(&surface, sizeof surface);
 }
 
 /* The first stays where it is: at its nodes, to its edge. */
-static void add_first(const struct iso_upper_face *face, struct heights *heights)
+static void add_first(const struct iso_upper_face *face, int row, int column, struct height *height)
 {
-    for (int row = 0; row < ISO_UPPER_ROWS; row++) {
-        for (int column = 0; column < ISO_UPPER_COLUMNS; column++) {
-            const uint8_t kind = face->kind[row][column];
-            if (kind != ISO_UPPER_NONE) {
-                add_height(&heights->at[row][column], (double)face->z_mm[row][column],
-                           kind == ISO_UPPER_MEASURED);
-            }
-        }
+    const uint8_t kind = face->kind[row][column];
+    if (kind != ISO_UPPER_NONE) {
+        add_height(height, (double)face->z_mm[row][column], kind == ISO_UPPER_MEASURED);
     }
 }
 
-static void finish(const struct heights *heights, struct iso_upper_face *out)
+static void finish(const struct height *height, int row, int column, struct iso_upper_face *out)
 {
-    memset(out, 0, sizeof *out);
-    for (int row = 0; row < ISO_UPPER_ROWS; row++) {
-        for (int column = 0; column < ISO_UPPER_COLUMNS; column++) {
-            const struct height *height = &heights->at[row][column];
-            const int measured = height->count[1] > 0;
-            if (height->count[measured] > 0) {
-                out->z_mm[row][column] = (float)(height->sum_mm[measured] /
-                                                 height->count[measured]);
-                out->kind[row][column] = measured ? ISO_UPPER_MEASURED : ISO_UPPER_FILLED;
-            }
+    const int measured = height->count[1] > 0;
+    if (height->count[measured] > 0) {
+        out->z_mm[row][column] = (float)(height->sum_mm[measured] / height->count[measured]);
+        out->kind[row][column] = measured ? ISO_UPPER_MEASURED : ISO_UPPER_FILLED;
+    }
+}
+
+/* The faces that count, and the motions. */
+struct moved_faces {
+    int n;
+    const struct iso_upper_face *const *faces;
+    const struct iso_rigid *first_from_face;
+    bool known[ISO_UPPER_FUSED_MAX];
+    struct iso_rigid face_from_first[ISO_UPPER_FUSED_MAX];
+};
+
+static void fuse_node(const struct moved_faces *moved, int row, int column,
+                      struct iso_upper_face *out)
+{
+    struct height height = {.count = {0}};
+    for (int i = 0; i < moved->n; i++) {
+        if (moved->known[i] && i == 0) {
+            add_first(moved->faces[i], row, column, &height);
+        } else if (moved->known[i]) {
+            add_moved(moved->faces[i], &moved->first_from_face[i], &moved->face_from_first[i], row,
+                      column, &height);
         }
     }
+    finish(&height, row, column, out);
 }
 
 void iso_upper_face_fuse(const struct iso_upper_face *const *faces,
                          const struct iso_rigid *first_from_face, int n, struct iso_upper_face *out)
 {
-    struct heights heights;
-    memset(&heights, 0, sizeof heights);
+    struct moved_faces moved = {.n = n, .faces = faces, .first_from_face = first_from_face};
     for (int i = 0; i < n; i++) {
-        if (!iso_upper_face_known(faces[i])) {
-            continue;
-        }
-        if (i == 0) {
-            add_first(faces[i], &heights);
-        } else {
-            add_moved(faces[i], &first_from_face[i], &heights);
+        moved.known[i] = iso_upper_face_known(faces[i]);
+        moved.face_from_first[i] = iso_rigid_inverse(&first_from_face[i]);
+    }
+    memset(out, 0, sizeof *out);
+    for (int row = 0; row < ISO_UPPER_ROWS; row++) {
+        for (int column = 0; column < ISO_UPPER_COLUMNS; column++) {
+            fuse_node(&moved, row, column, out);
         }
     }
-    finish(&heights, out);
-    explicit_bzero(&heights, sizeof heights);
 }

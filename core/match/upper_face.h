@@ -72,9 +72,11 @@ size_t iso_upper_face_put(const struct iso_upper_face *face, uint8_t *bytes);
 int iso_upper_face_get(const uint8_t *bytes, size_t size, struct iso_upper_face *out)
     __attribute__((warn_unused_result));
 
-/* The mean of n >= 1 height fields, each brought to the frame of the first by a rigid motion: of
- * what was measured; where none was, of what was filled in. Fields without a measured node do not
- * count. `out` may not be one of them. */
+enum { ISO_UPPER_FUSED_MAX = 64 };
+
+/* The mean of n height fields (1..ISO_UPPER_FUSED_MAX), each brought to the frame of the first by a
+ * rigid motion: of what was measured; where none was, of what was filled in. Fields without a
+ * measured node do not count. `out` may not be one of them. */
 void iso_upper_face_fuse(const struct iso_upper_face *const *faces,
                          const struct iso_rigid *first_from_face, int n,
                          struct iso_upper_face *out);

@@ -17,34 +17,40 @@ static const double trim = 0.8, cutoff_mm = 20.0, lever_mm = 60.0;
 static const double step_coarse_mm = 0.1, step_small_mm = 0.05;
 static const double overlap_min = 0.3;
 
-/* A probe's point on the gallery's surface. */
-struct pair {
-    struct iso_vec3 at_mm, normal;
-    double residual_mm;
-};
+/* NaN where the node or a neighbour has no surface. */
+static struct iso_upper_node node_of(const struct iso_upper_face *face, int u, int v)
+{
+    const float pitch_mm = 2.0f * (float)ISO_UPPER_SPACING_MM;
+    if (u == 0 || v == 0 || u + 1 == ISO_UPPER_COLUMNS || v + 1 == ISO_UPPER_ROWS ||
+        !face->kind[v][u] || !face->kind[v][u - 1] || !face->kind[v][u + 1] ||
+        !face->kind[v - 1][u] || !face->kind[v + 1][u]) {
+        return (struct iso_upper_node){NAN, NAN, NAN, 0.0f};
+    }
+    return (struct iso_upper_node){
+        .z_mm = face->z_mm[v][u],
+        .slope_x = (face->z_mm[v][u + 1] - face->z_mm[v][u - 1]) / pitch_mm,
+        .slope_y = (face->z_mm[v - 1][u] - face->z_mm[v + 1][u]) / pitch_mm,
+        .measured = face->kind[v][u] == ISO_UPPER_MEASURED,
+    };
+}
 
 void iso_upper_surface_of(const struct iso_upper_face *face, struct iso_upper_surface *out)
 {
-    const float pitch_mm = 2.0f * (float)ISO_UPPER_SPACING_MM;
     for (int v = 0; v < ISO_UPPER_ROWS; v++) {
         for (int u = 0; u < ISO_UPPER_COLUMNS; u++) {
-            struct iso_upper_node *node = &out->node[v][u];
-            *node = (struct iso_upper_node){NAN, NAN, NAN, 0.0f};
-            if (u == 0 || v == 0 || u + 1 == ISO_UPPER_COLUMNS || v + 1 == ISO_UPPER_ROWS ||
-                !face->kind[v][u] || !face->kind[v][u - 1] || !face->kind[v][u + 1] ||
-                !face->kind[v - 1][u] || !face->kind[v + 1][u]) {
-                continue;
-            }
-            node->z_mm = face->z_mm[v][u];
-            node->slope_x = (face->z_mm[v][u + 1] - face->z_mm[v][u - 1]) / pitch_mm;
-            node->slope_y = (face->z_mm[v - 1][u] - face->z_mm[v + 1][u]) / pitch_mm;
-            node->measured = face->kind[v][u] == ISO_UPPER_MEASURED;
+            out->node[v][u] = node_of(face, u, v);
         }
     }
 }
 
-bool iso_upper_surface_at(const struct iso_upper_surface *surface, double x_mm, double y_mm,
-                          struct iso_upper_place *out)
+/* The four nodes about a place: the upper left one is in column u and row v, and the place lies a
+ * and b of the way to the others. */
+struct corner {
+    int u, v;
+    float a, b;
+};
+
+static bool corner_of(double x_mm, double y_mm, struct corner *out)
 {
     const double column = ISO_UPPER_MIDDLE + x_mm / ISO_UPPER_SPACING_MM;
     const double row = (ISO_UPPER_TOP_MM - y_mm) / ISO_UPPER_SPACING_MM;
@@ -52,9 +58,18 @@ bool iso_upper_surface_at(const struct iso_upper_surface *surface, double x_mm, 
           row < ISO_UPPER_ROWS - 1)) {
         return false;
     }
-    const int u = (int)column, v = (int)row;
-    const float a = (float)(column - u), b = (float)(row - v);
-    const struct iso_upper_node *c = &surface->node[v][u], *d = &surface->node[v + 1][u];
+    out->u = (int)column;
+    out->v = (int)row;
+    out->a = (float)(column - out->u);
+    out->b = (float)(row - out->v);
+    return true;
+}
+
+/* Between two nodes side by side, c, and the two below, d. */
+static bool interpolate(const struct iso_upper_node *c, const struct iso_upper_node *d,
+                        const struct corner *corner, struct iso_upper_place *out)
+{
+    const float a = corner->a, b = corner->b;
     const float w[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
     const float z_mm = w[0] * c[0].z_mm + w[1] * c[1].z_mm + w[2] * d[0].z_mm + w[3] * d[1].z_mm;
     if (isnan(z_mm)) {
@@ -70,8 +85,31 @@ bool iso_upper_surface_at(const struct iso_upper_surface *surface, double x_mm, 
     return true;
 }
 
+bool iso_upper_surface_at(const struct iso_upper_surface *surface, double x_mm, double y_mm,
+                          struct iso_upper_place *out)
+{
+    struct corner corner;
+    return corner_of(x_mm, y_mm, &corner) &&
+           interpolate(&surface->node[corner.v][corner.u], &surface->node[corner.v + 1][corner.u],
+                       &corner, out);
+}
+
+bool iso_upper_face_at(const struct iso_upper_face *face, double x_mm, double y_mm,
+                       struct iso_upper_place *out)
+{
+    struct corner at;
+    if (!corner_of(x_mm, y_mm, &at)) {
+        return false;
+    }
+    const struct iso_upper_node c[2] = {node_of(face, at.u, at.v), node_of(face, at.u + 1, at.v)};
+    const struct iso_upper_node d[2] = {node_of(face, at.u, at.v + 1),
+                                        node_of(face, at.u + 1, at.v + 1)};
+    return interpolate(c, d, &at, out);
+}
+
 /* The plane of the surface under a point; false where it was not measured. */
-static bool pair_up(const struct iso_upper_surface *surface, struct iso_vec3 p, struct pair *pair)
+static bool pair_up(const struct iso_upper_surface *surface, struct iso_vec3 p,
+                    struct iso_upper_pair *pair)
 {
     struct iso_upper_place place;
     if (!iso_upper_surface_at(surface, p.x, p.y, &place) || !(place.measured > 0.5)) {
@@ -101,7 +139,7 @@ static int points_of(const struct iso_upper_face *face, struct iso_vec3 *points_
 }
 
 /* The distance that the closest `trim` of the pairs do not exceed, to a bin's width. */
-static double trim_limit(const struct pair *pairs, int n)
+static double trim_limit(const struct iso_upper_pair *pairs, int n)
 {
     int count[BINS] = {0}, wanted = (int)ceil(trim * n);
     for (int i = 0; i < n; i++) {
@@ -116,12 +154,13 @@ static double trim_limit(const struct pair *pairs, int n)
 
 /* The motion that takes the pairs within the limit closest to their planes, to first order (Gauss
  * and Newton); -EDOM if they do not determine it. *rms_mm is what they are off before it. */
-static int solve_step(const struct pair *pairs, int n, double limit_mm, double x[6], double *rms_mm)
+static int solve_step(const struct iso_upper_pair *pairs, int n, double limit_mm, double x[6],
+                      double *rms_mm)
 {
     double a[36] = {0.0}, b[6] = {0.0}, sum = 0.0;
     int count = 0;
     for (int i = 0; i < n; i++) {
-        const struct pair *p = &pairs[i];
+        const struct iso_upper_pair *p = &pairs[i];
         if (fabs(p->residual_mm) > limit_mm) {
             continue;
         }
@@ -145,13 +184,7 @@ static int solve_step(const struct pair *pairs, int n, double limit_mm, double x
     return error;
 }
 
-/* Working memory of a fit; it holds a face. */
-struct workspace {
-    struct iso_vec3 points_mm[ISO_UPPER_NODES / 2 + 1];
-    struct pair pairs[ISO_UPPER_NODES / 2 + 1];
-};
-
-static int pair_all(struct workspace *work, int n_points, int stride,
+static int pair_all(struct iso_upper_workspace *work, int n_points, int stride,
                     const struct iso_upper_surface *gallery,
                     const struct iso_rigid *gallery_from_probe)
 {
@@ -172,8 +205,8 @@ static double move(const double x[6], struct iso_rigid *gallery_from_probe)
     return iso_norm(t) + lever_mm * iso_norm(w);
 }
 
-static int fit(struct workspace *work, const struct iso_upper_face *probe,
-               const struct iso_upper_surface *gallery, struct iso_upper_fit *out)
+int iso_upper_fit(struct iso_upper_workspace *work, const struct iso_upper_face *probe,
+                  const struct iso_upper_surface *gallery, struct iso_upper_fit *out)
 {
     struct iso_upper_fit found = {.gallery_from_probe = iso_rigid_identity()};
     const int n_points = points_of(probe, work->points_mm);
@@ -199,13 +232,4 @@ static int fit(struct workspace *work, const struct iso_upper_face *probe,
     }
     *out = found;
     return 0;
-}
-
-int iso_upper_fit(const struct iso_upper_face *probe, const struct iso_upper_surface *gallery,
-                  struct iso_upper_fit *out)
-{
-    struct workspace work;
-    const int error = fit(&work, probe, gallery, out);
-    explicit_bzero(&work, sizeof work);
-    return error;
 }

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "core/landmark/meeting.h"
@@ -21,33 +22,40 @@ enum { STEPS = sizeof cutoffs / sizeof cutoffs[0], STEPS_COMPARED = 2 };
 
 /* Points as a sheet ruled along one direction sees them, and the sheet. */
 struct sheet {
+    const struct iso_vec3 *point_mm;
     int n, n_knots;
-    double x[UNKNOWNS_MAX];            /* heights of the knots, then the slope along the rulings */
-    int below[ISO_SHEET_POINTS_MAX];   /* the knot below the point */
-    double part[ISO_SHEET_POINTS_MAX]; /* how far it is to the next one, 0..1 */
-    double along_mm[ISO_SHEET_POINTS_MAX]; /* the rulings */
-    double z_mm[ISO_SHEET_POINTS_MAX];
+    double cosine, sine;    /* of the direction across the rulings */
+    double x[UNKNOWNS_MAX]; /* heights of the knots, then the slope along the rulings */
+    uint8_t below[ISO_SHEET_POINTS_MAX]; /* the knot below the point */
+    double part[ISO_SHEET_POINTS_MAX];   /* how far it is to the next one, 0..1 */
 };
+
+/* How far along the rulings a point lies. */
+static double along_mm(const struct sheet *s, int i)
+{
+    return s->point_mm[i].y * s->cosine - s->point_mm[i].x * s->sine;
+}
 
 static void lay_out(const struct iso_vec3 *p, int n, double angle_rad, struct sheet *s)
 {
-    double cosine = cos(angle_rad), sine = sin(angle_rad), low = INFINITY, high = -INFINITY;
+    double low = INFINITY, high = -INFINITY;
+    s->point_mm = p;
+    s->n = n;
+    s->cosine = cos(angle_rad);
+    s->sine = sin(angle_rad);
     for (int i = 0; i < n; i++) {
-        double t = p[i].x * cosine + p[i].y * sine;
+        double t = p[i].x * s->cosine + p[i].y * s->sine;
         s->part[i] = t;
-        s->along_mm[i] = p[i].y * cosine - p[i].x * sine;
-        s->z_mm[i] = p[i].z;
         low = t < low ? t : low;
         high = t > high ? t : high;
     }
     double gaps = fmin(fmax(floor((high - low) / knot_mm), 1.0), KNOTS_MAX - 1.0);
     double spacing_mm = fmax((high - low) / gaps, 1e-6);
-    s->n = n;
     s->n_knots = (int)gaps + 1;
     for (int i = 0; i < n; i++) {
         double at = (s->part[i] - low) / spacing_mm;
         int k = (int)at < s->n_knots - 2 ? (int)at : s->n_knots - 2;
-        s->below[i] = k;
+        s->below[i] = (uint8_t)k;
         s->part[i] = at - k;
     }
 }
@@ -55,12 +63,13 @@ static void lay_out(const struct iso_vec3 *p, int n, double angle_rad, struct sh
 static double above_sheet(const struct sheet *s, int i)
 {
     int k = s->below[i];
-    return s->z_mm[i] - s->x[k] - s->part[i] * (s->x[k + 1] - s->x[k]) -
-           s->along_mm[i] * s->x[s->n_knots];
+    return s->point_mm[i].z - s->x[k] - s->part[i] * (s->x[k + 1] - s->x[k]) -
+           along_mm(s, i) * s->x[s->n_knots];
 }
 
-/* One weighted least-squares step; `cutoff_mm` 0: all weights 1. */
-static int solve_sheet(struct sheet *s, double cutoff_mm)
+/* One weighted least-squares step; `cutoff_mm` 0: all weights 1. Not to be inlined: its matrix
+ * would come on top of the points in a frame of more than 16 KiB. */
+__attribute__((noinline)) static int solve_sheet(struct sheet *s, double cutoff_mm)
 {
     double h[UNKNOWNS_MAX * UNKNOWNS_MAX], g[UNKNOWNS_MAX] = {0};
     int m = s->n_knots + 1, slope = s->n_knots;
@@ -68,7 +77,7 @@ static int solve_sheet(struct sheet *s, double cutoff_mm)
     for (int i = 0; i < s->n; i++) {
         double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, i), cutoff_mm) : 1.0;
         int k = s->below[i];
-        double b = w * s->part[i], a = w - b, c = s->along_mm[i], z = s->z_mm[i];
+        double b = w * s->part[i], a = w - b, c = along_mm(s, i), z = s->point_mm[i].z;
         double *row = &h[k * m + k];
         row[0] += a * (1.0 - s->part[i]);
         row[m] += a * s->part[i];

@@ -11,9 +11,10 @@ static const double depth_mm = 70.0;
 /* The nose's tip is in the middle; the ring lies beyond its wings. */
 static const double tip_mm = 8.0, ring_mm = 30.0;
 
-struct cell {
-    struct iso_vec3 sum;
-    int n;
+/* Sums of the points of each cell; then their means, cells without any left out. */
+struct cells {
+    struct iso_vec3 point_mm[CELLS];
+    int n[CELLS];
 };
 
 /* Pixels from one looked at to the next: several a cell are enough. */
@@ -24,7 +25,7 @@ static int stride_of(const struct iso_frame *frame, double z_mm)
 }
 
 static void collect(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
-                    struct cell cells[CELLS])
+                    struct cells *cells)
 {
     const struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
     struct iso_vec3 middle = camera_from_face->translation_mm;
@@ -50,9 +51,9 @@ static void collect(const struct iso_frame *frame, const struct iso_rigid *camer
             }
             int i = (int)floor(p.x / cell_mm + 0.5) + SIDE / 2;
             int j = (int)floor(p.y / cell_mm + 0.5) + SIDE / 2;
-            struct cell *cell = &cells[j * SIDE + i];
-            cell->sum = iso_add(cell->sum, p);
-            cell->n++;
+            const int cell = j * SIDE + i;
+            cells->point_mm[cell] = iso_add(cells->point_mm[cell], p);
+            cells->n[cell]++;
         }
     }
 }
@@ -60,18 +61,18 @@ static void collect(const struct iso_frame *frame, const struct iso_rigid *camer
 int iso_relief_measure(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
                        struct iso_relief *out)
 {
-    struct cell cells[CELLS] = {0};
-    struct iso_vec3 points[CELLS], ring[CELLS];
+    struct cells cells = {.n = {0}};
+    struct iso_vec3 *points = cells.point_mm, ring[CELLS];
     struct iso_vec3 tip = {0, 0, 0};
     int n = 0, n_ring = 0, n_tip = 0;
-    collect(frame, camera_from_face, cells);
+    collect(frame, camera_from_face, &cells);
     for (int i = 0; i < CELLS; i++) {
-        if (cells[i].n == 0) {
+        if (cells.n[i] == 0) {
             continue;
         }
-        struct iso_vec3 p = iso_scale(1.0 / cells[i].n, cells[i].sum);
+        struct iso_vec3 p = iso_scale(1.0 / cells.n[i], cells.point_mm[i]);
         double r = hypot(p.x, p.y);
-        points[n++] = p;
+        points[n++] = p; /* n <= i */
         if (r > ring_mm) {
             ring[n_ring++] = p;
         } else if (r < tip_mm) {

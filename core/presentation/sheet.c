@@ -16,9 +16,10 @@ enum { SAMPLES = 500 };
 
 struct iso_sheet_finder {
     size_t capacity_px;
-    int32_t *label;                /* of each pixel, -1 for none */
-    int32_t *queue;                /* flood fill */
-    int32_t *first_row, *last_row; /* of the part in each column */
+    int32_t *label;                         /* of each pixel, -1 for none */
+    int32_t *queue;                         /* flood fill */
+    int32_t *first_row, *last_row;          /* of the part in each column */
+    struct iso_vec3 points_mm[2 * SAMPLES]; /* of the part, about its middle */
 };
 
 struct part {
@@ -177,7 +178,7 @@ static void outline(struct iso_sheet_finder *f, const struct iso_frame *frame,
 static int describe(struct iso_sheet_finder *f, const struct iso_frame *frame,
                     const struct part *part, struct iso_sheet *out)
 {
-    struct iso_vec3 points[2 * SAMPLES];
+    struct iso_vec3 *points = f->points_mm;
     double plane[3], farther = part->mean_mm / limit_at_mm;
     struct iso_sheet sheet = {.area_mm2 = part->area_mm2,
                               .distance_mm = part->mean_mm,

@@ -2,9 +2,9 @@
 #ifndef ISO_DRIVERS_PROCESS_LIMITS_H
 #define ISO_DRIVERS_PROCESS_LIMITS_H
 
-/* The least stack that a program with the computation is started with: it needs less than half of
- * it (drivers/process/thread.h). */
-enum { ISO_STACK_LEAST_BYTES = 1 << 20 };
+/* The least stack that a program with the computation is started with. No function has a frame of
+ * more than 16 KiB (cmake/IsothermWarnings.cmake), and programs need less than 136 KiB. */
+enum { ISO_STACK_LEAST_BYTES = 256 << 10 };
 
 /* -ENOMEM, after one line to standard error that begins with the program's name, if the limit of
  * the main thread's stack is below that: the program has to end, or it would die of a signal in the

@@ -38,16 +38,19 @@ static bool is_in_file(const struct cli_setup_places *places, const char *const 
 
 static bool is_plugged_in(const struct cli_setup_places *places, const json_t *ids)
 {
-    char folder[PATH_MAX], path[PATH_MAX + 300], vendor[8], product[8], id[16];
+    static const char devices_folder[] = "bus/usb/devices";
+    char path[PATH_MAX + 300], vendor[8], product[8], id[16];
     const struct dirent *entry;
     bool found = false;
 
-    (void)snprintf(folder, sizeof folder, "%s/bus/usb/devices", places->sys);
-    DIR *devices = opendir(folder);
+    (void)snprintf(path, sizeof path, "%s/%s", places->sys, devices_folder);
+    DIR *devices = opendir(path);
     while (devices && !found && (entry = readdir(devices))) {
-        (void)snprintf(path, sizeof path, "%s/%s/idVendor", folder, entry->d_name);
+        (void)snprintf(path, sizeof path, "%s/%s/%s/idVendor", places->sys, devices_folder,
+                       entry->d_name);
         cli_text_file_line(path, vendor, sizeof vendor);
-        (void)snprintf(path, sizeof path, "%s/%s/idProduct", folder, entry->d_name);
+        (void)snprintf(path, sizeof path, "%s/%s/%s/idProduct", places->sys, devices_folder,
+                       entry->d_name);
         cli_text_file_line(path, product, sizeof product);
         (void)snprintf(id, sizeof id, "%s:%s", vendor, product);
         found = begins_with_one_of(id, ids);

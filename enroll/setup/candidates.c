@@ -38,12 +38,12 @@ static bool set(struct cli_candidate *candidate, const char *key, const char *va
 
 /* The board's udev rules may have given the camera's nodes names of their own. */
 static bool has_own_names(const struct cli_setup_places *places, const char *node,
-                          char depth[PATH_MAX], char infrared[PATH_MAX])
+                          char depth[CLI_DEVICE_PATH_SIZE], char infrared[CLI_DEVICE_PATH_SIZE])
 {
     char target[PATH_MAX], wanted[PATH_MAX];
 
-    (void)snprintf(depth, PATH_MAX, "%s/isotherm-depth", places->dev);
-    (void)snprintf(infrared, PATH_MAX, "%s/isotherm-ir", places->dev);
+    (void)snprintf(depth, CLI_DEVICE_PATH_SIZE, "%s/isotherm-depth", places->dev);
+    (void)snprintf(infrared, CLI_DEVICE_PATH_SIZE, "%s/isotherm-ir", places->dev);
     const bool own = realpath(depth, target) && realpath(node, wanted) &&
                      strcmp(target, wanted) == 0;
     if (own && !realpath(infrared, target)) {
@@ -55,7 +55,7 @@ static bool has_own_names(const struct cli_setup_places *places, const char *nod
 static void add_video_node(const struct cli_setup_places *places, const struct cli_device *device,
                            struct cli_candidates *out)
 {
-    char depth[PATH_MAX], infrared[PATH_MAX], name[CLI_DEVICE_PATH_SIZE];
+    char depth[CLI_DEVICE_PATH_SIZE], infrared[CLI_DEVICE_PATH_SIZE], name[CLI_DEVICE_PATH_SIZE];
     struct cli_candidate *candidate = strstr(device->label, " Z16") ? add(out, device->sensor)
                                                                     : NULL;
 

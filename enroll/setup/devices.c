@@ -82,16 +82,19 @@ void cli_device_usb_id(const struct cli_setup_places *places, const char *node, 
     }
 }
 
-/* The first link of this folder, by name, that leads to `resolved`. */
-static bool find_link(const char *folder, const char *resolved, char out[CLI_DEVICE_PATH_SIZE])
+/* The first link of this folder among the devices, by name, that leads to `resolved`. */
+static bool find_link(const struct cli_setup_places *places, const char *folder,
+                      const char *resolved, char out[CLI_DEVICE_PATH_SIZE])
 {
     struct dirent **entries = NULL;
-    const int n = scandir(folder, &entries, NULL, alphasort);
+    char path[PATH_MAX], target[PATH_MAX];
+    (void)snprintf(path, sizeof path, "%s/%s", places->dev, folder);
+    const int n = scandir(path, &entries, NULL, alphasort);
     bool found = false;
 
     for (int i = 0; i < n; i++) {
-        char path[PATH_MAX], target[PATH_MAX];
-        const int length = snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
+        const int length = snprintf(path, sizeof path, "%s/%s/%s", places->dev, folder,
+                                    entries[i]->d_name);
         if (!found && length > 0 && length < CLI_DEVICE_PATH_SIZE && realpath(path, target) &&
             strcmp(target, resolved) == 0) {
             memcpy(out, path, (size_t)length + 1);
@@ -107,12 +110,11 @@ void cli_device_lasting_name(const struct cli_setup_places *places, const char *
                              char out[CLI_DEVICE_PATH_SIZE])
 {
     static const char *const folders[] = {"v4l/by-id", "v4l/by-path"};
-    char folder[PATH_MAX], resolved[PATH_MAX];
+    char resolved[PATH_MAX];
 
     (void)snprintf(out, CLI_DEVICE_PATH_SIZE, "%s", node);
     for (size_t i = 0; i < 2 && realpath(node, resolved); i++) {
-        (void)snprintf(folder, sizeof folder, "%s/%s", places->dev, folders[i]);
-        if (find_link(folder, resolved, out)) {
+        if (find_link(places, folders[i], resolved, out)) {
             return;
         }
     }

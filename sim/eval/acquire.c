@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/match/icp.h"
+
 static void keep(void *context, size_t number, const struct sim_capture *capture)
 {
     struct sim_acquisition *a = context;
@@ -31,7 +33,10 @@ static int make_sample(const struct sim_capture *captures, struct sim_sample *sa
         sample->tmpl = *usable[0];
         return 0;
     }
-    return iso_template_fuse(usable, n, &sample->tmpl);
+    struct iso_icp_workspace *work = malloc(sizeof *work);
+    const int error = work ? iso_template_fuse(work, usable, n, &sample->tmpl) : -ENOMEM;
+    free(work);
+    return error;
 }
 
 static size_t group_size(const struct sim_corpus_row *row, size_t fuse)

@@ -77,21 +77,26 @@ static int capture_row(void *context, int worker, size_t row)
     if (error) {
         return error;
     }
-    struct sim_capture capture;
-    error = iso_recording_frame_new(recording, &frame);
+    struct sim_capture *capture = calloc(1, sizeof *capture);
+    error = capture ? iso_recording_frame_new(recording, &frame) : -ENOMEM;
     for (size_t i = 0; !error && i < r->count; i++) {
-        capture = (struct sim_capture){.row = row, .frame = r->first + i};
-        error = capture_frame(work, worker, recording, frame, &capture);
-        if (!error && work->options->inspect && capture.extraction.outcome == ISO_CAPTURE_OK) {
+        memset(capture, 0, sizeof *capture);
+        capture->row = row;
+        capture->frame = r->first + i;
+        error = capture_frame(work, worker, recording, frame, capture);
+        if (!error && work->options->inspect && capture->extraction.outcome == ISO_CAPTURE_OK) {
             error = work->options->inspect(work->options->inspect_context,
                                            work->first_number[row] + i, work->extractors[worker],
-                                           frame, &capture);
+                                           frame, capture);
         }
         if (!error) {
-            work->visit(work->visit_context, work->first_number[row] + i, &capture);
+            work->visit(work->visit_context, work->first_number[row] + i, capture);
         }
     }
-    explicit_bzero(&capture, sizeof capture); /* a template */
+    if (capture) {
+        explicit_bzero(capture, sizeof *capture); /* a template */
+    }
+    free(capture);
     iso_frame_free(frame);
     iso_recording_close(recording);
     return error;

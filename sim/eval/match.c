@@ -14,16 +14,19 @@ struct matching {
     const struct sim_scoring *scoring;
     struct iso_metric_vector *enrolled; /* [n_people], with a metric */
     struct sim_matches *matches;
+    struct iso_rerank_workspace *rerank;    /* of each thread */
+    struct iso_icp_workspace *registration; /* of each thread */
 };
 
 /* Distance to the nearest template of every person. */
-static int measure(const struct matching *work, const struct iso_template *probe,
+static int measure(const struct matching *work, int worker, const struct iso_template *probe,
                    double *distance_mm)
 {
     const struct sim_gallery *gallery = work->gallery;
     for (size_t i = 0; i < gallery->n_templates; i++) {
         double d;
-        int error = iso_match_distance(probe, gallery->templates[i], &work->scoring->match, &d);
+        int error = iso_match_distance(&work->registration[worker], probe, gallery->templates[i],
+                                       &work->scoring->match, &d);
         if (error == -ENODATA) {
             continue; /* too few points in common: as far away as can be */
         }
@@ -84,7 +87,7 @@ static int shortlist(const double *score, size_t n_people, size_t best[ISO_RERAN
 }
 
 /* The fused score of one person. */
-static double look_again(const struct matching *work, const struct iso_template *probe,
+static double look_again(const struct matching *work, int worker, const struct iso_template *probe,
                          size_t person, double metric_score)
 {
     enum { TEMPLATES_MAX = 64 };
@@ -96,16 +99,18 @@ static double look_again(const struct matching *work, const struct iso_template 
             of_person[n++] = &gallery->templates[i]->upper;
         }
     }
-    return iso_rerank(work->scoring->metric, &probe->upper, of_person, n, metric_score);
+    return iso_rerank(&work->rerank[worker], work->scoring->metric, &probe->upper, of_person, n,
+                      metric_score);
 }
 
-static void rerank(const struct matching *work, const struct iso_template *probe, double *score)
+static void rerank(const struct matching *work, int worker, const struct iso_template *probe,
+                   double *score)
 {
     size_t best[ISO_RERANK_CANDIDATES];
     const int n = shortlist(score, work->gallery->n_people, best);
     double fused[ISO_RERANK_CANDIDATES], least = INFINITY;
     for (int i = 0; i < n; i++) {
-        fused[i] = look_again(work, probe, best[i], score[best[i]]);
+        fused[i] = look_again(work, worker, probe, best[i], score[best[i]]);
         least = fmin(least, fused[i]);
     }
     for (size_t p = 0; p < work->gallery->n_people; p++) {
@@ -116,7 +121,7 @@ static void rerank(const struct matching *work, const struct iso_template *probe
     }
 }
 
-static int search_by_metric(const struct matching *work, struct sim_sample *sample,
+static int search_by_metric(const struct matching *work, int worker, struct sim_sample *sample,
                             double *distance_mm, double *score)
 {
     const struct iso_metric *metric = work->scoring->metric;
@@ -127,23 +132,24 @@ static int search_by_metric(const struct matching *work, struct sim_sample *samp
         distance_mm[p] = NAN;
     }
     if (!error && work->scoring->rerank) {
-        rerank(work, &sample->tmpl, score);
+        rerank(work, worker, &sample->tmpl, score);
     }
     return error ? give_up(sample, error) : 0;
 }
 
-static int search(const struct matching *work, struct sim_sample *sample, double *distance_mm,
-                  double *score)
+static int search(const struct matching *work, int worker, struct sim_sample *sample,
+                  double *distance_mm, double *score)
 {
     const struct iso_cohort *cohort = work->scoring->cohort;
     struct iso_cohort_norm norm = {0};
     if (cohort) {
-        int error = iso_cohort_normalise(cohort, &sample->tmpl, &work->scoring->match, &norm);
+        int error = iso_cohort_normalise(&work->registration[worker], cohort, &sample->tmpl,
+                                         &work->scoring->match, &norm);
         if (error) {
             return give_up(sample, error);
         }
     }
-    int error = measure(work, &sample->tmpl, distance_mm);
+    int error = measure(work, worker, &sample->tmpl, distance_mm);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
         score[p] = cohort ? iso_cohort_score(norm, distance_mm[p]) : -distance_mm[p];
     }
@@ -152,7 +158,6 @@ static int search(const struct matching *work, struct sim_sample *sample, double
 
 static int match_probe(void *context, int worker, size_t probe)
 {
-    (void)worker;
     const struct matching *work = context;
     struct sim_matches *m = work->matches;
     double *distance_mm = m->distance_mm + probe * m->n_people;
@@ -162,8 +167,8 @@ static int match_probe(void *context, int worker, size_t probe)
         return 0;
     }
     int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
-    int error = work->scoring->metric ? search_by_metric(work, sample, distance_mm, score)
-                                      : search(work, sample, distance_mm, score);
+    int error = work->scoring->metric ? search_by_metric(work, worker, sample, distance_mm, score)
+                                      : search(work, worker, sample, distance_mm, score);
     m->cpu_ns[probe] = sim_thread_cpu_ns(NULL) - cpu_ns;
     m->wall_ns[probe] = sim_wall_ns(NULL) - wall_ns;
     return error;
@@ -208,9 +213,11 @@ int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisiti
     struct sim_matches *m = NULL;
     int error = sim_matches_new(corpus, acquisition, n_people, &m);
     if (!error) {
-        struct matching work = {acquisition, gallery, scoring, NULL, m};
+        struct matching work = {acquisition, gallery, scoring, NULL, m, NULL, NULL};
         work.enrolled = calloc(n_people + 1, sizeof *work.enrolled);
-        error = work.enrolled ? enrol(&work) : -ENOMEM;
+        work.rerank = calloc((size_t)threads, sizeof *work.rerank);
+        work.registration = calloc((size_t)threads, sizeof *work.registration);
+        error = work.enrolled && work.rerank && work.registration ? enrol(&work) : -ENOMEM;
         if (!error) {
             error = sim_parallel(threads, "searching", m->n_probes, match_probe, &work);
         }
@@ -218,6 +225,8 @@ int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisiti
             explicit_bzero(work.enrolled, (n_people + 1) * sizeof *work.enrolled);
         }
         free(work.enrolled);
+        free(work.rerank);
+        free(work.registration);
     }
     if (error) {
         sim_matches_free(m);

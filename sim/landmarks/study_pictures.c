@@ -86,6 +86,7 @@ struct drawing {
     const char *directory;
     const struct sim_truth *truth; /* of each frame */
     struct iso_extractor *extractor;
+    struct iso_extraction *extraction; /* of the frame that is drawn */
 };
 
 static int path_of(const struct drawing *d, struct sim_chosen_frame chosen, char path[PATH_MAX],
@@ -118,7 +119,6 @@ static int draw_frame(const struct drawing *d, struct sim_chosen_frame chosen,
 {
     const struct sim_measured_frame *f = &d->study->measurement->frames[chosen.number];
     const struct sim_corpus_row *row = &d->study->corpus->rows[f->row];
-    struct iso_extraction extraction;
     char path[PATH_MAX], title[6 * SIM_CORPUS_NAME_MAX];
     int error = iso_recording_read(recording, f->frame, frame, fault);
     if (!error) {
@@ -127,7 +127,7 @@ static int draw_frame(const struct drawing *d, struct sim_chosen_frame chosen,
     if (error) {
         return error;
     }
-    error = iso_extractor_run(d->extractor, frame, &extraction);
+    error = iso_extractor_run(d->extractor, frame, d->extraction);
     if (error) {
         return iso_fault_set(fault, error, "%s: frame %zu: %s", row->recording, f->frame,
                              strerror(-error));
@@ -135,9 +135,9 @@ static int draw_frame(const struct drawing *d, struct sim_chosen_frame chosen,
     (void)snprintf(title, sizeof title, "%s frame %zu    %s %s %s %s", row->recording, f->frame,
                    row->subject, row->pose, row->expression, row->note);
     const struct sim_fit_subject subject = {
-        d->study->model, d->extractor, &extraction, frame, &d->truth[chosen.number], title};
+        d->study->model, d->extractor, d->extraction, frame, &d->truth[chosen.number], title};
     error = sim_fit_picture(&subject, path, fault);
-    iso_template_wipe(&extraction.tmpl);
+    iso_template_wipe(&d->extraction->tmpl);
     return error;
 }
 
@@ -173,6 +173,10 @@ int sim_study_pictures(const struct sim_study *study, const char *directory, siz
     }
     drawing.truth = truth;
     error = sim_choose_frames(study->corpus, study->measurement, n_worst, &chosen, &n_chosen);
+    drawing.extraction = calloc(1, sizeof *drawing.extraction);
+    if (!error && !drawing.extraction) {
+        error = -ENOMEM;
+    }
     if (!error) {
         error = iso_extractor_new(study->model, &study->options.extract, &drawing.extractor);
     }
@@ -183,6 +187,7 @@ int sim_study_pictures(const struct sim_study *study, const char *directory, siz
         error = draw_chosen(&drawing, chosen[i], fault);
     }
     iso_extractor_free(drawing.extractor);
+    free(drawing.extraction);
     free(chosen);
     free(truth);
     return error;

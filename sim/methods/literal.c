@@ -156,7 +156,9 @@ static int distance(const void *knowledge, const void *probe, const void *galler
         .tolerance_mm = 1e-4,
     };
     struct iso_icp_result result;
-    int error = iso_icp(&source, &target, &options, &result);
+    struct iso_icp_workspace *work = malloc(sizeof *work);
+    int error = work ? iso_icp(work, &source, &target, &options, &result) : -ENOMEM;
+    free(work);
     if (!error) {
         *out = l2_norm(p, g, &result.target_from_source);
     }

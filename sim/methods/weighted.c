@@ -145,7 +145,10 @@ static int distance(const void *knowledge, const void *probe, const void *galler
 {
     (void)knowledge;
     const struct iso_match_options options = iso_match_options_default();
-    return iso_match_distance(probe, gallery, &options, out);
+    struct iso_icp_workspace *work = malloc(sizeof *work);
+    const int error = work ? iso_match_distance(work, probe, gallery, &options, out) : -ENOMEM;
+    free(work);
+    return error;
 }
 
 const struct sim_method sim_method_hfpc_weighted = {

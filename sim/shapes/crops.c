@@ -26,13 +26,16 @@ struct cutter {
     struct iso_coloured_mesh crop;
     struct sim_shape_row *rows;
     int32_t n, n_empty;
+    int32_t *pixels_at; /* [DEPTH_MAX_MM] how many of the frame, by millimetres of depth */
 };
 
 /* The depth before which a hundredth of the measured pixels lie; 0 if none is measured. */
-static int foremost_mm(const struct iso_frame *frame)
+static int foremost_mm(struct cutter *cutter, const struct iso_frame *frame)
 {
     static const size_t share = 100;
-    size_t count[DEPTH_MAX_MM] = {0}, total = 0, sum = 0;
+    int32_t *count = cutter->pixels_at;
+    size_t total = 0, sum = 0;
+    memset(count, 0, DEPTH_MAX_MM * sizeof *count);
     for (int i = 0; i < frame->width_px * frame->height_px; i++) {
         float z = frame->depth_mm[i];
         if (z > 0.0f && z < (float)DEPTH_MAX_MM) {
@@ -42,15 +45,15 @@ static int foremost_mm(const struct iso_frame *frame)
     }
     int z = 0;
     while (z + 1 < DEPTH_MAX_MM && sum * share < total) {
-        sum += count[z++];
+        sum += (size_t)count[z++];
     }
     return z;
 }
 
 /* The middle of the foremost thing; false if there is none. */
-static bool find_centre(const struct iso_frame *frame, struct iso_vec3 *out)
+static bool find_centre(struct cutter *cutter, const struct iso_frame *frame, struct iso_vec3 *out)
 {
-    double front_mm = foremost_mm(frame), n = 0.0;
+    double front_mm = foremost_mm(cutter, frame), n = 0.0;
     struct iso_vec3 sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < frame->width_px * frame->height_px; i++) {
         double z = (double)frame->depth_mm[i];
@@ -79,7 +82,7 @@ static int cut(struct cutter *cutter, const struct iso_frame *frame)
 {
     const struct iso_frame *part;
     struct iso_vec3 centre_mm;
-    if (!find_centre(frame, &centre_mm)) {
+    if (!find_centre(cutter, frame, &centre_mm)) {
         return -ENODATA;
     }
     int error = iso_clean(cutter->cleaner, frame, centre_mm, radius_mm, pitch_mm, &part);
@@ -164,7 +167,8 @@ static int cut_corpus(struct cutter *cutter, size_t number, struct iso_fault *fa
 static int make_room(struct cutter *cutter)
 {
     const struct iso_triangulate_options triangulate = {.jump_mm = jump_mm, .largest_only = true};
-    int error = iso_cleaner_new(CROP_PX_MAX, &cutter->cleaner);
+    cutter->pixels_at = calloc(DEPTH_MAX_MM, sizeof *cutter->pixels_at);
+    int error = cutter->pixels_at ? iso_cleaner_new(CROP_PX_MAX, &cutter->cleaner) : -ENOMEM;
     error = error ? error : iso_triangulator_new(CROP_PX_MAX, &triangulate, &cutter->triangulator);
     return error ? error : iso_mesh_new(CROP_PX_MAX, 2 * CROP_PX_MAX, &cutter->crop.mesh);
 }
@@ -188,6 +192,7 @@ int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written,
     iso_cleaner_free(cutter.cleaner);
     iso_triangulator_free(cutter.triangulator);
     iso_coloured_mesh_done(&cutter.crop);
+    free(cutter.pixels_at);
     free(cutter.rows);
     if (!error) {
         *n_written = cutter.n;

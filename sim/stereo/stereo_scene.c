@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "sim/stereo/lens.h"
 
@@ -21,6 +22,7 @@ struct sim_stereo_scene {
     struct iso_rigid projector_from_scene;
     float *shade;    /* of the projector's view */
     float *radiance; /* of one picture */
+    size_t histogram[LEVELS];
 };
 
 /* ---- making ----------------------------------------------------------------- */
@@ -162,12 +164,13 @@ static void look(struct sim_stereo_scene *s, enum iso_eye which, const struct si
 }
 
 /* The radiance that only a fiftieth of the middle of the picture exceeds. */
-static double brightest(const struct sim_stereo_scene *s)
+static double brightest(struct sim_stereo_scene *s)
 {
     const struct iso_camera *camera = &s->rig.built.camera[ISO_EYE_LEFT];
     size_t width = (size_t)camera->width_px, height = (size_t)camera->height_px;
-    size_t histogram[LEVELS] = {0}, n = 0;
+    size_t n = 0;
     float largest = 0.0f;
+    memset(s->histogram, 0, sizeof s->histogram);
     for (int pass = 0; pass < 2; pass++) {
         for (size_t row = height / 4; row < height * 3 / 4; row++) {
             for (size_t column = width / 4; column < width * 3 / 4; column++) {
@@ -175,7 +178,7 @@ static double brightest(const struct sim_stereo_scene *s)
                 if (pass == 0) {
                     largest = value > largest ? value : largest;
                 } else {
-                    histogram[(size_t)(value / largest * (LEVELS - 1))]++;
+                    s->histogram[(size_t)(value / largest * (LEVELS - 1))]++;
                     n++;
                 }
             }
@@ -186,7 +189,7 @@ static double brightest(const struct sim_stereo_scene *s)
     }
     size_t above = 0;
     int level = LEVELS - 1;
-    while (level > 1 && (above += histogram[level]) < n / 50) {
+    while (level > 1 && (above += s->histogram[level]) < n / 50) {
         level--;
     }
     return (double)largest * level / (LEVELS - 1);

@@ -126,7 +126,10 @@ static int enrol(struct booth *booth, const struct sim_train_cohort_options *opt
 static int run(const struct sim_train_cohort_options *options, struct booth *booths,
                struct iso_template *templates, struct sim_train_cohort_report *report)
 {
-    struct iso_extraction extraction;
+    struct iso_extraction *extraction = calloc(1, sizeof *extraction);
+    if (!extraction) {
+        return -ENOMEM;
+    }
     uint32_t n = 0, n_frames = 0;
     int error = 0;
     const bool shown = sim_progress_begin("rendering the cohort", options->n_people);
@@ -134,14 +137,15 @@ static int run(const struct sim_train_cohort_options *options, struct booth *boo
          !error && n < options->n_people && person < PEOPLE_PER_TEMPLATE_MAX * options->n_people;
          person++) {
         struct booth *booth = &booths[n % (uint32_t)options->n_sensors];
-        error = enrol(booth, options, person, &n_frames, &extraction);
-        if (!error && extraction.outcome == ISO_CAPTURE_OK) {
-            templates[n++] = extraction.tmpl;
+        error = enrol(booth, options, person, &n_frames, extraction);
+        if (!error && extraction->outcome == ISO_CAPTURE_OK) {
+            templates[n++] = extraction->tmpl;
             sim_progress_step(1);
         }
     }
     sim_progress_end(shown);
-    explicit_bzero(&extraction, sizeof extraction);
+    explicit_bzero(extraction, sizeof *extraction);
+    free(extraction);
     if (!error && n < options->n_people) {
         error = -ENODATA;
     }

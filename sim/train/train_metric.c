@@ -380,16 +380,41 @@ static int calibrate(struct held_out *held, struct iso_metric *metric)
     return 0;
 }
 
+/* Pairs whose upper faces are fitted, and the working memory of each thread. */
+struct fitting {
+    struct pair *list;
+    struct iso_rerank_workspace *work;
+};
+
 static int fit_upper_faces(void *context, int worker, size_t number)
 {
-    (void)worker;
-    struct pair *pair = &((struct pair *)context)[number];
+    const struct fitting *fitting = context;
+    struct pair *pair = &fitting->list[number];
     const struct iso_upper_face *enrolled = &pair->enrolled->upper;
     double rms_mm;
-    if (iso_rerank_misfit(&pair->probe->upper, &enrolled, 1, &rms_mm) == 0) {
+    if (iso_rerank_misfit(&fitting->work[worker], &pair->probe->upper, &enrolled, 1, &rms_mm) ==
+        0) {
         pair->fit = -log(rms_mm);
     }
     return 0;
+}
+
+/* Of people who are the same, and of those who are not. */
+static int fit_pairs(int threads, const struct pairs *mated, const struct pairs *other)
+{
+    struct iso_rerank_workspace *work = calloc((size_t)threads, sizeof *work);
+    if (!work) {
+        return -ENOMEM;
+    }
+    struct fitting own = {mated->list, work}, others = {other->list, work};
+    int error = sim_parallel(threads, "fitting faces of one person", mated->n, fit_upper_faces,
+                             &own);
+    if (!error) {
+        error = sim_parallel(threads, "fitting faces of two people", other->n, fit_upper_faces,
+                             &others);
+    }
+    free(work);
+    return error;
 }
 
 /* Leaves one comparison in so many: a misfit takes a thousand times longer than a score. */
@@ -406,11 +431,7 @@ static int learn_rerank(const struct training *t, struct held_out *held, struct 
 {
     struct pairs *other = &held->other;
     thin(other, other->n / OTHERS_FITTED + 1);
-    int error = sim_parallel(t->options->threads, "fitting faces of one person", held->mated.n,
-                             fit_upper_faces, held->mated.list);
-    error = error ? error
-                  : sim_parallel(t->options->threads, "fitting faces of two people", other->n,
-                                 fit_upper_faces, other->list);
+    int error = fit_pairs(t->options->threads, &held->mated, other);
     double *score = calloc(other->n + 1, sizeof *score), *fit = calloc(other->n + 1, sizeof *fit);
     error = score && fit ? error : -ENOMEM;
     for (size_t i = 0; !error && i < other->n; i++) {

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -277,17 +278,25 @@ int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_c
                  sim_visit_listener *listener, void *context, struct sim_visit *visits,
                  size_t *n_visits, struct iso_fault *fault)
 {
-    struct sim_trace trace = {.on = false};
-    struct rehearsal r = {.options = options,
-                          .fault = fault,
-                          .clock = sim_virtual_clock_start(),
-                          .trace = options->picture ? &trace : NULL};
-    int error = open_doors(&r);
-    error = error ? error : play(&r, corpus, listener, context, visits, n_visits);
-    for (size_t i = 0; i < SIM_LEVELS; i++) {
-        sim_rehearsal_door_close(&r.doors[i]);
+    struct rehearsal *r = calloc(1, sizeof *r);
+    struct sim_trace *trace = calloc(1, sizeof *trace); /* on = false */
+    if (!r || !trace) {
+        free(r);
+        free(trace);
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    sim_shared_extraction_done(&r.shared);
-    sim_trace_done(&trace);
+    r->options = options;
+    r->fault = fault;
+    r->clock = sim_virtual_clock_start();
+    r->trace = options->picture ? trace : NULL;
+    int error = open_doors(r);
+    error = error ? error : play(r, corpus, listener, context, visits, n_visits);
+    for (size_t i = 0; i < SIM_LEVELS; i++) {
+        sim_rehearsal_door_close(&r->doors[i]);
+    }
+    sim_shared_extraction_done(&r->shared);
+    sim_trace_done(trace);
+    free(r);
+    free(trace);
     return error;
 }

@@ -19,6 +19,9 @@
 #include "tests/bench/icp_pcl.h"
 #include "tests/bench/machine.h"
 
+/* What registrations work in. */
+static struct iso_icp_workspace registration;
+
 enum { GROUPS = 12, IN_GROUP = 32, POINTS = GROUPS * IN_GROUP, PAIRS = 200, ITERATIONS = 100 };
 
 struct pair {
@@ -67,7 +70,7 @@ static int by_icp(const struct pair *pair, struct iso_affine *out, enum iso_icp_
     const struct iso_icp_options options = {
         .pairing = pairing, .trim = 1.0, .iterations_max = ITERATIONS, .tolerance_mm = 1e-6};
     struct iso_icp_result result;
-    const int error = iso_icp(&source, &target, &options, &result);
+    const int error = iso_icp(&registration, &source, &target, &options, &result);
     *out = result.target_from_source;
     return error;
 }

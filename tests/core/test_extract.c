@@ -20,6 +20,9 @@
 #include "tests/core/shipped_model.h"
 #include "tests/core/tasks_backwards.h"
 
+/* What registrations work in. */
+static struct iso_icp_workspace registration;
+
 struct fixture {
     struct iso_head_model *model;
     struct iso_extract_options options;
@@ -212,7 +215,8 @@ static double distance_of_method(struct fixture *f, enum iso_heat_method method)
     f->out.tmpl.algorithm = first.algorithm; /* they must not be compared but by a test */
     const struct iso_match_options options = iso_match_options_default();
     double distance_mm = INFINITY;
-    assert_int_equal(iso_match_distance(&f->out.tmpl, &first, &options, &distance_mm), 0);
+    assert_int_equal(
+        iso_match_distance(&registration, &f->out.tmpl, &first, &options, &distance_mm), 0);
     iso_extractor_free(other);
     return distance_mm;
 }

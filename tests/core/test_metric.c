@@ -14,6 +14,9 @@
 
 enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
 
+/* What the functions under test work in. */
+static struct iso_rerank_workspace work;
+
 /* Mean curves that lie in no plane, of landmarks 1 and 4; heights at three
  * nodes of the upper face; axes that look at all of it. */
 static struct iso_metric *new_metric(void)
@@ -373,7 +376,7 @@ static void a_search_takes_all_templates_of_a_person_together(void **state)
     const struct iso_search_entry entries[] = {{5, &t[0]}, {5, &t[1]}, {6, &empty}, {7, &t[2]}};
     struct iso_search_hit hits[3];
     int n = -1;
-    assert_int_equal(iso_search_by_metric(entries, 4, &t[3], m, hits, 3, &n), 0);
+    assert_int_equal(iso_search_by_metric(&work, entries, 4, &t[3], m, hits, 3, &n), 0);
     assert_int_equal(n, 2);
     for (int i = 0; i < n; i++) {
         const struct iso_metric_vector *person = hits[i].person == 5 ? &both : &v[2];
@@ -382,12 +385,12 @@ static void a_search_takes_all_templates_of_a_person_together(void **state)
         assert_true(isnan(hits[i].distance_mm));
     }
     assert_true(hits[0].score >= hits[1].score && hits[0].person != hits[1].person);
-    assert_int_equal(iso_search_by_metric(entries, 0, &t[3], m, hits, 3, &n), 0);
+    assert_int_equal(iso_search_by_metric(&work, entries, 0, &t[3], m, hits, 3, &n), 0);
     assert_int_equal(n, 0);
     n = 17;
-    assert_int_equal(iso_search_by_metric(entries, 4, &empty, m, hits, 3, &n), -ENODATA);
+    assert_int_equal(iso_search_by_metric(&work, entries, 4, &empty, m, hits, 3, &n), -ENODATA);
     t[1].algorithm++;
-    assert_int_equal(iso_search_by_metric(entries, 4, &t[3], m, hits, 3, &n), -EINVAL);
+    assert_int_equal(iso_search_by_metric(&work, entries, 4, &t[3], m, hits, 3, &n), -EINVAL);
     assert_int_equal(n, 17);
     iso_metric_free(m);
 }

@@ -11,6 +11,9 @@
 #include "core/match/icp.h"
 #include "core/match/rigid.h"
 
+/* What registrations work in. */
+static struct iso_icp_workspace registration;
+
 enum { N = 60 };
 
 /* Points of an irregular cloud, different along each axis. */
@@ -154,7 +157,7 @@ static void icp_recovers_a_motion_despite_outliers(void **state)
     struct iso_icp_points b = {3, 20, (const float(*)[3])target, target_weight};
     const struct iso_icp_options options = {ISO_ICP_RIGID, ISO_ICP_ORDERED, 0.8, 50, 1e-6, NULL};
     struct iso_icp_result result;
-    assert_int_equal(iso_icp(&a, &b, &options, &result), 0);
+    assert_int_equal(iso_icp(&registration, &a, &b, &options, &result), 0);
     assert_true(result.converged);
     assert_int_equal(result.pairs, N - 1);
     assert_true(result.distance_mm < 1e-4);
@@ -173,14 +176,14 @@ static void icp_refuses_what_it_cannot_do(void **state)
     struct iso_icp_options options = {ISO_ICP_RIGID, ISO_ICP_NEAREST, 0.8, 5, 1e-6, NULL};
     struct iso_icp_result result;
     b.n_groups = 2;
-    assert_int_equal(iso_icp(&a, &b, &options, &result), -EINVAL);
+    assert_int_equal(iso_icp(&registration, &a, &b, &options, &result), -EINVAL);
     b = a;
     options.trim = 0.0;
-    assert_int_equal(iso_icp(&a, &b, &options, &result), -EINVAL);
+    assert_int_equal(iso_icp(&registration, &a, &b, &options, &result), -EINVAL);
     options.trim = 1.0;
     float empty[N] = {0};
     b.weight = empty;
-    assert_int_equal(iso_icp(&a, &b, &options, &result), -ENODATA);
+    assert_int_equal(iso_icp(&registration, &a, &b, &options, &result), -ENODATA);
 }
 
 int main(void)

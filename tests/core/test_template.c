@@ -14,6 +14,9 @@
 #include "core/math/bytes.h"
 #include "core/math/crc32.h"
 
+/* What registrations work in. */
+static struct iso_icp_workspace registration;
+
 enum { COHORT = 12 };
 
 /* The "face" of a made-up person: curves whose shape depends on the number, moved as a whole by
@@ -138,8 +141,8 @@ static void distance_does_not_see_how_a_face_is_placed(void **state)
     struct iso_template a = person(1, 0.0f, 0.0f), moved = person(1, 4.0f, 0.0f);
     struct iso_template other = person(2, 0.0f, 0.0f);
     double same, different;
-    assert_int_equal(iso_match_distance(&a, &moved, &options, &same), 0);
-    assert_int_equal(iso_match_distance(&a, &other, &options, &different), 0);
+    assert_int_equal(iso_match_distance(&registration, &a, &moved, &options, &same), 0);
+    assert_int_equal(iso_match_distance(&registration, &a, &other, &options, &different), 0);
     assert_true(same < 1e-3);
     assert_true(different > 0.3);
 }
@@ -151,10 +154,10 @@ static void distance_refuses_what_cannot_be_compared(void **state)
     struct iso_template a = person(1, 0.0f, 0.0f), b = a;
     double distance;
     b.algorithm++;
-    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), -EINVAL);
+    assert_int_equal(iso_match_distance(&registration, &a, &b, &options, &distance), -EINVAL);
     b = a;
     b.n_points--;
-    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), -EINVAL);
+    assert_int_equal(iso_match_distance(&registration, &a, &b, &options, &distance), -EINVAL);
     b = a;
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         for (int i = 0; i < b.n_points; i++) {
@@ -162,9 +165,9 @@ static void distance_refuses_what_cannot_be_compared(void **state)
             b.weight[1][l][i] = i < 12 ? 0.0f : 1.0f; /* a quarter is left */
         }
     }
-    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), -ENODATA);
+    assert_int_equal(iso_match_distance(&registration, &a, &b, &options, &distance), -ENODATA);
     options.trim = 0.3;
-    assert_int_equal(iso_match_distance(&a, &a, &options, &distance), -EINVAL);
+    assert_int_equal(iso_match_distance(&registration, &a, &a, &options, &distance), -EINVAL);
 }
 
 /* What is left out neither registers nor counts nor is missed. */
@@ -186,15 +189,15 @@ static void distance_leaves_landmarks_out(void **state)
         options.left_out[l] = true;
     }
     options.trim = 1.0;
-    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), 0);
+    assert_int_equal(iso_match_distance(&registration, &a, &b, &options, &distance), 0);
     assert_true(distance > 0.1);
     options.left_out[ISO_LM_NASION] = true;
-    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), 0);
+    assert_int_equal(iso_match_distance(&registration, &a, &b, &options, &distance), 0);
     assert_true(distance < 1e-3);
     options.left_out[ISO_LM_NOSE_TIP] = true;
-    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), -EINVAL);
+    assert_int_equal(iso_match_distance(&registration, &a, &b, &options, &distance), -EINVAL);
     options = iso_match_options_default();
-    assert_int_equal(iso_match_distance(&a, &b, &options, &distance), -ENODATA);
+    assert_int_equal(iso_match_distance(&registration, &a, &b, &options, &distance), -ENODATA);
 }
 
 static void fusing_averages_noise_away(void **state)
@@ -204,17 +207,17 @@ static void fusing_averages_noise_away(void **state)
     struct iso_template truth = person(1, 0.0f, 0.0f);
     const struct iso_template *both[2] = {&one, &two};
     one.learned = true;
-    assert_int_equal(iso_template_fuse(both, 2, &fused), 0);
+    assert_int_equal(iso_template_fuse(&registration, both, 2, &fused), 0);
     assert_int_equal(fused.n_frames, 2);
     assert_false(fused.learned);
     struct iso_match_options options = iso_match_options_default();
     double noisy, clean;
-    assert_int_equal(iso_match_distance(&one, &truth, &options, &noisy), 0);
-    assert_int_equal(iso_match_distance(&fused, &truth, &options, &clean), 0);
+    assert_int_equal(iso_match_distance(&registration, &one, &truth, &options, &noisy), 0);
+    assert_int_equal(iso_match_distance(&registration, &fused, &truth, &options, &clean), 0);
     assert_true(clean < 0.3 * noisy);
     two.algorithm++;
-    assert_int_equal(iso_template_fuse(both, 2, &fused), -EINVAL);
-    assert_int_equal(iso_template_fuse(both, 0, &fused), -EINVAL);
+    assert_int_equal(iso_template_fuse(&registration, both, 2, &fused), -EINVAL);
+    assert_int_equal(iso_template_fuse(&registration, both, 0, &fused), -EINVAL);
 }
 
 static struct iso_cohort *make_cohort(void)
@@ -260,15 +263,18 @@ static void search_finds_the_person_and_only_the_person(void **state)
     struct iso_match_options options = iso_match_options_default();
     struct iso_search_hit hits[2];
     int n = -1;
-    assert_int_equal(iso_search(entries, 6, &probe, cohort, &options, hits, 2, &n), 0);
+    assert_int_equal(iso_search(&registration, entries, 6, &probe, cohort, &options, hits, 2, &n),
+                     0);
     assert_int_equal(n, 2);
     assert_int_equal(hits[0].person, 2);
     assert_true(hits[1].person != 2);
     assert_true(hits[0].score > 0.8 && hits[1].score < 0.5);
-    assert_int_equal(iso_search(entries, 0, &probe, cohort, &options, hits, 2, &n), 0);
+    assert_int_equal(iso_search(&registration, entries, 0, &probe, cohort, &options, hits, 2, &n),
+                     0);
     assert_int_equal(n, 0);
     gallery[3].algorithm++;
-    assert_int_equal(iso_search(entries, 6, &probe, cohort, &options, hits, 2, &n), -EINVAL);
+    assert_int_equal(iso_search(&registration, entries, 6, &probe, cohort, &options, hits, 2, &n),
+                     -EINVAL);
     iso_cohort_free(cohort);
 }
 

@@ -15,6 +15,9 @@
 #include "core/match/search.h"
 #include "core/match/upper_surface.h"
 
+/* What the functions under test work in. */
+static struct iso_rerank_workspace work;
+
 /* A vaulted forehead with a nose, brows that are not symmetric, and a wave that depends on who it
  * is. */
 static double height_mm(int who, double x, double y)
@@ -138,7 +141,7 @@ static void a_face_fits_itself_however_it_is_moved(void **state)
         const struct iso_rigid motion = motion_of(m[0], m[1], m[2], m[3], m[4], m[5]);
         const struct iso_upper_face moved = moved_face(2, &motion);
         struct iso_upper_fit fit;
-        assert_int_equal(iso_upper_fit(&moved, &surface, &fit), 0);
+        assert_int_equal(iso_upper_fit(&work.fit, &moved, &surface, &fit), 0);
         /* Along z nodes come to lie on nodes. Else the surface between them is off by what linear
          * interpolation is: an eighth of the curvature (up to 0.1 / mm) times 3 mm squared. */
         assert_true(fit.rms_mm < (i == 0 ? 1e-3 : 0.06));
@@ -160,7 +163,7 @@ static void another_face_fits_worse(void **state)
     struct iso_upper_surface surface;
     struct iso_upper_fit fit;
     iso_upper_surface_of(&a, &surface);
-    assert_int_equal(iso_upper_fit(&b, &surface, &fit), 0);
+    assert_int_equal(iso_upper_fit(&work.fit, &b, &surface, &fit), 0);
     assert_true(fit.rms_mm > 0.3);
 }
 
@@ -179,10 +182,10 @@ static void too_little_in_common_is_said(void **state)
         }
     }
     iso_upper_surface_of(&left, &surface);
-    assert_int_equal(iso_upper_fit(&right, &surface, &fit), -ENODATA);
-    assert_int_equal(iso_upper_fit(&none, &surface, &fit), -ENODATA);
+    assert_int_equal(iso_upper_fit(&work.fit, &right, &surface, &fit), -ENODATA);
+    assert_int_equal(iso_upper_fit(&work.fit, &none, &surface, &fit), -ENODATA);
     iso_upper_surface_of(&none, &surface);
-    assert_int_equal(iso_upper_fit(&whole, &surface, &fit), -ENODATA);
+    assert_int_equal(iso_upper_fit(&work.fit, &whole, &surface, &fit), -ENODATA);
     assert_true(fit.rms_mm == 17.0);
 }
 
@@ -272,24 +275,24 @@ static void a_fused_score_is_the_weighted_sum(void **state)
     const struct iso_upper_face other = face_of(3), own = moved_face(2, &motion);
     const struct iso_upper_face *person[] = {&other, &own};
     double other_mm, own_mm, both_mm;
-    assert_int_equal(iso_rerank_misfit(&probe, &person[0], 1, &other_mm), 0);
-    assert_int_equal(iso_rerank_misfit(&probe, &person[1], 1, &own_mm), 0);
-    assert_int_equal(iso_rerank_misfit(&probe, person, 2, &both_mm), 0);
+    assert_int_equal(iso_rerank_misfit(&work, &probe, &person[0], 1, &other_mm), 0);
+    assert_int_equal(iso_rerank_misfit(&work, &probe, &person[1], 1, &own_mm), 0);
+    assert_int_equal(iso_rerank_misfit(&work, &probe, person, 2, &both_mm), 0);
     assert_true(own_mm < other_mm && both_mm == own_mm);
-    const double score = iso_rerank(m, &probe, person, 2, 3.0);
+    const double score = iso_rerank(&work, m, &probe, person, 2, 3.0);
     assert_true(fabs(score - (0.5 * 3.0 - 2.0 * log(own_mm) + 0.25)) < 1e-9);
     /* The same surface cannot be told from one that is hardly off. */
     assert_int_equal(
-        iso_rerank_misfit(&probe, (const struct iso_upper_face *[]){&probe}, 1, &own_mm), 0);
+        iso_rerank_misfit(&work, &probe, (const struct iso_upper_face *[]){&probe}, 1, &own_mm), 0);
     assert_true(own_mm == ISO_RERANK_RMS_MIN_MM);
     /* Without surfaces, or without weights, it is the metric's. */
-    assert_true(iso_rerank(m, &probe, person, 0, 3.0) == 3.0);
+    assert_true(iso_rerank(&work, m, &probe, person, 0, 3.0) == 3.0);
     memset(&probe, 0, sizeof probe);
-    assert_int_equal(iso_rerank_misfit(&probe, person, 2, &own_mm), -ENODATA);
-    assert_true(iso_rerank(m, &probe, person, 2, 3.0) == 3.0);
+    assert_int_equal(iso_rerank_misfit(&work, &probe, person, 2, &own_mm), -ENODATA);
+    assert_true(iso_rerank(&work, m, &probe, person, 2, 3.0) == 3.0);
     m->rerank = (struct iso_rerank_weights){0.0f, 0.0f, 0.0f};
     probe = face_of(2);
-    assert_true(iso_rerank(m, &probe, person, 2, 3.0) == 3.0);
+    assert_true(iso_rerank(&work, m, &probe, person, 2, 3.0) == 3.0);
     iso_metric_free(m);
 }
 
@@ -310,7 +313,8 @@ static void a_search_looks_again_at_the_best(void **state)
     struct iso_metric plain = *m;
     plain.rerank = (struct iso_rerank_weights){0.0f, 0.0f, 0.0f};
     int n = 0;
-    assert_int_equal(iso_search_by_metric(entries, PEOPLE, &probe, &plain, hits, PEOPLE, &n), 0);
+    assert_int_equal(iso_search_by_metric(&work, entries, PEOPLE, &probe, &plain, hits, PEOPLE, &n),
+                     0);
     assert_int_equal(n, ISO_RERANK_CANDIDATES);
     assert_true(hits[0].person != 104);
     int64_t left_out = 0;
@@ -321,7 +325,7 @@ static void a_search_looks_again_at_the_best(void **state)
         }
         left_out = there ? left_out : 100 + i;
     }
-    assert_int_equal(iso_search_by_metric(entries, PEOPLE, &probe, m, hits, 2, &n), 0);
+    assert_int_equal(iso_search_by_metric(&work, entries, PEOPLE, &probe, m, hits, 2, &n), 0);
     assert_int_equal(n, 2);
     assert_int_equal(hits[0].person, 104);
     assert_true(hits[0].score > hits[1].score && hits[1].person != left_out);

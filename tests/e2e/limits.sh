@@ -80,12 +80,21 @@ for stack_kib in 8192 256; do
 done
 
 # The least stack is enough for the deepest calls, of the main thread and of the others.
-stack_kib=1024
+stack_kib=256
 memory_mib=1000
 before=$((tried - worked))
 run_all
 [ $((tried - worked)) -eq $((before + 1)) ] || { # nobody is on the bus that the client asks
     echo "not everything works with a stack of $stack_kib KiB" >&2
+    faults=$((faults + 1))
+}
+
+# One that is less is refused with one line.
+stack_kib=192
+before=$worked
+try 60 "$build/sim/isotherm-sim" replay --corpus "$corpus" --out "$story_directory/replay"
+[ "$worked" -eq "$before" ] && grep -q 'the stack is limited to 192 KiB' "$story_directory/err" || {
+    echo "a stack of $stack_kib KiB is not refused" >&2
     faults=$((faults + 1))
 }
 

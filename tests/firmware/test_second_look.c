@@ -10,6 +10,9 @@
 
 enum { PEOPLE = 30 };
 
+/* What the functions under test work in. */
+static struct iso_rerank_workspace work;
+
 /* A slope with a wave that depends on who it is. */
 static struct iso_upper_face face_of(int who)
 {
@@ -93,9 +96,10 @@ static void scores_are_fused_and_fall(void **state)
         const int64_t person = rig->hits[i].person;
         const struct iso_upper_face face = face_of((int)person);
         const struct iso_upper_face *own = &face;
-        assert_float_equal(
-            rig->hits[i].score,
-            iso_rerank(&metric, &rig->probe.upper, &own, 1, 3.0 - 0.1 * (double)(person - 1)), 0.0);
+        assert_float_equal(rig->hits[i].score,
+                           iso_rerank(&work, &metric, &rig->probe.upper, &own, 1,
+                                      3.0 - 0.1 * (double)(person - 1)),
+                           0.0);
         assert_true(i == 0 || rig->hits[i].score <= rig->hits[i - 1].score);
         assert_false(seen[person]);
         seen[person] = true;

@@ -8,6 +8,9 @@
 #include "core/math/crc32.h"
 #include "tests/fuzz/fuzz.h"
 
+/* What registrations work in. */
+static struct iso_icp_workspace registration;
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     uint8_t *bytes = fuzz_copy(data, size);
@@ -21,7 +24,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         double distance_mm;
         int written = iso_template_serialise(&tmpl, again, sizeof again);
         fuzz_check(written == (int)size, "what was read can be written");
-        fuzz_check(iso_match_distance(&tmpl, &tmpl, &options, &distance_mm) != 0 ||
+        fuzz_check(iso_match_distance(&registration, &tmpl, &tmpl, &options, &distance_mm) != 0 ||
                        (distance_mm >= 0.0 && distance_mm < 1e-3),
                    "no distance from a template to itself");
     }

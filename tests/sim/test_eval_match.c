@@ -16,6 +16,12 @@
 #include "sim/eval/parallel.h"
 #include "sim/random.h"
 
+/* What registrations work in. */
+static struct iso_icp_workspace registration;
+
+/* What the functions under test work in. */
+static struct iso_rerank_workspace work;
+
 /* A template of random points, the same for the same person, moved about by `noise_mm`. */
 static struct iso_template person_template(uint64_t person, double noise_mm, uint64_t take)
 {
@@ -107,8 +113,10 @@ static void test_best_template_counts(void **state)
     double far, near;
     assert_int_equal(m->n_probes, 2);
     assert_int_equal(m->sample[1], 5);
-    assert_int_equal(iso_match_distance(&samples[5].tmpl, &samples[0].tmpl, &options, &far), 0);
-    assert_int_equal(iso_match_distance(&samples[5].tmpl, &samples[2].tmpl, &options, &near), 0);
+    assert_int_equal(
+        iso_match_distance(&registration, &samples[5].tmpl, &samples[0].tmpl, &options, &far), 0);
+    assert_int_equal(
+        iso_match_distance(&registration, &samples[5].tmpl, &samples[2].tmpl, &options, &near), 0);
     assert_true(near < far);
     assert_float_equal(m->distance_mm[3], near, 0.0);
     assert_float_equal(m->score[3], -near, 0.0); /* without a cohort */
@@ -257,7 +265,8 @@ static void test_the_best_are_looked_at_again(void **state)
                 const struct iso_upper_face *own = &seen[p].tmpl.upper;
                 assert_float_equal(
                     fused->score[p],
-                    iso_rerank(metric, &seen[PEOPLE].tmpl.upper, &own, 1, plain->score[p]), 0.0);
+                    iso_rerank(&work, metric, &seen[PEOPLE].tmpl.upper, &own, 1, plain->score[p]),
+                    0.0);
                 least = fmin(least, fused->score[p]);
                 again++;
             } else if (better >= ISO_RERANK_CANDIDATES && pass == 1) {
