@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -48,15 +49,33 @@ int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault
 
 /* ---- opening ---- */
 
+/* A file that is to be empty is made anew. The one of that name may be a second name of a file that
+ * is needed, which would be emptied, or belong to somebody who could then read what is written. */
+static bool makes_anew(int flags)
+{
+    return (flags & O_CREAT) && (flags & O_TRUNC);
+}
+
+static int take_away(const char *path, struct iso_fault *fault)
+{
+    return unlink(path) && errno != ENOENT ? iso_fault_set(fault, -errno, "%s: %m", path) : 0;
+}
+
 int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, struct iso_fault *fault)
 {
     struct stat status;
     const uint64_t most = flags & O_TRUNC ? ISO_FILE_ANY_SIZE : max_bytes;
     if (lstat(path, &status) == 0) { /* else open() says why not, or makes the file */
-        const int error = check_status(path, &status, most, fault);
+        int error = check_status(path, &status, most, fault);
+        if (!error && makes_anew(flags)) {
+            error = take_away(path, fault);
+        }
         if (error) {
             return error;
         }
+    }
+    if (makes_anew(flags)) {
+        flags = (flags & ~O_TRUNC) | O_EXCL;
     }
     const int opened = open(path, flags | OPEN_FLAGS, 0600);
     if (opened < 0) {

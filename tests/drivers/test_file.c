@@ -157,6 +157,34 @@ static void reads_files_that_do_not_know_their_size(void **state)
     assert_null(bytes);
 }
 
+/* Somebody has put a second name of the gallery there, or a file of his own that all may
+           read. */
+static void a_file_that_is_made_anew_is_ours_alone(void **state)
+{
+    const char *needed = scratch_path(*state, "needed"), *path = scratch_path(*state, "x.new");
+    struct stat status;
+    size_t size = 0;
+    scratch_write_text(needed, "people");
+    assert_int_equal(link(needed, path), 0);
+    assert_int_equal(chmod(needed, 0666), 0);
+    for (int i = 0; i < 2; i++) { /* over a second name, and over a file of its own */
+        int fd = -1;
+        assert_int_equal(
+            iso_file_open(path, O_WRONLY | O_CREAT | O_TRUNC, ISO_FILE_ANY_SIZE, &fd, NULL), 0);
+        assert_int_equal(fstat(fd, &status), 0);
+        assert_int_equal(status.st_size, 0);
+        assert_int_equal(status.st_nlink, 1);
+        assert_int_equal(status.st_mode & 0777, 0600);
+        assert_int_equal(write(fd, "new", 3), 3);
+        assert_int_equal(close(fd), 0);
+        assert_int_equal(chmod(path, 0666), 0);
+    }
+    char *bytes = scratch_read(needed, &size);
+    assert_int_equal(size, 6);
+    assert_memory_equal(bytes, "people", 6);
+    free(bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -166,6 +194,7 @@ int main(void)
         IN_SCRATCH(refuses_a_symbolic_link),
         IN_SCRATCH(refuses_a_socket),
         cmocka_unit_test(refuses_a_device),
+        IN_SCRATCH(a_file_that_is_made_anew_is_ours_alone),
         IN_SCRATCH(refuses_a_longer_file),
         IN_SCRATCH(says_what_open_says),
         IN_SCRATCH(makes_files_for_the_owner_alone),
