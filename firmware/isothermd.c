@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <syslog.h>
 
 #include "drivers/process/limits.h"
@@ -227,8 +228,11 @@ static int obey(int argc, char **argv)
     return run(&arguments);
 }
 
+/* What is made belongs to its owner alone, whatever umask was inherited: one that takes the owner's
+ * own rights away would leave files that the next start cannot open. */
 int main(int argc, char **argv)
 {
+    (void)umask(S_IRWXG | S_IRWXO);
     const int code = iso_limits_check("isothermd") ? EXIT_FAULT : obey(argc, argv);
     return iso_output_end("isothermd") && code == EXIT_OK ? EXIT_FAULT : code;
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -264,6 +265,13 @@ static void starts_without_its_lines(void **state)
     private_bus_stop(&bus);
 }
 
+static void expect_mode(const char *path, mode_t mode)
+{
+    struct stat status;
+    assert_int_equal(stat(path, &status), 0);
+    assert_int_equal(status.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO), mode);
+}
+
 static void lives_and_dies(void **state)
 {
     struct private_bus bus;
@@ -277,7 +285,9 @@ static void lives_and_dies(void **state)
     const char *const argv[] = {PROGRAM, "--config", path, NULL};
     assert_int_equal(setenv("NOTIFY_SOCKET", scratch_path(*state, "notify"), 1), 0);
     assert_int_equal(setenv("WATCHDOG_USEC", "200000", 1), 0);
+    const mode_t mask = umask(S_IRWXU); /* whatever it inherits, its files are for it alone */
     run_start(&run, argv);
+    (void)umask(mask);
     expect_notification(&run, fd, "READY=1");
     expect_notification(&run, fd, "WATCHDOG=1"); /* an idle sensor is a living one */
     expect_notification(&run, fd, "WATCHDOG=1");
@@ -287,6 +297,8 @@ static void lives_and_dies(void **state)
     run_expect(&run, 0);
     run_free(&run);
     (void)unsetenv("WATCHDOG_USEC");
+    expect_mode(scratch_path(*state, "g.db"), 0600);
+    expect_mode(scratch_path(*state, "a.log"), 0600);
 
     /* The bus goes away: the door is looked after all the same. */
     assert_int_equal(setenv("WATCHDOG_USEC", "200000", 1), 0);
