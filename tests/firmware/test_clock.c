@@ -146,6 +146,33 @@ static void a_small_correction_is_no_fault(void **state)
     assert_string_equal(rig_record(rig, "clock"), "");
 }
 
+/* The clock jumps between the two frames of a visit. The date that counts is that of the verdict.
+ */
+static const char *visit_with_jump(struct rig *rig, int face, int64_t jump_ns)
+{
+    rig_run(rig, 8000);
+    (void)rig_news(rig);
+    rig_show(rig, face, 1);
+    rig_run(rig, 40);
+    rig->wall_ns += jump_ns;
+    rig_show(rig, face, 1);
+    rig_run(rig, 200);
+    return rig_news(rig);
+}
+
+static void jumps_by_months_during_a_visit_prolong_nobodys_limit(void **state)
+{
+    struct rig *rig = *state;
+    const int64_t months_ns = 90 * 24 * hour_ns;
+    assert_non_null(strstr(visit_with_jump(rig, ANNA, 0), "visit allow anna match 2"));
+    assert_non_null(strstr(visit_with_jump(rig, ANNA, months_ns), "visit deny anna not-valid 2"));
+    assert_non_null(strstr(visit_with_jump(rig, ANNA, -months_ns), "visit deny anna not-valid 2"));
+    assert_string_not_equal(fault(rig), "");
+    assert_non_null(strstr(visit_with_jump(rig, BOB, months_ns), "visit allow bob match 2"));
+    assert_non_null(strstr(visit_with_jump(rig, BOB, -3 * months_ns), "visit allow bob match 2"));
+    assert_non_null(strstr(visit_with_jump(rig, ANNA, 0), "visit deny anna not-valid 2"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -155,6 +182,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(nor_does_a_new_segment_of_the_log, setup, rig_teardown),
         cmocka_unit_test_setup_teardown(an_administrator_accepts_the_clock, setup, rig_teardown),
         cmocka_unit_test_setup_teardown(a_small_correction_is_no_fault, setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(jumps_by_months_during_a_visit_prolong_nobodys_limit, setup,
+                                        rig_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
