@@ -9,8 +9,11 @@
 #   make bench-door  milliseconds from the exit button to the relay, with a disk that takes 10 s: four minutes
 #   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
-#   make storage-faults  fails every call that changes a file, in six ways, in every operation that has such calls
+#   make storage-faults  fails every call that changes a file, in six ways, and kills before and behind it, in every operation
 #   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps
+#   make races    runs the tests of what has threads under the thread sanitizer
+#   make drill-bites  builds mistakes into a copy of the tree; the tests of faults have to find each of them
+#   make nightly  what is rare and slow: NIGHTLY_KILLS kills, storage-faults, drill, races, drill-bites; `make levels` is apart
 #   make levels   counts who is refused and let in at each security level in 3,000 visits: an hour; ICT=DIR has the head model
 #   make packages makes the Debian packages in build/packages and checks them
 #   make packages-arm64  cross-builds those of arm64 in build/packages-arm64
@@ -22,10 +25,11 @@ PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 20
 FUZZ_SEED ?= 1
 KILLS ?= 1000
+NIGHTLY_KILLS ?= 1000
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill levels packages packages-arm64 install-check install clean
+.PHONY: demo check vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -75,7 +79,7 @@ kills:
 	cmake/install_packages.sh build test
 	cmake --preset dev
 	cmake --build --preset dev --target kill_stores
-	build/dev/tests/firmware/kill_stores $(KILLS)
+	tests/firmware/fault_log.sh build/dev kills build/dev/tests/firmware/kill_stores $(KILLS)
 
 storage-faults:
 	cmake/install_packages.sh build test
@@ -86,6 +90,25 @@ drill:
 	cmake/install_packages.sh build test
 	cmake --preset dev
 	cmake --build --preset dev --target drill
+
+races:
+	cmake/install_packages.sh build test
+	cmake --preset tsan
+	cmake --build --preset tsan --target races
+	ctest --preset races -j $(JOBS)
+
+drill-bites:
+	cmake/install_packages.sh build test
+	cmake --preset dev
+	tests/firmware/drill_bites.sh build/dev
+
+nightly:
+	$(MAKE) kills KILLS=$(NIGHTLY_KILLS)
+	$(MAKE) storage-faults
+	$(MAKE) drill
+	$(MAKE) races
+	$(MAKE) drill-bites
+	tests/gate/summary.sh build/dev
 
 levels:
 	cmake/install_packages.sh build

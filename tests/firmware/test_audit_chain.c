@@ -8,6 +8,7 @@
 
 #include "tests/firmware/cmocka_headers.h"
 
+#include "firmware/audit_state.h"
 #include "tests/firmware/audit_rig.h"
 #include "tests/support/scratch.h"
 
@@ -440,6 +441,24 @@ static void a_damaged_log_in_plain_text_is_left_alone(void **state)
                    "/a.log:2: damaged, or not record 2; move the file away to begin a new log");
 }
 
+/* After an exchange of files that failed the log is opened again. Meanwhile somebody has put the
+ * file of an earlier time in its place, with its anchor: only the running daemon knows better. */
+static void what_was_written_is_missed_when_the_log_is_opened_again(void **state)
+{
+    struct iso_fault fault = {""};
+    struct iso_audit *audit = audit_rig_open(*state);
+    assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
+    copy_file(*state, "a.log", "log.one");
+    copy_file(*state, "a.log.anchor", "anchor.one");
+    assert_int_equal(audit_rig_append(audit, "two", NULL), 0);
+    copy_file(*state, "log.one", "a.log");
+    copy_file(*state, "anchor.one", "a.log.anchor");
+    assert_int_equal(iso__audit_recover(audit, &fault), -ESTALE);
+    assert_non_null(strstr(fault.text, "records are missing that were written"));
+    assert_int_not_equal(audit_rig_append(audit, "three", NULL), 0);
+    iso_audit_close(audit);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
@@ -458,6 +477,7 @@ int main(void)
         TEST(remembers_the_gallery),
         TEST(seals_a_log_in_plain_text),
         TEST(a_damaged_log_in_plain_text_is_left_alone),
+        TEST(what_was_written_is_missed_when_the_log_is_opened_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 
 #include "tests/firmware/cmocka_headers.h"
 
+#include "tests/firmware/fault_tally.h"
 #include "tests/firmware/fault_world.h"
 #include "tests/firmware/stores.h"
 #include "tests/support/broken_disk.h"
@@ -440,5 +441,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_seed_makes_the_same_plan),
         cmocka_unit_test(nobody_is_let_in_who_should_not_be),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    long faults = 0;
+    for (int i = 0; i < SIM_FAULTS; i++) {
+        faults += total.by_fault[i];
+    }
+    fault_tally_print("drill", faults, total.allowed + total.denied + total.acts, failed);
+    return failed;
 }

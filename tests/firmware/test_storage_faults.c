@@ -29,6 +29,7 @@
 #include "firmware/administration.h"
 #include "firmware/heads.h"
 #include "firmware/key_ring.h"
+#include "tests/firmware/fault_tally.h"
 #include "tests/firmware/storage_acts.h"
 #include "tests/firmware/stores.h"
 #include "tests/support/failing_disk.h"
@@ -40,7 +41,7 @@ enum { PEOPLE_SIZE = 400, CALLS_MAX = 5000 };
 struct report {
     bool done; /* it came to its end */
     int told;
-    bool out_of_service, lockdown, locked;
+    bool out_of_service, lockdown, locked, may_return;
     int records_told, grants_told;
     long calls, writes, kernel_writes;
     struct iso_fault fault;
@@ -137,6 +138,7 @@ static void act(const struct point *point)
     report->writes = failing_disk_writes();
     report->kernel_writes = failing_disk_kernel_writes();
     remember(&w, report);
+    report->may_return = failing_disk_journal_may_return();
     report->calls = failing_disk_heal();
     if (point->goes_on) {
         const bool was_lost = report->out_of_service;
@@ -236,7 +238,9 @@ static int remove_entry(const char *path, const struct stat *status, int type, s
 static bool try(const struct point *point)
 {
     *shared = (struct shared){.report = {.done = false}};
-    (void)snprintf(directory, sizeof directory, "/tmp/isotherm-storage-XXXXXX");
+    const char *place = getenv("TMPDIR");
+    (void)snprintf(directory, sizeof directory, "%s/isotherm-storage-XXXXXX",
+                   place ? place : "/tmp");
     if (!mkdtemp(directory)) {
         perror(directory);
         exit(2);
@@ -275,12 +279,16 @@ static void judge_people(const struct point *point, const struct ends *ends)
     const bool before = strcmp(found->people, ends->before.people) == 0;
     const bool after = strcmp(found->people, ends->after.people) == 0;
     const bool has_memory = !point->act->opens || point->goes_on;
+    const bool is_told = !report->out_of_service && !point->act->opens;
     if (!before && !after) {
         violation(point, "somebody is lost, or back");
     } else if (!report->told && !after) {
         violation(point, "told that it is done, and it is not");
     } else if (report->told && !report->out_of_service && !before) {
         violation(point, "told that it is not done, and it is");
+    }
+    if (is_told && report->may_return) {
+        violation(point, "a power cut may bring the state from before back");
     }
     if (has_memory && (point->goes_on || !report->out_of_service) &&
         (strcmp(found->people, report->people) != 0 || found->zoe != report->zoe)) {
@@ -338,9 +346,44 @@ static void judge(const struct point *point, const struct ends *ends)
     judge_words(point);
 }
 
+/* Whoever was killed told nobody anything: what is left is as before the change or as after it. */
+static void judge_kill(const struct point *point, const struct ends *ends)
+{
+    const struct found *found = &shared->found;
+    if (!found->done) {
+        violation(point, "what is left does not open");
+        return;
+    }
+    if (strcmp(found->people, ends->before.people) != 0 &&
+        strcmp(found->people, ends->after.people) != 0) {
+        violation(point, "somebody is lost, or back");
+    }
+    if (found->records < ends->before.records) {
+        violation(point, "records are lost");
+    }
+    if (found->lockdown != ends->before.lockdown && found->lockdown != ends->after.lockdown) {
+        violation(point, "lockdown: %d", found->lockdown);
+    }
+}
+
+static bool kill_at(struct point *point, const struct ends *ends)
+{
+    point->goes_on = false;
+    (void)!try(point);
+    if (shared->report.done) {
+        return false;
+    }
+    judge_kill(point, ends);
+    total.points++;
+    return true;
+}
+
 /* One call fails in one way. False: the act does not make so many calls. */
 static bool fail_at(struct point *point, const struct ends *ends)
 {
+    if (point->kind >= FAILING_DISK_KILLS) {
+        return kill_at(point, ends);
+    }
     for (int i = 0; i < 2; i++) {
         point->goes_on = i == 1;
         const bool ended = try(point);
@@ -414,7 +457,6 @@ int main(int argc, char **argv)
                total.violations - before);
         acts++;
     }
-    printf("storage faults: %ld points tried, %zu operations, %d ways to fail, violations %ld\n",
-           total.points, acts, FAILING_DISK_KINDS, total.violations);
-    return total.violations > 0;
+    fault_tally_print("storage faults", total.points, (long)acts, total.violations);
+    return total.violations > 0 || total.points == 0;
 }

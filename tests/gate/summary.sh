@@ -1,6 +1,7 @@
 #!/bin/sh
 # Says how many test cases of the last ctest run of a build passed, failed and were skipped: each case of a cmocka program
-# counts, and each other test is one.
+# counts, and each other test is one. Before that come the last lines of what tried faults (make drill, kills, storage-faults): of
+# the whole runs if there were any, else of those in the tests.
 # usage: summary.sh BUILD
 set -eu
 # shellcheck source=tests/support/verdict.sh
@@ -8,6 +9,15 @@ set -eu
 logs=$1/Testing/Temporary
 skipped=$logs/LastTestsDisabled.log # ctest's list of tests that said "skip" as a whole
 [ -f "$skipped" ] || skipped=/dev/null
+
+for what in drill kills 'storage faults'; do
+    whole=$1/Testing/faults/$(echo "$what" | tr ' ' -).log
+    if [ -f "$whole" ]; then
+        tail -n 1 "$whole" | grep "^$what: " || echo "$what: did not come to an end"
+    else
+        grep "^$what: [0-9]* faults\\{0,1\\} tried " "$logs/LastTest.log" || true
+    fi
+done
 
 awk -v skipped_list="$skipped" '
 BEGIN {

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -15,9 +16,14 @@
 #include <unistd.h>
 
 const char *const failing_disk_names[FAILING_DISK_KINDS] = {
-    [FAILING_DISK_ONCE] = "fails once",       [FAILING_DISK_FULL] = "is full once",
-    [FAILING_DISK_SHORT] = "writes short",    [FAILING_DISK_LIES] = "fails, but does it",
-    [FAILING_DISK_BROKEN] = "fails for good", [FAILING_DISK_DEAD] = "is dead",
+    [FAILING_DISK_ONCE] = "fails once",
+    [FAILING_DISK_FULL] = "is full once",
+    [FAILING_DISK_SHORT] = "writes short",
+    [FAILING_DISK_LIES] = "fails, but does it",
+    [FAILING_DISK_BROKEN] = "fails for good",
+    [FAILING_DISK_DEAD] = "is dead",
+    [FAILING_DISK_KILLS] = "with a kill before it",
+    [FAILING_DISK_KILLS_BEHIND] = "with a kill behind it",
 };
 
 static struct {
@@ -26,6 +32,7 @@ static struct {
     long nth;
     atomic_long calls, writes;
     long kernel_writes; /* when it was armed */
+    atomic_bool journal_pending;
 } disk;
 
 /* The kernel's count of write calls of this process, without those that fail; -1: not known. */
@@ -48,6 +55,7 @@ void failing_disk_arm(enum failing_disk_kind kind, long nth)
     disk.calls = 0;
     disk.writes = 0;
     disk.kernel_writes = count_of_kernel();
+    disk.journal_pending = false;
     disk.armed = true;
 }
 
@@ -60,6 +68,11 @@ long failing_disk_kernel_writes(void)
 {
     const long now = count_of_kernel();
     return now < 0 || disk.kernel_writes < 0 ? -1 : now - disk.kernel_writes;
+}
+
+bool failing_disk_journal_may_return(void)
+{
+    return disk.journal_pending;
 }
 
 long failing_disk_heal(void)
@@ -85,11 +98,19 @@ static enum fate fate_of_call(void)
         return WORKS;
     }
     const long call = ++disk.calls;
-    const bool lasts = disk.kind >= FAILING_DISK_BROKEN;
+    const bool lasts = disk.kind == FAILING_DISK_BROKEN || disk.kind == FAILING_DISK_DEAD;
     if (call < disk.nth || (call > disk.nth && !lasts)) {
         return WORKS;
     }
-    return disk.kind == FAILING_DISK_LIES ? LIES : disk.kind == FAILING_DISK_SHORT ? HALF : FAILS;
+    switch (disk.kind) {
+    case FAILING_DISK_LIES:
+    case FAILING_DISK_KILLS_BEHIND:
+        return LIES;
+    case FAILING_DISK_SHORT:
+        return HALF;
+    default:
+        return FAILS;
+    }
 }
 
 static enum fate fate_of_file(int fd)
@@ -99,6 +120,9 @@ static enum fate fate_of_file(int fd)
 
 static int refuse(void)
 {
+    if (disk.kind == FAILING_DISK_KILLS || disk.kind == FAILING_DISK_KILLS_BEHIND) {
+        (void)kill(getpid(), SIGKILL);
+    }
     errno = disk.kind == FAILING_DISK_FULL ? ENOSPC : EIO;
     return -1;
 }
@@ -139,9 +163,22 @@ ssize_t pwrite64(int fd, const void *bytes, size_t size, off_t at)
     return write_at(fd, bytes, size, at);
 }
 
+static bool is_directory(int fd)
+{
+    struct stat status;
+    return fstat(fd, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/* What a call does that lies is not relied upon. */
 int fsync(int fd)
 {
-    return fate_of_file(fd) == WORKS ? 0 : refuse();
+    if (fate_of_file(fd) != WORKS) {
+        return refuse();
+    }
+    if (is_directory(fd)) {
+        disk.journal_pending = false;
+    }
+    return 0;
 }
 
 int fdatasync(int fd)
@@ -181,6 +218,14 @@ int rename(const char *from, const char *to)
     return renameat2(AT_FDCWD, from, AT_FDCWD, to, 0);
 }
 
+/* Of a database of SQLite. */
+static bool is_journal(const char *path)
+{
+    static const char end[] = "-journal";
+    const size_t length = strlen(path);
+    return length >= sizeof end && strcmp(path + length - (sizeof end - 1), end) == 0;
+}
+
 int unlink(const char *path)
 {
     const enum fate fate = fate_of_call();
@@ -188,6 +233,9 @@ int unlink(const char *path)
         return refuse();
     }
     const int result = (int)syscall(SYS_unlinkat, AT_FDCWD, path, 0);
+    if (result == 0 && is_journal(path)) {
+        disk.journal_pending = true;
+    }
     return fate == LIES ? refuse() : result;
 }
 

@@ -8,13 +8,17 @@
 #ifndef TESTS_SUPPORT_FAILING_DISK_H
 #define TESTS_SUPPORT_FAILING_DISK_H
 
+#include <stdbool.h>
+
 enum failing_disk_kind {
-    FAILING_DISK_ONCE,   /* one call fails with EIO, and does nothing */
-    FAILING_DISK_FULL,   /* the same with ENOSPC */
-    FAILING_DISK_SHORT,  /* one write writes half; one other call fails with EIO */
-    FAILING_DISK_LIES,   /* one call does its work, and reports EIO nevertheless */
-    FAILING_DISK_BROKEN, /* from one call on all that write fail with EIO */
-    FAILING_DISK_DEAD,   /* the same, and those that read and open too */
+    FAILING_DISK_ONCE,         /* one call fails with EIO, and does nothing */
+    FAILING_DISK_FULL,         /* the same with ENOSPC */
+    FAILING_DISK_SHORT,        /* one write writes half; one other call fails with EIO */
+    FAILING_DISK_LIES,         /* one call does its work, and reports EIO nevertheless */
+    FAILING_DISK_BROKEN,       /* from one call on all that write fail with EIO */
+    FAILING_DISK_DEAD,         /* the same, and those that read and open too */
+    FAILING_DISK_KILLS,        /* the process is killed before one call, */
+    FAILING_DISK_KILLS_BEHIND, /* or when that one has done its work */
     FAILING_DISK_KINDS
 };
 
@@ -27,6 +31,10 @@ void failing_disk_arm(enum failing_disk_kind kind, long nth);
  * kernel counted, which are more if some did not come through here. -1: it does not say. */
 long failing_disk_writes(void);
 long failing_disk_kernel_writes(void);
+
+/* Whether a journal of SQLite's was deleted since it was armed, and its directory not synchronised
+ * after that: a power cut may bring it back, and with it the state from before the change. */
+bool failing_disk_journal_may_return(void);
 
 /* The disk works again. Returns how many calls there were since it was armed. */
 long failing_disk_heal(void);

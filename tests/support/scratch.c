@@ -15,12 +15,17 @@
 
 int scratch_setup(void **state)
 {
-    char path[] = "/tmp/isotherm-test-XXXXXX";
-    if (!mkdtemp(path)) {
+    const char *place = getenv("TMPDIR");
+    char *path = NULL;
+    if (asprintf(&path, "%s/isotherm-test-XXXXXX", place ? place : "/tmp") < 0) {
         return -1;
     }
-    *state = strdup(path);
-    return *state ? 0 : -1;
+    if (!mkdtemp(path)) {
+        free(path);
+        return -1;
+    }
+    *state = path;
+    return 0;
 }
 
 static int remove_entry(const char *path, const struct stat *status, int type, struct FTW *walk)
