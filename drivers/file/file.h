@@ -32,9 +32,9 @@ int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault
     __attribute__((warn_unused_result));
 
 /* Opens the file; `flags` are those of open(). A file that is made belongs to its owner alone
- * (0600). With O_CREAT | O_TRUNC it is always made anew: a regular file of that name is unlinked, and
- * its other names keep their content; -EEXIST if somebody makes one in between. The caller closes
- * *fd. */
+ * (0600). With O_CREAT | O_TRUNC it is always made anew: a regular file of that name is unlinked,
+ * and its other names keep their content; -EEXIST if somebody makes one in between. The caller
+ * closes *fd. */
 int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
