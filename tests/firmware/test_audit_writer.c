@@ -280,8 +280,10 @@ static void a_group_loses_only_what_cannot_be_written(void **state)
     assert_int_equal(post("before"), 0);
     assert_int_equal(post(text), 0);
     assert_int_equal(post("behind"), 0);
+    (void)told_by_log();
+    assert_int_equal(post("again"), 0); /* the loss is on record before it */
     assert_string_equal(told_by_log(), "noted hanging; noted before; noted behind; "
-                                       "records-lost 1 record; ");
+                                       "records-lost 1 record; noted again; ");
 }
 
 static void a_disk_that_is_full_loses_records_and_says_so(void **state)
