@@ -1,62 +1,329 @@
 #!/bin/bash
-# The oracles of the fault plans (test_faults.c) and of storage faults (test_storage_faults.c) see what they are there to see: each
-# of these mistakes is built into a copy of the tree, and the test has to fail on it. Some defences stand behind each other; then the
-# mistake is in both. What needs threads or a suspended machine is seen by tests of its own. Takes some minutes.
-# usage: drill_bites.sh BUILD [NAME]      BUILD: of the preset dev; NAME: only mistakes with this in their names
+# The tests of faults find the mistakes that they are there to find: each of these mistakes is built into a copy of the tree, and one
+# of the commands that are named for it has to fail. Some defences stand behind each other; then the mistake is in both. Takes half
+# an hour on two idle cores.
+# usage: drill_bites.sh BUILD [PATTERN]      BUILD: of the preset dev; PATTERN: only mistakes to which this regular expression applies,
+#        such as "rule 3: stale". DRILL_LONGEST_S in the environment: seconds after which a command hangs.
+#
+# Each line says the mistake, the command that found it, and what that command said. The last line counts them, by rule:
+#   1  after an error of COMMIT, or of an exchange of files, the truth is read from the disk
+#   2  relay, exit button, contact and tamper switch wait for nobody, and a grant waits 250 ms for its record, then the answer is DENY
+#   3  a grant is asked how old its frames are when the lock is switched
+#   4  frames that repeat one of the last ten minutes count for nothing
+#   5  files of an earlier time, in any mixture, are refused
+#   6  whatever else the plans of faults (make drill) have to find
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 build=$(cd "$1" && pwd)
 only=${2:-}
 copy=$(mktemp -d "${TMPDIR:-/var/tmp}/drill-bites.XXXXXX")
 trap 'rm -rf "$copy"' EXIT
-missed=0
-judge=(test_firmware_faults 40 500) # the test that has to fail, and its arguments
+tried=0 missed=0 outdated=0
+rule=0
+declare -A of_rule found_of_rule
+judges=() # commands, of which one has to fail; run from tests/firmware of the build
+longest_s=${DRILL_LONGEST_S:-90}
+memory=/dev/shm # for the files of tests: no mistake is one that needs a slow disk to be seen
+[ -w "$memory" ] || memory=$copy
 
 tar -C "$root" --exclude=./build --exclude=./out --exclude=./.git -cf - . | tar -C "$copy" -xf -
-cmake -S "$copy" -B "$copy/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+cmake -S "$copy" -B "$copy/build/dev" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
     -DCMAKE_C_COMPILER="$(sed -n 's/^CMAKE_C_COMPILER:[^=]*=//p' "$build/CMakeCache.txt")" >"$copy/log" 2>&1 || {
     cat "$copy/log" >&2
     exit 1
 }
 
-drill() {
-    cmake --build "$copy/build" --target "${judge[0]##*/}" >"$copy/log" 2>&1 || {
-        tail -n 20 "$copy/log" >&2
-        echo "drill_bites: $1: does not build" >&2
-        exit 1
-    }
-    timeout 300 "$copy/build/tests/firmware/${judge[0]}" "${judge[@]:1}" >"$copy/drill" 2>&1
+compile() {
+    local targets=() judge
+    for judge in "${judges[@]}"; do
+        judge=${judge%% *}
+        targets+=("${judge##*/}")
+    done
+    cmake --build "$copy/build/dev" --target "${targets[@]}" >"$copy/log" 2>&1
+}
+
+# What a command that failed said of it: the oracle's line, else the first that cmocka marks, else the last.
+word_of() {
+    if [ "$1" -eq 124 ]; then
+        echo "hangs for $longest_s s"
+        return
+    fi
+    grep -a -m 1 -E '\(seed [0-9]+, step|, call [0-9]+ ' "$copy/said" || grep -a -m 1 -E '\[  FAILED  \] [^0-9]|ERROR' "$copy/said" ||
+        tail -n 1 "$copy/said"
+}
+
+# Runs the judges until one fails; $judge and $status are then that one's. False: none does.
+find_it() {
+    local words
+    for judge in "${judges[@]}"; do
+        read -ra words <<<"$judge"
+        status=0
+        (cd "$copy/build/dev/tests/firmware" && TMPDIR=$memory timeout "$longest_s" "./${words[0]}" "${words[@]:1}") >"$copy/said" 2>&1 || status=$?
+        [ "$status" -eq 0 ] || return 0
+    done
+    return 1
+}
+
+# The judges find nothing where there is no mistake; each is asked once.
+declare -A sound
+check_judges() {
+    local wanted=("${judges[@]}") one
+    for one in "${wanted[@]}"; do
+        [ -z "${sound[$one]:-}" ] || continue
+        judges=("$one")
+        if ! compile; then
+            tail -n 20 "$copy/log" >&2
+            exit 1
+        elif find_it; then
+            cat "$copy/said" >&2
+            echo "drill_bites: without a mistake, $one: fails" >&2
+            exit 1
+        fi
+        sound[$one]=yes
+    done
+    judges=("${wanted[@]}")
 }
 
 # mistake NAME FILE OLD NEW [FILE OLD NEW]...: literal text; OLD has to be there
 mistake() {
-    name=$1
-    files=()
+    local name=$1 files=() file stale=''
     shift
-    [[ $name == *"$only"* ]] || return 0
+    [[ "rule $rule: $name" =~ $only ]] || return 0
+    check_judges
+    tried=$((tried + 1))
+    of_rule[$rule]=$((${of_rule[$rule]:-0} + 1))
     while [ $# -gt 0 ]; do
         files+=("$1")
-        OLD=$2 NEW=$3 perl -0pi -e '$n = s/\Q$ENV{OLD}\E/$ENV{NEW}/; END { exit !$n }' "$copy/$1" || {
-            echo "drill_bites: $name: $1 has no more: $2" >&2
-            exit 1
-        }
+        OLD=$2 NEW=$3 perl -0pi -e '$n = s/\Q$ENV{OLD}\E/$ENV{NEW}/; END { exit !$n }' "$copy/$1" || stale="$1 has no more: $2"
         shift 3
     done
-    if drill "$name"; then
-        missed=$((missed + 1))
-        printf '%-44s not noticed\n' "$name"
+    if [ -n "$stale" ]; then
+        outdated=$((outdated + 1))
+        printf 'rule %s  %-56s OUTDATED: %s\n' "$rule" "$name" "$stale"
+    elif ! compile; then
+        outdated=$((outdated + 1))
+        printf 'rule %s  %-56s DOES NOT BUILD: %s\n' "$rule" "$name" "$(grep -a -m 1 'error:' "$copy/log" || tail -n 1 "$copy/log")"
+    elif find_it; then
+        found_of_rule[$rule]=$((${found_of_rule[$rule]:-0} + 1))
+        printf 'rule %s  %-56s found by %s: %s\n' "$rule" "$name" "${judge##*/}" "$(word_of "$status")"
     else
-        printf '%-44s %s\n' "$name" "$(grep -m 1 -E '\(seed [0-9]+, step' "$copy/drill" || grep -m 1 -F 'ERROR' "$copy/drill" || tail -n 1 "$copy/drill")"
+        missed=$((missed + 1))
+        printf 'rule %s  %-56s NOT FOUND by %s\n' "$rule" "$name" "$(printf '%s; ' "${judges[@]##*/}")"
     fi
     for file in "${files[@]}"; do
         cp "$root/$file" "$copy/$file"
     done
 }
 
-drill 'without a mistake' || {
-    cat "$copy/drill" >&2
-    exit 1
-}
+# ---- 1: the truth is read from the disk ----
+rule=1
+judges=('storage_faults 3 remove')
+mistake 'commit: an error is believed' firmware/gallery_db.c \
+    'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'db->draft = error ? db->head : db->draft;'
+mistake 'commit: an error is taken for a success' firmware/gallery_db.c \
+    'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'error = 0;'
+mistake 'commit: what is done is told as undone' firmware/gallery_truth.c \
+    'if (is_same(&db->head, &after)) {' 'if (is_same(&db->head, &after) && is_same(&db->head, &before)) {'
+mistake 'commit: what is undone is told as done' firmware/gallery_truth.c \
+    'if (is_same(&db->head, &after)) {' 'if (is_same(&db->head, &after) || is_same(&db->head, &before)) {'
+mistake 'commit: the old connection is asked' firmware/gallery_truth.c \
+    'iso__gallery_disconnect(db);
+    int error = iso__gallery_connect(db, db->path, fault);' 'int error = 0;'
+mistake 'commit: the head is not read again' firmware/gallery_truth.c \
+    'error = error ? error : iso__gallery_read_head(db, fault);' ''
+judges=('storage_faults 3 enrol')
+mistake 'commit: an error of an enrolment is swallowed' firmware/gallery.c \
+    'error = iso_gallery_db_end(gallery->db, error, fault);' 'error = iso_gallery_db_end(gallery->db, error, fault) ? 0 : error;'
+mistake 'commit: out of service, and it goes on' firmware/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
+judges=('storage_faults 3 rename' 'storage_faults 1 rename')
+mistake 'commit: the directory is not synchronised' firmware/gallery_truth.c \
+    'return iso_directory_sync(db->path, fault);' 'return 0 * fault->text[0];'
+judges=('storage_faults 3 log')
+mistake 'log: an exchange of files is believed' firmware/audit_rotate.c \
+    '(void)!iso__audit_recover(audit, NULL); /* or before the next record */' ';'
+mistake 'log: a failed group counts' firmware/audit_append.c 'put_back(audit, before);' '(void)put_back;'
+judges=(test_firmware_audit_chain)
+mistake 'log: who lacks records is taken for the log' firmware/audit_truth.c 'if (!has_all(found, audit)) {' 'if (!has_all(found, audit) && !found) {'
+judges=('storage_faults 1 lockdown')
+mistake 'lock-out: ended in memory only' firmware/appliance_refusal.c 'appliance->lockout = *before;' '(void)before;'
+mistake 'lock-out: nobody asks what the file holds' firmware/appliance_refusal.c \
+    'if (error && !is_kept(appliance)) {' 'if (error && (!is_kept(appliance) || error)) {' \
+    firmware/lockout_file.c \
+    'if (error && iso_data_file_holds(path, bytes, sizeof bytes)) {' 'if (error && size_of_nothing(path)) {' \
+    firmware/lockout_file.c 'int iso_lockout_save(' 'static int size_of_nothing(const char *path) { return !path; }
+int iso_lockout_save('
+
+# ---- 2: the door waits for nobody ----
+rule=2
+judges=(test_firmware_slow_disk)
+mistake 'door: it waits for its records' firmware/appliance_door.c \
+    'iso_audit_writer_post(appliance->log, &record, NULL)' \
+    'iso_audit_writer_append(appliance->log, &record, ISO_NEVER_NS, NULL, NULL)'
+mistake 'door: it waits for whoever steps the appliance' firmware/door_options.c \
+    '.threaded = threaded,' '.threaded = false && threaded,'
+mistake 'door: the queue is locked while the disk works' firmware/audit_group.c \
+    '(void)pthread_mutex_unlock(&writer->mutex);
+    (void)pthread_mutex_lock(&writer->log_mutex);' '(void)pthread_mutex_lock(&writer->log_mutex);' \
+    firmware/audit_group.c \
+    '(void)pthread_mutex_lock(&writer->mutex);
+    writer->last = iso_audit_last(writer->audit);' 'writer->last = iso_audit_last(writer->audit);'
+mistake 'grant: it waits for its record without an end' firmware/appliance.c \
+    'iso_audit_writer_append(appliance->log, record, wait_ns, NULL, &own);' \
+    'iso_audit_writer_append(appliance->log, record, ISO_NEVER_NS, NULL, &own);'
+mistake 'grant: the door opens while its record waits' firmware/appliance_visit.c \
+    'error ? reason_of(error) : open_door(appliance, visit);' \
+    'error == -ETIMEDOUT ? open_door(appliance, visit) : error ? reason_of(error) : open_door(appliance, visit);'
+mistake 'grant: a full queue lets somebody in' firmware/appliance_visit.c \
+    'error ? reason_of(error) : open_door(appliance, visit);' \
+    'error == -ENOBUFS ? open_door(appliance, visit) : error ? reason_of(error) : open_door(appliance, visit);'
+mistake 'door: each edge of a contact that chatters is a record' firmware/event_limit.c \
+    'limit->passed < ISO_EVENT_LIMIT_BURST' 'limit->passed < 1000000'
+judges=(test_firmware_door_guard)
+mistake 'door: it waits until its news are taken' firmware/door_guard.c \
+    'if (guard->n == ISO_DOOR_GUARD_NEWS) {' \
+    'while (guard->n == ISO_DOOR_GUARD_NEWS) {
+        (void)pthread_mutex_unlock(&guard->mutex);
+        poll(NULL, 0, 1);
+        (void)pthread_mutex_lock(&guard->mutex);
+    }
+    if (guard->n == ISO_DOOR_GUARD_NEWS) {'
+mistake 'door: no edge wakes it' firmware/door_guard.c '{.fd = lines_fd, .events = POLLIN},' '{.fd = lines_fd < 0 ? lines_fd : -1, .events = POLLIN},'
+mistake 'door: no time wakes it' firmware/door_guard.c '{.fd = guard->timer_fd, .events = POLLIN},' '{.fd = -1, .events = POLLIN},'
+judges=(test_firmware_old_verdicts)
+mistake 'grant: its record may take 3 s' firmware/appliance.c \
+    'wait_ns = ISO_GRANT_WAIT_MS * ISO_NS_PER_MS;' 'wait_ns = 3000 * ISO_NS_PER_MS;'
+mistake 'grant: its record may take any time' firmware/appliance.c 'took_ns > wait_ns' 'took_ns < 0'
+judges=(test_firmware_audit_writer)
+mistake 'log: a grant that was given up is written' firmware/audit_writer.c \
+    'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled;'
+mistake 'log: a late grant has no outcome behind it' firmware/audit_group.c \
+    'known ? writer->awaited.sequence : 0;' 'known ? 0 : 0;'
+mistake 'log: what was lost is not said' firmware/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
+mistake 'log: whoever posts waits' firmware/audit_writer.c \
+    'error = writer->threaded ? 0 : write_now(writer, &own);' \
+    'error = writer->threaded ? !wait_for(writer, slot->ticket, ISO_NEVER_NS) : write_now(writer, &own);' \
+    firmware/audit_writer.c 'static int post(' 'static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t wait_ns);
+static int post('
+judges=('test_firmware_faults 40 500')
+mistake 'disk: the door opens without a record' firmware/appliance_visit.c \
+    'error ? reason_of(error) : open_door(appliance, visit);' 'error ? open_door(appliance, visit) : open_door(appliance, visit);'
+
+# ---- 3: how old the frames of a grant are ----
+rule=3
+judges=(test_firmware_old_verdicts)
+mistake 'stale: nobody asks how old a grant is' firmware/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'
+mistake 'stale: nobody asks again behind the switching' firmware/door_guard.c \
+    '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0'
+mistake 'stale: by a clock that stops with the machine' firmware/door_options.c \
+    '.clock = times->boottime.now_ns ? times->boottime : times->monotonic,' '.clock = times->monotonic,'
+mistake 'stale: the newest frame counts, not the oldest' firmware/decision.c \
+    '*since_ns = decision->frames[i].t_ns;' '*since_ns = t_ns;'
+mistake 'stale: counted from the verdict' firmware/appliance_door.c \
+    'const int64_t until_ns = since_ns + appliance->suspension.asleep_ns + stale_ns;' \
+    'const int64_t until_ns = iso_times_boot_ns(&appliance->parts.times) + stale_ns + 0 * since_ns;'
+mistake 'suspended: frames from before count' firmware/appliance_frame.c \
+    'frame->t_ns < appliance->suspension.awake_ns' 'frame->t_ns < 0'
+mistake 'suspended: a visit goes on' firmware/appliance.c \
+    'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times)) {' \
+    'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times) && 0) {'
+mistake 'suspended: the present time asleep is added' firmware/appliance_door.c \
+    'since_ns + appliance->suspension.asleep_ns + stale_ns;' \
+    'since_ns + iso_times_boot_ns(&appliance->parts.times) - iso_times_now_ns(&appliance->parts.times) + stale_ns;'
+mistake 'suspended: for less than a minute is not seen' firmware/suspension.c \
+    'least_ns = 10 * ISO_NS_PER_MS;' 'least_ns = 60000 * ISO_NS_PER_MS;'
+judges=(test_firmware_door_guard)
+mistake 'stale: the card of an old grant is sent' firmware/door_guard.c \
+    'error = now_ns(guard) <= guard->granted_until_ns' 'error = now_ns(guard) <= INT64_MAX'
+judges=(test_firmware_slow_disk)
+mistake 'stale: a process that was stopped goes on' firmware/appliance.c 'took_ns > wait_ns' 'took_ns < 0' \
+    firmware/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {' \
+    firmware/door_guard.c '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0' \
+    firmware/audit_writer.c 'pthread_cond_timedwait(&writer->changed, &writer->mutex, &until);' \
+    'pthread_cond_wait(&writer->changed, &writer->mutex);'
+
+# ---- 4: frames that repeat ----
+rule=4
+judges=(../core/test_presentation_frame_memory)
+mistake 'repeats: one frame is remembered' core/presentation/frame_memory.c \
+    'memory->n = memory->n < memory->options.capacity ? memory->n + 1 : memory->n;' 'memory->n = 1;'
+mistake 'repeats: an offset makes a frame new' core/presentation/frame_memory.c \
+    '(z_mm - before_mm) * steps_per_mm' 'z_mm * steps_per_mm'
+mistake 'repeats: some pixels make a frame new' core/presentation/frame_memory.h \
+    '#define ISO_FINGERPRINT_SAME 0.4' '#define ISO_FINGERPRINT_SAME 0.99'
+mistake 'repeats: remembered for one minute' core/presentation/frame_memory.c '.span_ns = INT64_C(600000000000)' '.span_ns = INT64_C(60000000000)'
+mistake 'repeats: room for one minute' core/presentation/frame_memory.c '.capacity = 18000' '.capacity = 1800'
+mistake 'repeats: a ring of frames is forgotten again' core/presentation/frame_memory.c \
+    'struct entry *entry = &memory->entries[memory->next];' 'if (known) { return known; }
+    struct entry *entry = &memory->entries[memory->next];'
+judges=(test_firmware_repeats)
+mistake 'repeats: known frames count at the door' firmware/appliance_frame.c \
+    'return !repeats && !is_echo(appliance);' 'return (repeats || !repeats) && !is_echo(appliance);'
+mistake 'repeats: known frames count for an enrolment' firmware/appliance_frame.c \
+    'capture = evidence ?' 'capture = evidence || appliance->mode == ISO_APPLIANCE_ENROLL ?'
+mistake 'repeats: known frames count for a client' firmware/appliance_frame.c \
+    'capture = evidence ?' 'capture = evidence || appliance->mode == ISO_APPLIANCE_IDENTIFY ?'
+mistake 'repeats: frames that were moving are not remembered' firmware/appliance_frame.c \
+    'const bool evidence = counts(appliance, frame);' 'const bool evidence = capture == ISO_CAPTURE_OK && counts(appliance, frame);'
+mistake 'repeats: a camera that starts again has new frames' firmware/appliance_repeat.c \
+    'appliance->repeats = (struct iso_repeat_watch){.stuck = false};
+}' 'appliance->repeats = (struct iso_repeat_watch){.stuck = false};
+    const struct iso_frame_memory_options anew = iso_frame_memory_options_default();
+    iso_frame_memory_free(appliance->shown);
+    (void)!iso_frame_memory_new(&anew, &appliance->shown);
+}'
+mistake 'repeats: a stuck camera is not on record' firmware/repeat_watch.c \
+    'ISO_REPEATS_TO_STUCK)' 'ISO_REPEATS_TO_STUCK * 1000)'
+judges=('test_firmware_faults 40 500')
+mistake 'twice, frozen: a frame agrees with itself' firmware/appliance_frame.c \
+    'appliance->liveness.repeated > 0;' 'appliance->liveness.repeated > 1000;'
+
+# ---- 5: files of an earlier time ----
+rule=5
+judges=(test_firmware_earlier_files)
+mistake 'earlier: nobody compares the stores' firmware/heads.c \
+    'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
+mistake 'earlier: the daemon does not ask' firmware/parts.c \
+    'const int error = iso_heads_check(iso_key_ring_board(parts->ring), fault);' 'const int error = 0;'
+mistake 'earlier: one less is taken' firmware/heads.c \
+    'store->count < claim->known.count[i]' 'store->count + 1 < claim->known.count[i]'
+mistake 'earlier: anchors know nothing' firmware/anchor.c \
+    'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' ''
+mistake 'earlier: the lock-out file knows nothing' firmware/lockout_file.c \
+    '.known = iso_heads_get(plain + 29),' '.known = {{0}, {0}},'
+mistake 'earlier: an old lock-out file is taken' firmware/lockout_file.c \
+    'if (file.number < needed) {' 'if (file.number + 1 == 0) {' \
+    firmware/heads.c 'store->found && store->count < claim->known.count[i]' \
+    'i != ISO_HEAD_LOCKOUT && store->found && store->count < claim->known.count[i]'
+mistake 'earlier: the gallery knows nothing' firmware/gallery_seal.c \
+    'out->known = iso_heads_get(plain + ISO_GALLERY_HEAD_1_BYTES);' 'out->known = (struct iso_heads){{0}, {0}};' \
+    firmware/anchor.c 'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' \
+    'if (anchor->kind[0] == 0x6c) { anchor->known = iso_heads_get(plain + PLAIN_1_BYTES); }'
+mistake 'earlier: the key ring has no number' firmware/key_ring.c \
+    'const uint64_t number = ring->number + 1;' 'const uint64_t number = 1;'
+mistake 'earlier: another history of the log is taken' firmware/heads.c \
+    'claim->other_link = true;' 'claim->other_link = false;'
+mistake 'earlier: nobody counts closed segments' firmware/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
+judges=(test_firmware_gallery_sealed)
+mistake 'earlier: a gallery that is gone is made anew' firmware/gallery_db.c \
+    'db->anchor && iso_anchor_state(db->anchor)->value > 0' 'db->anchor && iso_anchor_state(db->anchor)->value + 1 == 0'
+judges=(test_firmware_audit_group)
+mistake 'earlier: an anchor behind a group is taken' firmware/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'
+mistake 'group: one record ahead, and no more' firmware/audit_scan.c \
+    'audit->proved > anchor->value' 'audit->last > anchor->value + 1'
+judges=(test_firmware_lockout_unread)
+mistake 'lock-out: what cannot be read is a lockdown' firmware/appliance_refusal.c 'if (may_pass(error)) {' 'if (may_pass(error) && 0) {'
+judges=(test_firmware_refusal)
+mistake 'earlier: a lock-out file that is gone is none' firmware/lockout_file.c \
+    'return needed == 0 ? error' 'return needed + 1 != 0 ? error'
+judges=(test_firmware_earlier_files 'kill_stores 60')
+mistake 'earlier: a count is known before it is written' firmware/audit_append.c \
+    'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));' \
+    'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
+        known.count[ISO_HEAD_LOCKOUT]++;'
+
+# ---- 6: the plans of faults ----
+rule=6
+judges=('test_firmware_faults 40 500')
 mistake 'late: a pause of 1.5 s is no silence' tests/firmware/test_faults.c \
     'config->sensor.silence_ms = 2000;' 'config->sensor.silence_ms = 2000; config->sensor.pause_ms = 1500;'
 mistake 'drop: blind, and the door says nothing' firmware/appliance.c \
@@ -73,12 +340,10 @@ mistake 'gone: the sensor is kept' firmware/sensor_keeper.c '    close_sensor(ke
     return ISO_SENSOR_GONE;
 }
 
-int64_t' '    return ISO_SENSOR_FLAW;
+static int64_t' '    return ISO_SENSOR_FLAW;
 }
 
-int64_t'
-mistake 'twice, frozen: a frame agrees with itself' firmware/appliance_frame.c \
-    'appliance->liveness.repeated > 0;' 'appliance->liveness.repeated > 1000;'
+static int64_t'
 mistake 'corrupt: the last good frame is taken again' firmware/appliance_frame.c \
     'appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)' \
     'appliance->mode == ISO_APPLIANCE_CLAIMED || (extract(appliance, frame) && 0)' \
@@ -88,8 +353,7 @@ mistake 'corrupt: a score that is no number counts' firmware/decision.c \
     '!(frame->score < options->threshold) &&' \
     firmware/decision.c 'frame->score - frame->second_score >= options->margin;' \
     '!(frame->score - frame->second_score < options->margin);' \
-    firmware/appliance_visit.c 'return person && is_valid_at(person, now_s);' \
-    'return !person || is_valid_at(person, now_s);'
+    firmware/appliance_visit.c 'return person && is_valid_at(' 'return !person || is_valid_at('
 mistake 'blank: a visit has no end' firmware/decision.c \
     'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
     firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
@@ -103,84 +367,12 @@ mistake 'blank: nobody is whoever was there before' firmware/appliance_frame.c \
     'out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);'
 mistake 'clock: whom the calendar shuts out enters' firmware/appliance_frame.c \
     'face.valid = appliance->mode' 'face.valid = true || appliance->mode'
-mistake 'disk: the door opens without a record' firmware/appliance_visit.c \
-    'error ? reason_of(error) : open_door(appliance, visit);' 'error ? open_door(appliance, visit) : open_door(appliance, visit);'
 mistake 'restart: the relay keeps its power' firmware/appliance.c \
     'iso_door_guard_stop(appliance->door);' ''
 
-judge=(test_firmware_earlier_files)
-mistake 'earlier: nobody compares the stores' firmware/heads.c \
-    'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
-mistake 'earlier: anchors know nothing' firmware/anchor.c \
-    'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' ''
-mistake 'earlier: the gallery knows nothing' firmware/gallery_seal.c \
-    'out->known = iso_heads_get(plain + ISO_GALLERY_HEAD_1_BYTES);' 'out->known = (struct iso_heads){{0}, {0}};' \
-    firmware/anchor.c 'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' \
-    'if (anchor->kind[0] == 0x6c) { anchor->known = iso_heads_get(plain + PLAIN_1_BYTES); }'
-mistake 'earlier: the key ring has no number' firmware/key_ring.c \
-    'const uint64_t number = ring->number + 1;' 'const uint64_t number = 1;'
-mistake 'earlier: another history of the log is taken' firmware/heads.c \
-    'claim->other_link = true;' 'claim->other_link = false;'
-mistake 'earlier: nobody counts closed segments' firmware/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
-mistake 'earlier: a count is known before it is written' firmware/audit_append.c \
-    'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));' \
-    'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
-        known.count[ISO_HEAD_LOCKOUT]++;'
-
-judge=(storage_faults 3 'remove')
-mistake 'storage remove: an error of COMMIT is believed' firmware/gallery_db.c \
-    'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'db->draft = error ? db->head : db->draft;'
-judge=(storage_faults 3 'enrol')
-mistake 'storage enrol: out of service, and it goes on' firmware/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
-judge=(storage_faults 3 'log append')
-mistake 'storage log append: an exchange is believed' firmware/audit_rotate.c \
-    '(void)!iso__audit_recover(audit, NULL);' ';'
-judge=(storage_faults 3 'log groups')
-mistake 'storage log groups: a failed group counts' firmware/audit_append.c \
-    'put_back(audit, before);' '(void)put_back;'
-judge=(storage_faults 3 'lockdown off')
-mistake 'storage lockdown off: ended in memory only' firmware/appliance_refusal.c \
-    'appliance->lockout = *before;' '(void)before;'
-
-judge=(test_firmware_slow_disk)
-mistake 'door: it waits for its records' firmware/appliance_door.c \
-    'iso_audit_writer_post(appliance->log, &record, NULL)' \
-    'iso_audit_writer_append(appliance->log, &record, ISO_NEVER_NS, NULL, NULL)'
-mistake 'chatter: each edge is a record' firmware/event_limit.c \
-    'limit->passed < ISO_EVENT_LIMIT_BURST' 'limit->passed < 1000000'
-judge=(test_firmware_audit_group)
-mistake 'group: an old anchor is taken' firmware/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'
-mistake 'group: one record ahead, and no more' firmware/audit_scan.c \
-    'audit->proved > anchor->value' 'audit->last > anchor->value + 1'
-judge=(test_firmware_lockout_unread)
-mistake 'lock-out: what cannot be read is a lockdown' firmware/appliance_refusal.c 'if (may_pass(error)) {' 'if (may_pass(error) && 0) {'
-judge=(test_firmware_audit_writer)
-mistake 'log: a grant that was given up is written' firmware/audit_writer.c \
-    'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled;'
-mistake 'log: a late grant has no outcome behind it' firmware/audit_group.c \
-    'known ? writer->awaited.sequence : 0;' 'known ? 0 : 0;'
-mistake 'log: what was lost is not said' firmware/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
-judge=(test_firmware_old_verdicts)
-mistake 'stale: a record may take any time' firmware/appliance.c 'took_ns > wait_ns' 'took_ns < 0'
-mistake 'stale: nobody asks how old a grant is' firmware/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'
-mistake 'stale: nobody asks again behind the switching' firmware/door_guard.c \
-    '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0'
-mistake 'suspended: frames from before count' firmware/appliance_frame.c \
-    'frame->t_ns < appliance->suspension.awake_ns' 'frame->t_ns < 0'
-mistake 'suspended: a visit goes on' firmware/appliance.c \
-    'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times)) {' \
-    'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times) && 0) {'
-judge=(../core/test_presentation_frame_memory)
-mistake 'repeats: one frame is remembered' core/presentation/frame_memory.c \
-    'memory->n = memory->n < memory->options.capacity ? memory->n + 1 : memory->n;' 'memory->n = 1;'
-mistake 'repeats: an offset makes a frame new' core/presentation/frame_memory.c \
-    '(z_mm - before_mm) * steps_per_mm' 'z_mm * steps_per_mm'
-mistake 'repeats: some pixels make a frame new' core/presentation/frame_memory.h \
-    '#define ISO_FINGERPRINT_SAME 0.4' '#define ISO_FINGERPRINT_SAME 0.99'
-judge=(../e2e/test_e2e_appliance)
-mistake 'repeats: a frame that is known counts' firmware/appliance_frame.c \
-    'return !repeats && !is_echo(appliance);' 'return (repeats || !repeats) && !is_echo(appliance);'
-[ "$missed" -eq 0 ] || {
-    echo "drill_bites: $missed mistakes were not noticed" >&2
-    exit 1
-}
+printf 'drill_bites:'
+for rule in 1 2 3 4 5 6; do
+    [ -z "${of_rule[$rule]:-}" ] || printf ' rule %d: %d of %d,' "$rule" "${found_of_rule[$rule]:-0}" "${of_rule[$rule]}"
+done
+printf ' in all %d mistakes, %d not found, %d that do not apply to the code any more\n' "$tried" "$missed" "$outdated"
+[ $((missed + outdated)) -eq 0 ] && [ "$tried" -gt 0 ]

@@ -193,6 +193,20 @@ static void a_machine_that_is_suspended_over_a_frame_lets_nobody_in(void **state
     assert_null(strstr(rig_news(rig), "allow"));
 }
 
+/* The second frame agrees with the first, and the machine was asleep while it was looked at: by the
+ * clock of the frames both are fresh. */
+static void a_machine_that_is_suspended_over_the_frame_that_decides_lets_nobody_in(void **state)
+{
+    struct rig *rig = *state;
+    rig_show(rig, 50, 1);
+    rig_run(rig, 50);
+    delays.frame_asleep_ms = 3000;
+    rig_show(rig, 50, 1);
+    rig_run(rig, 50);
+    expect_denial(rig, "stale");
+    assert_int_equal(relay_switchings, 0);
+}
+
 /* Exposed before the machine went to sleep, and fetched after it woke up. */
 static void frames_from_before_a_suspension_are_not_looked_at(void **state)
 {
@@ -286,6 +300,7 @@ int main(void)
         TEST(frames_that_have_become_old_let_nobody_in),
         TEST(frames_that_are_just_young_enough_let_in),
         TEST(a_machine_that_is_suspended_over_a_frame_lets_nobody_in),
+        TEST(a_machine_that_is_suspended_over_the_frame_that_decides_lets_nobody_in),
         TEST(frames_from_before_a_suspension_are_not_looked_at),
         TEST(a_visit_does_not_go_on_after_a_suspension),
         TEST(a_lock_that_was_switched_too_late_is_switched_back),
