@@ -79,7 +79,7 @@ kills:
 	cmake/install_packages.sh build test
 	cmake --preset dev
 	cmake --build --preset dev --target kill_stores
-	tests/firmware/fault_log.sh build/dev kills build/dev/tests/firmware/kill_stores $(KILLS)
+	tests/firmware/faults/fault_log.sh build/dev kills build/dev/tests/firmware/kill_stores $(KILLS)
 
 storage-faults:
 	cmake/install_packages.sh build test
@@ -100,7 +100,7 @@ races:
 drill-bites:
 	cmake/install_packages.sh build test
 	cmake --preset dev
-	tests/firmware/drill_bites.sh build/dev
+	tests/firmware/faults/drill_bites.sh build/dev
 
 nightly:
 	$(MAKE) kills KILLS=$(NIGHTLY_KILLS)
@@ -114,7 +114,7 @@ levels:
 	cmake/install_packages.sh build
 	cmake --preset release
 	cmake --build --preset release --target isotherm-sim
-	sim/visit/levels.sh build/release/sim/isotherm-sim $(ICT) core/data out/levels
+	sim/door/levels.sh build/release/sim/isotherm-sim $(ICT) core/data out/levels
 
 packages:
 	cmake/install_packages.sh build package

@@ -1,4 +1,4 @@
-# Options ISOTHERM_LIBSVM and ISOTHERM_OPENCV_ML: classifiers of other libraries for the evaluation of shapes (drivers/learn), on
+# Options ISOTHERM_LIBSVM and ISOTHERM_OPENCV_ML: classifiers of other libraries for the evaluation of shapes (sim/shapes/learn), on
 # where they are found. Include after IsothermOpenCV, which finds the C++ compiler.
 find_path(LIBSVM_INCLUDE_DIR libsvm/svm.h)
 find_library(LIBSVM_LIBRARY svm)

@@ -1,5 +1,5 @@
 # isotherm_module(NAME SOURCES sources... LIBS targets...): a shared object isotherm-NAME.so that programs load when they are
-# configured to (drivers/module.h). It lies in the folder isotherm beside libisotherm.so, here as where it is installed, and
+# configured to (drivers/base/module.h). It lies in the folder isotherm beside libisotherm.so, here as where it is installed, and
 # exports one symbol.
 function(isotherm_module name)
   cmake_parse_arguments(M "" "" "SOURCES;LIBS" ${ARGN})

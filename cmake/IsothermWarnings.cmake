@@ -26,10 +26,29 @@ function(isotherm_target name)
   endif()
 endfunction()
 
+# isotherm_find_in_rooms(OUT SOURCES...): the paths of sources that lie in the folder of the CMakeLists.txt or in a room of it, where
+# each name is unique.
+function(isotherm_find_in_rooms out)
+  set(found)
+  foreach(source ${ARGN})
+    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source} AND NOT source MATCHES "/")
+      file(GLOB matches CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*/${source})
+      list(LENGTH matches n)
+      if(NOT n EQUAL 1)
+        message(FATAL_ERROR "${CMAKE_CURRENT_SOURCE_DIR}: ${n} rooms hold a file ${source}")
+      endif()
+      set(source ${matches})
+    endif()
+    list(APPEND found ${source})
+  endforeach()
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
+
 # isotherm_test(NAME SOURCES... LIBS targets...): one cmocka program is one ctest. Its last line says why it failed.
 function(isotherm_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LIBS" ${ARGN})
-  add_executable(${name} ${T_SOURCES} $<TARGET_OBJECTS:isotherm-test-words>)
+  isotherm_find_in_rooms(sources ${T_SOURCES})
+  add_executable(${name} ${sources} $<TARGET_OBJECTS:isotherm-test-words>)
   isotherm_target(${name})
   target_link_libraries(${name} PRIVATE ${T_LIBS} PkgConfig::CMOCKA)
   target_compile_definitions(${name} PRIVATE ISOTHERM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

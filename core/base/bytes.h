@@ -1,6 +1,6 @@
 /* Little-endian numbers in byte buffers. Put functions return the byte after what they wrote. */
-#ifndef ISO_CORE_MATH_BYTES_H
-#define ISO_CORE_MATH_BYTES_H
+#ifndef ISO_CORE_BASE_BYTES_H
+#define ISO_CORE_BASE_BYTES_H
 
 #include <stddef.h>
 #include <stdint.h>

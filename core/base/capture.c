@@ -1,4 +1,4 @@
-#include "core/capture.h"
+#include "core/base/capture.h"
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* A monotonic clock that is handed in, so that time can be real, replayed or stepped by a test. */
-#ifndef ISO_CORE_CLOCK_H
-#define ISO_CORE_CLOCK_H
+#ifndef ISO_CORE_BASE_CLOCK_H
+#define ISO_CORE_BASE_CLOCK_H
 
 #include <stdint.h>
 

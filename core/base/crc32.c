@@ -1,4 +1,4 @@
-#include "core/math/crc32.h"
+#include "core/base/crc32.h"
 
 #include <zlib.h>
 

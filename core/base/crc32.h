@@ -1,6 +1,6 @@
 /* CRC-32 (IEEE 802.3, reflected, polynomial 0xEDB88320) of the files that core parses, by zlib. */
-#ifndef ISO_CORE_MATH_CRC32_H
-#define ISO_CORE_MATH_CRC32_H
+#ifndef ISO_CORE_BASE_CRC32_H
+#define ISO_CORE_BASE_CRC32_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* One line that names a thing and what is wrong with it, for people: filled in by functions that
  * read what comes from outside (files, configuration, devices), beside their negative errno. */
-#ifndef ISO_CORE_FAULT_H
-#define ISO_CORE_FAULT_H
+#ifndef ISO_CORE_BASE_FAULT_H
+#define ISO_CORE_BASE_FAULT_H
 
 struct iso_fault {
     char text[256]; /* no newline; "" if nothing was said */

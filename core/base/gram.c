@@ -1,4 +1,4 @@
-#include "core/math/gram.h"
+#include "core/base/gram.h"
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* Sums of outer products of many short rows: the left side of least squares. */
-#ifndef ISO_CORE_MATH_GRAM_H
-#define ISO_CORE_MATH_GRAM_H
+#ifndef ISO_CORE_BASE_GRAM_H
+#define ISO_CORE_BASE_GRAM_H
 
 /* Rows are padded with zeros to a multiple of so many values, and begin at such addresses. */
 enum { ISO_GRAM_LANES = 4, ISO_GRAM_ALIGNMENT = 16 };

@@ -2,8 +2,8 @@
  * makes of them depends on the processor that the file is compiled for (two SSE or NEON registers,
  * or one AVX register); the results do not. Loops that are left to the compiler stay scalar too
  * often. */
-#ifndef ISO_CORE_MATH_LANES_H
-#define ISO_CORE_MATH_LANES_H
+#ifndef ISO_CORE_BASE_LANES_H
+#define ISO_CORE_BASE_LANES_H
 
 enum { ISO_LANES = 8 };
 

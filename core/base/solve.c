@@ -1,4 +1,4 @@
-#include "core/math/solve.h"
+#include "core/base/solve.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Small dense symmetric positive definite systems, up to a few dozen unknowns. */
-#ifndef ISO_CORE_MATH_SOLVE_H
-#define ISO_CORE_MATH_SOLVE_H
+#ifndef ISO_CORE_BASE_SOLVE_H
+#define ISO_CORE_BASE_SOLVE_H
 
 /* Cholesky factor in place: the lower triangle of the row-major n x n matrix a becomes L, A = L L'.
  * -EDOM if a pivot falls below 1e-12 of its diagonal entry (singular, indefinite or not finite). */

@@ -4,8 +4,8 @@
  * Two kinds of batch: one that is run waits for every worker that took part in it, wherever its
  * processor is; one that is raced only for its results, and what a worker has not finished in time
  * is done once more by the caller. */
-#ifndef ISO_CORE_TASKS_H
-#define ISO_CORE_TASKS_H
+#ifndef ISO_CORE_BASE_TASKS_H
+#define ISO_CORE_BASE_TASKS_H
 
 /* One of a batch of independent tasks. Of all tasks with one `worker` number, only one runs at a
  * time. */

@@ -1,10 +1,10 @@
-#include "core/extract.h"
+#include "core/extract/extract.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
 
-#include "core/extract_workspace.h"
+#include "core/extract/extract_workspace.h"
 
 /* A mean face that fits worse than this, rms-like with residuals limited to 6 mm, sits on something
  * that is no face; in the coarse frame. */

@@ -1,7 +1,7 @@
 /* The gates: whether what was found can be used, and if not, what would help or what it is. */
 #include <math.h>
 
-#include "core/extract_workspace.h"
+#include "core/extract/extract_workspace.h"
 
 /* A fit that is worse than this, rms-like with residuals limited to 6 mm, is to no face. */
 static const double fit_cost_max_mm2 = 10.0;

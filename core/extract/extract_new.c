@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/extract_workspace.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
+#include "core/extract/extract_workspace.h"
 
 /* Raised with every change of code that moves the points of a template. */
 enum { ALGORITHM_REVISION = 3 };

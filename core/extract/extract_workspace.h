@@ -1,13 +1,13 @@
 /* What an extractor holds: the workspaces of all steps. Internal to core/extract*.c. */
-#ifndef ISO_CORE_EXTRACT_WORKSPACE_H
-#define ISO_CORE_EXTRACT_WORKSPACE_H
+#ifndef ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
+#define ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/find/candidate.h"
 #include "core/find/pose_search.h"
 #include "core/frame/shrink.h"
 #include "core/heat/eigenpairs.h"
-#include "core/heat/heat_grid.h"
+#include "core/heat/grid/heat_grid.h"
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
 #include "core/landmark/occlusion.h"

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "core/math/solve.h"
+#include "core/base/solve.h"
 
 /* Sizes of a head, mm. */
 static const double part_jump_mm = 40.0;    /* a step between pixels that parts two surfaces */

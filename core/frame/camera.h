@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-#include "core/math/vec.h"
+#include "core/base/vec.h"
 
 enum iso_projection {
     ISO_PROJECTION_NONE = 0,

@@ -14,7 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/math/lanes.h"
+#include "core/base/lanes.h"
 
 enum { ISO_BLOCK_WIDTH_MAX = 3, ISO_BLOCK_MAX = ISO_BLOCK_WIDTH_MAX * ISO_DOUBLES };
 

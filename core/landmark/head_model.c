@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 
 static const char magic[8] = {'I', 'S', 'O', 'H', 'E', 'A', 'D', '1'};
 

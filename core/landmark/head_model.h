@@ -20,8 +20,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/base/vec.h"
 #include "core/landmark/landmark.h"
-#include "core/math/vec.h"
 
 enum {
     ISO_HEAD_VERTICES_MAX = 4096,

@@ -3,8 +3,8 @@
 #include <errno.h>
 #include <math.h>
 
+#include "core/base/solve.h"
 #include "core/landmark/pose_tally.h"
-#include "core/math/solve.h"
 
 enum { DOF = 6, VERTICES_MIN = 30 };
 

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/gram.h"
+#include "core/base/solve.h"
 #include "core/landmark/normals.h"
 #include "core/landmark/pose_tally.h"
 #include "core/landmark/spread.h"
-#include "core/math/gram.h"
-#include "core/math/solve.h"
 
 enum {
     POSE = 6,

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/match/template_points.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
 
 struct iso_cohort {
     int n;

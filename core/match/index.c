@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/lanes.h"
+#include "core/base/lanes.h"
 
 enum { STRIDE_MAX = (ISO_METRIC_DIMENSIONS_MAX + ISO_LANES - 1) / ISO_LANES * ISO_LANES };
 

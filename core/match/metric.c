@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "core/match/rigid.h"
+#include "core/registration/rigid.h"
 
 enum { POINTS_MAX = ISO_METRIC_VALUES_MAX / 3, PRESENT_PERCENT_MIN = 30 };
 

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/match/metric.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
 
 static const char magic[8] = {'I', 'S', 'O', 'M', 'E', 'T', 'R', '3'};
 

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/match/icp.h"
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/match/template_points.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
+#include "core/registration/icp.h"
 
 static const char magic[4] = {'I', 'S', 'O', 'T'};
 

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/base/bytes.h"
 #include "core/match/upper_surface.h"
-#include "core/math/bytes.h"
 
 enum { COUNTS_PER_MM = 64 };
 

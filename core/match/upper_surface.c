@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/math/solve.h"
+#include "core/base/solve.h"
 
 enum {
     ITERATIONS_MAX = 15,

@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "core/base/solve.h"
 #include "core/landmark/meeting.h"
-#include "core/math/solve.h"
 
 enum { POINTS_MIN = 24, KNOTS_MAX = 28, UNKNOWNS_MAX = KNOTS_MAX + 1, ANGLES = 10, PLANE = 3 };
 

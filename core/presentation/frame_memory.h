@@ -42,7 +42,7 @@ struct iso_fingerprint iso_fingerprint_of(const struct iso_frame *frame, struct 
 /* The share of filled classes that two fingerprints have in common, 0..1. */
 double iso_fingerprint_likeness(const struct iso_fingerprint *a, const struct iso_fingerprint *b);
 
-/* Above this likeness two frames are one. Measured by tests/sim/test_repeated_frames.c: what a
+/* Above this likeness two frames are one. Measured by tests/sim/door/test_repeated_frames.c: what a
  * sensor sees of a head that does not move at all stays well below it. */
 #define ISO_FINGERPRINT_SAME 0.4
 

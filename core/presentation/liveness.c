@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "core/math/crc32.h"
+#include "core/base/crc32.h"
 
 /* A turn is counted as the way of what lies so far from the axis: the face's own half length. */
 static const double arm_mm = 80.0;

@@ -8,21 +8,21 @@
  * What only several frames show is in liveness.h. A print of true size that somebody wears, its
  * eyes whole, is met by none of them.
  *
- * The bounds were chosen on rendered presentations (sim/generate, seeds 31 and 33: people of the
- * ICT space, sensors astra and kinect2) and looked at on 374 real frames of Kinect v2. Seed 35 of
- * the preset `attacks`, astra, was used for nothing else: of 150 presentations each of photo-flat
- * and photo-bent and 100 each of screen, mask-small and mask-large none was taken for a usable face
- * (95 %: below 2.4 and 3.6 %); of 1000 frames of living people none was refused (below 0.4 %), nor
- * of 600 of strong expressions (seed 4); of 378 real ones none is called an attack. Of 300
- * print-eyes-cut of seed 91, used for nothing else either, 25 were taken (95 %: 5.5 to 12.1 %), all
- * with a wearer 9 to 19 mm behind, which the sensor's windows level out. About 1 ms a face, 0.8 ms
- * a scene without one, on one x86 core. */
+ * The bounds were chosen on rendered presentations (sim/world/generate, seeds 31 and 33: people of
+ * the ICT space, sensors astra and kinect2) and looked at on 374 real frames of Kinect v2. Seed 35
+ * of the preset `attacks`, astra, was used for nothing else: of 150 presentations each of
+ * photo-flat and photo-bent and 100 each of screen, mask-small and mask-large none was taken for a
+ * usable face (95 %: below 2.4 and 3.6 %); of 1000 frames of living people none was refused (below
+ * 0.4 %), nor of 600 of strong expressions (seed 4); of 378 real ones none is called an attack. Of
+ * 300 print-eyes-cut of seed 91, used for nothing else either, 25 were taken (95 %: 5.5 to 12.1 %),
+ * all with a wearer 9 to 19 mm behind, which the sensor's windows level out. About 1 ms a face, 0.8
+ * ms a scene without one, on one x86 core. */
 #ifndef ISO_CORE_PRESENTATION_PRESENTATION_H
 #define ISO_CORE_PRESENTATION_PRESENTATION_H
 
 #include <stdbool.h>
 
-#include "core/capture.h"
+#include "core/base/capture.h"
 #include "core/presentation/eyes.h"
 #include "core/presentation/relief.h"
 #include "core/presentation/sheet.h"

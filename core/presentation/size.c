@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/solve.h"
 #include "core/landmark/normals.h"
 #include "core/landmark/pose_tally.h"
-#include "core/math/solve.h"
 
 enum {
     SIMILARITY = 7,

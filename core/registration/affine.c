@@ -1,10 +1,10 @@
-#include "core/match/affine.h"
+#include "core/registration/affine.h"
 
 #include <errno.h>
 #include <stddef.h>
 #include <string.h>
 
-#include "core/math/solve.h"
+#include "core/base/solve.h"
 
 struct iso_affine iso_affine_identity(void)
 {

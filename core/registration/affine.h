@@ -1,8 +1,8 @@
 /* The affine transform that best takes one set of points to another, in closed form. */
-#ifndef ISO_CORE_MATCH_AFFINE_H
-#define ISO_CORE_MATCH_AFFINE_H
+#ifndef ISO_CORE_REGISTRATION_AFFINE_H
+#define ISO_CORE_REGISTRATION_AFFINE_H
 
-#include "core/math/vec.h"
+#include "core/base/vec.h"
 
 /* x -> m[.][0..2] x + m[.][3] */
 struct iso_affine {

@@ -1,9 +1,9 @@
-#include "core/match/icp.h"
+#include "core/registration/icp.h"
 
 #include <errno.h>
 #include <stdint.h>
 
-#include "core/match/rigid.h"
+#include "core/registration/rigid.h"
 
 static struct iso_vec3 point_of(const struct iso_icp_points *points, int i)
 {

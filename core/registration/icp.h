@@ -1,10 +1,10 @@
 /* Trimmed iterative closest point between two families of curves. */
-#ifndef ISO_CORE_MATCH_ICP_H
-#define ISO_CORE_MATCH_ICP_H
+#ifndef ISO_CORE_REGISTRATION_ICP_H
+#define ISO_CORE_REGISTRATION_ICP_H
 
 #include <stdbool.h>
 
-#include "core/match/affine.h"
+#include "core/registration/affine.h"
 
 enum { ISO_ICP_POINTS_MAX = 2048 };
 

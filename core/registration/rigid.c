@@ -1,4 +1,4 @@
-#include "core/match/rigid.h"
+#include "core/registration/rigid.h"
 
 #include <errno.h>
 #include <stddef.h>

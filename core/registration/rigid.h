@@ -1,8 +1,8 @@
 /* The rigid transform that best takes one set of points to another, in closed form. */
-#ifndef ISO_CORE_MATCH_RIGID_H
-#define ISO_CORE_MATCH_RIGID_H
+#ifndef ISO_CORE_REGISTRATION_RIGID_H
+#define ISO_CORE_REGISTRATION_RIGID_H
 
-#include "core/math/vec.h"
+#include "core/base/vec.h"
 
 /* Minimises sum_i weight[i] |T source[i] - target[i]|^2 over proper rigid motions T (Horn 1987,
  * unit quaternions: the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix, by Jacobi

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/lanes.h"
+#include "core/base/lanes.h"
 #include "core/surface/face_patch.h"
 
 enum { SIDE_MAX = 2048 };

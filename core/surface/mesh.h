@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/math/vec.h"
+#include "core/base/vec.h"
 
 struct iso_mesh {
     int32_t n_vertices, n_triangles;

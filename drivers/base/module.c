@@ -1,4 +1,4 @@
-#include "drivers/module.h"
+#include "drivers/base/module.h"
 
 #include <dlfcn.h>
 #include <errno.h>

@@ -11,15 +11,15 @@
  * A module exports one symbol, `iso_module`: a struct that begins with a struct iso_module and goes
  * on with pointers to its functions. It must be of the very version of the program. A module stays
  * loaded until the process ends. */
-#ifndef ISO_DRIVERS_MODULE_H
-#define ISO_DRIVERS_MODULE_H
+#ifndef ISO_DRIVERS_BASE_MODULE_H
+#define ISO_DRIVERS_BASE_MODULE_H
 
 #include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,9 +1,9 @@
-#include "drivers/option.h"
+#include "drivers/base/option.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 static bool is_known(const char *key, const char *const *known)
 {

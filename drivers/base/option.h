@@ -1,11 +1,11 @@
 /* Key and value pairs that a back end is opened with: a section of the configuration. */
-#ifndef ISO_DRIVERS_OPTION_H
-#define ISO_DRIVERS_OPTION_H
+#ifndef ISO_DRIVERS_BASE_OPTION_H
+#define ISO_DRIVERS_BASE_OPTION_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 struct iso_option {
     const char *key, *value;

@@ -1,4 +1,4 @@
-#include "drivers/path.h"
+#include "drivers/base/path.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "drivers/shipped.h"
+#include "drivers/base/shipped.h"
 
 #include <pthread.h>
 #include <stdbool.h>

@@ -4,8 +4,8 @@
  * that lies in a build tree takes those of its source tree, so that what was just built is also
  * what is tried. Only the place of the executable decides that: the build tree has a symbolic link
  * (ISO_SHIPPED_LINK) to the source's data, and no path of a build is compiled into a program. */
-#ifndef ISO_DRIVERS_SHIPPED_H
-#define ISO_DRIVERS_SHIPPED_H
+#ifndef ISO_DRIVERS_BASE_SHIPPED_H
+#define ISO_DRIVERS_BASE_SHIPPED_H
 
 #include <limits.h>
 

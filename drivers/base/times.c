@@ -1,4 +1,4 @@
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 #include <stddef.h>
 #include <time.h>

@@ -1,12 +1,12 @@
 /* The times an appliance lives by, all injected: one that measures and that the frames of the
  * sensors bear, one that also counts while the machine sleeps, and the date. */
-#ifndef ISO_FIRMWARE_TIMES_H
-#define ISO_FIRMWARE_TIMES_H
+#ifndef ISO_DRIVERS_BASE_TIMES_H
+#define ISO_DRIVERS_BASE_TIMES_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/clock.h"
+#include "core/base/clock.h"
 
 #define ISO_NS_PER_S  INT64_C(1000000000)
 #define ISO_NS_PER_MS INT64_C(1000000)

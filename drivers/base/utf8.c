@@ -1,4 +1,4 @@
-#include "firmware/utf8.h"
+#include "drivers/base/utf8.h"
 
 /* Length by the first byte, 0 if none begins so. */
 static int sequence_length(unsigned char first)

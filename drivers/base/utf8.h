@@ -1,6 +1,6 @@
 /* Reading UTF-8 strictly (RFC 3629). */
-#ifndef ISO_FIRMWARE_UTF8_H
-#define ISO_FIRMWARE_UTF8_H
+#ifndef ISO_DRIVERS_BASE_UTF8_H
+#define ISO_DRIVERS_BASE_UTF8_H
 
 #include <stdint.h>
 

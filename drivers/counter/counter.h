@@ -1,12 +1,12 @@
 /* A counter in hardware: a number that only rises, whoever has the disk. It shows that a state
- * directory is of an earlier time (firmware/state_counter.h). */
+ * directory is of an earlier time (firmware/keys/state_counter.h). */
 #ifndef ISO_DRIVERS_COUNTER_COUNTER_H
 #define ISO_DRIVERS_COUNTER_COUNTER_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* What a back end does. One thread at a time calls these; each may take as long as the device does,
  * which is some 100 ms for a TPM. All return 0 or a negative errno with one line in *fault, and

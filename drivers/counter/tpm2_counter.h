@@ -8,13 +8,14 @@
  * number rises over a deletion, too. It is not an "orderly" counter, whose value jumps when power
  * is lost.
  *
- * The functions are in the module `tpm2` (drivers/module.h), which links the TPM software stack. */
+ * The functions are in the module `tpm2` (drivers/base/module.h), which links the TPM software
+ * stack. */
 #ifndef ISO_DRIVERS_COUNTER_TPM2_COUNTER_H
 #define ISO_DRIVERS_COUNTER_TPM2_COUNTER_H
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "drivers/counter/counter.h"
 
 /* Indices of the owner's. */

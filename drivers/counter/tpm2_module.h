@@ -1,10 +1,10 @@
 /* The module `tpm2`: opening a counter of tpm2_counter.h, in a shared object of its own
- * (drivers/module.h); the counter's operations come with it. */
+ * (drivers/base/module.h); the counter's operations come with it. */
 #ifndef ISO_DRIVERS_COUNTER_TPM2_MODULE_H
 #define ISO_DRIVERS_COUNTER_TPM2_MODULE_H
 
+#include "drivers/base/module.h"
 #include "drivers/counter/tpm2_counter.h"
-#include "drivers/module.h"
 
 #define ISO_TPM2_MODULE_NAME "tpm2"
 

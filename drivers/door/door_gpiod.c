@@ -11,7 +11,7 @@
 #include "drivers/door/debounce.h"
 #include "drivers/door/gpio_line.h"
 #include "drivers/door/wiegand_out.h"
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 static const char owner[] = "door gpiod";
 

@@ -16,10 +16,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/clock.h"
-#include "core/fault.h"
+#include "core/base/clock.h"
+#include "core/base/fault.h"
+#include "drivers/base/option.h"
 #include "drivers/door/wiegand.h"
-#include "drivers/option.h"
 
 enum iso_door_output {
     ISO_DOOR_RELAY, /* of the strike or magnet: active is energised */

@@ -6,7 +6,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 static const char owner[] = "door null";
 

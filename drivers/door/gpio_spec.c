@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "drivers/door/gpio_line.h"
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 enum { TEXT_SIZE = 192, WORDS_MAX = 5, OFFSET_MAX = 65535 };
 

@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 enum {
     ISO_WIEGAND_PULSE_NS = 50 * 1000,

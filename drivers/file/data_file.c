@@ -1,4 +1,4 @@
-#include "firmware/data_file.h"
+#include "drivers/file/data_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -8,10 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/file/directory.h"
+#include "drivers/file/disk_wait.h"
 #include "drivers/file/file.h"
-#include "firmware/directory.h"
-#include "firmware/disk_wait.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
 
 int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t *size,
                        struct iso_fault *fault)

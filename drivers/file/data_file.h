@@ -1,11 +1,11 @@
 /* Small files as a whole: reading one, and putting a new one in its place. */
-#ifndef ISO_FIRMWARE_DATA_FILE_H
-#define ISO_FIRMWARE_DATA_FILE_H
+#ifndef ISO_DRIVERS_FILE_DATA_FILE_H
+#define ISO_DRIVERS_FILE_DATA_FILE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Reads a whole file of at most max_bytes into memory that the caller frees with free(). The
  * errors of iso_file_read (drivers/file/file.h), each with a fault that names the file. */

@@ -1,4 +1,4 @@
-#include "firmware/directory.h"
+#include "drivers/file/directory.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "firmware/disk_wait.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/disk_wait.h"
+#include "drivers/file/storage_fault.h"
 
 int iso_directory_sync(const char *path, struct iso_fault *fault)
 {

@@ -1,4 +1,4 @@
-#include "firmware/disk_wait.h"
+#include "drivers/file/disk_wait.h"
 
 #include <errno.h>
 #include <stdatomic.h>

@@ -3,8 +3,8 @@
  *
  * Whatever may wait for the disk says so by begin and end, in whichever thread it runs; only the
  * waits of the thread that has called iso_disk_wait_watch count. */
-#ifndef ISO_FIRMWARE_DISK_WAIT_H
-#define ISO_FIRMWARE_DISK_WAIT_H
+#ifndef ISO_DRIVERS_FILE_DISK_WAIT_H
+#define ISO_DRIVERS_FILE_DISK_WAIT_H
 
 #include <stdbool.h>
 

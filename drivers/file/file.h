@@ -21,7 +21,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* For max_bytes: the caller reads piece by piece and needs no bound. */
 #define ISO_FILE_ANY_SIZE UINT64_MAX

@@ -1,11 +1,11 @@
-#include "drivers/ini_table.h"
+#include "drivers/file/ini_table.h"
 
 #include <errno.h>
 #include <ini.h>
 #include <limits.h>
 #include <string.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 /* What is gathered while the lines go by. */
 struct reading {

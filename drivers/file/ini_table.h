@@ -1,11 +1,11 @@
 /* INI files by a table: which keys there are, how a value is read, and where it goes. */
-#ifndef ISO_DRIVERS_INI_TABLE_H
-#define ISO_DRIVERS_INI_TABLE_H
+#ifndef ISO_DRIVERS_FILE_INI_TABLE_H
+#define ISO_DRIVERS_FILE_INI_TABLE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 enum { ISO_INI_KEYS_MAX = 64 };
 

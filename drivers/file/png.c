@@ -1,4 +1,4 @@
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 
 #include <errno.h>
 #include <fcntl.h>

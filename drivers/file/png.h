@@ -3,13 +3,13 @@
  * Anything that libpng would mend or pass over is refused: truncation, bad checksums, missing
  * pixels, bytes after the end; so are palettes, alpha and other bit depths. Nothing is printed;
  * every failure is one line "file: what is wrong" in *fault (which may be NULL). */
-#ifndef ISO_DRIVERS_IMAGE_PNG_H
-#define ISO_DRIVERS_IMAGE_PNG_H
+#ifndef ISO_DRIVERS_FILE_PNG_H
+#define ISO_DRIVERS_FILE_PNG_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Bits, so that a set of them can be asked for. */
 enum iso_pixel {

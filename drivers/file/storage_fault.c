@@ -1,4 +1,4 @@
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,11 +1,11 @@
 /* Faults of the disk in one form of words, so that people recognise them wherever they read them:
  * "PATH: the disk refused: No space left on device". */
-#ifndef ISO_FIRMWARE_STORAGE_FAULT_H
-#define ISO_FIRMWARE_STORAGE_FAULT_H
+#ifndef ISO_DRIVERS_FILE_STORAGE_FAULT_H
+#define ISO_DRIVERS_FILE_STORAGE_FAULT_H
 
 #include <stdbool.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Describes that writing, synchronising or renaming `path` failed with `error` (a negative errno).
  * Returns -ENOSPC for a full disk, an exhausted quota and a limit on the size of files, -EROFS, and

@@ -1,4 +1,4 @@
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,12 +1,12 @@
 /* Small text files of plain format, read strictly: whole into memory, line by line, field by
  * field. */
-#ifndef ISO_DRIVERS_TEXT_H
-#define ISO_DRIVERS_TEXT_H
+#ifndef ISO_DRIVERS_FILE_TEXT_H
+#define ISO_DRIVERS_FILE_TEXT_H
 
 #include <stddef.h>
 #include <stdio.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Reads a file of at most max_bytes as a string that the caller frees with free(). -EBADMSG if it
  * holds a NUL byte, or the errors of iso_file_read (drivers/file/file.h); each with a fault that

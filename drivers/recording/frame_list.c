@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 enum { LIST_BYTES_MAX = 64 << 20, SECONDS_DIGITS_MAX = 10 };
 

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/image/png.h"
-#include "drivers/path.h"
+#include "drivers/base/path.h"
+#include "drivers/file/png.h"
+#include "drivers/file/text.h"
 #include "drivers/recording/frame_list.h"
 #include "drivers/recording/recording_directory.h"
-#include "drivers/text.h"
 
 enum { INI_BYTES_MAX = 64 << 10, MATCH_NS = 1000000 };
 

@@ -22,7 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 
 enum { ISO_RECORDING_SENSOR_MAX = 32, ISO_RECORDING_LANDMARK_MAX = 32 };

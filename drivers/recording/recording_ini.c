@@ -1,8 +1,8 @@
-#include "sim/recording/recording_ini.h"
+#include "drivers/recording/recording_ini.h"
 
 #include <errno.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 /* The distortion, which may be left out where it is 0. */
 static void print_distortion(FILE *stream, const char *key, double value)

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/path.h"
+#include "drivers/base/path.h"
+#include "drivers/file/text.h"
 #include "drivers/recording/recording.h"
 #include "drivers/recording/recording_directory.h"
-#include "drivers/text.h"
 
 enum { CSV_BYTES_MAX = 64 << 20, COLUMNS = 5 };
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "drivers/ini_table.h"
+#include "drivers/file/ini_table.h"
 #include "drivers/recording/recording.h"
 
 /* What a file says. */

@@ -1,4 +1,4 @@
-#include "sim/recording/recording_writer.h"
+#include "drivers/recording/recording_writer.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -10,9 +10,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/image/png.h"
-#include "drivers/path.h"
-#include "sim/recording/recording_ini.h"
+#include "drivers/base/path.h"
+#include "drivers/file/png.h"
+#include "drivers/recording/recording_ini.h"
 
 struct sim_recording_writer {
     char *directory;

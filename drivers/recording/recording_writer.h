@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 #include "drivers/recording/recording.h"
 

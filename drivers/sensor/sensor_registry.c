@@ -3,17 +3,17 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/contract/sensor.h"
 #ifdef ISOTHERM_LIBCAMERA
-#include "drivers/sensor/sensor_libcamera_stereo.h"
+#include "drivers/sensor/libcamera/sensor_libcamera_stereo.h"
 #endif
 #ifdef ISOTHERM_OPENNI2
-#include "drivers/sensor/sensor_openni2.h"
+#include "drivers/sensor/openni2/sensor_openni2.h"
 #endif
-#include "drivers/sensor/sensor_replay.h"
+#include "drivers/sensor/replay/sensor_replay.h"
 #ifdef ISOTHERM_V4L2
-#include "drivers/sensor/sensor_v4l2.h"
-#include "drivers/sensor/sensor_v4l2_stereo.h"
+#include "drivers/sensor/v4l2/sensor_v4l2.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_stereo.h"
 #endif
 
 static const struct iso_sensor_ops *const back_ends[] = {

@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "drivers/ini_table.h"
-#include "drivers/text.h"
+#include "drivers/file/ini_table.h"
+#include "drivers/file/text.h"
 
 enum { FILE_MAX_BYTES = 65536 };
 

@@ -14,7 +14,7 @@
 #ifndef ISO_DRIVERS_STEREO_CALIBRATION_H
 #define ISO_DRIVERS_STEREO_CALIBRATION_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/camera.h"
 
 enum iso_eye { ISO_EYE_LEFT, ISO_EYE_RIGHT, ISO_EYES };

@@ -11,7 +11,7 @@
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 #include "drivers/stereo/rectification.h"
 

@@ -1,10 +1,10 @@
 /* The module `stereo`: what stereo_opencv.h and board_opencv.h declare, in a shared object of its
- * own (drivers/module.h). Programs call those functions as ever; stereo_module.c hands the calls
- * on. */
+ * own (drivers/base/module.h). Programs call those functions as ever; stereo_module.c hands the
+ * calls on. */
 #ifndef ISO_DRIVERS_STEREO_STEREO_MODULE_H
 #define ISO_DRIVERS_STEREO_STEREO_MODULE_H
 
-#include "drivers/module.h"
+#include "drivers/base/module.h"
 #include "drivers/stereo/board_opencv.h"
 #include "drivers/stereo/stereo_opencv.h"
 

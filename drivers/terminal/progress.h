@@ -17,7 +17,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "core/clock.h"
+#include "core/base/clock.h"
 
 struct iso_progress;
 

@@ -11,8 +11,8 @@
  * aside by 20, 25, 30 mm are contradicted in 76, 99, 100 % of 1480 cases each. An evenly bright
  * image, as of a print whose ink is transparent to infrared, is contradicted always. Not noticed:
  * landmarks less than 15 mm off, a print whose ink shows in infrared, a bust without markings (its
- * shading alone looks like a face): those are for depth to see. tests/sim/test_face_check_kinect2.c
- * and _rendered.c repeat this.
+ * shading alone looks like a face): those are for depth to see.
+ * tests/sim/lab/test_face_check_kinect2.c and _rendered.c repeat this.
  *
  * Compared and not taken: eye cascades (miss one eye or both in more than half of these frames);
  * the contrast of eyes, brows and cheeks at the landmarks themselves (notices 29 % of what is 20 mm
@@ -21,7 +21,7 @@
 #ifndef ISO_DRIVERS_VISION_FACE_CHECK_H
 #define ISO_DRIVERS_VISION_FACE_CHECK_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 #include "core/landmark/landmark.h"
 

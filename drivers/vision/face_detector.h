@@ -2,15 +2,15 @@
  *
  * A boosted cascade of Haar-like features (Viola and Jones, "Rapid object detection using a boosted
  * cascade of simple features", CVPR 2001; Lienhart and Maydt, ICIP 2002), as stored in OpenCV's
- * files. Its code is the module `vision` (drivers/module.h). Without the module the engine is ""
- * and no detector can be made. One detector belongs to one thread; it starts none. OpenCV allocates
- * while it searches. */
+ * files. Its code is the module `vision` (drivers/base/module.h). Without the module the engine is
+ * "" and no detector can be made. One detector belongs to one thread; it starts none. OpenCV
+ * allocates while it searches. */
 #ifndef ISO_DRIVERS_VISION_FACE_DETECTOR_H
 #define ISO_DRIVERS_VISION_FACE_DETECTOR_H
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* The square in which a face is seen. */
 struct iso_face_box {

@@ -1,9 +1,10 @@
 /* The module `vision`: what face_detector.h declares, in a shared object of its own
- * (drivers/module.h). Programs call those functions as ever; vision_module.c hands the calls on. */
+ * (drivers/base/module.h). Programs call those functions as ever; vision_module.c hands the calls
+ * on. */
 #ifndef ISO_DRIVERS_VISION_VISION_MODULE_H
 #define ISO_DRIVERS_VISION_VISION_MODULE_H
 
-#include "drivers/module.h"
+#include "drivers/base/module.h"
 #include "drivers/vision/face_detector.h"
 
 #define ISO_VISION_MODULE_NAME "vision"

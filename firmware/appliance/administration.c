@@ -1,4 +1,4 @@
-#include "firmware/administration.h"
+#include "firmware/appliance/administration.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -8,9 +8,9 @@
 #include <syslog.h>
 #include <unistd.h>
 
+#include "drivers/file/disk_wait.h"
 #include "drivers/terminal/words.h"
-#include "firmware/appliance_state.h"
-#include "firmware/disk_wait.h"
+#include "firmware/appliance/appliance_state.h"
 
 static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
 {

@@ -1,14 +1,14 @@
 /* What an administrator does to an appliance: people renamed, limited in time, copied from door to
  * door; keys rotated; the relay tested. Each is on record before it is done, and again with what
  * came of it. */
-#ifndef ISO_FIRMWARE_ADMINISTRATION_H
-#define ISO_FIRMWARE_ADMINISTRATION_H
+#ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
+#define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "firmware/appliance.h"
-#include "firmware/transfer.h"
+#include "firmware/appliance/appliance.h"
+#include "firmware/gallery/transfer.h"
 
 /* Common to all: -EBUSY an action of a client goes on; an error of the log, when it could not be
  * put on record: then nothing was done. */

@@ -1,4 +1,4 @@
-#include "firmware/appliance.h"
+#include "firmware/appliance/appliance.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -9,7 +9,7 @@
 #include <syslog.h>
 
 #include "drivers/process/thread.h"
-#include "firmware/appliance_state.h"
+#include "firmware/appliance/appliance_state.h"
 
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode)
 {

@@ -17,27 +17,27 @@
  * step, and a step waits for the disk only as long as a grant may wait for its record, and for what
  * an administrator does. Events are reported from within calls of this header; a handler must not
  * call back into it, but for the status. */
-#ifndef ISO_FIRMWARE_APPLIANCE_H
-#define ISO_FIRMWARE_APPLIANCE_H
+#ifndef ISO_FIRMWARE_APPLIANCE_APPLIANCE_H
+#define ISO_FIRMWARE_APPLIANCE_APPLIANCE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
+#include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
-#include "firmware/audit.h"
-#include "firmware/audit_writer.h"
-#include "firmware/cards.h"
-#include "firmware/config.h"
-#include "firmware/decision.h"
-#include "firmware/door_control.h"
-#include "firmware/door_guard.h"
-#include "firmware/gallery.h"
-#include "firmware/pipeline.h"
-#include "firmware/sensor_keeper.h"
-#include "firmware/times.h"
-#include "firmware/validity.h"
-#include "firmware/view.h"
+#include "firmware/appliance/sensor_keeper.h"
+#include "firmware/appliance/view.h"
+#include "firmware/audit/audit.h"
+#include "firmware/audit/audit_writer.h"
+#include "firmware/config/config.h"
+#include "firmware/contract/validity.h"
+#include "firmware/door/door_control.h"
+#include "firmware/door/door_guard.h"
+#include "firmware/gallery/cards.h"
+#include "firmware/gallery/gallery.h"
+#include "firmware/recognise/pipeline.h"
+#include "firmware/visit/decision.h"
 
 enum iso_appliance_mode {
     ISO_APPLIANCE_WATCH = 0,
@@ -63,9 +63,9 @@ struct iso_visit {
 
 /* What the appliance tells; all REQUIRED. Texts are valid during the call. */
 struct iso_appliance_events {
-    /* `result` is one of the words ISO_CONTRACT_RESULT_... of core/contract.h, after which a
-     * capture word stands if it is a retry: a hint, given as hint_filter.h says. person: whom a
-     * duplicate duplicates, else "". */
+    /* `result` is one of the words ISO_CONTRACT_RESULT_... of firmware/contract/contract.h, after
+     * which a capture word stands if it is a retry: a hint, given as hint_filter.h says. person:
+     * whom a duplicate duplicates, else "". */
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
                           unsigned stages, double quality, const char *person);
     /* mode: VERIFY or IDENTIFY. person: "" when unknown; score NaN without any. */

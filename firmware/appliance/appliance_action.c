@@ -5,10 +5,10 @@
 #include <string.h>
 #include <syslog.h>
 
-#include "core/contract.h"
-#include "firmware/appliance_state.h"
-#include "firmware/enroll_gate.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/enroll_gate.h"
+#include "firmware/contract/contract.h"
 
 static int64_t now_ns(const struct iso_appliance *appliance)
 {

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <syslog.h>
 
-#include "firmware/appliance_state.h"
-#include "firmware/validity.h"
+#include "firmware/appliance/appliance_state.h"
+#include "firmware/contract/validity.h"
 
 /* A clock that is kept right by the network is corrected by less. */
 static const int64_t tolerance_s = 60;

@@ -2,8 +2,8 @@
  * counted all the same. */
 #include <syslog.h>
 
-#include "firmware/appliance_state.h"
-#include "firmware/state_counter.h"
+#include "firmware/appliance/appliance_state.h"
+#include "firmware/keys/state_counter.h"
 
 /* Longer than the log takes for a record: the number is due for a moment with each of them. */
 static const int64_t patience_ns = 2 * ISO_NS_PER_S;

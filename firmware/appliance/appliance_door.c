@@ -6,8 +6,8 @@
 #include <syslog.h>
 
 #include "drivers/terminal/words.h"
-#include "firmware/appliance_state.h"
-#include "firmware/door_options.h"
+#include "firmware/appliance/appliance_state.h"
+#include "firmware/config/door_options.h"
 
 static bool is_alarm(const struct iso_door_news *news)
 {

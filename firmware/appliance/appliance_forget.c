@@ -1,7 +1,7 @@
 /* What is left in memory of a person who was removed. */
 #include <string.h>
 
-#include "firmware/appliance_state.h"
+#include "firmware/appliance/appliance_state.h"
 
 /* The last visit's text ends before the name. */
 static void forget_outcome(struct iso_appliance *appliance, const char *name)

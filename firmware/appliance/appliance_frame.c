@@ -6,7 +6,7 @@
 #include <syslog.h>
 
 #include "drivers/terminal/words.h"
-#include "firmware/appliance_state.h"
+#include "firmware/appliance/appliance_state.h"
 
 /* As often as somebody who turns a camera can follow. */
 static const int64_t view_interval_ns = 100 * ISO_NS_PER_MS;

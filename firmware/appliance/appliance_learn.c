@@ -4,10 +4,10 @@
 #include <string.h>
 #include <syslog.h>
 
-#include "core/capture.h"
-#include "firmware/appliance_state.h"
-#include "firmware/gallery_forget.h"
-#include "firmware/learning.h"
+#include "core/base/capture.h"
+#include "firmware/appliance/appliance_state.h"
+#include "firmware/gallery/gallery_forget.h"
+#include "firmware/recognise/learning.h"
 
 /* Whether the template in hand is as like the enrolled ones among these as has to be. */
 static bool is_like(const struct iso_appliance *appliance,

@@ -1,7 +1,7 @@
 /* One picture of what the camera sees, for the client that has the claim. */
 #include <errno.h>
 
-#include "firmware/appliance_state.h"
+#include "firmware/appliance/appliance_state.h"
 
 /* A camera that works shows a frame sooner than that. */
 static const int64_t patience_ns = 3 * ISO_NS_PER_S;

@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <syslog.h>
 
-#include "firmware/appliance_state.h"
-#include "firmware/heads.h"
-#include "firmware/lockout_file.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/appliance/appliance_state.h"
+#include "firmware/keys/heads.h"
+#include "firmware/visit/lockout_file.h"
 
 static int64_t now_ns(const struct iso_appliance *appliance)
 {

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <syslog.h>
 
-#include "firmware/appliance_state.h"
+#include "firmware/appliance/appliance_state.h"
 
 static void record(struct iso_appliance *appliance, const char *reason, const char *note)
 {

@@ -1,7 +1,7 @@
 /* Whether grants have enough time: the sensor's rate and the working time against stale_ms. */
 #include <syslog.h>
 
-#include "firmware/appliance_state.h"
+#include "firmware/appliance/appliance_state.h"
 
 /* The system's log is told once, until the sensor is opened anew. */
 static void judge(struct iso_appliance *appliance)

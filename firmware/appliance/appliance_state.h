@@ -1,25 +1,25 @@
 /* What an appliance holds, and what its parts are called. Internal to firmware/appliance*.c. */
-#ifndef ISO_FIRMWARE_APPLIANCE_STATE_H
-#define ISO_FIRMWARE_APPLIANCE_STATE_H
+#ifndef ISO_FIRMWARE_APPLIANCE_APPLIANCE_STATE_H
+#define ISO_FIRMWARE_APPLIANCE_APPLIANCE_STATE_H
 
 #include <pthread.h>
 
 #include "core/find/scene_motion.h"
 #include "core/presentation/frame_memory.h"
 #include "core/presentation/liveness.h"
-#include "firmware/appliance.h"
-#include "firmware/attack_tally.h"
-#include "firmware/audit_writer.h"
-#include "firmware/door_events.h"
-#include "firmware/door_guard.h"
-#include "firmware/enrolment.h"
-#include "firmware/hint_filter.h"
-#include "firmware/image_tally.h"
-#include "firmware/lockout.h"
-#include "firmware/repeat_watch.h"
-#include "firmware/stale_budget.h"
-#include "firmware/suspension.h"
-#include "firmware/track.h"
+#include "firmware/appliance/appliance.h"
+#include "firmware/audit/audit_writer.h"
+#include "firmware/door/door_events.h"
+#include "firmware/door/door_guard.h"
+#include "firmware/recognise/enrolment.h"
+#include "firmware/recognise/image_tally.h"
+#include "firmware/recognise/track.h"
+#include "firmware/visit/attack_tally.h"
+#include "firmware/visit/hint_filter.h"
+#include "firmware/visit/lockout.h"
+#include "firmware/visit/repeat_watch.h"
+#include "firmware/visit/stale_budget.h"
+#include "firmware/visit/suspension.h"
 
 struct iso_appliance {
     struct iso_appliance_parts parts;

@@ -2,8 +2,8 @@
 #include <errno.h>
 #include <syslog.h>
 
-#include "firmware/appliance_state.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/appliance/appliance_state.h"
 
 static const int64_t retry_ns = ISO_NS_PER_S;
 

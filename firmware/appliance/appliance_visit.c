@@ -5,7 +5,7 @@
 #include <syslog.h>
 
 #include "drivers/terminal/words.h"
-#include "firmware/appliance_state.h"
+#include "firmware/appliance/appliance_state.h"
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config)
 {

@@ -1,8 +1,8 @@
-#include "firmware/enroll_gate.h"
+#include "firmware/appliance/enroll_gate.h"
 
 #include <math.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 struct iso_enroll_gate iso_enroll_gate_of(const struct iso_config_enroll *config)
 {

@@ -1,10 +1,10 @@
 /* What an enrolment asks of a frame beyond what recognition does: a template is kept for years and
  * every later visit is compared with it. Pure. */
-#ifndef ISO_FIRMWARE_ENROLL_GATE_H
-#define ISO_FIRMWARE_ENROLL_GATE_H
+#ifndef ISO_FIRMWARE_APPLIANCE_ENROLL_GATE_H
+#define ISO_FIRMWARE_APPLIANCE_ENROLL_GATE_H
 
-#include "core/extract.h"
-#include "firmware/config.h"
+#include "core/extract/extract.h"
+#include "firmware/config/config.h"
 
 struct iso_enroll_gate {
     double yaw_max_rad, pitch_max_rad;

@@ -1,9 +1,9 @@
-#include "firmware/sensor_keeper.h"
+#include "firmware/appliance/sensor_keeper.h"
 
 #include <errno.h>
 #include <stdio.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 /* For a back end that neither blocks nor says when it has something. */
 enum { LOOK_NS = 5 * ISO_NS_PER_MS };

@@ -17,14 +17,14 @@
  * disk say, nobody looks what the sensor has; the caller says so by iso_sensor_keeper_excuse, and
  * that time does not count. The rule for frames is another: a late one is of no use, whoever made
  * it late. */
-#ifndef ISO_FIRMWARE_SENSOR_KEEPER_H
-#define ISO_FIRMWARE_SENSOR_KEEPER_H
+#ifndef ISO_FIRMWARE_APPLIANCE_SENSOR_KEEPER_H
+#define ISO_FIRMWARE_APPLIANCE_SENSOR_KEEPER_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
-#include "drivers/sensor/sensor.h"
+#include "core/base/fault.h"
+#include "drivers/sensor/contract/sensor.h"
 
 /* Opens the sensor anew; the errors are those of iso_sensor_open. */
 struct iso_sensor_source {

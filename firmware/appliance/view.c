@@ -1,4 +1,4 @@
-#include "firmware/view.h"
+#include "firmware/appliance/view.h"
 
 #include <math.h>
 

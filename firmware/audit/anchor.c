@@ -1,4 +1,4 @@
-#include "firmware/anchor.h"
+#include "firmware/audit/anchor.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -8,11 +8,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/math/bytes.h"
+#include "core/base/bytes.h"
+#include "drivers/file/data_file.h"
+#include "drivers/file/disk_wait.h"
 #include "drivers/file/file.h"
-#include "firmware/data_file.h"
-#include "firmware/disk_wait.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
 
 enum {
     PLAIN_1_BYTES = 8 + 8 + ISO_ANCHOR_EXTRA_BYTES, /* turn, value, extra: format 1 */

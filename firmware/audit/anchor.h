@@ -17,14 +17,14 @@
  * The file has two slots that are written in turn; one that was cut short is as good as none, and
  * the other is one behind. Slot: number of the key u32, then sealed: turn u64, value u64, extra[],
  * heads. Format 1, which is still read, has no heads. */
-#ifndef ISO_FIRMWARE_ANCHOR_H
-#define ISO_FIRMWARE_ANCHOR_H
+#ifndef ISO_FIRMWARE_AUDIT_ANCHOR_H
+#define ISO_FIRMWARE_AUDIT_ANCHOR_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
-#include "firmware/key_ring.h"
+#include "core/base/fault.h"
+#include "firmware/keys/key_ring.h"
 
 enum { ISO_ANCHOR_EXTRA_BYTES = 56 };
 

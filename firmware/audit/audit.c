@@ -1,4 +1,4 @@
-#include "firmware/audit.h"
+#include "firmware/audit/audit.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,11 +9,11 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "core/math/bytes.h"
+#include "core/base/bytes.h"
+#include "drivers/file/directory.h"
 #include "drivers/file/file.h"
-#include "firmware/audit_state.h"
-#include "firmware/directory.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/audit/audit_state.h"
 
 /* ---- the anchor ---- */
 

@@ -21,17 +21,17 @@
  * fit on the disk leaves nothing behind. A line that was cut short by a crash is taken away at the
  * next open, which is itself put on record (if there is room). One process at a time has the log.
  */
-#ifndef ISO_FIRMWARE_AUDIT_H
-#define ISO_FIRMWARE_AUDIT_H
+#ifndef ISO_FIRMWARE_AUDIT_AUDIT_H
+#define ISO_FIRMWARE_AUDIT_AUDIT_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
-#include "firmware/key_ring.h"
-#include "firmware/state_counter.h"
-#include "firmware/times.h"
-#include "firmware/work_listener.h"
+#include "core/base/fault.h"
+#include "drivers/base/times.h"
+#include "firmware/contract/work_listener.h"
+#include "firmware/keys/key_ring.h"
+#include "firmware/keys/state_counter.h"
 
 /* What the caller has to say; members that are NULL, NaN or negative are left out. */
 struct iso_audit_record {

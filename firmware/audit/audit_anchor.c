@@ -5,10 +5,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/math/bytes.h"
-#include "firmware/audit_state.h"
-#include "firmware/disk_wait.h"
-#include "firmware/storage_fault.h"
+#include "core/base/bytes.h"
+#include "drivers/file/disk_wait.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/audit/audit_state.h"
 
 /* ---- the anchor: first sequence u64, head[32], sealing u8, lax u8, first sequence of the segment
  * that is written u64 (0: unknown), closed segments from the first sequence on u16, number of the

@@ -9,9 +9,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "firmware/audit_state.h"
-#include "firmware/disk_wait.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/disk_wait.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/audit/audit_state.h"
 
 struct iso_audit_record iso_audit_record_of(const char *event)
 {

@@ -3,7 +3,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "firmware/audit_state.h"
+#include "firmware/audit/audit_state.h"
 
 /* The date of a member of a record's text, seconds since 1970; 0 if there is none. Quotes within
  * values are escaped: a name cannot look like a member. */

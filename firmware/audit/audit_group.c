@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "firmware/audit_writer_state.h"
+#include "firmware/audit/audit_writer_state.h"
 
 void iso__audit_writer_stamp(const struct iso_audit_writer *writer, struct iso_audit_record *record)
 {

@@ -1,4 +1,4 @@
-#include "firmware/audit_line.h"
+#include "firmware/audit/audit_line.h"
 
 #include <errno.h>
 #include <inttypes.h>

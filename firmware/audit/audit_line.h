@@ -9,15 +9,15 @@
  * The link behind a record is a keyed digest of its sequence, the link before it and its sealed
  * bytes: who has not the key can neither change a record nor make the link that the next one has to
  * begin with. The link behind the last record is the head of the log. */
-#ifndef ISO_FIRMWARE_AUDIT_LINE_H
-#define ISO_FIRMWARE_AUDIT_LINE_H
+#ifndef ISO_FIRMWARE_AUDIT_AUDIT_LINE_H
+#define ISO_FIRMWARE_AUDIT_AUDIT_LINE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "firmware/heads.h"
-#include "firmware/json_line.h"
-#include "firmware/seal.h"
+#include "firmware/contract/json_line.h"
+#include "firmware/keys/heads.h"
+#include "firmware/keys/seal.h"
 
 enum {
     ISO_AUDIT_LINK_BYTES = ISO_SEAL_DIGEST_BYTES,

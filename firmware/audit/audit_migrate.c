@@ -12,11 +12,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/file/data_file.h"
+#include "drivers/file/directory.h"
+#include "drivers/file/disk_wait.h"
 #include "drivers/file/file.h"
-#include "firmware/audit_state.h"
-#include "firmware/data_file.h"
-#include "firmware/directory.h"
-#include "firmware/disk_wait.h"
+#include "firmware/audit/audit_state.h"
 
 static int may_migrate(const struct iso_audit *audit, struct iso_fault *fault)
 {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/audit_state.h"
+#include "firmware/audit/audit_state.h"
 
 /* ---- a few ---- */
 

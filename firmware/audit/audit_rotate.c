@@ -9,11 +9,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/file/directory.h"
 #include "drivers/file/file.h"
-#include "firmware/audit_state.h"
-#include "firmware/directory.h"
-#include "firmware/storage_fault.h"
-#include "firmware/validity.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/audit/audit_state.h"
+#include "firmware/contract/validity.h"
 
 /* The key of a closed segment: below it none is needed any more. */
 static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)

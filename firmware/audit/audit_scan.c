@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/audit_state.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/audit/audit_state.h"
 
 static int refuse(const struct iso_audit *audit, int error, uint64_t sequence, const char *flaw,
                   struct iso_fault *fault)

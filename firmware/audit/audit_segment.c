@@ -1,4 +1,4 @@
-#include "firmware/audit_segment.h"
+#include "firmware/audit/audit_segment.h"
 
 #include <ctype.h>
 #include <dirent.h>

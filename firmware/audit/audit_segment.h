@@ -1,16 +1,16 @@
 /* The files of the audit log: the segment that is written, and closed ones beside it, named by
  * their first record (PATH.00000000000000000001). Internal to the log. */
-#ifndef ISO_FIRMWARE_AUDIT_SEGMENT_H
-#define ISO_FIRMWARE_AUDIT_SEGMENT_H
+#ifndef ISO_FIRMWARE_AUDIT_AUDIT_SEGMENT_H
+#define ISO_FIRMWARE_AUDIT_AUDIT_SEGMENT_H
 
 #include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
-#include "core/fault.h"
-#include "firmware/audit_line.h"
-#include "firmware/key_ring.h"
+#include "core/base/fault.h"
+#include "firmware/audit/audit_line.h"
+#include "firmware/keys/key_ring.h"
 
 enum { ISO_AUDIT_SEGMENTS_MAX = 64 };
 

@@ -1,12 +1,12 @@
 /* What an open log holds. Internal to firmware/audit*.c. */
-#ifndef ISO_FIRMWARE_AUDIT_STATE_H
-#define ISO_FIRMWARE_AUDIT_STATE_H
+#ifndef ISO_FIRMWARE_AUDIT_AUDIT_STATE_H
+#define ISO_FIRMWARE_AUDIT_AUDIT_STATE_H
 
 #include <sys/types.h>
 
-#include "firmware/anchor.h"
-#include "firmware/audit.h"
-#include "firmware/audit_segment.h"
+#include "firmware/audit/anchor.h"
+#include "firmware/audit/audit.h"
+#include "firmware/audit/audit_segment.h"
 
 /* Every so many lines the place of one is remembered, so that reading need not begin at the first.
  */

@@ -5,7 +5,7 @@
 #include <sodium.h>
 #include <unistd.h>
 
-#include "firmware/audit_state.h"
+#include "firmware/audit/audit_state.h"
 
 /* Our own lock must not stand in the way. */
 static void close_segment(struct iso_audit *audit)

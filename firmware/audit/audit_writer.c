@@ -1,14 +1,14 @@
-#include "firmware/audit_writer.h"
+#include "firmware/audit/audit_writer.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
+#include "drivers/file/disk_wait.h"
 #include "drivers/process/thread.h"
-#include "firmware/audit_writer_state.h"
-#include "firmware/disk_wait.h"
-#include "firmware/stack_wipe.h"
+#include "firmware/audit/audit_writer_state.h"
+#include "firmware/keys/stack_wipe.h"
 
 /* ---- slots ---- */
 

@@ -20,10 +20,10 @@
  * injected. With it all calls but new and free may come from any thread; only one thread appends.
  * A call that has to do with the disk (append, hold) must not come from a thread that the door
  * depends on. */
-#ifndef ISO_FIRMWARE_AUDIT_WRITER_H
-#define ISO_FIRMWARE_AUDIT_WRITER_H
+#ifndef ISO_FIRMWARE_AUDIT_AUDIT_WRITER_H
+#define ISO_FIRMWARE_AUDIT_AUDIT_WRITER_H
 
-#include "firmware/audit.h"
+#include "firmware/audit/audit.h"
 
 enum { ISO_AUDIT_WRITER_RECORDS = 128 };
 

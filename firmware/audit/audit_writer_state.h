@@ -1,11 +1,11 @@
 /* What a writer of the audit log holds, and how it writes a group. Internal to
  * audit_writer.c and audit_group.c. */
-#ifndef ISO_FIRMWARE_AUDIT_WRITER_STATE_H
-#define ISO_FIRMWARE_AUDIT_WRITER_STATE_H
+#ifndef ISO_FIRMWARE_AUDIT_AUDIT_WRITER_STATE_H
+#define ISO_FIRMWARE_AUDIT_AUDIT_WRITER_STATE_H
 
 #include <pthread.h>
 
-#include "firmware/audit_writer.h"
+#include "firmware/audit/audit_writer.h"
 
 /* All texts of the longest record together; the line of a longer one would not fit either. */
 enum { ISO__AUDIT_WRITER_TEXT_BYTES = 3072 };

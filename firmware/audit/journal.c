@@ -1,4 +1,4 @@
-#include "firmware/journal.h"
+#include "firmware/audit/journal.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <syslog.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 struct fields {
     char (*text)[ISO_JOURNAL_FIELD_SIZE];

@@ -11,13 +11,13 @@
  *
  * ISOTHERM_HEAD is the head of the log behind the record (audit.h): a journal that is kept
  * elsewhere bears witness against a log that is put back. */
-#ifndef ISO_FIRMWARE_JOURNAL_H
-#define ISO_FIRMWARE_JOURNAL_H
+#ifndef ISO_FIRMWARE_AUDIT_JOURNAL_H
+#define ISO_FIRMWARE_AUDIT_JOURNAL_H
 
 #include <stddef.h>
 #include <sys/uio.h>
 
-#include "firmware/audit.h"
+#include "firmware/audit/audit.h"
 
 enum { ISO_JOURNAL_ENTRIES = 128 };
 

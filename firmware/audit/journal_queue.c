@@ -8,7 +8,7 @@
 #include <time.h>
 
 #include "drivers/process/thread.h"
-#include "firmware/journal.h"
+#include "firmware/audit/journal.h"
 
 static const int wait_at_end_s = 1;
 

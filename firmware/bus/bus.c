@@ -1,12 +1,12 @@
-#include "firmware/bus.h"
+#include "firmware/bus/bus.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "firmware/bus_state.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
 
 enum { CALL_TIMEOUT_US = 2 * 1000 * 1000 };
 

@@ -1,17 +1,18 @@
-/* The D-Bus service of core/contract.h: puts calls to the appliance and its events on the bus.
+/* The D-Bus service of firmware/contract/contract.h: puts calls to the appliance and its events on
+ * the bus.
  *
  * One client at a time has the claim, known by its unique name; when that leaves the bus the claim
  * is released. Status signals go to the claimant only. Used by one thread, that of the event loop.
  * Who may call at all is the bus's policy (board/generic/org.isotherm.Isotherm.conf); how often, is
  * call_rate.h. */
-#ifndef ISO_FIRMWARE_BUS_H
-#define ISO_FIRMWARE_BUS_H
+#ifndef ISO_FIRMWARE_BUS_BUS_H
+#define ISO_FIRMWARE_BUS_BUS_H
 
 #include <stdbool.h>
 #include <systemd/sd-event.h>
 
-#include "core/fault.h"
-#include "firmware/appliance.h"
+#include "core/base/fault.h"
+#include "firmware/appliance/appliance.h"
 
 struct iso_bus;
 

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "firmware/administration.h"
-#include "firmware/bus_state.h"
+#include "firmware/appliance/administration.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
 
 /* The options of both methods; texts point into the call. */
 struct options {

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "firmware/bus_state.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
 
 enum { LOG_RECORDS_MAX = 1000 };
 

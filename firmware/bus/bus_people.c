@@ -3,9 +3,9 @@
 #include <errno.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "firmware/administration.h"
-#include "firmware/bus_state.h"
+#include "firmware/appliance/administration.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
 
 /* ---- options ---- */
 

@@ -2,9 +2,9 @@
 #include <errno.h>
 #include <unistd.h>
 
-#include "core/contract.h"
-#include "firmware/bus_state.h"
-#include "firmware/relief_picture.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
+#include "firmware/recognise/relief_picture.h"
 
 int iso__bus_picture(sd_bus_message *call, void *context, sd_bus_error *out)
 {

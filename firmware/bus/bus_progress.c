@@ -1,6 +1,6 @@
 /* How far a long call is, for the client that made it. */
-#include "core/contract.h"
-#include "firmware/bus_state.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
 
 /* Between two signals, and before the first: a call that is shorter sends none. */
 static const int64_t interval_ns = 500 * ISO_NS_PER_MS;

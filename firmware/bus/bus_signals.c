@@ -2,8 +2,8 @@
 #include <errno.h>
 #include <stdio.h>
 
-#include "core/contract.h"
-#include "firmware/bus_state.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
 
 void iso__bus_send_signal(sd_bus_message *signal, const char *destination, int r)
 {

@@ -1,12 +1,12 @@
 /* What the service on the bus holds. Internal to firmware/bus*.c. */
-#ifndef ISO_FIRMWARE_BUS_STATE_H
-#define ISO_FIRMWARE_BUS_STATE_H
+#ifndef ISO_FIRMWARE_BUS_BUS_STATE_H
+#define ISO_FIRMWARE_BUS_BUS_STATE_H
 
 #include <systemd/sd-bus.h>
 
-#include "firmware/bus.h"
-#include "firmware/call_rate.h"
-#include "firmware/work_listener.h"
+#include "firmware/bus/bus.h"
+#include "firmware/bus/call_rate.h"
+#include "firmware/contract/work_listener.h"
 
 struct iso_bus {
     char address[256];

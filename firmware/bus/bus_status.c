@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "drivers/sensor/sensor.h"
-#include "firmware/bus_state.h"
-#include "firmware/utf8.h"
+#include "drivers/base/utf8.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "firmware/bus/bus_state.h"
 
 void iso__bus_clean_text(char *to, size_t size, const char *from)
 {

@@ -1,6 +1,6 @@
 /* What the sensor sees, for clients that aim it: View, and a part of GetStatus. */
-#include "core/contract.h"
-#include "firmware/bus_state.h"
+#include "firmware/bus/bus_state.h"
+#include "firmware/contract/contract.h"
 
 /* ---- words and numbers ---- */
 

@@ -1,10 +1,10 @@
-#include "firmware/call_rate.h"
+#include "firmware/bus/call_rate.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 void iso_call_rate_init(struct iso_call_rate *rate, int64_t now_ns)
 {

@@ -6,8 +6,8 @@
  * comes back has another one. A new client therefore takes its allowance out of one that all
  * newcomers share. The last ISO_CALL_RATE_CLIENTS are remembered; of older ones only this shared
  * allowance is. */
-#ifndef ISO_FIRMWARE_CALL_RATE_H
-#define ISO_FIRMWARE_CALL_RATE_H
+#ifndef ISO_FIRMWARE_BUS_CALL_RATE_H
+#define ISO_FIRMWARE_BUS_CALL_RATE_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,9 +1,9 @@
-#include "firmware/device_list.h"
+#include "firmware/bus/device_list.h"
 
 #include <errno.h>
 
-#include "drivers/sensor/sensor.h"
-#include "firmware/json_line.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "firmware/contract/json_line.h"
 
 struct listing {
     FILE *out;

@@ -1,11 +1,11 @@
 /* Lists the devices that the sensor drivers of this build find, for programs: `isothermd
  * --list-devices`. Needs no configuration and no running daemon, and opens no camera for use. */
-#ifndef ISO_FIRMWARE_DEVICE_LIST_H
-#define ISO_FIRMWARE_DEVICE_LIST_H
+#ifndef ISO_FIRMWARE_BUS_DEVICE_LIST_H
+#define ISO_FIRMWARE_BUS_DEVICE_LIST_H
 
 #include <stdio.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Writes one JSON object a line: {"sensor", "id", "label"} for each device, or {"sensor", "fault"}
  * for a driver that cannot look for its devices. Drivers without devices (replay) are left out. May

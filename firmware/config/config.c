@@ -1,4 +1,4 @@
-#include "firmware/config.h"
+#include "firmware/config/config.h"
 
 #include <errno.h>
 #include <ini.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 /* libinih cuts lines at its ini_max_line of 200 bytes, silently: longer ones are refused first. */
 enum { LINE_MAX_BYTES = 190, FILE_MAX_BYTES = 65536 };

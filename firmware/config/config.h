@@ -4,18 +4,18 @@
  * sample file, so that they cannot disagree. An unknown section or key, a bad value, a repeated key
  * and a line that is not `key = value` are refused with "FILE:LINE: what is wrong". ';' or '#'
  * begins a line of comment; " ;" begins one behind a value. A line holds at most 190 bytes. */
-#ifndef ISO_FIRMWARE_CONFIG_H
-#define ISO_FIRMWARE_CONFIG_H
+#ifndef ISO_FIRMWARE_CONFIG_CONFIG_H
+#define ISO_FIRMWARE_CONFIG_CONFIG_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
-#include "core/fault.h"
-#include "core/match/icp.h"
-#include "drivers/option.h"
-#include "firmware/door.h"
-#include "firmware/pipeline.h"
+#include "core/base/fault.h"
+#include "core/registration/icp.h"
+#include "drivers/base/option.h"
+#include "firmware/door/door.h"
+#include "firmware/recognise/pipeline.h"
 
 enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 32, ISO_CONFIG_KEYS_MAX = 128 };
 

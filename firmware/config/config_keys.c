@@ -1,6 +1,6 @@
 /* The table of all configuration keys. */
-#include "firmware/config.h"
-#include "firmware/crew.h"
+#include "firmware/config/config.h"
+#include "firmware/recognise/crew.h"
 
 #define AT(section, field) offsetof(struct iso_config, section.field)
 

@@ -1,4 +1,4 @@
-#include "firmware/door_options.h"
+#include "firmware/config/door_options.h"
 
 struct iso_door_guard_options iso_door_options_of(const struct iso_config_door *config,
                                                   const struct iso_times *times,

@@ -1,11 +1,11 @@
 /* How the door of a configuration is guarded. */
-#ifndef ISO_FIRMWARE_DOOR_OPTIONS_H
-#define ISO_FIRMWARE_DOOR_OPTIONS_H
+#ifndef ISO_FIRMWARE_CONFIG_DOOR_OPTIONS_H
+#define ISO_FIRMWARE_CONFIG_DOOR_OPTIONS_H
 
+#include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
-#include "firmware/config.h"
-#include "firmware/door_guard.h"
-#include "firmware/times.h"
+#include "firmware/config/config.h"
+#include "firmware/door/door_guard.h"
 
 /* The options of a guard of these lines, without `record`. `threaded` as in door_guard.h. */
 struct iso_door_guard_options iso_door_options_of(const struct iso_config_door *config,

@@ -52,9 +52,9 @@
  * in by what a client does: only the daemon's own identification opens the door, while nobody has
  * the claim. The one exception is TestDoor.
  *
- * A name is one person's without regard to case ("Ada" and "ada"; firmware/person_name.h), and
- * every method takes any spelling of it. Whoever may call EnrollStart hears who is enrolled, so it
- * is for those who may call ListPeople.
+ * A name is one person's without regard to case ("Ada" and "ada"; firmware/contract/person_name.h),
+ * and every method takes any spelling of it. Whoever may call EnrollStart hears who is enrolled, so
+ * it is for those who may call ListPeople.
  *
  * Signals:
  * Sent to the claimant only:
@@ -62,28 +62,22 @@
  *       person: whom a duplicate duplicates; of "enroll-not-stored" what the disk refused; else ""
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-" before one of the words
- *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/capture.h: a hint, which
- *       held for some frames; the action goes on
- * Sent to those who called AimStart:
- *   View(a{sv})                          what the sensor sees, some ten times a second: the keys
- *                                        marked + below
- * Sent to the caller of ExportPeople, ImportPeople, RotateKeys or VerifyLog while the call goes on:
- *   Progress(t done, t total)            how much of the work is done: people of an export or an
- *                                        import (put in, then everybody read back), records of a
- *                                        rotation (people and templates) or of the log. At most two
- *                                        a second, none in the first half second; done does not
- *                                        fall and is at most total, which is above 0 and may fall
- * Sent to all:
- *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason, s door,
- *         s door_fault)
- *       a decision of the door itself: verdict "allow" or "deny", person "" when unknown, the best
- *       score (NaN: nothing to compare with), usable frames, time from the arrival of the first
- *       usable frame to the verdict, reason a word of firmware/decision.h. What the door did is
- *       another fact: door is a word ISO_CONTRACT_DOOR_... after "allow" and "" after "deny";
- *       door_fault says why the door did not unlock, else it is ""
- *   Hint(s word)                         what hinders who stands at the door: a word of
- *                                        core/capture.h, which held for some frames
- *   DoorChanged(s state, s cause)        words of firmware/door.h
+ *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/base/capture.h: a hint,
+ * which held for some frames; the action goes on Sent to those who called AimStart: View(a{sv})
+ * what the sensor sees, some ten times a second: the keys marked + below Sent to the caller of
+ * ExportPeople, ImportPeople, RotateKeys or VerifyLog while the call goes on: Progress(t done, t
+ * total)            how much of the work is done: people of an export or an import (put in, then
+ * everybody read back), records of a rotation (people and templates) or of the log. At most two a
+ * second, none in the first half second; done does not fall and is at most total, which is above 0
+ * and may fall Sent to all: Visit(s verdict, s person, d score, d threshold, u frames, x
+ * latency_us, s reason, s door, s door_fault) a decision of the door itself: verdict "allow" or
+ * "deny", person "" when unknown, the best score (NaN: nothing to compare with), usable frames,
+ * time from the arrival of the first usable frame to the verdict, reason a word of
+ * firmware/visit/decision.h. What the door did is another fact: door is a word
+ * ISO_CONTRACT_DOOR_... after "allow" and "" after "deny"; door_fault says why the door did not
+ * unlock, else it is "" Hint(s word)                         what hinders who stands at the door: a
+ * word of core/base/capture.h, which held for some frames DoorChanged(s state, s cause) words of
+ * firmware/door/door.h
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
  * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "repeats": it delivers
@@ -107,9 +101,10 @@
  * a picture, screen or mask; "attack-frames" t that did.
  *
  * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
- * core/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from the
- * sensor's axis, + "yaw-deg" d, + "pitch-deg" d and + "roll-deg" d of the head; + "residual-mm" d
- * and + "fit-coverage" d (0..1) of the fitted head model, + "coverage" d (0..1) of the face patch,
+ * core/base/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from
+ * the sensor's axis, + "yaw-deg" d, + "pitch-deg" d and + "roll-deg" d of the head; + "residual-mm"
+ * d and + "fit-coverage" d (0..1) of the fitted head model, + "coverage" d (0..1) of the face
+ * patch,
  * + "landmark-sigma-mm" d of the least certain landmark, + "expression" d (its strength in standard
  * deviations), + "speed-mm-s" d and + "speed-deg-s" d. Nothing of it tells one face from another.
  *
@@ -126,8 +121,8 @@
  * after it, which says what the door did ("door", "door_fault") and which record was the grant
  * ("grant", a sequence). A grant without a visit was written by a daemon that ended in between, or
  * whose disk was full then. */
-#ifndef ISO_CORE_CONTRACT_H
-#define ISO_CORE_CONTRACT_H
+#ifndef ISO_FIRMWARE_CONTRACT_CONTRACT_H
+#define ISO_FIRMWARE_CONTRACT_CONTRACT_H
 
 #define ISO_CONTRACT_NAME      "org.isotherm.Isotherm"
 #define ISO_CONTRACT_PATH      "/org/isotherm/Door0"
@@ -219,7 +214,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_RESULT_ATTACK       "attack"   /* all: a picture, a screen, a mask */
 #define ISO_CONTRACT_RESULT_TIMED_OUT    "timed-out"
 #define ISO_CONTRACT_RESULT_DISCONNECTED "disconnected" /* the sensor is gone */
-#define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of core/capture.h */
+#define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of core/base/capture.h */
 
 /* What the door did for somebody who was let in: Visit, and the audit record "visit". */
 #define ISO_CONTRACT_DOOR_UNLOCKED     "unlocked"     /* its lock was switched */

@@ -1,11 +1,11 @@
-#include "firmware/json_line.h"
+#include "firmware/contract/json_line.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "firmware/utf8.h"
+#include "drivers/base/utf8.h"
 
 __attribute__((format(printf, 2, 3))) static void append(struct iso_json_line *line,
                                                          const char *format, ...)

@@ -1,6 +1,6 @@
 /* Writes one JSON object on one line, into memory of its own. */
-#ifndef ISO_FIRMWARE_JSON_LINE_H
-#define ISO_FIRMWARE_JSON_LINE_H
+#ifndef ISO_FIRMWARE_CONTRACT_JSON_LINE_H
+#define ISO_FIRMWARE_CONTRACT_JSON_LINE_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-#include "firmware/person_name.h"
+#include "firmware/contract/person_name.h"
 
 #include <errno.h>
 #include <sodium.h>
@@ -10,7 +10,7 @@
 #include <uninorm.h>
 #include <unistr.h>
 
-#include "firmware/utf8.h"
+#include "drivers/base/utf8.h"
 
 /* ---- which characters a name may have ---- */
 

@@ -1,6 +1,6 @@
 /* What a person may be called, and which names are one. */
-#ifndef ISO_FIRMWARE_PERSON_NAME_H
-#define ISO_FIRMWARE_PERSON_NAME_H
+#ifndef ISO_FIRMWARE_CONTRACT_PERSON_NAME_H
+#define ISO_FIRMWARE_CONTRACT_PERSON_NAME_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,9 +1,9 @@
-#include "firmware/validity.h"
+#include "firmware/contract/validity.h"
 
 #include <stdio.h>
 #include <time.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 const char *iso_validity_date(int64_t seconds, char text[ISO_VALIDITY_DATE_SIZE])
 {

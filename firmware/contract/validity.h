@@ -1,6 +1,6 @@
 /* From when and until when the door opens to a person. Pure. */
-#ifndef ISO_FIRMWARE_VALIDITY_H
-#define ISO_FIRMWARE_VALIDITY_H
+#ifndef ISO_FIRMWARE_CONTRACT_VALIDITY_H
+#define ISO_FIRMWARE_CONTRACT_VALIDITY_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -6,8 +6,8 @@
  * `done` does not fall during one piece of work and is never above `total`; `total` is above 0. It
  * may fall when the work finds that there is less to do than it could be. The unit is the work's
  * own. */
-#ifndef ISO_FIRMWARE_WORK_LISTENER_H
-#define ISO_FIRMWARE_WORK_LISTENER_H
+#ifndef ISO_FIRMWARE_CONTRACT_WORK_LISTENER_H
+#define ISO_FIRMWARE_CONTRACT_WORK_LISTENER_H
 
 #include <stdint.h>
 

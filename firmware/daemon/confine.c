@@ -1,4 +1,4 @@
-#include "firmware/confine.h"
+#include "firmware/daemon/confine.h"
 
 #include <errno.h>
 #include <string.h>

@@ -15,11 +15,11 @@
  * Threads that were there before are not bound by "files" (those that libraries start before
  * main(); the unit file has the linear algebra start none), but by "calls". Builds with a sanitizer
  * or coverage confine nothing: what watches them traces and writes. */
-#ifndef ISO_FIRMWARE_CONFINE_H
-#define ISO_FIRMWARE_CONFINE_H
+#ifndef ISO_FIRMWARE_DAEMON_CONFINE_H
+#define ISO_FIRMWARE_DAEMON_CONFINE_H
 
-#include "core/fault.h"
-#include "firmware/config.h"
+#include "core/base/fault.h"
+#include "firmware/config/config.h"
 
 /* Memory; before anything biometric is read. -EPERM, -ENOMEM if it cannot be locked, with a fault;
  * the rest is done even then. */

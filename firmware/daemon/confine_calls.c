@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/socket.h>
 
-#include "firmware/confine.h"
+#include "firmware/daemon/confine.h"
 
 static const char *const allowed[] = {
     /* files and descriptors */

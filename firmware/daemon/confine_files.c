@@ -11,8 +11,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "drivers/shipped.h"
-#include "firmware/confine.h"
+#include "drivers/base/shipped.h"
+#include "firmware/daemon/confine.h"
 
 /* Of later versions of the interface than the header this is built with may know. */
 #ifndef LANDLOCK_ACCESS_FS_REFER

@@ -1,4 +1,4 @@
-#include "firmware/daemon.h"
+#include "firmware/daemon/daemon.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -12,11 +12,11 @@
 #include <systemd/sd-event.h>
 #include <unistd.h>
 
-#include "firmware/bus.h"
-#include "firmware/confine.h"
-#include "firmware/life_sign.h"
-#include "firmware/parts.h"
-#include "firmware/stack_wipe.h"
+#include "firmware/bus/bus.h"
+#include "firmware/daemon/confine.h"
+#include "firmware/daemon/life_sign.h"
+#include "firmware/daemon/parts.h"
+#include "firmware/keys/stack_wipe.h"
 
 /* Wakes up the event loop when one of these can be read; it does nothing else. */
 struct watched_fd {

@@ -1,10 +1,10 @@
 /* The life of the daemon between its options and its exit code: appliance, bus, event loop, service
  * manager. */
-#ifndef ISO_FIRMWARE_DAEMON_H
-#define ISO_FIRMWARE_DAEMON_H
+#ifndef ISO_FIRMWARE_DAEMON_DAEMON_H
+#define ISO_FIRMWARE_DAEMON_DAEMON_H
 
-#include "core/fault.h"
-#include "firmware/config.h"
+#include "core/base/fault.h"
+#include "firmware/config/config.h"
 
 /* Runs until SIGTERM or SIGINT: 0. Else a negative errno with a fault: of opening what the
  * configuration asks for, or of the bus; a bus that is lost later is no reason to end. */

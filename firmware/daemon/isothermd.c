@@ -11,10 +11,10 @@
 #include "drivers/process/limits.h"
 #include "drivers/terminal/output.h"
 #include "drivers/vision/face_detector.h"
-#include "firmware/config.h"
-#include "firmware/daemon.h"
-#include "firmware/device_list.h"
-#include "firmware/parts.h"
+#include "firmware/bus/device_list.h"
+#include "firmware/config/config.h"
+#include "firmware/daemon/daemon.h"
+#include "firmware/daemon/parts.h"
 
 /* As of every program of the project; see isothermd(8). */
 enum { EXIT_OK = 0, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };

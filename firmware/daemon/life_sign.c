@@ -1,13 +1,13 @@
-#include "firmware/life_sign.h"
+#include "firmware/daemon/life_sign.h"
 
 #include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
 
+#include "drivers/base/times.h"
+#include "drivers/file/disk_wait.h"
 #include "drivers/process/thread.h"
-#include "firmware/disk_wait.h"
-#include "firmware/times.h"
 
 struct iso_life_sign {
     struct iso_life_sign_options options;

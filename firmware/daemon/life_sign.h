@@ -7,8 +7,8 @@
  * It does so only while such a wait lasts, and for at most limit_ns since the main thread said
  * itself that all is well. A main thread that hangs anywhere else, or a disk that never answers, is
  * therefore still found by the service manager. */
-#ifndef ISO_FIRMWARE_LIFE_SIGN_H
-#define ISO_FIRMWARE_LIFE_SIGN_H
+#ifndef ISO_FIRMWARE_DAEMON_LIFE_SIGN_H
+#define ISO_FIRMWARE_DAEMON_LIFE_SIGN_H
 
 #include <stdbool.h>
 #include <stdint.h>

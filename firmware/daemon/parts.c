@@ -1,4 +1,4 @@
-#include "firmware/parts.h"
+#include "firmware/daemon/parts.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -7,11 +7,11 @@
 #include <sys/stat.h>
 #include <systemd/sd-journal.h>
 
+#include "drivers/base/shipped.h"
 #include "drivers/counter/tpm2_counter.h"
-#include "drivers/shipped.h"
 #include "drivers/vision/face_detector.h"
-#include "firmware/door_options.h"
-#include "firmware/lockout_file.h"
+#include "firmware/config/door_options.h"
+#include "firmware/visit/lockout_file.h"
 
 static const char *or_shipped(const char *path, const char *shipped)
 {

@@ -1,14 +1,14 @@
 /* What a configuration asks for, opened: everything that an appliance borrows. */
-#ifndef ISO_FIRMWARE_PARTS_H
-#define ISO_FIRMWARE_PARTS_H
+#ifndef ISO_FIRMWARE_DAEMON_PARTS_H
+#define ISO_FIRMWARE_DAEMON_PARTS_H
 
 #include <stdio.h>
 
-#include "core/fault.h"
-#include "firmware/appliance.h"
-#include "firmware/crew.h"
-#include "firmware/door_guard.h"
-#include "firmware/journal.h"
+#include "core/base/fault.h"
+#include "firmware/appliance/appliance.h"
+#include "firmware/audit/journal.h"
+#include "firmware/door/door_guard.h"
+#include "firmware/recognise/crew.h"
 
 struct iso_parts {
     struct iso_config config;
@@ -27,10 +27,10 @@ struct iso_parts {
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
 };
 
-/* Loads the modules (drivers/module.h) that the configuration asks for, so that nothing is loaded
- * later, when the process is confined. -ENOENT an unknown sensor, or a module is missing that the
- * sensor needs; -EBADMSG one cannot be used. That of the image check may be missing, unless the
- * configuration names a cascade (iso_pipeline_open). */
+/* Loads the modules (drivers/base/module.h) that the configuration asks for, so that nothing is
+ * loaded later, when the process is confined. -ENOENT an unknown sensor, or a module is missing
+ * that the sensor needs; -EBADMSG one cannot be used. That of the image check may be missing,
+ * unless the configuration names a cascade (iso_pipeline_open). */
 int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -2,8 +2,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#include "firmware/lockout_file.h"
-#include "firmware/parts.h"
+#include "firmware/daemon/parts.h"
+#include "firmware/visit/lockout_file.h"
 
 static int record(struct iso_parts *parts, const char *why, struct iso_fault *fault)
 {

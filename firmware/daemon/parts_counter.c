@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "drivers/counter/tpm2_counter.h"
-#include "firmware/parts.h"
+#include "firmware/daemon/parts.h"
 
 int iso_parts_check_counter(const struct iso_config *config, struct iso_fault *fault)
 {

@@ -1,8 +1,8 @@
-#include "firmware/door.h"
+#include "firmware/door/door.h"
 
 #include <stddef.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 const char *iso_door_state_name(enum iso_door_state state)
 {

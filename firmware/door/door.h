@@ -32,8 +32,8 @@
  *   led_refused  while somebody was just refused
  *   buzzer       HELD_OPEN, FORCED, and while the housing is open; not in STOPPED
  *   projector    in every state but STOPPED: a sensor that needs it looks all the time */
-#ifndef ISO_FIRMWARE_DOOR_H
-#define ISO_FIRMWARE_DOOR_H
+#ifndef ISO_FIRMWARE_DOOR_DOOR_H
+#define ISO_FIRMWARE_DOOR_DOOR_H
 
 #include <stdbool.h>
 #include <stdint.h>

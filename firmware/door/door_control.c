@@ -1,10 +1,10 @@
-#include "firmware/door_control.h"
+#include "firmware/door/door_control.h"
 
 #include <errno.h>
 #include <stdio.h>
 
-#include "core/contract.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/contract/contract.h"
 
 const char *iso_door_answer_name(enum iso_door_answer answer)
 {

@@ -4,15 +4,15 @@
  * A line that cannot be read or switched is a fault of the door, which puts the machine in FAULT
  * until all of them work again. Lines that are lost (their chip is gone, or was not there to begin
  * with) are opened anew, after a wait that doubles with each failure. */
-#ifndef ISO_FIRMWARE_DOOR_CONTROL_H
-#define ISO_FIRMWARE_DOOR_CONTROL_H
+#ifndef ISO_FIRMWARE_DOOR_DOOR_CONTROL_H
+#define ISO_FIRMWARE_DOOR_DOOR_CONTROL_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "drivers/door/door_io.h"
-#include "firmware/door.h"
+#include "firmware/door/door.h"
 
 /* What the door did when somebody was to be let in, as far as its lines tell. */
 enum iso_door_answer {

@@ -1,9 +1,9 @@
-#include "firmware/door_events.h"
+#include "firmware/door/door_events.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 static const char *const names[ISO_DOOR_SOURCES] = {
     [ISO_DOOR_BY_CONTACT] = "contact",

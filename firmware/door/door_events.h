@@ -7,11 +7,11 @@
  *
  * What is lost of folded changes is when each of them was, and in which state the door was in
  * between. Kept are the first ones, the number, the length, and the state behind them. */
-#ifndef ISO_FIRMWARE_DOOR_EVENTS_H
-#define ISO_FIRMWARE_DOOR_EVENTS_H
+#ifndef ISO_FIRMWARE_DOOR_DOOR_EVENTS_H
+#define ISO_FIRMWARE_DOOR_DOOR_EVENTS_H
 
-#include "firmware/door_guard.h"
-#include "firmware/event_limit.h"
+#include "firmware/door/door_guard.h"
+#include "firmware/door/event_limit.h"
 
 enum iso_door_source {
     ISO_DOOR_BY_CONTACT,

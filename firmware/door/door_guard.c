@@ -1,4 +1,4 @@
-#include "firmware/door_guard.h"
+#include "firmware/door/door_guard.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -10,8 +10,8 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
+#include "drivers/base/times.h"
 #include "drivers/process/thread.h"
-#include "firmware/times.h"
 
 struct iso_door_guard {
     struct iso_door_guard_options options;

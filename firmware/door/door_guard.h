@@ -15,11 +15,11 @@
  * Tests that inject a clock use the guard without a thread: the caller then steps the door. With a
  * thread the clock must be CLOCK_BOOTTIME, which runs while the machine is suspended: a door that
  * was unlocked before a suspension locks when the machine resumes. */
-#ifndef ISO_FIRMWARE_DOOR_GUARD_H
-#define ISO_FIRMWARE_DOOR_GUARD_H
+#ifndef ISO_FIRMWARE_DOOR_DOOR_GUARD_H
+#define ISO_FIRMWARE_DOOR_DOOR_GUARD_H
 
-#include "core/clock.h"
-#include "firmware/door_control.h"
+#include "core/base/clock.h"
+#include "firmware/door/door_control.h"
 
 enum { ISO_DOOR_GUARD_PRIORITY = 20, ISO_DOOR_GUARD_NEWS = 64 };
 

@@ -1,6 +1,6 @@
-#include "firmware/event_limit.h"
+#include "firmware/door/event_limit.h"
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 static const int64_t second_ns = ISO_NS_PER_S, report_ns = 10 * ISO_NS_PER_S;
 

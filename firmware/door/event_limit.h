@@ -6,8 +6,8 @@
  *   FOLDING  events are counted, and nothing else is kept of them
  *            ten seconds of it: a report, and counting begins anew          -> FOLDING
  *            a second without an event: a report, if anything was counted   -> PASSING */
-#ifndef ISO_FIRMWARE_EVENT_LIMIT_H
-#define ISO_FIRMWARE_EVENT_LIMIT_H
+#ifndef ISO_FIRMWARE_DOOR_EVENT_LIMIT_H
+#define ISO_FIRMWARE_DOOR_EVENT_LIMIT_H
 
 #include <stdbool.h>
 #include <stdint.h>

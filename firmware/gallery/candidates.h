@@ -1,12 +1,12 @@
 /* Whom a probe is compared with: some templates, or an index of people. Refers to what is
  * elsewhere, which stays as it is as long as this is used. */
-#ifndef ISO_FIRMWARE_CANDIDATES_H
-#define ISO_FIRMWARE_CANDIDATES_H
+#ifndef ISO_FIRMWARE_GALLERY_CANDIDATES_H
+#define ISO_FIRMWARE_GALLERY_CANDIDATES_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/match/index.h"
 #include "core/match/search.h"
 

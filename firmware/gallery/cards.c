@@ -1,11 +1,11 @@
-#include "firmware/cards.h"
+#include "firmware/gallery/cards.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/text.h"
-#include "firmware/person_name.h"
+#include "drivers/file/text.h"
+#include "firmware/contract/person_name.h"
 
 enum { FILE_MAX_BYTES = 1 << 20, FIELD_MAX = 65535 };
 

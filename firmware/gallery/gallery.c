@@ -1,4 +1,4 @@
-#include "firmware/gallery.h"
+#include "firmware/gallery/gallery.h"
 
 #include <errno.h>
 #include <sodium.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "drivers/terminal/words.h"
-#include "firmware/gallery_state.h"
+#include "firmware/gallery/gallery_state.h"
 
 /* ---- opening ---- */
 

@@ -26,21 +26,21 @@
  *
  * Used by one thread. Everything handed out is valid until the next add, import, remove or close.
  * Templates and vectors are wiped from memory when they are freed. */
-#ifndef ISO_FIRMWARE_GALLERY_H
-#define ISO_FIRMWARE_GALLERY_H
+#ifndef ISO_FIRMWARE_GALLERY_GALLERY_H
+#define ISO_FIRMWARE_GALLERY_GALLERY_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/contract.h"
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/match/template.h"
-#include "firmware/candidates.h"
-#include "firmware/key_ring.h"
-#include "firmware/person_name.h"
-#include "firmware/validity.h"
-#include "firmware/work_listener.h"
+#include "firmware/contract/contract.h"
+#include "firmware/contract/person_name.h"
+#include "firmware/contract/validity.h"
+#include "firmware/contract/work_listener.h"
+#include "firmware/gallery/candidates.h"
+#include "firmware/keys/key_ring.h"
 
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* "ISOT" */

@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <stdio.h>
 
-#include "firmware/gallery_state.h"
+#include "firmware/gallery/gallery_state.h"
 
 static int no_such_person(const char *name, struct iso_fault *fault)
 {

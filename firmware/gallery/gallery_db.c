@@ -1,4 +1,4 @@
-#include "firmware/gallery_db.h"
+#include "firmware/gallery/gallery_db.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,9 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/file/directory.h"
 #include "drivers/file/file.h"
-#include "firmware/directory.h"
-#include "firmware/gallery_db_state.h"
+#include "firmware/gallery/gallery_db_state.h"
 
 static const char schema[] = "BEGIN EXCLUSIVE;"
                              "CREATE TABLE head ("

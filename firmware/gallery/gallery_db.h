@@ -7,14 +7,14 @@
  *
  * gallery_seal.h says how records are sealed. PATH.anchor holds the number of changes (anchor.h),
  * and the gallery's id. */
-#ifndef ISO_FIRMWARE_GALLERY_DB_H
-#define ISO_FIRMWARE_GALLERY_DB_H
+#ifndef ISO_FIRMWARE_GALLERY_GALLERY_DB_H
+#define ISO_FIRMWARE_GALLERY_GALLERY_DB_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
-#include "firmware/gallery.h"
+#include "core/base/fault.h"
+#include "firmware/gallery/gallery.h"
 
 struct iso_gallery_db;
 

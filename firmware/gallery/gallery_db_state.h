@@ -1,14 +1,14 @@
 /* What an open database of the gallery holds. Internal to firmware/gallery_*.c. */
-#ifndef ISO_FIRMWARE_GALLERY_DB_STATE_H
-#define ISO_FIRMWARE_GALLERY_DB_STATE_H
+#ifndef ISO_FIRMWARE_GALLERY_GALLERY_DB_STATE_H
+#define ISO_FIRMWARE_GALLERY_GALLERY_DB_STATE_H
 
 #include <sqlite3.h>
 #include <stdbool.h>
 
-#include "firmware/anchor.h"
-#include "firmware/gallery_db.h"
-#include "firmware/gallery_seal.h"
-#include "firmware/key_ring.h"
+#include "firmware/audit/anchor.h"
+#include "firmware/gallery/gallery_db.h"
+#include "firmware/gallery/gallery_seal.h"
+#include "firmware/keys/key_ring.h"
 
 struct iso_gallery_db {
     sqlite3 *sqlite;

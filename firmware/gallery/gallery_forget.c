@@ -1,4 +1,4 @@
-#include "firmware/gallery_forget.h"
+#include "firmware/gallery/gallery_forget.h"
 
 #include <errno.h>
 #include <sodium.h>

@@ -1,8 +1,8 @@
 /* The way back from what the appliance has learned: the gallery as it was enrolled. */
-#ifndef ISO_FIRMWARE_GALLERY_FORGET_H
-#define ISO_FIRMWARE_GALLERY_FORGET_H
+#ifndef ISO_FIRMWARE_GALLERY_GALLERY_FORGET_H
+#define ISO_FIRMWARE_GALLERY_GALLERY_FORGET_H
 
-#include "firmware/gallery.h"
+#include "firmware/gallery/gallery.h"
 
 /* Deletes all learned templates, in one transaction; *n is how many there were. People who had some
  * get another id; names, dates and enrolled templates stay. Who had nothing else keeps them. Errors

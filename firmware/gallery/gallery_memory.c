@@ -1,4 +1,4 @@
-#include "firmware/gallery_memory.h"
+#include "firmware/gallery/gallery_memory.h"
 
 #include <errno.h>
 #include <sodium.h>

@@ -4,10 +4,10 @@
  * With a metric that is an index of vectors, and templates are in the database alone; without one
  * it is the usable templates themselves. Changes come in two steps: what can fail is prepared
  * before the database's transaction, and what follows it cannot fail. */
-#ifndef ISO_FIRMWARE_GALLERY_MEMORY_H
-#define ISO_FIRMWARE_GALLERY_MEMORY_H
+#ifndef ISO_FIRMWARE_GALLERY_GALLERY_MEMORY_H
+#define ISO_FIRMWARE_GALLERY_GALLERY_MEMORY_H
 
-#include "firmware/gallery_db.h"
+#include "firmware/gallery/gallery_db.h"
 
 struct iso_gallery_memory {
     uint32_t algorithm;

@@ -13,9 +13,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "drivers/file/data_file.h"
 #include "drivers/file/file.h"
-#include "firmware/data_file.h"
-#include "firmware/gallery_db_state.h"
+#include "firmware/gallery/gallery_db_state.h"
 
 static int copy_person(const struct iso_gallery_db *from, sqlite3_stmt *row,
                        struct iso_gallery_db *to, struct iso_fault *fault)

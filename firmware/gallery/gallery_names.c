@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/gallery_state.h"
+#include "firmware/gallery/gallery_state.h"
 
 static const struct iso_person *find_exactly(const struct iso_gallery *gallery, const char *name)
 {

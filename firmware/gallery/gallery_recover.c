@@ -1,5 +1,5 @@
 /* A gallery that is out of service, and how it comes back (gallery.h). */
-#include "firmware/gallery_state.h"
+#include "firmware/gallery/gallery_state.h"
 
 int iso_gallery_state(const struct iso_gallery *gallery, struct iso_fault *fault)
 {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/gallery_db_state.h"
+#include "firmware/gallery/gallery_db_state.h"
 
 /* ---- reading ---- */
 

@@ -1,9 +1,9 @@
-#include "firmware/gallery_seal.h"
+#include "firmware/gallery/gallery_seal.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
+#include "core/base/bytes.h"
 
 struct iso_gallery_seal iso_gallery_seal_of(const uint8_t gallery[ISO_GALLERY_ID_BYTES],
                                             uint32_t key_number, const struct iso_seal_key *key)

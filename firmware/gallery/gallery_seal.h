@@ -8,16 +8,16 @@
  * et al., "Incremental Multiset Hash Functions and Their Application to Memory Integrity Checking",
  * ASIACRYPT 2003; the records differ by their numbers): a change costs as much as what it changes.
  */
-#ifndef ISO_FIRMWARE_GALLERY_SEAL_H
-#define ISO_FIRMWARE_GALLERY_SEAL_H
+#ifndef ISO_FIRMWARE_GALLERY_GALLERY_SEAL_H
+#define ISO_FIRMWARE_GALLERY_GALLERY_SEAL_H
 
 #include <stddef.h>
 #include <stdint.h>
 
 #include "core/match/template.h"
-#include "firmware/gallery.h"
-#include "firmware/heads.h"
-#include "firmware/seal.h"
+#include "firmware/gallery/gallery.h"
+#include "firmware/keys/heads.h"
+#include "firmware/keys/seal.h"
 
 enum {
     ISO_GALLERY_ID_BYTES = 16,

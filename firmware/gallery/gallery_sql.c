@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/disk_wait.h"
 #include "drivers/file/file.h"
-#include "firmware/disk_wait.h"
-#include "firmware/gallery_db_state.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/gallery/gallery_db_state.h"
 
 enum { BUSY_MS = 1000 }; /* somebody may be making a copy */
 

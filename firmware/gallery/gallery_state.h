@@ -1,9 +1,9 @@
 /* What an open gallery holds. Internal to firmware/gallery*.c. */
-#ifndef ISO_FIRMWARE_GALLERY_STATE_H
-#define ISO_FIRMWARE_GALLERY_STATE_H
+#ifndef ISO_FIRMWARE_GALLERY_GALLERY_STATE_H
+#define ISO_FIRMWARE_GALLERY_GALLERY_STATE_H
 
-#include "firmware/gallery_db.h"
-#include "firmware/gallery_memory.h"
+#include "firmware/gallery/gallery_db.h"
+#include "firmware/gallery/gallery_memory.h"
 
 struct iso_gallery {
     struct iso_gallery_db *db;

@@ -15,9 +15,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "firmware/directory.h"
-#include "firmware/gallery_db_state.h"
-#include "firmware/storage_fault.h"
+#include "drivers/file/directory.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/gallery/gallery_db_state.h"
 
 /* The journal is not needed any more: nobody holds it open between two changes. */
 static int delete_journal(const struct iso_gallery_db *db, struct iso_fault *fault)

@@ -1,4 +1,4 @@
-#include "firmware/transfer.h"
+#include "firmware/gallery/transfer.h"
 
 #include <errno.h>
 #include <sodium.h>
@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "core/math/bytes.h"
+#include "core/base/bytes.h"
+#include "firmware/contract/contract.h"
 
 enum {
     SEALED_KEY_AT = 32,

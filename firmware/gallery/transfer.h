@@ -8,24 +8,24 @@
  *   144  people, sealed (seal.h); bytes 0 to 143 are its label
  *   end  signature[64] (Ed25519) of everything before it
  *
- * A passphrase becomes the key by Argon2id with the salt (RFC 9106; core/contract.h says how),
- * which the client does: a daemon that watches a door has no second to spare, and the passphrase
- * stays where it was typed. What is sealed is: n u32, then for each person name length u16, name,
- * enrolled, valid from, valid until i64, n u32, and for each template algorithm u32, size u32,
- * bytes.
+ * A passphrase becomes the key by Argon2id with the salt (RFC 9106; firmware/contract/contract.h
+ * says how), which the client does: a daemon that watches a door has no second to spare, and the
+ * passphrase stays where it was typed. What is sealed is: n u32, then for each person name length
+ * u16, name, enrolled, valid from, valid until i64, n u32, and for each template algorithm u32,
+ * size u32, bytes.
  *
  * An appliance has two key pairs, made from seeds in its key ring; the public halves, the signing
  * one first, are its address. */
-#ifndef ISO_FIRMWARE_TRANSFER_H
-#define ISO_FIRMWARE_TRANSFER_H
+#ifndef ISO_FIRMWARE_GALLERY_TRANSFER_H
+#define ISO_FIRMWARE_GALLERY_TRANSFER_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
-#include "firmware/gallery.h"
-#include "firmware/key_ring.h"
-#include "firmware/seal.h"
+#include "core/base/fault.h"
+#include "firmware/gallery/gallery.h"
+#include "firmware/keys/key_ring.h"
+#include "firmware/keys/seal.h"
 
 enum {
     ISO_TRANSFER_SALT_BYTES = 16,

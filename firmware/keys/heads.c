@@ -1,4 +1,4 @@
-#include "firmware/heads.h"
+#include "firmware/keys/heads.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
+#include "core/base/bytes.h"
 
 enum { CLAIMS_MAX = 16 };
 

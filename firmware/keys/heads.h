@@ -17,12 +17,12 @@
  *
  * The board holds these counts in memory. The key ring owns it, since all stores have the ring. Its
  * functions may be called by several threads. */
-#ifndef ISO_FIRMWARE_HEADS_H
-#define ISO_FIRMWARE_HEADS_H
+#ifndef ISO_FIRMWARE_KEYS_HEADS_H
+#define ISO_FIRMWARE_KEYS_HEADS_H
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* The order is that of the bytes in the files. */
 enum iso_head {

@@ -1,4 +1,4 @@
-#include "firmware/key_ring.h"
+#include "firmware/keys/key_ring.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,11 +11,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/math/bytes.h"
-#include "firmware/data_file.h"
-#include "firmware/directory.h"
-#include "firmware/key_slots.h"
-#include "firmware/storage_fault.h"
+#include "core/base/bytes.h"
+#include "drivers/file/data_file.h"
+#include "drivers/file/directory.h"
+#include "drivers/file/storage_fault.h"
+#include "firmware/keys/key_slots.h"
 
 /* The file: magic, then sealed: n u32, next number u32, number of the file u64, heads (heads.h),
  * n x (use u32, number u32, key[32]). Format 1, which is still read, has no number and no heads. */

@@ -15,15 +15,15 @@
  * Several threads may use one ring as long as the keys of one use belong to one thread at a time:
  * that thread makes and drops them, and looks for them. A key that is in the ring does not move.
  * Keys are in locked memory, which is wiped at the end. */
-#ifndef ISO_FIRMWARE_KEY_RING_H
-#define ISO_FIRMWARE_KEY_RING_H
+#ifndef ISO_FIRMWARE_KEYS_KEY_RING_H
+#define ISO_FIRMWARE_KEYS_KEY_RING_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
-#include "firmware/heads.h"
-#include "firmware/seal.h"
+#include "core/base/fault.h"
+#include "firmware/keys/heads.h"
+#include "firmware/keys/seal.h"
 
 /* What a key is for. The numbers stand in the file. */
 enum iso_key_use {

@@ -1,4 +1,4 @@
-#include "firmware/key_slots.h"
+#include "firmware/keys/key_slots.h"
 
 #include <sodium.h>
 #include <stddef.h>

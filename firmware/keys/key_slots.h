@@ -3,12 +3,12 @@
  *
  * Only one thread at a time looks for the keys of one use and changes them. Only one thread at a
  * time makes a change; the owner of the slots ensures that. */
-#ifndef ISO_FIRMWARE_KEY_SLOTS_H
-#define ISO_FIRMWARE_KEY_SLOTS_H
+#ifndef ISO_FIRMWARE_KEYS_KEY_SLOTS_H
+#define ISO_FIRMWARE_KEYS_KEY_SLOTS_H
 
 #include <stdatomic.h>
 
-#include "firmware/key_ring.h"
+#include "firmware/keys/key_ring.h"
 
 struct iso_key_entry {
     uint32_t use, number;

@@ -1,11 +1,11 @@
-#include "firmware/seal.h"
+#include "firmware/keys/seal.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <sodium.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
+#include "core/base/bytes.h"
 
 enum {
     NONCE_BYTES = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES,

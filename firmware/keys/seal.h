@@ -4,13 +4,13 @@
  * libsodium; a sealed record is nonce[24] | ciphertext | tag[16]. The nonce is random: 192 bits do
  * not meet twice. What the record is (its label) is bound to it and not stored: under another label
  * it does not open. */
-#ifndef ISO_FIRMWARE_SEAL_H
-#define ISO_FIRMWARE_SEAL_H
+#ifndef ISO_FIRMWARE_KEYS_SEAL_H
+#define ISO_FIRMWARE_KEYS_SEAL_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 enum {
     ISO_SEAL_KEY_BYTES = 32,

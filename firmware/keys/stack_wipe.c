@@ -1,4 +1,4 @@
-#include "firmware/stack_wipe.h"
+#include "firmware/keys/stack_wipe.h"
 
 #include <sodium.h>
 

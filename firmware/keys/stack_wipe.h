@@ -1,6 +1,6 @@
 /* What calls that have returned left on the stack: names, templates, texts. */
-#ifndef ISO_FIRMWARE_STACK_WIPE_H
-#define ISO_FIRMWARE_STACK_WIPE_H
+#ifndef ISO_FIRMWARE_KEYS_STACK_WIPE_H
+#define ISO_FIRMWARE_KEYS_STACK_WIPE_H
 
 /* Wipes 96 kB of this thread's stack below its caller. To be called where the stack is shallow:
  * after each turn of an event loop. Some microseconds. */

@@ -1,4 +1,4 @@
-#include "firmware/state_counter.h"
+#include "firmware/keys/state_counter.h"
 
 #include <errno.h>
 #include <inttypes.h>

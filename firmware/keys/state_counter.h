@@ -30,15 +30,15 @@
  * counter is refused.
  *
  * Calls may come from any thread. */
-#ifndef ISO_FIRMWARE_STATE_COUNTER_H
-#define ISO_FIRMWARE_STATE_COUNTER_H
+#ifndef ISO_FIRMWARE_KEYS_STATE_COUNTER_H
+#define ISO_FIRMWARE_KEYS_STATE_COUNTER_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
+#include "drivers/base/times.h"
 #include "drivers/counter/counter.h"
-#include "firmware/times.h"
 
 /* The anchor has 32 bits for it. A TPM does not live that long: its counters begin near 0. */
 #define ISO_STATE_COUNTER_MOST UINT64_C(0xfffffff0)

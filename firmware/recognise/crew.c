@@ -1,4 +1,4 @@
-#include "firmware/crew.h"
+#include "firmware/recognise/crew.h"
 
 #include <errno.h>
 #include <pthread.h>

@@ -1,4 +1,4 @@
-/* Threads that stand by to share a batch of tasks (core/tasks.h) with the thread that has it.
+/* Threads that stand by to share a batch of tasks (core/base/tasks.h) with the thread that has it.
  *
  * Whoever calls works along as worker 0, the others take tasks as long as there are some. A helper
  * that the machine has no time for is not waited for unless it holds a task that is run; if that is
@@ -8,10 +8,10 @@
  * sleeps. The processor of who expects a batch is its own: helpers are sent to the others, and
  * where the kernel may not be told so, one that finds itself there sleeps on. Their threads block
  * all signals. */
-#ifndef ISO_FIRMWARE_CREW_H
-#define ISO_FIRMWARE_CREW_H
+#ifndef ISO_FIRMWARE_RECOGNISE_CREW_H
+#define ISO_FIRMWARE_RECOGNISE_CREW_H
 
-#include "core/tasks.h"
+#include "core/base/tasks.h"
 
 enum { ISO_CREW_MAX = 16 };
 

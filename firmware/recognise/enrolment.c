@@ -1,4 +1,4 @@
-#include "firmware/enrolment.h"
+#include "firmware/recognise/enrolment.h"
 
 #include <errno.h>
 #include <math.h>

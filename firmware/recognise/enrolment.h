@@ -14,15 +14,15 @@
  * registration. It is not taken, and told to the person as what it is. An attack frame has a cue of
  * a presentation attack and no template; those of one stage count together. All states but ACTIVE
  * are final. */
-#ifndef ISO_FIRMWARE_ENROLMENT_H
-#define ISO_FIRMWARE_ENROLMENT_H
+#ifndef ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
+#define ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/match/icp.h"
 #include "core/match/template.h"
-#include "firmware/pipeline.h"
+#include "core/registration/icp.h"
+#include "firmware/recognise/pipeline.h"
 
 enum { ISO_ENROLMENT_STAGES_MAX = 16 };
 

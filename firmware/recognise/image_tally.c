@@ -1,4 +1,4 @@
-#include "firmware/image_tally.h"
+#include "firmware/recognise/image_tally.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* What the images of one visit said of its faces, counted, for the audit log. Pure. */
-#ifndef ISO_FIRMWARE_IMAGE_TALLY_H
-#define ISO_FIRMWARE_IMAGE_TALLY_H
+#ifndef ISO_FIRMWARE_RECOGNISE_IMAGE_TALLY_H
+#define ISO_FIRMWARE_RECOGNISE_IMAGE_TALLY_H
 
 #include <stddef.h>
 

@@ -1,4 +1,4 @@
-#include "firmware/learning.h"
+#include "firmware/recognise/learning.h"
 
 bool iso_learning_is_sure(const struct iso_learning_options *options,
                           const struct iso_decision *decision, const struct iso_verdict *verdict)

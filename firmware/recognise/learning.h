@@ -4,11 +4,11 @@
  * (iso_template.learned). Two bounds keep it from drifting: the visit has to be surer than any
  * threshold asks for, and the template as like those that were enrolled, without the learned ones:
  * nothing that was learned vouches for what is learned next. */
-#ifndef ISO_FIRMWARE_LEARNING_H
-#define ISO_FIRMWARE_LEARNING_H
+#ifndef ISO_FIRMWARE_RECOGNISE_LEARNING_H
+#define ISO_FIRMWARE_RECOGNISE_LEARNING_H
 
 #include "core/match/search.h"
-#include "firmware/decision.h"
+#include "firmware/visit/decision.h"
 
 struct iso_learning_options {
     int templates; /* of one person, at most; 0: nothing is learned */

@@ -1,4 +1,4 @@
-#include "firmware/pipeline.h"
+#include "firmware/recognise/pipeline.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/data_file.h"
-#include "firmware/second_look.h"
+#include "drivers/file/data_file.h"
+#include "firmware/recognise/second_look.h"
 
 enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
 

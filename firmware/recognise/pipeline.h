@@ -3,16 +3,16 @@
  *
  * The real one owns extractor, head model, metric or cohort, and options. One pipeline is used by
  * one thread; nothing is allocated per frame. */
-#ifndef ISO_FIRMWARE_PIPELINE_H
-#define ISO_FIRMWARE_PIPELINE_H
+#ifndef ISO_FIRMWARE_RECOGNISE_PIPELINE_H
+#define ISO_FIRMWARE_RECOGNISE_PIPELINE_H
 
 #include <stdint.h>
 
-#include "core/clock.h"
-#include "core/extract.h"
-#include "core/fault.h"
+#include "core/base/clock.h"
+#include "core/base/fault.h"
+#include "core/extract/extract.h"
 #include "drivers/vision/face_check.h"
-#include "firmware/candidates.h"
+#include "firmware/gallery/candidates.h"
 
 struct iso_pipeline_ops {
     /* The template of a frame, or why there is none: out->outcome. `sensor` is the model of the

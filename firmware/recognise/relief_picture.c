@@ -1,4 +1,4 @@
-#include "firmware/relief_picture.h"
+#include "firmware/recognise/relief_picture.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,11 +1,11 @@
 /* A depth frame as a picture that a person can judge: is the camera upright, is somebody in view,
  * what is not measured. */
-#ifndef ISO_FIRMWARE_RELIEF_PICTURE_H
-#define ISO_FIRMWARE_RELIEF_PICTURE_H
+#ifndef ISO_FIRMWARE_RECOGNISE_RELIEF_PICTURE_H
+#define ISO_FIRMWARE_RECOGNISE_RELIEF_PICTURE_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 
 enum { ISO_RELIEF_WIDTH_PX = 320, ISO_RELIEF_HEIGHT_PX = 240 };
 

@@ -1,4 +1,4 @@
-#include "firmware/second_look.h"
+#include "firmware/recognise/second_look.h"
 
 #include <errno.h>
 #include <sodium.h>

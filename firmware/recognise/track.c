@@ -1,8 +1,8 @@
-#include "firmware/track.h"
+#include "firmware/recognise/track.h"
 
 #include <math.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 void iso_track_init(struct iso_track *track, const struct iso_track_options *options)
 {

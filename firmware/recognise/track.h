@@ -15,13 +15,13 @@
  * Experimental Brain Research 70:470); walking, the head turns by less than 90 degrees/s. The slack
  * is what two fits of a face at rest can differ by. Beyond a head's breadth two faces fit side by
  * side, however much time has passed. */
-#ifndef ISO_FIRMWARE_TRACK_H
-#define ISO_FIRMWARE_TRACK_H
+#ifndef ISO_FIRMWARE_RECOGNISE_TRACK_H
+#define ISO_FIRMWARE_RECOGNISE_TRACK_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/math/vec.h"
+#include "core/base/vec.h"
 
 #define ISO_TRACK_SLACK_MM   20.0
 #define ISO_TRACK_SLACK_RAD  0.26 /* 15 degrees */

@@ -1,6 +1,6 @@
-#include "firmware/attack_tally.h"
+#include "firmware/visit/attack_tally.h"
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 void iso_attack_tally_init(struct iso_attack_tally *tally, int64_t quiet_ns, int64_t longest_ns)
 {

@@ -8,13 +8,13 @@
  *                                                            one, so that a picture on the wall
  *                                                            opposite does not fill the log
  *            end                                          -> QUIET, likewise */
-#ifndef ISO_FIRMWARE_ATTACK_TALLY_H
-#define ISO_FIRMWARE_ATTACK_TALLY_H
+#ifndef ISO_FIRMWARE_VISIT_ATTACK_TALLY_H
+#define ISO_FIRMWARE_VISIT_ATTACK_TALLY_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/capture.h"
+#include "core/base/capture.h"
 
 struct iso_attack_attempt {
     enum iso_capture cue; /* that most of its frames have; of two, the one that had as many first */

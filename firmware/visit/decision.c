@@ -1,10 +1,10 @@
-#include "firmware/decision.h"
+#include "firmware/visit/decision.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 const char *iso_reason_name(enum iso_reason reason)
 {

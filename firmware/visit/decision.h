@@ -22,13 +22,13 @@
  * against whatever is before the camera, so that a change of track does not forget it. A single one
  * may be a mistake: it delays nobody, and alone it is no visit. In SPENT it only says that somebody
  * is still there. */
-#ifndef ISO_FIRMWARE_DECISION_H
-#define ISO_FIRMWARE_DECISION_H
+#ifndef ISO_FIRMWARE_VISIT_DECISION_H
+#define ISO_FIRMWARE_VISIT_DECISION_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/capture.h"
+#include "core/base/capture.h"
 
 enum { ISO_DECISION_FRAMES_MAX = 64 };
 

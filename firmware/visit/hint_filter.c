@@ -1,4 +1,4 @@
-#include "firmware/hint_filter.h"
+#include "firmware/visit/hint_filter.h"
 
 #include <string.h>
 

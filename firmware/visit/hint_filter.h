@@ -8,14 +8,14 @@
  *
  * A usable frame votes too, for no hint: while frames can be used now and then, things go on.
  * Frames that are older than ISO_HINT_AGE_NS do not vote any more. */
-#ifndef ISO_FIRMWARE_HINT_FILTER_H
-#define ISO_FIRMWARE_HINT_FILTER_H
+#ifndef ISO_FIRMWARE_VISIT_HINT_FILTER_H
+#define ISO_FIRMWARE_VISIT_HINT_FILTER_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/capture.h"
-#include "firmware/times.h"
+#include "core/base/capture.h"
+#include "drivers/base/times.h"
 
 enum { ISO_HINT_FRAMES = 8 };
 

@@ -1,6 +1,6 @@
-#include "firmware/lockout.h"
+#include "firmware/visit/lockout.h"
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 /* Doubling ends long before this. */
 enum { LOCKS_MAX = 40, COUNT_MAX = 1000000 };

@@ -17,13 +17,13 @@
  * The lock is the door's, not a person's: who is refused has no name. Whoever wants to can thereby
  * keep others out for longest_ns at a time, by failing before the door again and again; the exit
  * button and keys are not touched by it. */
-#ifndef ISO_FIRMWARE_LOCKOUT_H
-#define ISO_FIRMWARE_LOCKOUT_H
+#ifndef ISO_FIRMWARE_VISIT_LOCKOUT_H
+#define ISO_FIRMWARE_VISIT_LOCKOUT_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "firmware/decision.h"
+#include "firmware/visit/decision.h"
 
 struct iso_lockout_options {
     int failures, attacks;        /* 0: they never lock */

@@ -1,4 +1,4 @@
-#include "firmware/lockout_file.h"
+#include "firmware/visit/lockout_file.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -7,12 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
-#include "firmware/data_file.h"
-#include "firmware/directory.h"
-#include "firmware/storage_fault.h"
-#include "firmware/times.h"
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
+#include "drivers/base/times.h"
+#include "drivers/file/data_file.h"
+#include "drivers/file/directory.h"
+#include "drivers/file/storage_fault.h"
 
 static const char magic[8] = {'I', 'S', 'O', 'L', 'O', 'C', 'K', '2'};
 

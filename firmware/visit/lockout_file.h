@@ -10,14 +10,14 @@
  *
  * Format 1 was a line of text with a CRC-32, which anyone could write. It is read as long as no
  * store knows of a sealed file; the next write replaces it. */
-#ifndef ISO_FIRMWARE_LOCKOUT_FILE_H
-#define ISO_FIRMWARE_LOCKOUT_FILE_H
+#ifndef ISO_FIRMWARE_VISIT_LOCKOUT_FILE_H
+#define ISO_FIRMWARE_VISIT_LOCKOUT_FILE_H
 
 #include <stddef.h>
 
-#include "core/fault.h"
-#include "firmware/key_ring.h"
-#include "firmware/lockout.h"
+#include "core/base/fault.h"
+#include "firmware/keys/key_ring.h"
+#include "firmware/visit/lockout.h"
 
 enum { ISO_LOCKOUT_PLAIN_BYTES = 8 + 3 * 4 + 8 + 1 + ISO_HEADS_BYTES };
 

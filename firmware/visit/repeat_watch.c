@@ -1,4 +1,4 @@
-#include "firmware/repeat_watch.h"
+#include "firmware/visit/repeat_watch.h"
 
 bool iso_repeat_watch_take(struct iso_repeat_watch *watch, bool repeats)
 {

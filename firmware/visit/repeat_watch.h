@@ -5,8 +5,8 @@
  *
  * The two differ so that a stream of new and repeated frames in turns does not begin and end a
  * fault with each of them. A repeated frame is evidence of nothing in either state. */
-#ifndef ISO_FIRMWARE_REPEAT_WATCH_H
-#define ISO_FIRMWARE_REPEAT_WATCH_H
+#ifndef ISO_FIRMWARE_VISIT_REPEAT_WATCH_H
+#define ISO_FIRMWARE_VISIT_REPEAT_WATCH_H
 
 #include <stdbool.h>
 

@@ -1,9 +1,9 @@
-#include "firmware/stale_budget.h"
+#include "firmware/visit/stale_budget.h"
 
 #include <errno.h>
 #include <stdio.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 void iso_stale_budget_measure(struct iso_stale_budget *budget, int64_t took_ns)
 {

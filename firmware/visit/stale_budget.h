@@ -7,13 +7,13 @@
  *
  * If that comes near stale_ms, a busy moment makes a grant a refusal ("stale"). The working time is
  * a mean of usable frames in which a new one counts for a sixteenth; 0 until there is one. */
-#ifndef ISO_FIRMWARE_STALE_BUDGET_H
-#define ISO_FIRMWARE_STALE_BUDGET_H
+#ifndef ISO_FIRMWARE_VISIT_STALE_BUDGET_H
+#define ISO_FIRMWARE_VISIT_STALE_BUDGET_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* How long the record of a grant is waited for, at most. */
 enum { ISO_GRANT_WAIT_MS = 250 };

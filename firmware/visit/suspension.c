@@ -1,4 +1,4 @@
-#include "firmware/suspension.h"
+#include "firmware/visit/suspension.h"
 
 static const int64_t least_ns = 10 * ISO_NS_PER_MS;
 

@@ -3,13 +3,13 @@
  * Frames bear the time of the monotonic clock, which stands still during a suspension: a frame that
  * was exposed before it looks fresh after it. Whoever looks here before each frame learns that the
  * machine was suspended, and from which moment on frames are of the time behind it. */
-#ifndef ISO_FIRMWARE_SUSPENSION_H
-#define ISO_FIRMWARE_SUSPENSION_H
+#ifndef ISO_FIRMWARE_VISIT_SUSPENSION_H
+#define ISO_FIRMWARE_VISIT_SUSPENSION_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 struct iso_suspension {
     int64_t asleep_ns; /* in all: boot time is monotonic time and that */

@@ -1,4 +1,4 @@
-#include "sim/data_file.h"
+#include "sim/base/data_file.h"
 
 #include <errno.h>
 #include <stdlib.h>

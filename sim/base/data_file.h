@@ -1,9 +1,9 @@
 /* Loads the data files that ship with the product: head model, metric and cohort. Where they are:
- * drivers/shipped.h. */
+ * drivers/base/shipped.h. */
 #ifndef SIM_DATA_FILE_H
 #define SIM_DATA_FILE_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/landmark/head_model.h"
 #include "core/match/cohort.h"
 #include "core/match/metric.h"

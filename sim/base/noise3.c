@@ -1,4 +1,4 @@
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 /* A hash of a lattice point, mapped to -1..1 (splitmix64's finaliser). */
 static double lattice(uint64_t key, int64_t x, int64_t y, int64_t z)

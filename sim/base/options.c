@@ -1,4 +1,4 @@
-#include "sim/options.h"
+#include "sim/base/options.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "drivers/file/text.h"
 #include "drivers/terminal/words.h"
-#include "drivers/text.h"
 
 int sim_option_text(const char *text, void *field)
 {

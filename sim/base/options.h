@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Reads a value's text into a field; -EINVAL, the field untouched, if it is no such value. */
 typedef int sim_option_parser(const char *text, void *field);

@@ -1,4 +1,4 @@
-#include "sim/progress.h"
+#include "sim/base/progress.h"
 
 #include "drivers/terminal/progress.h"
 

@@ -1,4 +1,4 @@
-#include "sim/eval/spread.h"
+#include "sim/base/spread.h"
 
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-#include "sim/virtual_clock.h"
+#include "sim/base/virtual_clock.h"
 
 struct sim_virtual_clock sim_virtual_clock_start(void)
 {

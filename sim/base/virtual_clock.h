@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 struct sim_virtual_clock {
     int64_t now_ns;         /* monotonic, from 0 */

@@ -11,16 +11,16 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/image/png.h"
-#include "drivers/path.h"
+#include "drivers/base/path.h"
+#include "drivers/file/png.h"
 #include "drivers/stereo/board.h"
 #include "drivers/terminal/words.h"
-#include "sim/commands.h"
-#include "sim/options.h"
-#include "sim/progress.h"
-#include "sim/stereo/board_picture.h"
-#include "sim/stereo/lens_calibration.h"
-#include "sim/stereo/rig.h"
+#include "sim/base/options.h"
+#include "sim/base/progress.h"
+#include "sim/commands/commands.h"
+#include "sim/world/stereo/board_picture.h"
+#include "sim/world/stereo/lens_calibration.h"
+#include "sim/world/stereo/rig.h"
 
 enum { PICTURES_MAX = 1000 };
 

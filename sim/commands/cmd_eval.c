@@ -5,15 +5,15 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/path.h"
-#include "drivers/shipped.h"
-#include "sim/command.h"
-#include "sim/commands.h"
-#include "sim/eval/eval.h"
-#include "sim/eval/extract_options.h"
-#include "sim/eval/method_options.h"
-#include "sim/eval/report.h"
-#include "sim/eval/report_methods.h"
+#include "drivers/base/path.h"
+#include "drivers/base/shipped.h"
+#include "sim/commands/command.h"
+#include "sim/commands/commands.h"
+#include "sim/lab/eval/eval.h"
+#include "sim/lab/eval/method_options.h"
+#include "sim/lab/match/extract_options.h"
+#include "sim/lab/report/report.h"
+#include "sim/lab/report/report_methods.h"
 
 enum { CORPORA_MAX = 16 };
 

@@ -4,10 +4,10 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "drivers/text.h"
-#include "sim/command.h"
-#include "sim/commands.h"
-#include "sim/generate/generate.h"
+#include "drivers/file/text.h"
+#include "sim/commands/command.h"
+#include "sim/commands/commands.h"
+#include "sim/world/generate/generate.h"
 
 #define FIELD(name) offsetof(struct sim_generate_options, name)
 

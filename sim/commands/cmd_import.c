@@ -3,11 +3,11 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "sim/command.h"
-#include "sim/commands.h"
-#include "sim/face/ict_kit.h"
-#include "sim/loaders/import.h"
-#include "sim/options.h"
+#include "sim/base/options.h"
+#include "sim/commands/command.h"
+#include "sim/commands/commands.h"
+#include "sim/corpus/import.h"
+#include "sim/world/face/ict_kit.h"
 
 struct arguments {
     const char *database, *ict;

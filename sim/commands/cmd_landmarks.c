@@ -4,11 +4,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/shipped.h"
-#include "sim/command.h"
-#include "sim/commands.h"
-#include "sim/eval/extract_options.h"
-#include "sim/landmarks/study_pictures.h"
+#include "drivers/base/shipped.h"
+#include "sim/commands/command.h"
+#include "sim/commands/commands.h"
+#include "sim/lab/landmarks/study_pictures.h"
+#include "sim/lab/match/extract_options.h"
 
 struct arguments {
     struct sim_study_options study;

@@ -6,13 +6,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/path.h"
-#include "drivers/shipped.h"
+#include "drivers/base/path.h"
+#include "drivers/base/shipped.h"
 #include "drivers/terminal/words.h"
-#include "sim/command.h"
-#include "sim/commands.h"
-#include "sim/visit/level_report.h"
-#include "sim/visit/visit_report.h"
+#include "sim/commands/command.h"
+#include "sim/commands/commands.h"
+#include "sim/door/level_report.h"
+#include "sim/door/visit_report.h"
 
 enum { CORPORA_MAX = 64 };
 

@@ -4,12 +4,12 @@
 #include <stdio.h>
 #include <time.h>
 
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/contract/sensor.h"
 #include "drivers/terminal/words.h"
-#include "sim/commands.h"
-#include "sim/options.h"
-#include "sim/record/record.h"
-#include "sim/record/sensor_word.h"
+#include "sim/base/options.h"
+#include "sim/commands/commands.h"
+#include "sim/corpus/record.h"
+#include "sim/corpus/sensor_word.h"
 
 struct arguments {
     const char *sensor, *list, *out, *oni;

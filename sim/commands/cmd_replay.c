@@ -4,10 +4,10 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "drivers/shipped.h"
-#include "sim/commands.h"
-#include "sim/visit/rehearsal.h"
-#include "sim/visit/visit_command.h"
+#include "drivers/base/shipped.h"
+#include "sim/commands/commands.h"
+#include "sim/commands/visit_command.h"
+#include "sim/door/rehearsal.h"
 
 struct arguments {
     struct sim_rehearsal_options rehearsal;

@@ -7,12 +7,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "sim/commands.h"
-#include "sim/options.h"
-#include "sim/picture/depth.h"
-#include "sim/picture/depth_error.h"
-#include "sim/progress.h"
-#include "sim/sensor/depth_error.h"
+#include "sim/base/options.h"
+#include "sim/base/progress.h"
+#include "sim/commands/commands.h"
+#include "sim/lab/picture/depth.h"
+#include "sim/lab/picture/depth_error.h"
+#include "sim/world/scene/depth_error.h"
 
 struct arguments {
     const char *ict, *sensor, *pictures;

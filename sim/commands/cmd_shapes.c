@@ -3,13 +3,13 @@
 #include <stdio.h>
 
 #include "drivers/terminal/words.h"
-#include "sim/command.h"
-#include "sim/commands.h"
-#include "sim/eval/extract_options.h"
-#include "sim/shapes/crops.h"
-#include "sim/shapes/generate.h"
-#include "sim/shapes/study.h"
-#include "sim/shapes/tables.h"
+#include "sim/commands/command.h"
+#include "sim/commands/commands.h"
+#include "sim/lab/match/extract_options.h"
+#include "sim/shapes/make/crops.h"
+#include "sim/shapes/make/generate.h"
+#include "sim/shapes/study/study.h"
+#include "sim/shapes/study/tables.h"
 
 struct arguments {
     struct sim_shapes_options generate;

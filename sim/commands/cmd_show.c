@@ -5,14 +5,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "drivers/base/shipped.h"
 #include "drivers/recording/recording.h"
-#include "drivers/shipped.h"
-#include "sim/commands.h"
-#include "sim/data_file.h"
-#include "sim/eval/extract_options.h"
-#include "sim/landmarks/fit_picture.h"
-#include "sim/picture/depth.h"
-#include "sim/picture/face.h"
+#include "sim/base/data_file.h"
+#include "sim/commands/commands.h"
+#include "sim/lab/landmarks/fit_picture.h"
+#include "sim/lab/match/extract_options.h"
+#include "sim/lab/picture/depth.h"
+#include "sim/lab/picture/face.h"
 
 struct arguments {
     const char *recording, *out, *what, *model;

@@ -5,17 +5,17 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/shipped.h"
-#include "drivers/text.h"
-#include "sim/command.h"
-#include "sim/commands.h"
-#include "sim/data_file.h"
-#include "sim/eval/extract_options.h"
-#include "sim/options.h"
-#include "sim/train/head_picture.h"
-#include "sim/train/train_cohort.h"
-#include "sim/train/train_head.h"
-#include "sim/train/train_metric.h"
+#include "drivers/base/shipped.h"
+#include "drivers/file/text.h"
+#include "sim/base/data_file.h"
+#include "sim/base/options.h"
+#include "sim/commands/command.h"
+#include "sim/commands/commands.h"
+#include "sim/lab/match/extract_options.h"
+#include "sim/train/head/head_picture.h"
+#include "sim/train/head/train_head.h"
+#include "sim/train/metric/train_cohort.h"
+#include "sim/train/metric/train_metric.h"
 
 struct arguments {
     const char *ict, *out, *pictures, *model, *sensors, *corpora;

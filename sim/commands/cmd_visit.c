@@ -3,8 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "sim/commands.h"
-#include "sim/visit/visit_command.h"
+#include "sim/commands/commands.h"
+#include "sim/commands/visit_command.h"
 
 struct arguments {
     struct sim_visit_options visit;

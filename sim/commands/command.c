@@ -1,11 +1,11 @@
-#include "sim/command.h"
+#include "sim/commands/command.h"
 
 #include <errno.h>
 #include <stdbool.h>
 #include <string.h>
 
 #include "drivers/terminal/words.h"
-#include "sim/commands.h"
+#include "sim/commands/commands.h"
 
 static int complain(const struct sim_command *command, const struct iso_fault *fault, int exit_code)
 {

@@ -2,7 +2,7 @@
 #ifndef SIM_COMMAND_H
 #define SIM_COMMAND_H
 
-#include "sim/options.h"
+#include "sim/base/options.h"
 
 struct sim_command {
     const char *name;    /* "eval"; of a group of commands "shapes eval" */
@@ -21,7 +21,7 @@ struct sim_subcommand {
     size_t n_options;
 };
 
-/* Runs a command with argv from its name on; an exit code of sim/commands.h. */
+/* Runs a command with argv from its name on; an exit code of sim/commands/commands.h. */
 int sim_command_run(const struct sim_command *command, const struct sim_option_set *sets,
                     size_t n_sets, int argc, char **argv);
 

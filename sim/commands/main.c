@@ -5,8 +5,8 @@
 #include "drivers/process/limits.h"
 #include "drivers/terminal/output.h"
 #include "drivers/terminal/words.h"
-#include "sim/commands.h"
-#include "sim/progress.h"
+#include "sim/base/progress.h"
+#include "sim/commands/commands.h"
 
 static const struct command {
     const char *name, *summary;

@@ -1,12 +1,12 @@
-#include "sim/visit/visit_command.h"
+#include "sim/commands/visit_command.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-#include "sim/commands.h"
-#include "sim/visit/visit_report.h"
+#include "sim/commands/commands.h"
+#include "sim/door/visit_report.h"
 
 static void print_visit(const struct sim_visit *visit, void *context)
 {

@@ -5,8 +5,8 @@
 
 #include <stdbool.h>
 
-#include "sim/options.h"
-#include "sim/visit/visit.h"
+#include "sim/base/options.h"
+#include "sim/door/visit.h"
 
 struct sim_visit_command {
     const char *name;           /* of the command */
@@ -21,7 +21,7 @@ struct sim_visit_command {
                 void *context, struct sim_visit *visits, size_t *n_visits, struct iso_fault *fault);
 };
 
-/* Runs the command with argv from its own name on; an exit code of sim/commands.h. */
+/* Runs the command with argv from its own name on; an exit code of sim/commands/commands.h. */
 int sim_visit_command_run(const struct sim_visit_command *command, int argc, char **argv);
 
 #endif

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/loaders/scan_file.h"
+#include "sim/corpus/scan_file.h"
 
 /* Coordinates beyond this are no face; what was not measured has -999999. */
 static const double coordinate_max_mm = 1e5;

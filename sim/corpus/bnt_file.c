@@ -3,8 +3,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
-#include "sim/loaders/scan_file.h"
+#include "core/base/bytes.h"
+#include "sim/corpus/scan_file.h"
 
 enum { PLANES = 5 };
 

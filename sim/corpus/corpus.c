@@ -1,4 +1,4 @@
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -8,9 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/path.h"
+#include "drivers/base/path.h"
+#include "drivers/file/text.h"
 #include "drivers/recording/recording.h"
-#include "drivers/text.h"
 
 enum { MANIFEST_BYTES_MAX = 64 << 20, COLUMNS = 9 };
 

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 enum { SIM_CORPUS_NAME_MAX = 64 };
 

@@ -1,4 +1,4 @@
-#include "sim/loaders/database.h"
+#include "sim/corpus/database.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "drivers/file/file.h"
-#include "drivers/image/png.h"
-#include "sim/loaders/scan_file.h"
-#include "sim/loaders/scan_view.h"
+#include "drivers/file/png.h"
+#include "sim/corpus/scan_file.h"
+#include "sim/corpus/scan_view.h"
 
 typedef int scan_parser(const char *name, const char *bytes, size_t size, struct iso_mesh **out,
                         struct iso_fault *fault);

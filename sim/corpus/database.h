@@ -7,7 +7,7 @@
 #include <stdbool.h>
 
 #include "core/frame/frame.h"
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
 
 struct sim_database_options {
     double level_mm; /* of a grey level, of databases of range images */

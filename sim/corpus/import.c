@@ -1,4 +1,4 @@
-#include "sim/loaders/import.h"
+#include "sim/corpus/import.h"
 
 #include <errno.h>
 #include <fts.h>
@@ -8,9 +8,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/path.h"
-#include "sim/progress.h"
-#include "sim/recording/recording_writer.h"
+#include "drivers/base/path.h"
+#include "drivers/recording/recording_writer.h"
+#include "sim/base/progress.h"
 
 enum { PNG_LEVEL = 4 };
 

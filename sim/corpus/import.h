@@ -8,7 +8,7 @@
 
 #include <stddef.h>
 
-#include "sim/loaders/database.h"
+#include "sim/corpus/database.h"
 
 struct sim_import_options {
     const struct sim_database *database;

@@ -1,13 +1,13 @@
-#include "sim/record/record.h"
+#include "sim/corpus/record.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 
-#include "sim/progress.h"
-#include "sim/record/tape.h"
-#include "sim/recording/recording_writer.h"
+#include "drivers/recording/recording_writer.h"
+#include "sim/base/progress.h"
+#include "sim/corpus/tape.h"
 
 enum { PNG_LEVEL = 1 }; /* the camera does not wait for the disk */
 

@@ -5,9 +5,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/clock.h"
-#include "core/fault.h"
-#include "drivers/sensor/sensor.h"
+#include "core/base/clock.h"
+#include "core/base/fault.h"
+#include "drivers/sensor/contract/sensor.h"
 
 enum { SIM_RECORD_DEFAULT_UNIT_UM = 100 };
 

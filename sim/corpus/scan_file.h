@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/surface/mesh.h"
 
 enum {

@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "sim/loaders/scan_file.h"
+#include "sim/corpus/scan_file.h"
 
 static const double edge_max_mm = 12.0;
 

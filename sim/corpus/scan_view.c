@@ -1,11 +1,11 @@
-#include "sim/loaders/scan_view.h"
+#include "sim/corpus/scan_view.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "core/surface/raster.h"
-#include "sim/eval/spread.h"
+#include "sim/base/spread.h"
 
 static const double nearest_mm = 600.0, near_plane_mm = 50.0;
 static const double texas_pitch_mm = 0.32;

@@ -4,7 +4,7 @@
 
 #include "core/frame/frame.h"
 #include "core/surface/mesh.h"
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 
 /* The camera looks along -z of the scan's frame at the middle of its points; what lies nearest (but
  * for 1 % of the points) is 600 mm away. 640 x 480 pixels of 0.67 mm there. */

@@ -1,4 +1,4 @@
-#include "sim/record/sensor_word.h"
+#include "sim/corpus/sensor_word.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 
-#include "core/fault.h"
-#include "drivers/option.h"
+#include "core/base/fault.h"
+#include "drivers/base/option.h"
 
 enum { SIM_SENSOR_WORD_OPTIONS = 16 };
 

@@ -1,4 +1,4 @@
-#include "sim/record/tape.h"
+#include "sim/corpus/tape.h"
 
 #include <errno.h>
 #include <pthread.h>

@@ -3,9 +3,9 @@
 #ifndef SIM_RECORD_TAPE_H
 #define SIM_RECORD_TAPE_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
-#include "sim/recording/recording_writer.h"
+#include "drivers/recording/recording_writer.h"
 
 enum { SIM_TAPE_FRAMES = 32 };
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/loaders/scan_file.h"
+#include "sim/corpus/scan_file.h"
 
 static const double coordinate_max_mm = 1e5;
 

@@ -1,4 +1,4 @@
-#include "sim/visit/door_watch.h"
+#include "sim/door/door_watch.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <systemd/sd-bus.h>
 #include <time.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 struct sim_door_watch {
     sd_bus *bus;

@@ -6,9 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
-/* The daemon's signal Visit (core/contract.h). */
+/* The daemon's signal Visit (firmware/contract/contract.h). */
 struct sim_door_verdict {
     bool given; /* else nothing below means anything */
     bool allow;
@@ -16,8 +16,9 @@ struct sim_door_verdict {
     double score, threshold;
     uint32_t frames;
     int64_t latency_us;
-    char reason[16]; /* a word of firmware/decision.h */
-    char door[16];   /* what the door did after "allow" (core/contract.h); "" after "deny" */
+    char reason[16]; /* a word of firmware/visit/decision.h */
+    char door[16];   /* what the door did after "allow" (firmware/contract/contract.h); "" after
+                        "deny" */
 };
 
 struct sim_door_watch;

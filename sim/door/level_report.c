@@ -1,4 +1,4 @@
-#include "sim/visit/level_report.h"
+#include "sim/door/level_report.h"
 
 #include <errno.h>
 #include <limits.h>

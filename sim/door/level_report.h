@@ -5,8 +5,8 @@
 
 #include <stdio.h>
 
-#include "sim/eval/rate.h"
-#include "sim/visit/rehearsal.h"
+#include "sim/door/rehearsal.h"
+#include "sim/lab/measure/rate.h"
 
 /* Whom a corpus is of. */
 enum sim_level_crowd {

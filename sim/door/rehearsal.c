@@ -1,4 +1,4 @@
-#include "sim/visit/rehearsal.h"
+#include "sim/door/rehearsal.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -7,11 +7,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "core/contract.h"
-#include "sim/progress.h"
-#include "sim/visit/rehearsal_door.h"
-#include "sim/visit/slot.h"
-#include "sim/visit/visit_picture.h"
+#include "firmware/contract/contract.h"
+#include "sim/base/progress.h"
+#include "sim/door/rehearsal_door.h"
+#include "sim/door/slot.h"
+#include "sim/door/visit_picture.h"
 
 /* Time passes in steps of at most this, as it would for a daemon. */
 static const int64_t step_ns = 20 * ISO_NS_PER_MS;

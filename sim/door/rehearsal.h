@@ -4,8 +4,8 @@
 #ifndef SIM_VISIT_REHEARSAL_H
 #define SIM_VISIT_REHEARSAL_H
 
-#include "firmware/config.h"
-#include "sim/visit/visit.h"
+#include "firmware/config/config.h"
+#include "sim/door/visit.h"
 
 enum { SIM_LEVELS = ISO_LEVEL_STRICT + 1 };
 

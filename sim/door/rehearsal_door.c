@@ -1,4 +1,4 @@
-#include "sim/visit/rehearsal_door.h"
+#include "sim/door/rehearsal_door.h"
 
 #include <errno.h>
 #include <math.h>

@@ -3,11 +3,11 @@
 #ifndef SIM_VISIT_REHEARSAL_DOOR_H
 #define SIM_VISIT_REHEARSAL_DOOR_H
 
-#include "firmware/parts.h"
-#include "sim/virtual_clock.h"
-#include "sim/visit/shared_extraction.h"
-#include "sim/visit/trace.h"
-#include "sim/visit/visit.h"
+#include "firmware/daemon/parts.h"
+#include "sim/base/virtual_clock.h"
+#include "sim/door/shared_extraction.h"
+#include "sim/door/trace.h"
+#include "sim/door/visit.h"
 
 /* What an appliance is made of. */
 struct sim_rehearsal_setup {

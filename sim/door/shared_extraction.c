@@ -1,4 +1,4 @@
-#include "sim/visit/shared_extraction.h"
+#include "sim/door/shared_extraction.h"
 
 #include <string.h>
 

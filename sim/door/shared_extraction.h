@@ -7,7 +7,7 @@
 #ifndef SIM_VISIT_SHARED_EXTRACTION_H
 #define SIM_VISIT_SHARED_EXTRACTION_H
 
-#include "firmware/pipeline.h"
+#include "firmware/recognise/pipeline.h"
 
 /* The frame that was looked at last. All zero at first; biometric. */
 struct sim_shared_extraction {

@@ -1,4 +1,4 @@
-#include "sim/visit/slot.h"
+#include "sim/door/slot.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -3,7 +3,7 @@
 #ifndef SIM_VISIT_SLOT_H
 #define SIM_VISIT_SLOT_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Has the link name CORPUS/RECORDING, in one step: whoever looks sees the old target or the new.
  * A relative corpus is made absolute first. Errors of realpath(), symlink() and rename(). */

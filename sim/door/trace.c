@@ -1,4 +1,4 @@
-#include "sim/visit/trace.h"
+#include "sim/door/trace.h"
 
 #include <string.h>
 

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 #include "drivers/door/door_io.h"
-#include "firmware/pipeline.h"
+#include "firmware/recognise/pipeline.h"
 
 enum { SIM_TRACE_FRAMES = 8, SIM_TRACE_SWITCHES = 32 };
 

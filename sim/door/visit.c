@@ -1,14 +1,14 @@
-#include "sim/visit/visit.h"
+#include "sim/door/visit.h"
 
 #include <errno.h>
 #include <string.h>
 #include <time.h>
 
-#include "core/contract.h"
-#include "sim/progress.h"
-#include "sim/visit/slot.h"
+#include "firmware/contract/contract.h"
+#include "sim/base/progress.h"
+#include "sim/door/slot.h"
 
-/* Rarely enough for what a caller of the daemon is allowed (firmware/call_rate.h); signals wake
+/* Rarely enough for what a caller of the daemon is allowed (firmware/bus/call_rate.h); signals wake
  * earlier. */
 enum { LOOK_MS = 60 };
 

@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "sim/recording/corpus.h"
-#include "sim/visit/door_watch.h"
+#include "sim/corpus/corpus.h"
+#include "sim/door/door_watch.h"
 
 struct sim_visit_options {
     const char *corpus;  /* directory */

@@ -1,10 +1,10 @@
-#include "sim/visit/visit_picture.h"
+#include "sim/door/visit_picture.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "firmware/times.h"
-#include "sim/picture/visit.h"
+#include "drivers/base/times.h"
+#include "sim/lab/picture/visit.h"
 
 enum { WORD_SIZE = 64 };
 

@@ -2,11 +2,11 @@
 #ifndef SIM_VISIT_VISIT_PICTURE_H
 #define SIM_VISIT_VISIT_PICTURE_H
 
-#include "firmware/gallery.h"
-#include "sim/visit/trace.h"
-#include "sim/visit/visit.h"
+#include "firmware/gallery/gallery.h"
+#include "sim/door/trace.h"
+#include "sim/door/visit.h"
 
-/* Draws it (sim/picture/visit.h); the gallery knows the names of people. -ENOMEM, -EIO. */
+/* Draws it (sim/lab/picture/visit.h); the gallery knows the names of people. -ENOMEM, -EIO. */
 int sim_visit_picture(const struct sim_trace *trace, const struct sim_visit *visit,
                       const struct iso_gallery *gallery, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));

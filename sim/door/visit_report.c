@@ -1,4 +1,4 @@
-#include "sim/visit/visit_report.h"
+#include "sim/door/visit_report.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "sim/visit/visit.h"
+#include "sim/door/visit.h"
 
 void sim_visit_print_head(FILE *out);
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/solve.h"
+#include "core/base/solve.h"
 
 static double off_diagonal(const double *a, uint32_t n)
 {

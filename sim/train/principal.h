@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-#include "core/math/vec.h"
+#include "core/base/vec.h"
 
 enum { SIM_FIELDS_MAX = 128 };
 

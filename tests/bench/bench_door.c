@@ -25,10 +25,10 @@
 
 #include <cmocka.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 #include "tests/bench/door_bench.h"
 #include "tests/bench/machine.h"
-#include "tests/enroll/private_bus.h"
+#include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
 
 enum {

@@ -9,14 +9,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "drivers/shipped.h"
-#include "firmware/audit.h"
-#include "firmware/gallery.h"
-#include "firmware/seal.h"
-#include "firmware/times.h"
-#include "sim/data_file.h"
-#include "sim/eval/latency.h"
-#include "sim/options.h"
+#include "drivers/base/shipped.h"
+#include "drivers/base/times.h"
+#include "firmware/audit/audit.h"
+#include "firmware/gallery/gallery.h"
+#include "firmware/keys/seal.h"
+#include "sim/base/data_file.h"
+#include "sim/base/options.h"
+#include "sim/lab/match/latency.h"
 #include "tests/bench/crowd.h"
 #include "tests/bench/machine.h"
 

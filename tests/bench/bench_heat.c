@@ -10,14 +10,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/heat/grid_step.h"
-#include "firmware/crew.h"
-#include "sim/eval/latency.h"
-#include "sim/options.h"
-#include "sim/picture/plot.h"
-#include "tests/bench/heat_method.h"
+#include "core/heat/grid/grid_step.h"
+#include "firmware/recognise/crew.h"
+#include "sim/base/options.h"
+#include "sim/lab/draw/plot.h"
+#include "sim/lab/match/latency.h"
 #include "tests/bench/machine.h"
-#include "tests/core/reference_heat.h"
+#include "tests/bench/peers/heat_method.h"
+#include "tests/core/surfaces/reference_heat.h"
 
 enum { SIZES = 5, METHODS_MAX = 8, RADII = 4, REPEATS_MAX = 400 };
 

@@ -8,10 +8,10 @@
 #include <string.h>
 #include <sys/utsname.h>
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/frame/shrink.h"
-#include "sim/data_file.h"
-#include "sim/eval/latency.h"
+#include "sim/base/data_file.h"
+#include "sim/lab/match/latency.h"
 #include "tests/bench/frames.h"
 
 enum { HALF_MAX = 1920 * 1200 }; /* pixels */

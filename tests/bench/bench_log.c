@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "firmware/audit_writer.h"
+#include "firmware/audit/audit_writer.h"
 
 enum { SECONDS = 5, GRANTS = 40, POSTS_A_SECOND = 400, WAIT_MS = 250 };
 

@@ -12,12 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/match/icp.h"
-#include "core/match/rigid.h"
-#include "sim/eval/latency.h"
-#include "sim/random.h"
-#include "tests/bench/icp_pcl.h"
+#include "core/registration/icp.h"
+#include "core/registration/rigid.h"
+#include "sim/base/random.h"
+#include "sim/lab/match/latency.h"
 #include "tests/bench/machine.h"
+#include "tests/bench/peers/icp_pcl.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 #include "core/presentation/frame_memory.h"
-#include "sim/eval/latency.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/lab/match/latency.h"
 #include "tests/bench/machine.h"
 
 enum { WIDTH = 640, HEIGHT = 480, ROUNDS = 2000 };

@@ -13,11 +13,11 @@
 #endif
 
 #include "core/match/index.h"
-#include "drivers/shipped.h"
-#include "sim/data_file.h"
-#include "sim/eval/latency.h"
-#include "sim/options.h"
-#include "sim/picture/plot.h"
+#include "drivers/base/shipped.h"
+#include "sim/base/data_file.h"
+#include "sim/base/options.h"
+#include "sim/lab/draw/plot.h"
+#include "sim/lab/match/latency.h"
 #include "tests/bench/crowd.h"
 #include "tests/bench/machine.h"
 

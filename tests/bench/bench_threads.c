@@ -18,14 +18,14 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "core/extract.h"
-#include "drivers/shipped.h"
-#include "firmware/crew.h"
-#include "firmware/times.h"
-#include "sim/data_file.h"
-#include "sim/eval/latency.h"
-#include "sim/options.h"
-#include "sim/recording/corpus.h"
+#include "core/extract/extract.h"
+#include "drivers/base/shipped.h"
+#include "drivers/base/times.h"
+#include "firmware/recognise/crew.h"
+#include "sim/base/data_file.h"
+#include "sim/base/options.h"
+#include "sim/corpus/corpus.h"
+#include "sim/lab/match/latency.h"
 #include "tests/bench/frames.h"
 #include "tests/bench/machine.h"
 

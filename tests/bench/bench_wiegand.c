@@ -15,7 +15,7 @@
 #include "drivers/door/gpio_line.h"
 #endif
 #include "drivers/door/wiegand_out.h"
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 enum { BITS = 26, CODES = 40, CODES_MAX = 10000 };
 

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum { SEED = 20, STREAM_PERSON = 1, STREAM_TAKE = 2, TAKES_MAX = 64 };
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "drivers/recording/recording.h"
-#include "sim/eval/capture.h"
+#include "sim/lab/match/capture.h"
 
 int bench_frames_of_row(const char *directory, const struct sim_corpus_row *row,
                         bench_frame_function *each, void *context, struct iso_fault *fault)

@@ -2,9 +2,9 @@
 #ifndef TESTS_BENCH_FRAMES_H
 #define TESTS_BENCH_FRAMES_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
 
 /* Does something with a frame, which is there until it returns. 0, or what ends all. */
 typedef int bench_frame_function(void *context, const struct iso_frame *frame,

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <sys/utsname.h>
 
-#include "sim/eval/latency.h"
+#include "sim/lab/match/latency.h"
 
 void bench_print_machine(void)
 {

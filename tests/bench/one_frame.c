@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/match/index.h"
-#include "sim/data_file.h"
-#include "sim/eval/capture.h"
+#include "sim/base/data_file.h"
+#include "sim/lab/match/capture.h"
 #include "tests/bench/crowd.h"
 
 enum { PEOPLE = 1000, SHORTLIST = 10 };

@@ -17,8 +17,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "sim/visit/slot.h"
-#include "tests/support/camera_bench.h"
+#include "sim/door/slot.h"
+#include "tests/support/devices/camera_bench.h"
 #include "tests/support/scratch.h"
 
 #define DATA ISOTHERM_SOURCE_DIR "/core/data/"
@@ -128,8 +128,8 @@ static void make_directory(struct appliance *appliance)
     appliance->settle_ms = "400";
 }
 
-/* What plays in the daemon's own process reads only what the daemon may (firmware/confine.h):
- * temporary files, but not those of whoever built it. */
+/* What plays in the daemon's own process reads only what the daemon may
+ * (firmware/daemon/confine.h): temporary files, but not those of whoever built it. */
 static void copy_people(struct appliance *appliance)
 {
     (void)snprintf(appliance->people, sizeof appliance->people, "%s/people", appliance->directory);
@@ -173,7 +173,7 @@ int appliance_setup_openni2(void **state)
      * takes seconds on a busy one with sanitizers. */
     appliance->gap_ms = "4000";
     appliance->settle_ms = "6000";
-    assert_int_equal(setenv("LD_LIBRARY_PATH", ISOTHERM_BINARY_DIR "/sim/openni2/runtime", 1), 0);
+    assert_int_equal(setenv("LD_LIBRARY_PATH", ISOTHERM_BINARY_DIR "/tests/openni2/runtime", 1), 0);
     set_up(appliance);
     *state = appliance;
     return 0;

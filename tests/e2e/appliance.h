@@ -6,8 +6,8 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include "tests/enroll/private_bus.h"
-#include "tests/enroll/run.h"
+#include "tests/support/programs/private_bus.h"
+#include "tests/support/programs/run.h"
 
 #define APPLIANCE_CORPUS ISOTHERM_SOURCE_DIR "/sim/stored"
 

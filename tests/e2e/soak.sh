@@ -9,7 +9,7 @@ build=$(cd "$1" && pwd)
 frames=$2
 shift 2
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
-export TSAN_OPTIONS=suppressions=$source_dir/tests/support/openni2_locks.supp
+export TSAN_OPTIONS=suppressions=$source_dir/tests/support/devices/openni2_locks.supp
 # What the sanitizer keeps of freed memory is not growth.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-quarantine_size_mb=8}
 recordings=("$@")

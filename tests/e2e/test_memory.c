@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "core/match/template.h"
-#include "firmware/parts.h"
+#include "firmware/daemon/parts.h"
 #include "tests/e2e/appliance.h"
 #include "tests/e2e/process_memory.h"
 #include "tests/support/scratch.h"

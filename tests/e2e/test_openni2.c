@@ -13,8 +13,8 @@
 #include <time.h>
 
 #include "tests/e2e/appliance.h"
-#include "tests/enroll/run.h"
-#include "tests/support/camera_bench.h"
+#include "tests/support/devices/camera_bench.h"
+#include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
 static const char *text_of(const json_t *object, const char *name)

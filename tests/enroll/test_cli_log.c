@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "tests/enroll/cli.h"
+#include "firmware/contract/contract.h"
+#include "tests/enroll/rigs/cli.h"
 #include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -182,7 +182,7 @@ static void csv_has_a_column_for_every_member_that_the_daemon_writes(void **stat
     static const char call[] = "(line, \"";
     const struct fake_script script = {.n_records = 1};
     size_t size, n = 0;
-    char *bytes = scratch_read(ISOTHERM_SOURCE_DIR "/firmware/audit_append.c", &size);
+    char *bytes = scratch_read(ISOTHERM_SOURCE_DIR "/firmware/audit/audit_append.c", &size);
     char *source = strndup(bytes, size), name[64];
     const struct cli_result result = cli_run(&script, "log --csv --full");
 
@@ -315,7 +315,8 @@ static size_t expect_known(const char *path, const char *source, const char *cal
         at += strlen(call);
         (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(at, "\""), at);
         if (!is_known(word)) {
-            fail_msg("%s records the event %s, which core/contract.h does not name", path, word);
+            fail_msg("%s records the event %s, which firmware/contract/contract.h does not name",
+                     path, word);
         }
     }
     return n;
@@ -334,7 +335,7 @@ static void the_daemon_records_the_events_that_are_known(void **state)
     size_t n = 0;
 
     (void)state;
-    assert_int_equal(glob(ISOTHERM_SOURCE_DIR "/firmware/*.c", 0, NULL, &files), 0);
+    assert_int_equal(glob(ISOTHERM_SOURCE_DIR "/firmware/*/*.c", 0, NULL, &files), 0);
     for (size_t i = 0; i < files.gl_pathc; i++) {
         char *source = read_text(files.gl_pathv[i]), word[64];
         for (size_t j = 0; j < COUNT(calls); j++) {

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "tests/enroll/cli.h"
+#include "firmware/contract/contract.h"
+#include "tests/enroll/rigs/cli.h"
 #include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))

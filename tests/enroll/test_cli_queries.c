@@ -11,9 +11,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/contract.h"
-#include "enroll/setup/places.h"
-#include "tests/enroll/cli.h"
+#include "enroll/cli/machine/places.h"
+#include "firmware/contract/contract.h"
+#include "tests/enroll/rigs/cli.h"
 #include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/enroll/cli.h"
+#include "tests/enroll/rigs/cli.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

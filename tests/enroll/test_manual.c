@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/capture.h"
-#include "enroll/arguments.h"
-#include "firmware/config.h"
-#include "firmware/decision.h"
+#include "core/base/capture.h"
+#include "enroll/cli/arguments/arguments.h"
+#include "firmware/config/config.h"
+#include "firmware/visit/decision.h"
 #include "tests/support/scratch.h"
 
 #define MANUAL ISOTHERM_SOURCE_DIR "/enroll/man/"

@@ -16,10 +16,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "enroll/pixels.h"
-#include "tests/enroll/private_bus.h"
-#include "tests/enroll/run.h"
-#include "tests/enroll/setup_rig.h"
+#include "enroll/cli/picture/pixels.h"
+#include "tests/enroll/rigs/setup_rig.h"
+#include "tests/support/programs/private_bus.h"
+#include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
 #define DATA ISOTHERM_SOURCE_DIR "/core/data"

@@ -12,15 +12,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "enroll/setup/boards.h"
-#include "enroll/setup/cameras.h"
-#include "enroll/setup/candidates.h"
-#include "enroll/setup/child.h"
-#include "enroll/setup/compose.h"
-#include "enroll/setup/difference.h"
-#include "enroll/setup/install.h"
-#include "enroll/setup/new_file.h"
-#include "enroll/setup/text_file.h"
+#include "enroll/cli/machine/boards.h"
+#include "enroll/cli/machine/cameras.h"
+#include "enroll/cli/machine/child.h"
+#include "enroll/cli/machine/new_file.h"
+#include "enroll/cli/machine/text_file.h"
+#include "enroll/cli/setup/candidates.h"
+#include "enroll/cli/setup/compose.h"
+#include "enroll/cli/setup/difference.h"
+#include "enroll/cli/setup/install.h"
 #include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))

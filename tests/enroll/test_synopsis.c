@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/enroll/run.h"
+#include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
 #define MANUAL ISOTHERM_SOURCE_DIR "/enroll/man/"

@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "enroll/terminal_picture.h"
+#include "enroll/cli/picture/terminal_picture.h"
 
 /* Red, green, blue; white, black, grey. */
 static const uint8_t six[] = {255, 0,   0,   0, 255, 0, 0,   0,   255,

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/audit_line.h"
+#include "firmware/audit/audit_line.h"
 #include "tests/fuzz/fuzz.h"
 
 static void try_header(const char *line)

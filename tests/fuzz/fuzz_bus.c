@@ -12,9 +12,9 @@
 #include <systemd/sd-bus.h>
 #include <unistd.h>
 
-#include "core/contract.h"
-#include "firmware/bus.h"
-#include "tests/firmware/rig.h"
+#include "firmware/bus/bus.h"
+#include "firmware/contract/contract.h"
+#include "tests/firmware/rigs/rig.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { INPUTS_A_RIG = 2000, VALUES_MAX = 64 };

@@ -1,9 +1,9 @@
 /* The cohort file. Its checksum and those of its templates are put right. */
 #include <stdlib.h>
 
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/match/cohort.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { HEADER_BYTES = 16, COUNT_BYTES = 4 };

@@ -1,7 +1,7 @@
 /* The appliance's configuration. */
 #include <stdlib.h>
 
-#include "firmware/config.h"
+#include "firmware/config/config.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

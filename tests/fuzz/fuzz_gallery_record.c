@@ -1,7 +1,7 @@
 /* Records of the gallery: what stands in a row, and what is in it once it is opened. */
 #include <string.h>
 
-#include "firmware/gallery_seal.h"
+#include "firmware/gallery/gallery_seal.h"
 #include "tests/fuzz/fuzz.h"
 
 static void try_person(const uint8_t *data, size_t size)

@@ -2,9 +2,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/landmark/head_model.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { CHECKED_FROM = 16 };

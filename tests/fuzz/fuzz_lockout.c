@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/lockout_file.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/visit/lockout_file.h"
 #include "tests/fuzz/fuzz.h"
 
 static void restore(const struct iso_lockout_record *record)

@@ -1,7 +1,7 @@
 /* A corpus's manifest.csv. */
 #include <stdlib.h>
 
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

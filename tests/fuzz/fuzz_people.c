@@ -1,5 +1,5 @@
 /* Exported people: the file as a whole, and what is in it once it is opened. */
-#include "firmware/transfer.h"
+#include "firmware/gallery/transfer.h"
 #include "tests/fuzz/fuzz.h"
 
 static void check_items(const struct iso_transfer *transfer)

@@ -1,7 +1,7 @@
 /* Scanner files of public databases: the first byte chooses the format. */
 #include <stdlib.h>
 
-#include "sim/loaders/scan_file.h"
+#include "sim/corpus/scan_file.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -2,10 +2,10 @@
  * behind it is reached. */
 #include <stdlib.h>
 
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/match/distance.h"
 #include "core/match/template.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
 #include "tests/fuzz/fuzz.h"
 
 /* What registrations work in. */

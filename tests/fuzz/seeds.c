@@ -9,7 +9,7 @@
 #include "core/landmark/head_model.h"
 #include "core/match/cohort.h"
 #include "core/match/metric.h"
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 #include "tests/fuzz/fuzz.h"
 
 static char path[4096];

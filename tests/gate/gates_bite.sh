@@ -13,14 +13,14 @@ fresh_tree() {
         mkdir -p "$copy/$folder"
         echo 'What lives here.' >"$copy/$folder/README.md"
     done
-    mkdir -p "$copy/core/math" "$copy/core/heat" "$copy/tests/gate"
+    mkdir -p "$copy/core/base" "$copy/core/heat" "$copy/tests/gate"
     cp "$root/cmake/layers.txt" "$copy/cmake/"
     cp "$root/tests/gate/long_files.txt" "$copy/tests/gate/"
     echo 'sim/writer.c 1 an output' >"$copy/tests/gate/open_files.txt"
     printf 'void a(void) { fopen("a", "we"); }\n' >"$copy/sim/writer.c"
     cp "$root/.clang-format" "$copy/"
-    printf '#include "core/math/a.h"\n' >"$copy/core/heat/a.c"
-    printf 'int a(void);\n' >"$copy/core/math/a.h"
+    printf '#include "core/base/a.h"\n' >"$copy/core/heat/a.c"
+    printf 'int a(void);\n' >"$copy/core/base/a.h"
 }
 
 passes() {
@@ -59,22 +59,22 @@ refuses "$root/tests/gate/threads.sh" "$copy"
 
 fresh_tree
 what='a lower layer that includes a higher one'
-printf '#include "drivers/a.h"\n' >"$copy/core/math/b.c"
+printf '#include "drivers/a.h"\n' >"$copy/core/base/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"
 
 fresh_tree
 what='an include against the flow of the data'
-printf '#  include "core/heat/a.h"\n' >"$copy/core/math/b.c"
+printf '#  include "core/heat/a.h"\n' >"$copy/core/base/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"
 
 fresh_tree
 what='an include that is not written from the root'
-printf '#include "a.h"\n' >"$copy/core/math/b.c"
+printf '#include "a.h"\n' >"$copy/core/base/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"
 
 fresh_tree
 what='a clock in core'
-printf '#include <time.h>\n' >"$copy/core/math/b.c"
+printf '#include <time.h>\n' >"$copy/core/base/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"
 
 fresh_tree
@@ -89,7 +89,7 @@ refuses "$root/tests/gate/docs.sh" "$copy"
 
 fresh_tree
 what='a file of 601 lines'
-yes '/* */' | head -601 >"$copy/core/math/b.c"
+yes '/* */' | head -601 >"$copy/core/base/b.c"
 refuses "$root/tests/gate/docs.sh" "$copy"
 
 # SECURITY.md and the list of tests that it is held against.
@@ -103,7 +103,7 @@ claims() {
 }
 
 claims 'sound claims' 'A door is locked (tested: `test_one`,
-`test_two`). A key is kept (`firmware/seal.h`; tested: `tests/two.sh`).'
+`test_two`). A key is kept (`firmware/keys/seal.h`; tested: `tests/two.sh`).'
 passes "$root/tests/gate/security.sh" "$copy" "$copy/list"
 claims 'a claim that names no test' 'A door is locked (tested).'
 refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"

@@ -1,4 +1,4 @@
-#include "sim/openni2/virtual_camera.h"
+#include "tests/openni2/virtual_camera.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -14,12 +14,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "drivers/path.h"
+#include "drivers/base/path.h"
+#include "drivers/file/text.h"
 #include "drivers/process/thread.h"
-#include "drivers/sensor/sensor.h"
-#include "drivers/sensor/sensor_replay.h"
-#include "drivers/text.h"
-#include "sim/random.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/replay/sensor_replay.h"
+#include "sim/base/random.h"
 
 enum {
     LOOK_MS = 10, /* how often the cable is looked at */

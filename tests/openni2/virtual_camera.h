@@ -20,7 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 #include "drivers/recording/recording.h"
 

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/openni2/driver_abi.h"
-#include "sim/openni2/virtual_camera.h"
-#include "sim/openni2/virtual_stream.h"
+#include "tests/openni2/driver_abi.h"
+#include "tests/openni2/virtual_camera.h"
+#include "tests/openni2/virtual_stream.h"
 
 enum { STREAMS = 2, LOG_ERROR = 3 };
 

@@ -1,4 +1,4 @@
-#include "sim/openni2/virtual_stream.h"
+#include "tests/openni2/virtual_stream.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,8 +6,8 @@
 #include <pthread.h>
 #include <stdbool.h>
 
-#include "sim/openni2/driver_abi.h"
-#include "sim/openni2/virtual_camera.h"
+#include "tests/openni2/driver_abi.h"
+#include "tests/openni2/virtual_camera.h"
 
 enum { SIM_VIRTUAL_STREAM_MODES = 2 };
 

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
 #include "tests/support/scratch.h"
 
 void stored_corpus_make(const char *directory, const char *manifest)

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 #include "tests/support/scratch.h"
 
 const char stored_ini[] = "[recording]\n"

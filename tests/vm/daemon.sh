@@ -1,6 +1,6 @@
 # For scripts of tests with the daemon: `. "$VM_SOURCE/tests/vm/daemon.sh"`. The door's lines on a chip of gpio-sim, our hands on the
 # wires; a bus; the daemon and its client.
-. "$VM_SOURCE/tests/vm/gpio_wires.sh"
+. "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"
 isotherm=$VM_BUILD/enroll/isotherm
 isothermd=$VM_BUILD/firmware/isothermd
 

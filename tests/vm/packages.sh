@@ -37,7 +37,7 @@ wait_for() {
 }
 
 . "$VM_SOURCE/tests/install/story.sh"
-. "$VM_SOURCE/tests/vm/gpio_wires.sh"
+. "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"
 
 relay_is_on() {
     is_at $RELAY 1

@@ -35,6 +35,11 @@ done
 [ "$(dpkg --print-architecture)" = amd64 ] || skip_all 'the virtual machine is for amd64'
 PATH=$PATH:/usr/sbin:/sbin "$here/kernel.sh" "$cache"
 
+# The script of a test: beside this file, or in the folder of its devices.
+script_of() {
+    find "$here" -name "$1.sh"
+}
+
 # Exit code of the test; 124: it ran out of time, 125: the machine ended without one. Time is that of the processor, so that a host
 # with other work fails nobody, and six times as much by the clock, for a machine that waits for something that never comes.
 boot() {
@@ -54,7 +59,7 @@ boot() {
         -fsdev local,id=host,path=/,security_model=none,readonly=on,multidevs=remap \
         -device virtio-9p-pci,fsdev=host,mount_tag=host \
         -kernel "$cache/vmlinuz" -initrd "$cache/initrd" \
-        -append "console=ttyS0 loglevel=4 oops=panic panic=-1 vm_inside=$here/inside.sh vm_test=$here/$name.sh vm_build=$programs vm_source=$source_dir vm_cache=$cache systemd.show_status=false $root" \
+        -append "console=ttyS0 loglevel=4 oops=panic panic=-1 vm_inside=$here/inside.sh vm_test=$(script_of "$name") vm_build=$programs vm_source=$source_dir vm_cache=$cache systemd.show_status=false $root" \
         </dev/null >"$build/vm/$name.qemu" 2>&1) || {
         case $? in 124 | 137 | 152) return 124 ;; esac # by the clock; by the processor's, SIGKILL or SIGXCPU
         cat "$build/vm/$name.qemu" >&2

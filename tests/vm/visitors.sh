@@ -1,5 +1,5 @@
 # For scripts of tests with visitors before a camera: `. "$VM_SOURCE/tests/vm/visitors.sh"`, after daemon.sh. A bench
-# (sim/openni2/virtual_camera.h) with a shutter, people of the stored corpus who stand before it, and what they come for.
+# (tests/openni2/virtual_camera.h) with a shutter, people of the stored corpus who stand before it, and what they come for.
 corpus=$VM_SOURCE/sim/stored
 mkdir bench
 mkfifo bench/shutter

@@ -16,7 +16,7 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/contract/sensor.h"
 #include "drivers/stereo/calibration.h"
 
 enum { WIDTH = 320, HEIGHT = 180 };

@@ -1,4 +1,4 @@
-#include "core/heat/chebyshev.h"
+#include "core/heat/grid/chebyshev.h"
 
 #include <errno.h>
 #include <math.h>

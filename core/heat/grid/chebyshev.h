@@ -1,6 +1,6 @@
 /* Chebyshev expansion of the exponential. */
-#ifndef ISO_CORE_HEAT_CHEBYSHEV_H
-#define ISO_CORE_HEAT_CHEBYSHEV_H
+#ifndef ISO_CORE_HEAT_GRID_CHEBYSHEV_H
+#define ISO_CORE_HEAT_GRID_CHEBYSHEV_H
 
 enum { ISO_CHEBYSHEV_TERMS_MAX = 640 };
 

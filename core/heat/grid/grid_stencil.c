@@ -1,4 +1,4 @@
-#include "core/heat/grid_stencil.h"
+#include "core/heat/grid/grid_stencil.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/lanes.h"
+#include "core/base/lanes.h"
 
 /* Rows that share one row of the plane `bound`: a band has all of them. */
 enum { PLANES = 7, BLOCK = 8 };

@@ -5,8 +5,8 @@
  * which the height changes by a and b, twice the area is W = p sqrt(p^2 + a^2 + b^2), and the
  * cotangents are a b / W where the legs meet, (p^2 + a^2 - a b) / W at the far end of the row's leg
  * and (p^2 + b^2 - a b) / W at that of the column's. */
-#ifndef ISO_CORE_HEAT_GRID_STENCIL_H
-#define ISO_CORE_HEAT_GRID_STENCIL_H
+#ifndef ISO_CORE_HEAT_GRID_GRID_STENCIL_H
+#define ISO_CORE_HEAT_GRID_GRID_STENCIL_H
 
 #include <stddef.h>
 

@@ -10,10 +10,10 @@
  * iso_grid_stepper chooses by what the machine has. Both do the same operations in the same order
  * (AVX2 without FMA), so that here, too, results are the same to the bit. (On arm64 the compiler
  * makes one instruction of a product and a sum; the tests tell if it did not do so everywhere.) */
-#ifndef ISO_CORE_HEAT_GRID_STEP_H
-#define ISO_CORE_HEAT_GRID_STEP_H
+#ifndef ISO_CORE_HEAT_GRID_GRID_STEP_H
+#define ISO_CORE_HEAT_GRID_GRID_STEP_H
 
-#include "core/heat/grid_stencil.h"
+#include "core/heat/grid/grid_stencil.h"
 
 enum { ISO_GRID_SUMS_MAX = 8, ISO_GRID_STEPS_MAX = 4 };
 

@@ -1,6 +1,6 @@
 /* For the least processor of the architecture: SSE2 on x86-64, NEON on aarch64. */
 #define SWEEP iso__grid_sweep_baseline
-#include "core/heat/grid_step.inc"
+#include "core/heat/grid/grid_step.inc"
 
 struct iso_grid_stepper iso_grid_stepper(void)
 {

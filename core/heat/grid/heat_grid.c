@@ -1,4 +1,4 @@
-#include "core/heat/heat_grid.h"
+#include "core/heat/grid/heat_grid.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/heat/chebyshev.h"
-#include "core/heat/grid_step.h"
-#include "core/math/lanes.h"
+#include "core/base/lanes.h"
+#include "core/heat/grid/chebyshev.h"
+#include "core/heat/grid/grid_step.h"
 
 enum { SOURCES_MAX = 64, WORKERS_MAX = 64 };
 

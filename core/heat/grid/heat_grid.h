@@ -14,11 +14,11 @@
  * Slivers - triangles so sharp that their eigenvalue dominates - make the degree grow: beyond
  * t lambda = ISO_HEAT_GRID_STIFFNESS_MAX the general solver (heat_kernel.h) is at least as good and
  * this one declines. */
-#ifndef ISO_CORE_HEAT_HEAT_GRID_H
-#define ISO_CORE_HEAT_HEAT_GRID_H
+#ifndef ISO_CORE_HEAT_GRID_HEAT_GRID_H
+#define ISO_CORE_HEAT_GRID_HEAT_GRID_H
 
+#include "core/base/tasks.h"
 #include "core/surface/grid.h"
-#include "core/tasks.h"
 
 enum { ISO_HEAT_GRID_TIMES_MAX = 8 };
 

@@ -1,11 +1,11 @@
-#include "core/shape/classifier.h"
+#include "core/shape/classify/classifier.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/gallery.h"
+#include "core/shape/classify/gallery.h"
 
 const struct iso_classifier_ops *const iso_classifiers[] = {
     &iso_classifier_nn_l1, &iso_classifier_nn_l2,       &iso_classifier_crc_rls,

@@ -2,11 +2,11 @@
  *
  * Each learns from labelled features and gives a score for every class. Those that also measure how
  * far a feature is from each one it learnt from (nearest neighbour, CRC-RLS, RCR) rank a gallery:
- * that ranking never looks at labels. Classifiers of other libraries: drivers/learn/. */
-#ifndef ISO_CORE_SHAPE_CLASSIFIER_H
-#define ISO_CORE_SHAPE_CLASSIFIER_H
+ * that ranking never looks at labels. Classifiers of other libraries: sim/shapes/learn/. */
+#ifndef ISO_CORE_SHAPE_CLASSIFY_CLASSIFIER_H
+#define ISO_CORE_SHAPE_CLASSIFY_CLASSIFIER_H
 
-#include "core/shape/method.h"
+#include "core/shape/describe/method.h"
 
 /* Features with their classes; borrowed. */
 struct iso_labelled {

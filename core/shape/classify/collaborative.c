@@ -1,4 +1,4 @@
-#include "core/shape/collaborative.h"
+#include "core/shape/classify/collaborative.h"
 
 #include <errno.h>
 #include <math.h>

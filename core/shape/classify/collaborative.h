@@ -3,11 +3,11 @@
  * A feature is coded over all shapes of all classes at once; what a class, or one shape, takes part
  * in that code says how alike they are. Kinds differ by what a dictionary is made of, by how codes
  * are found, and by what a class's part is worth. */
-#ifndef ISO_CORE_SHAPE_COLLABORATIVE_H
-#define ISO_CORE_SHAPE_COLLABORATIVE_H
+#ifndef ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
+#define ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 
-#include "core/shape/dictionary.h"
-#include "core/shape/gallery.h"
+#include "core/shape/classify/dictionary.h"
+#include "core/shape/classify/gallery.h"
 
 struct iso_collaborative {
     const struct iso_collaborative_kind *kind;
@@ -40,9 +40,10 @@ struct iso_collaborative_kind {
 double iso_code_residual(const struct iso_collaborative *model, const struct iso_code *code,
                          int32_t k, int32_t class);
 
-/* As the operations of core/shape/classifier.h; the model is an iso_collaborative. Ranking takes
- * each shape for a class of its own: its distance is what is left of y without its share, over the
- * parts by their weights. Not over |alpha_i|, which is near 0 for most and puts them in no order.
+/* As the operations of core/shape/classify/classifier.h; the model is an iso_collaborative. Ranking
+ * takes each shape for a class of its own: its distance is what is left of y without its share,
+ * over the parts by their weights. Not over |alpha_i|, which is near 0 for most and puts them in no
+ * order.
  */
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
                             const struct iso_labelled *training, void **model)

@@ -1,4 +1,4 @@
-#include "core/shape/confusion.h"
+#include "core/shape/classify/confusion.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* How well classes are told: the confusion matrix and what is read off it (Fawcett, "An
  * introduction to ROC analysis", Pattern Recognition Letters 27, 2006). */
-#ifndef ISO_CORE_SHAPE_CONFUSION_H
-#define ISO_CORE_SHAPE_CONFUSION_H
+#ifndef ISO_CORE_SHAPE_CLASSIFY_CONFUSION_H
+#define ISO_CORE_SHAPE_CLASSIFY_CONFUSION_H
 
 #include <stdint.h>
 

@@ -4,7 +4,7 @@
  * the best part in that. */
 #include <math.h>
 
-#include "core/shape/collaborative.h"
+#include "core/shape/classify/collaborative.h"
 
 /* The regularisation, features being of unit length. Ranking a gallery wants far more of it than
  * telling classes: with little, one shape of a class takes all of its part in the code. Of 0.01,

@@ -1,4 +1,4 @@
-#include "core/shape/dictionary.h"
+#include "core/shape/classify/dictionary.h"
 
 #include <cblas.h>
 #include <errno.h>

@@ -3,8 +3,8 @@
  * alpha = (D D' + c I)^-1 b, D one feature a row, b = D y + whatever pulls alpha elsewhere. By the
  * eigenvectors of D D', found once, any c > 0 costs two products of a matrix with a vector; and an
  * atom is left out exactly by the constraint that its coefficient be 0. */
-#ifndef ISO_CORE_SHAPE_DICTIONARY_H
-#define ISO_CORE_SHAPE_DICTIONARY_H
+#ifndef ISO_CORE_SHAPE_CLASSIFY_DICTIONARY_H
+#define ISO_CORE_SHAPE_CLASSIFY_DICTIONARY_H
 
 #include <stdint.h>
 

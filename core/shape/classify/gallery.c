@@ -1,4 +1,4 @@
-#include "core/shape/gallery.h"
+#include "core/shape/classify/gallery.h"
 
 #include <errno.h>
 #include <math.h>

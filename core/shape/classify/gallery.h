@@ -1,8 +1,8 @@
 /* What classifiers keep of the features they learn from. */
-#ifndef ISO_CORE_SHAPE_GALLERY_H
-#define ISO_CORE_SHAPE_GALLERY_H
+#ifndef ISO_CORE_SHAPE_CLASSIFY_GALLERY_H
+#define ISO_CORE_SHAPE_CLASSIFY_GALLERY_H
 
-#include "core/shape/classifier.h"
+#include "core/shape/classify/classifier.h"
 
 struct iso_gallery {
     struct iso_feature_layout layout;
@@ -22,7 +22,7 @@ void iso_gallery_normalise(const struct iso_feature_layout *layout, float *featu
 /* For each class the lowest of its distances, as a score: the higher the better. */
 void iso_gallery_score(const struct iso_gallery *gallery, const double *distance, double *score);
 
-/* The operations of core/shape/classifier.h that this library has. */
+/* The operations of core/shape/classify/classifier.h that this library has. */
 extern const struct iso_classifier_ops iso_classifier_nn_l1, iso_classifier_nn_l2,
     iso_classifier_crc_rls, iso_classifier_rcr, iso_classifier_naive_bayes;
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/shape/gallery.h"
+#include "core/shape/classify/gallery.h"
 
 static int train(const struct iso_labelled *training, void **model)
 {

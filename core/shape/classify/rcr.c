@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/shape/collaborative.h"
+#include "core/shape/classify/collaborative.h"
 
 /* Parts being of unit length; of a few tried on generated creatures. */
 static const double lambda = 0.1;

@@ -1,4 +1,4 @@
-#include "core/shape/retrieval.h"
+#include "core/shape/classify/retrieval.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,8 +5,8 @@
  *
  * Each row is a query, each column an item that may be retrieved. Ties are broken by the order of
  * the items. A query of whose class there is nothing to be retrieved does not count. */
-#ifndef ISO_CORE_SHAPE_RETRIEVAL_H
-#define ISO_CORE_SHAPE_RETRIEVAL_H
+#ifndef ISO_CORE_SHAPE_CLASSIFY_RETRIEVAL_H
+#define ISO_CORE_SHAPE_CLASSIFY_RETRIEVAL_H
 
 #include <stdint.h>
 

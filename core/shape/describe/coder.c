@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/method.h"
-#include "core/shape/principal.h"
-#include "core/shape/vocabulary.h"
+#include "core/shape/describe/method.h"
+#include "core/shape/describe/principal.h"
+#include "core/shape/describe/vocabulary.h"
 
 /* Rows that vocabularies learn from, taken evenly from all shapes. */
 enum { LEARN_ROWS = 20000 };

@@ -1,4 +1,4 @@
-#include "core/shape/critical_points.h"
+#include "core/shape/describe/critical_points.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,10 +1,10 @@
 /* Critical points: the vertices where the first non-trivial eigenfunction has an extremum over its
  * two rings of neighbours, none near a boundary. Abdelrahman 2013, section 4.1 (after Reuter 2010).
  * They are the tips of a shape: their number is that of its limbs, whatever its pose. */
-#ifndef ISO_CORE_SHAPE_CRITICAL_POINTS_H
-#define ISO_CORE_SHAPE_CRITICAL_POINTS_H
+#ifndef ISO_CORE_SHAPE_DESCRIBE_CRITICAL_POINTS_H
+#define ISO_CORE_SHAPE_DESCRIBE_CRITICAL_POINTS_H
 
-#include "core/shape/shape.h"
+#include "core/shape/describe/shape.h"
 
 struct iso_critical_points {
     int32_t n;

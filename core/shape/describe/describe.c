@@ -1,4 +1,4 @@
-#include "core/shape/describe.h"
+#include "core/shape/describe/describe.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,9 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/shape/describe.h"
-#include "core/shape/heat_signature.h"
-#include "core/shape/scale_invariant.h"
+#include "core/shape/describe/describe.h"
+#include "core/shape/describe/heat_signature.h"
+#include "core/shape/describe/scale_invariant.h"
 
 enum {
     GOOGLE_TIMES = 193, /* tau over 12 octaves in steps of 1/16 */

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/shape/describe.h"
-#include "core/shape/heat_signature.h"
+#include "core/shape/describe/describe.h"
+#include "core/shape/describe/heat_signature.h"
 
 enum {
     DNA_VALUES = 15, /* Abdelrahman 2013, 4.2.3 */

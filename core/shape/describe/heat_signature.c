@@ -1,4 +1,4 @@
-#include "core/shape/heat_signature.h"
+#include "core/shape/describe/heat_signature.h"
 
 #include <cblas.h>
 #include <errno.h>

@@ -1,8 +1,8 @@
 /* What heat tells of a vertex: signatures of the heat kernel from eigenpairs.
  *
  * All take the eigenpairs of any (weighted) operator: L and B of core/heat/stiffness_mass.h. */
-#ifndef ISO_CORE_SHAPE_HEAT_SIGNATURE_H
-#define ISO_CORE_SHAPE_HEAT_SIGNATURE_H
+#ifndef ISO_CORE_SHAPE_DESCRIBE_HEAT_SIGNATURE_H
+#define ISO_CORE_SHAPE_DESCRIBE_HEAT_SIGNATURE_H
 
 #include "core/heat/eigenpairs.h"
 

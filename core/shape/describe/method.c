@@ -1,8 +1,8 @@
-#include "core/shape/method.h"
+#include "core/shape/describe/method.h"
 
 #include <string.h>
 
-#include "core/shape/describe.h"
+#include "core/shape/describe/describe.h"
 
 static const struct iso_shape_method shape_dna = {
     .name = "shape-dna",

@@ -1,4 +1,4 @@
-#include "core/shape/principal.h"
+#include "core/shape/describe/principal.h"
 
 #include <cblas.h>
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* Principal components of feature vectors that are longer than they are many (Turk and Pentland
  * 1991): of the matrix of their products. */
-#ifndef ISO_CORE_SHAPE_PRINCIPAL_H
-#define ISO_CORE_SHAPE_PRINCIPAL_H
+#ifndef ISO_CORE_SHAPE_DESCRIBE_PRINCIPAL_H
+#define ISO_CORE_SHAPE_DESCRIBE_PRINCIPAL_H
 
 #include <stdint.h>
 

@@ -1,4 +1,4 @@
-#include "core/shape/scale_invariant.h"
+#include "core/shape/describe/scale_invariant.h"
 
 #include <cblas.h>
 #include <errno.h>

@@ -13,12 +13,12 @@
  * it is level again, SI-HK one whose ends are near 0. Elsewhere they hold roughly: a signature
  * three times as large, over the same 14 octaves of absolute time, is off by 10 % (SI-HK) and 5 %
  * (SI-HKS, with its own window); 1 % of noise adds 0.2 % and 60 % to that
- * (tests/core/test_shape_heat.c). Times that are measured by the shape's area do not shift at all
- * when it is scaled.
+ * (tests/core/shape/test_shape_heat.c). Times that are measured by the shape's area do not shift at
+ * all when it is scaled.
  *
  * (4.4 has beta^2 h(tau + s) since its beta scales the operator; the amplitudes are the same.) */
-#ifndef ISO_CORE_SHAPE_SCALE_INVARIANT_H
-#define ISO_CORE_SHAPE_SCALE_INVARIANT_H
+#ifndef ISO_CORE_SHAPE_DESCRIBE_SCALE_INVARIANT_H
+#define ISO_CORE_SHAPE_DESCRIBE_SCALE_INVARIANT_H
 
 #include <stdint.h>
 

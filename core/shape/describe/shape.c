@@ -1,4 +1,4 @@
-#include "core/shape/shape.h"
+#include "core/shape/describe/shape.h"
 
 #include <errno.h>
 #include <math.h>

@@ -4,8 +4,8 @@
  * Everything of this folder is made of the heat kernel K(x, y, t) = sum_i exp(-lambda_i t)
  * phi_i(x) phi_i(y) of such a shape, t as in core/heat/heat_kernel.h (the dissertation's t is twice
  * ours). A shape may have any unit and any size. These are offline tools: functions allocate. */
-#ifndef ISO_CORE_SHAPE_SHAPE_H
-#define ISO_CORE_SHAPE_SHAPE_H
+#ifndef ISO_CORE_SHAPE_DESCRIBE_SHAPE_H
+#define ISO_CORE_SHAPE_DESCRIBE_SHAPE_H
 
 #include "core/heat/eigenpairs.h"
 #include "core/heat/stiffness_mass.h"

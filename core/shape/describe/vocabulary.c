@@ -1,4 +1,4 @@
-#include "core/shape/vocabulary.h"
+#include "core/shape/describe/vocabulary.h"
 
 #include <errno.h>
 #include <math.h>

@@ -3,8 +3,8 @@
  * k-means (Lloyd 1982) started by k-means++ (Arthur and Vassilvitskii 2007). A bag counts how much
  * of a surface says which word, each vertex shared between words by its distance from them, as in
  * Bronstein et al., "Shape Google", ACM TOG 30, 2011, section 4. */
-#ifndef ISO_CORE_SHAPE_VOCABULARY_H
-#define ISO_CORE_SHAPE_VOCABULARY_H
+#ifndef ISO_CORE_SHAPE_DESCRIBE_VOCABULARY_H
+#define ISO_CORE_SHAPE_DESCRIBE_VOCABULARY_H
 
 #include <stdint.h>
 

@@ -1,10 +1,10 @@
-#include "drivers/sensor/camera_file.h"
+#include "drivers/sensor/contract/camera_file.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 enum { CAMERA_FILE_MAX = 65536 };
 

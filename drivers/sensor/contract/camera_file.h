@@ -1,9 +1,9 @@
 /* Camera files: the intrinsics of one depth camera, in the format of a recording.ini (recording.h).
  * Several back ends measure by such a file, which the option `camera` names. */
-#ifndef ISO_DRIVERS_SENSOR_CAMERA_FILE_H
-#define ISO_DRIVERS_SENSOR_CAMERA_FILE_H
+#ifndef ISO_DRIVERS_SENSOR_CONTRACT_CAMERA_FILE_H
+#define ISO_DRIVERS_SENSOR_CONTRACT_CAMERA_FILE_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "drivers/recording/recording.h"
 
 struct iso_camera_file {

@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/contract/sensor.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -9,17 +9,17 @@
  * One sensor is used by one thread at a time. Time is read from the injected clock only. Frames are
  * checked (iso_frame_check, sequence and time rising) before they are handed up. Every failure is
  * one line in *fault (which may be NULL). */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_H
-#define ISO_DRIVERS_SENSOR_SENSOR_H
+#ifndef ISO_DRIVERS_SENSOR_CONTRACT_SENSOR_H
+#define ISO_DRIVERS_SENSOR_CONTRACT_SENSOR_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/clock.h"
-#include "core/fault.h"
+#include "core/base/clock.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
-#include "drivers/option.h"
+#include "drivers/base/option.h"
 
 /* What is known of the device behind a sensor, and what it can do. */
 struct iso_sensor_description {
@@ -61,9 +61,9 @@ struct iso_sensor_ops {
     /* Whether probe looks in a moment, so that a door need not wait for it. */
     bool probes_at_once;
 
-    /* OPTIONAL. Loads the modules (drivers/module.h) that open, or probe, would load otherwise: for
-     * a process that confines itself before it opens a sensor. -ENOENT a module is missing,
-     * -EBADMSG it cannot be used. */
+    /* OPTIONAL. Loads the modules (drivers/base/module.h) that open, or probe, would load
+     * otherwise: for a process that confines itself before it opens a sensor. -ENOENT a module is
+     * missing, -EBADMSG it cannot be used. */
     int (*load)(struct iso_fault *fault);
 
     /* REQUIRED. Whether the options are sound: reads them and the files that they name, as open

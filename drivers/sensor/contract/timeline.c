@@ -1,4 +1,4 @@
-#include "drivers/sensor/timeline.h"
+#include "drivers/sensor/contract/timeline.h"
 
 void iso_timeline_advance(struct iso_timeline *timeline, int64_t index, int64_t device_ns,
                           int64_t now_ns)

@@ -4,8 +4,8 @@
  * arrival (Cristian 1989, the same bound): late arrivals do not move it, and no frame lies in the
  * future. As the two clocks drift, the offset may rise by DRIFT_PPM of the time that passes. A
  * count or a time that goes back is a device that began anew: no gap is known there. */
-#ifndef ISO_DRIVERS_SENSOR_TIMELINE_H
-#define ISO_DRIVERS_SENSOR_TIMELINE_H
+#ifndef ISO_DRIVERS_SENSOR_CONTRACT_TIMELINE_H
+#define ISO_DRIVERS_SENSOR_CONTRACT_TIMELINE_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* The program's side of the module `libcamera`. */
-#include "drivers/sensor/libcamera_module.h"
+#include "drivers/sensor/libcamera/libcamera_module.h"
 
 #include <stdio.h>
 

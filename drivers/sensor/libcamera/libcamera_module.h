@@ -1,11 +1,12 @@
 /* The module `libcamera`: what libcamera_pair.h declares, in a shared object of its own
- * (drivers/module.h). Programs call those functions as ever; libcamera_module.c hands the calls on.
+ * (drivers/base/module.h). Programs call those functions as ever; libcamera_module.c hands the
+ * calls on.
  */
-#ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_MODULE_H
-#define ISO_DRIVERS_SENSOR_LIBCAMERA_MODULE_H
+#ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_MODULE_H
+#define ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_MODULE_H
 
-#include "drivers/module.h"
-#include "drivers/sensor/libcamera_pair.h"
+#include "drivers/base/module.h"
+#include "drivers/sensor/libcamera/libcamera_pair.h"
 
 #define ISO_LIBCAMERA_MODULE_NAME "libcamera"
 

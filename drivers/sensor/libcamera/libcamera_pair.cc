@@ -1,4 +1,4 @@
-#include "drivers/sensor/libcamera_pair.h"
+#include "drivers/sensor/libcamera/libcamera_pair.h"
 
 #include <atomic>
 #include <cerrno>

@@ -3,8 +3,8 @@
  * own, which fills a queue behind a lock; all else happens in the caller's thread.
  *
  * libcamera allows one manager in a process: a second pair is -EBUSY while there is a first. */
-#ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_PAIR_H
-#define ISO_DRIVERS_SENSOR_LIBCAMERA_PAIR_H
+#ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_PAIR_H
+#define ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_PAIR_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* What the module `libcamera` exports. */
-#include "drivers/sensor/libcamera_module.h"
+#include "drivers/sensor/libcamera/libcamera_module.h"
 
 extern const struct iso_libcamera_module iso_module;
 

@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor_libcamera_stereo.h"
+#include "drivers/sensor/libcamera/sensor_libcamera_stereo.h"
 
 #include <errno.h>
 #include <linux/videodev2.h>
@@ -7,8 +7,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "drivers/sensor/libcamera_module.h"
-#include "drivers/sensor/sensor_stereo.h"
+#include "drivers/sensor/libcamera/libcamera_module.h"
+#include "drivers/sensor/picture/sensor_stereo.h"
 
 static const char owner[] = "sensor libcamera-stereo";
 static const char *const eye_names[ISO_EYES] = {"left", "right"};

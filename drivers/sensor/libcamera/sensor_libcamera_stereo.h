@@ -7,10 +7,10 @@
  *
  * libcamera runs a thread of its own, and writes its log to standard error (its environment
  * variable LIBCAMERA_LOG_LEVELS says how much). One such sensor can be open in a process. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_LIBCAMERA_STEREO_H
-#define ISO_DRIVERS_SENSOR_SENSOR_LIBCAMERA_STEREO_H
+#ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_SENSOR_LIBCAMERA_STEREO_H
+#define ISO_DRIVERS_SENSOR_LIBCAMERA_SENSOR_LIBCAMERA_STEREO_H
 
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/contract/sensor.h"
 
 extern const struct iso_sensor_ops iso_sensor_libcamera_stereo_ops;
 

@@ -1,4 +1,4 @@
-#include "drivers/sensor/openni2_frame.h"
+#include "drivers/sensor/openni2/openni2_frame.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,12 +1,12 @@
 /* From OpenNI2's frames to ours. Pure: no device is asked. */
-#ifndef ISO_DRIVERS_SENSOR_OPENNI2_FRAME_H
-#define ISO_DRIVERS_SENSOR_OPENNI2_FRAME_H
+#ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_FRAME_H
+#define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_FRAME_H
 
 #include <stdbool.h>
 
 #include "core/frame/camera.h"
 #include "core/frame/frame.h"
-#include "drivers/sensor/openni2_api.h"
+#include "drivers/sensor/openni2/openni2_api.h"
 
 /* Millimetres per count of a depth format; 0 for one that holds no lengths. */
 double iso__openni2_unit_mm(OniPixelFormat format);

@@ -1,4 +1,4 @@
-#include "drivers/sensor/openni2_runtime.h"
+#include "drivers/sensor/openni2/openni2_runtime.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -1,11 +1,11 @@
 /* OpenNI2's runtime: starting it, what it sees, and its refusals. For the sources of this folder.
  */
-#ifndef ISO_DRIVERS_SENSOR_OPENNI2_RUNTIME_H
-#define ISO_DRIVERS_SENSOR_OPENNI2_RUNTIME_H
+#ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_RUNTIME_H
+#define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_RUNTIME_H
 
-#include "core/fault.h"
-#include "drivers/sensor/openni2_api.h"
-#include "drivers/sensor/sensor.h"
+#include "core/base/fault.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/openni2/openni2_api.h"
 
 /* A status as an errno (-ENODEV or -EIO), with a fault that says what was tried and, on one line,
  * the runtime's own words. */

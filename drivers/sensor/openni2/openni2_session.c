@@ -1,12 +1,12 @@
-#include "drivers/sensor/openni2_session.h"
+#include "drivers/sensor/openni2/openni2_session.h"
 
 #include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 
-#include "drivers/sensor/openni2_frame.h"
-#include "drivers/sensor/openni2_runtime.h"
+#include "drivers/sensor/openni2/openni2_frame.h"
+#include "drivers/sensor/openni2/openni2_runtime.h"
 
 static const char owner[] = "sensor openni2";
 

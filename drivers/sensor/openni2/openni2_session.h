@@ -1,14 +1,14 @@
 /* An OpenNI2 device, opened: the runtime, the device, its streams and what happens to it. For
  * sensor_openni2.c. The runtime counts its users, so several sessions may be open in a process. */
-#ifndef ISO_DRIVERS_SENSOR_OPENNI2_SESSION_H
-#define ISO_DRIVERS_SENSOR_OPENNI2_SESSION_H
+#ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_SESSION_H
+#define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_SESSION_H
 
 #include <stdatomic.h>
 #include <stdbool.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/camera.h"
-#include "drivers/sensor/openni2_api.h"
+#include "drivers/sensor/openni2/openni2_api.h"
 
 enum iso__openni2_grey { ISO__OPENNI2_NO_GREY, ISO__OPENNI2_IR, ISO__OPENNI2_COLOR };
 

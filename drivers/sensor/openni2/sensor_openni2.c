@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor_openni2.h"
+#include "drivers/sensor/openni2/sensor_openni2.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sensor/camera_file.h"
-#include "drivers/sensor/openni2_frame.h"
-#include "drivers/sensor/openni2_runtime.h"
-#include "drivers/sensor/openni2_session.h"
-#include "drivers/sensor/timeline.h"
+#include "drivers/sensor/contract/camera_file.h"
+#include "drivers/sensor/contract/timeline.h"
+#include "drivers/sensor/openni2/openni2_frame.h"
+#include "drivers/sensor/openni2/openni2_runtime.h"
+#include "drivers/sensor/openni2/openni2_session.h"
 
 static const char owner[] = "sensor openni2";
 

@@ -25,10 +25,10 @@
  * The runtime has threads of its own, and runs as long as a sensor is open, or has been looked for
  * in vain and is not found yet. It looks for its drivers beside the path that it was loaded from,
  * and changes the working directory for a moment when it starts. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_OPENNI2_H
-#define ISO_DRIVERS_SENSOR_SENSOR_OPENNI2_H
+#ifndef ISO_DRIVERS_SENSOR_OPENNI2_SENSOR_OPENNI2_H
+#define ISO_DRIVERS_SENSOR_OPENNI2_SENSOR_OPENNI2_H
 
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/contract/sensor.h"
 
 extern const struct iso_sensor_ops iso_sensor_openni2_ops;
 

@@ -1,4 +1,4 @@
-#include "drivers/sensor/picture_format.h"
+#include "drivers/sensor/picture/picture_format.h"
 
 #include <linux/videodev2.h>
 

@@ -1,8 +1,8 @@
 /* From the kernel's pixel formats to planes. */
-#ifndef ISO_DRIVERS_SENSOR_PICTURE_FORMAT_H
-#define ISO_DRIVERS_SENSOR_PICTURE_FORMAT_H
+#ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_FORMAT_H
+#define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_FORMAT_H
 
-#include "drivers/sensor/picture_source.h"
+#include "drivers/sensor/picture/picture_source.h"
 
 /* The grey formats that iso_picture_to_grey8 reads, the best first, 0 at the end: GREY, Y16, Y12,
  * Y10, YUYV, UYVY (of the last two the luma). */

@@ -1,4 +1,4 @@
-#include "drivers/sensor/picture_pair.h"
+#include "drivers/sensor/picture/picture_pair.h"
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* Which pictures of two cameras belong together: pure bookkeeping on their time stamps, for cameras
  * that share a trigger and for those that run free. */
-#ifndef ISO_DRIVERS_SENSOR_PICTURE_PAIR_H
-#define ISO_DRIVERS_SENSOR_PICTURE_PAIR_H
+#ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_PAIR_H
+#define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_PAIR_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-#include "drivers/sensor/picture_sensor.h"
+#include "drivers/sensor/picture/picture_sensor.h"
 
 int iso_picture_sensor_options(const char *owner, const struct iso_option *options,
                                size_t n_options, int *fps, int64_t *tolerance_ns,

@@ -1,11 +1,11 @@
 /* What the back ends share whose frames come of a picture stream: the options of the stream, and
  * the operations that concern nothing else. */
-#ifndef ISO_DRIVERS_SENSOR_PICTURE_SENSOR_H
-#define ISO_DRIVERS_SENSOR_PICTURE_SENSOR_H
+#ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SENSOR_H
+#define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SENSOR_H
 
-#include "drivers/option.h"
-#include "drivers/sensor/picture_stream.h"
-#include "drivers/sensor/sensor.h"
+#include "drivers/base/option.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/picture/picture_stream.h"
 
 /* The begin of such a back end's own object, so that a pointer to the one is a pointer to the
  * other. */

@@ -1,11 +1,11 @@
 /* A camera as the sensors see it that take pictures, whatever drives it. */
-#ifndef ISO_DRIVERS_SENSOR_PICTURE_SOURCE_H
-#define ISO_DRIVERS_SENSOR_PICTURE_SOURCE_H
+#ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SOURCE_H
+#define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SOURCE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* A picture that was taken from a camera. */
 struct iso_picture {

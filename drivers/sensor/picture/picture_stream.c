@@ -1,4 +1,4 @@
-#include "drivers/sensor/picture_stream.h"
+#include "drivers/sensor/picture/picture_stream.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -9,7 +9,7 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
-#include "drivers/sensor/picture_pair.h"
+#include "drivers/sensor/picture/picture_pair.h"
 
 /* Pictures of one camera that wait for their partners, oldest first. */
 enum { WAITING_MAX = 3 };

@@ -1,10 +1,10 @@
 /* Pictures of one camera, or of two that belong together, with a wait that ends: what the back ends
  * v4l2, v4l2-stereo and libcamera-stereo share. */
-#ifndef ISO_DRIVERS_SENSOR_PICTURE_STREAM_H
-#define ISO_DRIVERS_SENSOR_PICTURE_STREAM_H
+#ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_STREAM_H
+#define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_STREAM_H
 
-#include "core/clock.h"
-#include "drivers/sensor/picture_source.h"
+#include "core/base/clock.h"
+#include "drivers/sensor/picture/picture_source.h"
 
 enum { ISO_PICTURE_CAMERAS_MAX = 2 };
 

@@ -1,11 +1,11 @@
-#include "drivers/sensor/sensor_stereo.h"
+#include "drivers/sensor/picture/sensor_stereo.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sensor/picture_format.h"
+#include "drivers/sensor/picture/picture_format.h"
 #include "drivers/stereo/stereo_module.h"
 
 static int read_cameras(const char *owner, const struct iso_option *options, size_t n_options,

@@ -1,9 +1,9 @@
 /* What the stereo back ends share, wherever their pictures come from: options, matcher, frame. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_STEREO_H
-#define ISO_DRIVERS_SENSOR_SENSOR_STEREO_H
+#ifndef ISO_DRIVERS_SENSOR_PICTURE_SENSOR_STEREO_H
+#define ISO_DRIVERS_SENSOR_PICTURE_SENSOR_STEREO_H
 
-#include "drivers/option.h"
-#include "drivers/sensor/picture_sensor.h"
+#include "drivers/base/option.h"
+#include "drivers/sensor/picture/picture_sensor.h"
 #include "drivers/stereo/stereo.h"
 
 /* The begin of a stereo back end's own object. */

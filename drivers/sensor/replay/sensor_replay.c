@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor_replay.h"
+#include "drivers/sensor/replay/sensor_replay.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -16,10 +16,10 @@
  * The sensor never sleeps. A frame's t_ns is the time at which it was due, on the injected clock;
  * frames that are fetched late are not dropped. t_ns and the sequence go on rising from recording
  * to recording and from start to start. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_REPLAY_H
-#define ISO_DRIVERS_SENSOR_SENSOR_REPLAY_H
+#ifndef ISO_DRIVERS_SENSOR_REPLAY_SENSOR_REPLAY_H
+#define ISO_DRIVERS_SENSOR_REPLAY_SENSOR_REPLAY_H
 
-#include "drivers/sensor/sensor.h"
+#include "drivers/sensor/contract/sensor.h"
 
 enum { ISO_SENSOR_REPLAY_LOOK_MS = 50 };
 

@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor_v4l2.h"
+#include "drivers/sensor/v4l2/sensor_v4l2.h"
 
 #include <errno.h>
 #include <linux/videodev2.h>
@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sensor/camera_file.h"
-#include "drivers/sensor/picture_format.h"
-#include "drivers/sensor/picture_sensor.h"
-#include "drivers/sensor/sensor_v4l2_node.h"
+#include "drivers/sensor/contract/camera_file.h"
+#include "drivers/sensor/picture/picture_format.h"
+#include "drivers/sensor/picture/picture_sensor.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_node.h"
 
 static const char owner[] = "sensor v4l2";
 

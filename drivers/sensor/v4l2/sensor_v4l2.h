@@ -16,11 +16,11 @@
  * sequence counts on from stop to start, and has gaps where the kernel's has. A picture that comes
  * short or flagged as damaged is -EBADMSG; one without its infrared partner is dropped and a gap.
  * wait blocks in poll. A camera that is unplugged is -ENODEV from wait. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_V4L2_H
-#define ISO_DRIVERS_SENSOR_SENSOR_V4L2_H
+#ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_H
+#define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_H
 
-#include "drivers/sensor/sensor.h"
-#include "drivers/sensor/sensor_v4l2_system.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_system.h"
 
 extern const struct iso_sensor_ops iso_sensor_v4l2_ops;
 

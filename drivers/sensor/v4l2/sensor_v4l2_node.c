@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor_v4l2_node.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_node.h"
 
 #include <errno.h>
 #include <linux/videodev2.h>

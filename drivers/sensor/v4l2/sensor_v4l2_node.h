@@ -1,15 +1,15 @@
 /* One video capture node (/dev/video0): found, asked for a format, streamed from through mapped
  * buffers. Internal to the V4L2 back ends. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_V4L2_NODE_H
-#define ISO_DRIVERS_SENSOR_SENSOR_V4L2_NODE_H
+#ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_NODE_H
+#define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_NODE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "drivers/sensor/picture_source.h"
-#include "drivers/sensor/sensor.h"
-#include "drivers/sensor/sensor_v4l2_system.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/picture/picture_source.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_system.h"
 
 enum { ISO_V4L2_FORMATS_MAX = 8 };
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "drivers/sensor/sensor_v4l2_node.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_node.h"
 
 enum { NODES_MAX = 64 };
 

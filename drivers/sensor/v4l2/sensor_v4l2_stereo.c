@@ -1,12 +1,12 @@
-#include "drivers/sensor/sensor_v4l2_stereo.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_stereo.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sensor/picture_format.h"
-#include "drivers/sensor/sensor_stereo.h"
-#include "drivers/sensor/sensor_v4l2_node.h"
+#include "drivers/sensor/picture/picture_format.h"
+#include "drivers/sensor/picture/sensor_stereo.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_node.h"
 
 static const char owner[] = "sensor v4l2-stereo";
 

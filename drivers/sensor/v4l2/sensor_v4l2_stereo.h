@@ -15,11 +15,11 @@
  * Formats: GREY, Y16, Y12, Y10, YUYV, UYVY. A frame is the rectified left camera's: depths, and its
  * picture as intensity. Times, sequence, damage and loss as of `v4l2`, by the left camera; a
  * picture without its partner is dropped and a gap. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_V4L2_STEREO_H
-#define ISO_DRIVERS_SENSOR_SENSOR_V4L2_STEREO_H
+#ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_STEREO_H
+#define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_STEREO_H
 
-#include "drivers/sensor/sensor.h"
-#include "drivers/sensor/sensor_v4l2_system.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_system.h"
 
 extern const struct iso_sensor_ops iso_sensor_v4l2_stereo_ops;
 

@@ -1,4 +1,4 @@
-#include "drivers/sensor/sensor_v4l2_system.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_system.h"
 
 #include <errno.h>
 #include <fcntl.h>

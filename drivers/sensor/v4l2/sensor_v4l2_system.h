@@ -1,7 +1,7 @@
 /* What the V4L2 back ends ask of the kernel, as a table: theirs is iso_v4l2_kernel; a test can
  * stand in for a camera. Descriptors must be real ones that poll and epoll understand. */
-#ifndef ISO_DRIVERS_SENSOR_SENSOR_V4L2_SYSTEM_H
-#define ISO_DRIVERS_SENSOR_SENSOR_V4L2_SYSTEM_H
+#ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_SYSTEM_H
+#define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_SYSTEM_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,14 +1,14 @@
-#include "enroll/arguments.h"
+#include "enroll/cli/arguments/arguments.h"
 
 #include <getopt.h>
 #include <string.h>
 #include <time.h>
 
 #include "drivers/terminal/words.h"
-#include "enroll/log_event.h"
-#include "enroll/value.h"
-#include "enroll/when.h"
-#include "enroll/wrap.h"
+#include "enroll/cli/arguments/log_event.h"
+#include "enroll/cli/arguments/value.h"
+#include "enroll/cli/arguments/when.h"
+#include "enroll/cli/arguments/wrap.h"
 
 #define FOR(verb) (1u << (verb))
 

@@ -7,8 +7,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "enroll/door.h"
-#include "enroll/fault.h"
+#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/fault.h"
 
 enum cli_verb {
     CLI_ENROLL,

@@ -1,8 +1,8 @@
-#include "enroll/limits.h"
+#include "enroll/cli/arguments/limits.h"
 
 #include <stdio.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 int cli_limits_append(sd_bus_message *call, const struct cli_arguments *arguments)
 {

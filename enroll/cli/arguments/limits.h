@@ -4,8 +4,8 @@
 
 #include <systemd/sd-bus.h>
 
-#include "enroll/arguments.h"
-#include "enroll/when.h"
+#include "enroll/cli/arguments/arguments.h"
+#include "enroll/cli/arguments/when.h"
 
 /* Appends the limits that the command line names, as {sv} within an open array. 0 or more, or a
  * negative errno. */

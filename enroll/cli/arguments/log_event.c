@@ -1,11 +1,11 @@
-#include "enroll/log_event.h"
+#include "enroll/cli/arguments/log_event.h"
 
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "core/contract.h"
 #include "drivers/terminal/words.h"
+#include "firmware/contract/contract.h"
 
 enum { WORD_SIZE = 64 };
 

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 /* The events that the daemon records, one by one from index 0 on, and then NULL. `context` is not
  * used; it makes this an iso_words_fn. */

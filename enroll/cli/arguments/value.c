@@ -1,4 +1,4 @@
-#include "enroll/value.h"
+#include "enroll/cli/arguments/value.h"
 
 #include <errno.h>
 #include <math.h>

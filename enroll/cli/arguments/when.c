@@ -1,4 +1,4 @@
-#include "enroll/when.h"
+#include "enroll/cli/arguments/when.h"
 
 #include <errno.h>
 #include <stdio.h>

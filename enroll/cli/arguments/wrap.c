@@ -1,4 +1,4 @@
-#include "enroll/wrap.h"
+#include "enroll/cli/arguments/wrap.h"
 
 #include <string.h>
 

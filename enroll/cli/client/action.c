@@ -1,8 +1,8 @@
-#include "enroll/action.h"
+#include "enroll/cli/client/action.h"
 
 #include <string.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 static enum cli_exit start(struct cli_door *door, const struct cli_action *action,
                            struct cli_fault *fault)

@@ -7,10 +7,10 @@
 #include <stdbool.h>
 #include <systemd/sd-bus.h>
 
-#include "enroll/door.h"
+#include "enroll/cli/client/door.h"
 
 struct cli_action {
-    const char *start, *stop, *signal; /* names of core/contract.h */
+    const char *start, *stop, *signal; /* names of firmware/contract/contract.h */
     /* Appends the arguments of `start`; 0 or a negative errno. NULL if there are none. */
     int (*append)(sd_bus_message *call, const void *context);
     /* Takes the answer to `start`; NULL if it says nothing. */

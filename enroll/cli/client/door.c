@@ -1,4 +1,4 @@
-#include "enroll/door.h"
+#include "enroll/cli/client/door.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -11,8 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "core/contract.h"
-#include "enroll/door_error.h"
+#include "enroll/cli/client/door_error.h"
+#include "firmware/contract/contract.h"
 
 enum { CALL_TIMEOUT_US = 10 * 1000 * 1000 };
 

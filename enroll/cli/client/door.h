@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <systemd/sd-bus.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 /* Which bus: an address, else the session bus, else (all zero) the system bus. */
 struct cli_bus {

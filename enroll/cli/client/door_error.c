@@ -1,9 +1,9 @@
-#include "enroll/door_error.h"
+#include "enroll/cli/client/door_error.h"
 
 #include <stddef.h>
 #include <string.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 /* `text` NULL: what the daemon itself says is the best there is. */
 static const struct translation {

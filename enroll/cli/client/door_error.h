@@ -4,7 +4,7 @@
 
 #include <systemd/sd-bus.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 /* Translates a failed call: `error` as filled in by sd_bus_call() (it may be empty), `result` its
  * negative errno, `method` what was called. See cli_door_send() for the outcomes. */

@@ -1,4 +1,4 @@
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 #include <stdarg.h>
 #include <stdio.h>

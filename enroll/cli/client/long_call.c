@@ -1,7 +1,7 @@
-#include "enroll/long_call.h"
+#include "enroll/cli/client/long_call.h"
 
-#include "core/contract.h"
 #include "drivers/terminal/progress.h"
+#include "firmware/contract/contract.h"
 
 /* A signal that cannot be read is no fault of the call. */
 static bool on_progress(sd_bus_message *signal, void *context)

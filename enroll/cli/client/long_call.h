@@ -3,7 +3,7 @@
 #ifndef CLI_LONG_CALL_H
 #define CLI_LONG_CALL_H
 
-#include "enroll/door.h"
+#include "enroll/cli/client/door.h"
 
 /* As cli_door_send, and shows on standard error how far the daemon is with it: `what` it does, the
  * share that is done and the time that is left, from the Progress signals that it sends meanwhile.

@@ -1,9 +1,9 @@
-#include "enroll/state.h"
+#include "enroll/cli/client/state.h"
 
 #include <errno.h>
 #include <math.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 /* The value of a variant as JSON; a type that no status has is -EBADMSG. */
 static int read_value(sd_bus_message *reply, char type, json_t **out)

@@ -4,7 +4,7 @@
 
 #include <jansson.h>
 
-#include "enroll/door.h"
+#include "enroll/cli/client/door.h"
 
 /* Reads an a{sv} of texts and numbers from a message, as a JSON object with its names and types.
  * The caller releases *out with json_decref(). -EBADMSG a value of another type, -ENOMEM, other

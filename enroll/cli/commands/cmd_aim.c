@@ -1,5 +1,5 @@
 /* aim: what the sensor sees, for who installs it: numbers until interrupted, or one picture. */
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,11 +7,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/contract.h"
-#include "enroll/hint.h"
-#include "enroll/picture.h"
-#include "enroll/report.h"
-#include "enroll/state.h"
+#include "enroll/cli/client/state.h"
+#include "enroll/cli/picture/picture.h"
+#include "enroll/cli/text/hint.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 /* The daemon shows some ten frames a second: a camera that is silent for so long has a fault. */
 static const double silence_s = 2;

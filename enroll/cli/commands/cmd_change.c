@@ -1,11 +1,11 @@
 /* validity and rename: what changes of a person who is enrolled. */
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <inttypes.h>
 
-#include "core/contract.h"
-#include "enroll/limits.h"
-#include "enroll/report.h"
+#include "enroll/cli/arguments/limits.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 static enum cli_exit no_utf8(sd_bus_message *call, struct cli_fault *fault)
 {

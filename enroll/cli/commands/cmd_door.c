@@ -1,12 +1,12 @@
 /* door test: the relay clicks once, so that who installs the door sees and hears that it is wired.
  */
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <string.h>
 #include <unistd.h>
 
-#include "core/contract.h"
-#include "enroll/report.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 /* Asks at the terminal. CLI_EXIT_NO if the answer is not yes; CLI_EXIT_USAGE nobody can be asked.
  */

@@ -1,17 +1,17 @@
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
-#include "core/contract.h"
 #include "drivers/terminal/progress.h"
 #include "drivers/terminal/terminal.h"
-#include "enroll/action.h"
-#include "enroll/hint.h"
-#include "enroll/known.h"
-#include "enroll/limits.h"
-#include "enroll/report.h"
+#include "enroll/cli/arguments/limits.h"
+#include "enroll/cli/client/action.h"
+#include "enroll/cli/text/hint.h"
+#include "enroll/cli/text/known.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64, WHAT_SIZE = 300 };
 

@@ -1,10 +1,10 @@
 /* key: the keys of the appliance. */
 #include <string.h>
 
-#include "core/contract.h"
-#include "enroll/commands.h"
-#include "enroll/long_call.h"
-#include "enroll/report.h"
+#include "enroll/cli/client/long_call.h"
+#include "enroll/cli/commands/commands.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 /* The one text of a reply; it is valid until the reply is released. */
 static enum cli_exit read_text(sd_bus_message *reply, const char *method, const char **text,

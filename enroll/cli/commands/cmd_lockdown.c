@@ -1,10 +1,10 @@
 /* lockdown and lockout: whether anybody is let in at all. */
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <string.h>
 
-#include "core/contract.h"
-#include "enroll/report.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 static enum cli_exit bad_word(const char *command, const char *word, const char *words,
                               struct cli_fault *fault)

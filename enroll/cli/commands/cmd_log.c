@@ -1,11 +1,11 @@
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "enroll/log_read.h"
-#include "enroll/log_record.h"
-#include "enroll/report.h"
+#include "enroll/cli/text/log_read.h"
+#include "enroll/cli/text/log_record.h"
+#include "enroll/cli/text/report.h"
 
 /* With a day, everything of the day is wanted, up to what one command may ask for. */
 enum { DEFAULT_COUNT = 20, DAY_COUNT = 100000 };

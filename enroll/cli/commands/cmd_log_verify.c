@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/contract.h"
 #include "drivers/terminal/terminal.h"
-#include "enroll/commands.h"
-#include "enroll/long_call.h"
-#include "enroll/report.h"
+#include "enroll/cli/client/long_call.h"
+#include "enroll/cli/commands/commands.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 struct report {
     int sound;

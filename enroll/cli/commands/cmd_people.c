@@ -1,14 +1,14 @@
 /* list and remove: the gallery's people. */
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <errno.h>
 #include <inttypes.h>
 
-#include "core/contract.h"
 #include "drivers/terminal/columns.h"
-#include "enroll/report.h"
-#include "enroll/same_names.h"
-#include "enroll/when.h"
+#include "enroll/cli/arguments/when.h"
+#include "enroll/cli/text/report.h"
+#include "enroll/cli/text/same_names.h"
+#include "firmware/contract/contract.h"
 
 struct person {
     const char *name; /* points into the reply */

@@ -1,15 +1,15 @@
 /* identify and verify: two questions, one conversation. */
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "core/contract.h"
 #include "drivers/terminal/progress.h"
 #include "drivers/terminal/terminal.h"
-#include "enroll/action.h"
-#include "enroll/hint.h"
-#include "enroll/report.h"
+#include "enroll/cli/client/action.h"
+#include "enroll/cli/text/hint.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 enum { DEFAULT_TIMEOUT_S = 30, WORD_SIZE = 64, NAME_SIZE = 256 };
 

@@ -1,8 +1,8 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "enroll/commands.h"
-#include "enroll/setup/setup.h"
+#include "enroll/cli/commands/commands.h"
+#include "enroll/cli/setup/setup.h"
 
 enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault *fault)
 {

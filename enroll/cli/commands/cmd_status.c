@@ -1,8 +1,8 @@
-#include "enroll/commands.h"
+#include "enroll/cli/commands/commands.h"
 
-#include "enroll/report.h"
-#include "enroll/state.h"
-#include "enroll/status_text.h"
+#include "enroll/cli/client/state.h"
+#include "enroll/cli/text/report.h"
+#include "enroll/cli/text/status_text.h"
 
 enum cli_exit cli_status(struct cli_door *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)

@@ -6,13 +6,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/contract.h"
 #include "drivers/file/file.h"
 #include "drivers/terminal/words.h"
-#include "enroll/commands.h"
-#include "enroll/long_call.h"
-#include "enroll/passphrase.h"
-#include "enroll/report.h"
+#include "enroll/cli/client/long_call.h"
+#include "enroll/cli/commands/commands.h"
+#include "enroll/cli/text/passphrase.h"
+#include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 static int append_text(sd_bus_message *call, const char *name, const char *text)
 {

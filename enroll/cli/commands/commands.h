@@ -3,10 +3,9 @@
 #ifndef CLI_COMMANDS_H
 #define CLI_COMMANDS_H
 
-#include "enroll/arguments.h"
-#include "enroll/diagnosis.h"
-#include "enroll/door.h"
-#include "enroll/fault.h"
+#include "enroll/cli/arguments/arguments.h"
+#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/fault.h"
 
 enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
@@ -45,9 +44,6 @@ enum cli_exit cli_door_test(struct cli_door *door, const struct cli_arguments *a
 
 /* Opens the bus by itself: that it cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);
-
-/* The findings of `doctor`, for other commands. */
-void cli_doctor_examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis);
 
 /* Needs no daemon: it starts one. */
 enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault *fault);

@@ -2,10 +2,10 @@
 #include <stdio.h>
 
 #include "drivers/terminal/output.h"
-#include "enroll/arguments.h"
-#include "enroll/commands.h"
-#include "enroll/configured.h"
-#include "enroll/report.h"
+#include "enroll/cli/arguments/arguments.h"
+#include "enroll/cli/commands/commands.h"
+#include "enroll/cli/doctor/configured.h"
+#include "enroll/cli/text/report.h"
 
 static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault *fault)
 {

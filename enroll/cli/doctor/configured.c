@@ -1,10 +1,10 @@
-#include "enroll/configured.h"
+#include "enroll/cli/doctor/configured.h"
 
 #include <errno.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "enroll/setup/places.h"
+#include "enroll/cli/machine/places.h"
 
 bool cli_is_configured(const struct cli_bus *bus)
 {

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-#include "enroll/door.h"
-#include "enroll/fault.h"
+#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/fault.h"
 
 /* False if the bus is the system's and the configuration of its daemon is missing. What is on
  * another bus has been started in another way. */

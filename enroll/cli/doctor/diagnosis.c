@@ -1,11 +1,11 @@
-#include "enroll/diagnosis.h"
+#include "enroll/cli/doctor/diagnosis.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "drivers/terminal/terminal.h"
 #include "drivers/terminal/words.h"
-#include "enroll/state.h"
+#include "enroll/cli/client/state.h"
 
 static const char *const check_names[] = {
     [CLI_CHECK_GOOD] = "ok",

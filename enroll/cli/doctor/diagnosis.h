@@ -5,7 +5,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 enum cli_check {
     CLI_CHECK_GOOD,
@@ -31,7 +31,7 @@ struct cli_diagnosis {
 void cli_diagnosis_add(struct cli_diagnosis *diagnosis, const char *subject, enum cli_check check,
                        const char *found, const char *remedy);
 
-/* Adds the findings that follow from the daemon's status (see enroll/state.h). */
+/* Adds the findings that follow from the daemon's status (see enroll/cli/client/state.h). */
 void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state);
 
 /* CLI_EXIT_FAULT if anything is bad, else CLI_EXIT_NO if anything is denied, else CLI_EXIT_OK. */

@@ -1,4 +1,4 @@
-#include "enroll/setup/boards.h"
+#include "enroll/cli/machine/boards.h"
 
 #include <dirent.h>
 #include <jansson.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "enroll/setup/text_file.h"
+#include "enroll/cli/machine/text_file.h"
 
 static bool begins_with_one_of(const char *text, const json_t *beginnings)
 {

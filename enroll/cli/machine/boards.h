@@ -10,8 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "enroll/fault.h"
-#include "enroll/setup/places.h"
+#include "enroll/cli/client/fault.h"
+#include "enroll/cli/machine/places.h"
 
 enum { CLI_BOARDS_MAX = 32 };
 

@@ -1,4 +1,4 @@
-#include "enroll/setup/cameras.h"
+#include "enroll/cli/machine/cameras.h"
 
 #include <dirent.h>
 #include <limits.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/setup/text_file.h"
+#include "enroll/cli/machine/text_file.h"
 
 static const struct {
     const char *usb_id, *name;

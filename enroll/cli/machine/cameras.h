@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "enroll/setup/devices.h"
-#include "enroll/setup/places.h"
+#include "enroll/cli/machine/devices.h"
+#include "enroll/cli/machine/places.h"
 
 enum { CLI_CAMERAS_MAX = 32 };
 

@@ -1,4 +1,4 @@
-#include "enroll/setup/child.h"
+#include "enroll/cli/machine/child.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "enroll/setup/interrupt.h"
+#include "enroll/cli/machine/interrupt.h"
 
 enum { KEPT_BYTES = 256 * 1024, PATIENCE_S = 30, SLICE_MS = 200 };
 

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 struct cli_child {
     int exit;  /* the exit code, or 128 + the number of the signal that ended it */

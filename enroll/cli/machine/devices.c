@@ -1,4 +1,4 @@
-#include "enroll/setup/devices.h"
+#include "enroll/cli/machine/devices.h"
 
 #include <dirent.h>
 #include <jansson.h>
@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/setup/child.h"
-#include "enroll/setup/text_file.h"
+#include "enroll/cli/machine/child.h"
+#include "enroll/cli/machine/text_file.h"
 
 static const char *member(const json_t *line, const char *name)
 {

@@ -6,8 +6,8 @@
 
 #include <stddef.h>
 
-#include "enroll/fault.h"
-#include "enroll/setup/places.h"
+#include "enroll/cli/client/fault.h"
+#include "enroll/cli/machine/places.h"
 
 enum { CLI_DEVICES_MAX = 64, CLI_DEVICE_PATH_SIZE = 192 };
 

@@ -1,4 +1,4 @@
-#include "enroll/setup/interrupt.h"
+#include "enroll/cli/machine/interrupt.h"
 
 #include <signal.h>
 #include <stddef.h>

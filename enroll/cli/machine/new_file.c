@@ -1,4 +1,4 @@
-#include "enroll/setup/new_file.h"
+#include "enroll/cli/machine/new_file.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -6,7 +6,7 @@
 #include <limits.h>
 #include <stdbool.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 struct cli_new_file {
     char path[PATH_MAX];

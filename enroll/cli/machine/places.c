@@ -1,4 +1,4 @@
-#include "enroll/setup/places.h"
+#include "enroll/cli/machine/places.h"
 
 const struct cli_setup_places cli_setup_installed = {
     .config = ISOTHERM_CONFIG,

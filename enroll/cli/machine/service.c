@@ -1,4 +1,4 @@
-#include "enroll/setup/service.h"
+#include "enroll/cli/machine/service.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "enroll/setup/interrupt.h"
+#include "enroll/cli/machine/interrupt.h"
 
 #define MANAGER           "org.freedesktop.systemd1"
 #define MANAGER_PATH      "/org/freedesktop/systemd1"

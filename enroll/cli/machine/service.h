@@ -2,8 +2,8 @@
 #ifndef CLI_SETUP_SERVICE_H
 #define CLI_SETUP_SERVICE_H
 
-#include "enroll/door.h"
-#include "enroll/fault.h"
+#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/fault.h"
 
 struct cli_service;
 

@@ -1,4 +1,4 @@
-#include "enroll/setup/text_file.h"
+#include "enroll/cli/machine/text_file.h"
 
 #include <errno.h>
 #include <stdio.h>

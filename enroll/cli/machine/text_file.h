@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* The whole file, terminated, to be freed. NULL with errno and a line in *why (which may be NULL):
  * EFBIG above 1 MiB, EBADMSG it holds a zero byte, and those of iso_file_read

@@ -1,4 +1,4 @@
-#include "enroll/picture.h"
+#include "enroll/cli/picture/picture.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 /* The daemon's pictures have at most 320x240 grey pixels. */
 enum { PICTURE_BYTES_MAX = 1 << 20 };

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "enroll/door.h"
+#include "enroll/cli/client/door.h"
 
 /* Claims the camera, asks for a picture, and releases the camera again: meanwhile the door admits
  * nobody. *png is a whole PNG file in memory, the caller's to free with free(). Faults of

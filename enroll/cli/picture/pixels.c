@@ -1,4 +1,4 @@
-#include "enroll/pixels.h"
+#include "enroll/cli/picture/pixels.h"
 
 #include <errno.h>
 #include <png.h>

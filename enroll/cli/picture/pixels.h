@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 struct cli_pixels {
     int width_px, height_px;

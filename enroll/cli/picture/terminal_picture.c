@@ -1,4 +1,4 @@
-#include "enroll/terminal_picture.h"
+#include "enroll/cli/picture/terminal_picture.h"
 
 #include <poll.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "enroll/pixels.h"
+#include "enroll/cli/picture/pixels.h"
 
 /* Writes the picture as half blocks, at most `columns` characters wide and `rows` lines high, in
  * its own proportions and never enlarged. -ENOMEM. */

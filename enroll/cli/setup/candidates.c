@@ -1,11 +1,11 @@
-#include "enroll/setup/candidates.h"
+#include "enroll/cli/setup/candidates.h"
 
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/setup/compose.h"
+#include "enroll/cli/setup/compose.h"
 
 static size_t count_of(const struct cli_devices *devices, const char *sensor)
 {

@@ -2,8 +2,8 @@
 #ifndef CLI_SETUP_CANDIDATES_H
 #define CLI_SETUP_CANDIDATES_H
 
-#include "enroll/setup/devices.h"
-#include "enroll/setup/sensor_word.h"
+#include "enroll/cli/machine/devices.h"
+#include "enroll/cli/setup/sensor_word.h"
 
 enum { CLI_CANDIDATES_MAX = 16 };
 

@@ -1,13 +1,13 @@
-#include "enroll/setup/choose.h"
+#include "enroll/cli/setup/choose.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/setup/cameras.h"
-#include "enroll/setup/candidates.h"
-#include "enroll/setup/text_file.h"
+#include "enroll/cli/machine/cameras.h"
+#include "enroll/cli/machine/text_file.h"
+#include "enroll/cli/setup/candidates.h"
 
 static bool may_ask(const struct cli_setup_wish *wish, const struct cli_dialogue *dialogue)
 {

@@ -2,9 +2,9 @@
 #ifndef CLI_SETUP_CHOOSE_H
 #define CLI_SETUP_CHOOSE_H
 
-#include "enroll/setup/boards.h"
-#include "enroll/setup/sensor_word.h"
-#include "enroll/setup/setup.h"
+#include "enroll/cli/machine/boards.h"
+#include "enroll/cli/setup/sensor_word.h"
+#include "enroll/cli/setup/setup.h"
 
 struct cli_setup_choice {
     struct cli_board board;

@@ -1,4 +1,4 @@
-#include "enroll/setup/compose.h"
+#include "enroll/cli/setup/compose.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-#include "enroll/setup/sensor_word.h"
+#include "enroll/cli/setup/sensor_word.h"
 
 struct cli_composition {
     const char *board;      /* its name */

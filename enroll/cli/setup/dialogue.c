@@ -1,4 +1,4 @@
-#include "enroll/setup/dialogue.h"
+#include "enroll/cli/setup/dialogue.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "enroll/setup/interrupt.h"
+#include "enroll/cli/machine/interrupt.h"
 
 enum { SLICE_MS = 200 };
 

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 struct cli_dialogue {
     int in;        /* where the answers come from */

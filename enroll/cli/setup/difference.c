@@ -1,4 +1,4 @@
-#include "enroll/setup/difference.h"
+#include "enroll/cli/setup/difference.h"
 
 #include <errno.h>
 #include <stdbool.h>

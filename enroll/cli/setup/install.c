@@ -1,13 +1,13 @@
-#include "enroll/setup/install.h"
+#include "enroll/cli/setup/install.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 
-#include "enroll/setup/child.h"
-#include "enroll/setup/interrupt.h"
-#include "enroll/setup/new_file.h"
-#include "enroll/setup/service.h"
+#include "enroll/cli/machine/child.h"
+#include "enroll/cli/machine/interrupt.h"
+#include "enroll/cli/machine/new_file.h"
+#include "enroll/cli/machine/service.h"
 
 /* ---- the check ---- */
 

@@ -5,7 +5,7 @@
 
 #include <limits.h>
 
-#include "enroll/setup/setup.h"
+#include "enroll/cli/setup/setup.h"
 
 /* Whether isothermd takes the text for sound, which is written into a file beside `beside` for
  * that. The fault of one that is not sound names places->config, and has the exit code of

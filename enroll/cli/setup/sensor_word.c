@@ -1,4 +1,4 @@
-#include "enroll/setup/sensor_word.h"
+#include "enroll/cli/setup/sensor_word.h"
 
 #include <stdio.h>
 #include <string.h>

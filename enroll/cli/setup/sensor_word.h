@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 enum { CLI_SENSOR_OPTIONS = 12, CLI_SENSOR_VALUE_SIZE = 192 };
 

@@ -1,18 +1,18 @@
-#include "enroll/setup/setup.h"
+#include "enroll/cli/setup/setup.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "enroll/report.h"
-#include "enroll/setup/choose.h"
-#include "enroll/setup/compose.h"
-#include "enroll/setup/difference.h"
-#include "enroll/setup/install.h"
-#include "enroll/setup/interrupt.h"
-#include "enroll/setup/show.h"
-#include "enroll/setup/text_file.h"
+#include "enroll/cli/machine/interrupt.h"
+#include "enroll/cli/machine/text_file.h"
+#include "enroll/cli/setup/choose.h"
+#include "enroll/cli/setup/compose.h"
+#include "enroll/cli/setup/difference.h"
+#include "enroll/cli/setup/install.h"
+#include "enroll/cli/setup/show.h"
+#include "enroll/cli/text/report.h"
 
 /* Where a dry run lets isothermd see the file. */
 static const char dry_place[] = "/tmp/isotherm.conf";

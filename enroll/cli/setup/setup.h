@@ -8,10 +8,10 @@
 
 #include <stdbool.h>
 
-#include "enroll/door.h"
-#include "enroll/fault.h"
-#include "enroll/setup/dialogue.h"
-#include "enroll/setup/places.h"
+#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/fault.h"
+#include "enroll/cli/machine/places.h"
+#include "enroll/cli/setup/dialogue.h"
 
 /* What the command line says; NULL: not given. */
 struct cli_setup_wish {

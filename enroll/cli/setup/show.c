@@ -1,13 +1,13 @@
-#include "enroll/setup/show.h"
+#include "enroll/cli/setup/show.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#include "enroll/commands.h"
-#include "enroll/picture.h"
-#include "enroll/setup/interrupt.h"
-#include "enroll/terminal_picture.h"
+#include "enroll/cli/doctor/examine.h"
+#include "enroll/cli/machine/interrupt.h"
+#include "enroll/cli/picture/picture.h"
+#include "enroll/cli/picture/terminal_picture.h"
 
 enum { ATTEMPTS = 4 };
 

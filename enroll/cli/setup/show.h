@@ -3,8 +3,8 @@
 #ifndef CLI_SETUP_SHOW_H
 #define CLI_SETUP_SHOW_H
 
-#include "enroll/diagnosis.h"
-#include "enroll/setup/setup.h"
+#include "enroll/cli/doctor/diagnosis.h"
+#include "enroll/cli/setup/setup.h"
 
 /* Saves the picture as wish->picture and shows it at the terminal. Tries again for some
  * seconds while another program has the camera or the daemon is not there yet; once the daemon has

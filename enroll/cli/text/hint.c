@@ -1,10 +1,10 @@
-#include "enroll/hint.h"
+#include "enroll/cli/text/hint.h"
 
 #include <stddef.h>
 #include <string.h>
 
-#include "core/capture.h"
-#include "core/contract.h"
+#include "core/base/capture.h"
+#include "firmware/contract/contract.h"
 
 const char *cli_hint_text(const char *capture_word)
 {

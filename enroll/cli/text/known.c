@@ -1,10 +1,10 @@
-#include "enroll/known.h"
+#include "enroll/cli/text/known.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-#include "core/contract.h"
-#include "enroll/when.h"
+#include "enroll/cli/arguments/when.h"
+#include "firmware/contract/contract.h"
 
 static int read_number(sd_bus_message *reply, const char *key, struct cli_known *out)
 {

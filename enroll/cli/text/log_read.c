@@ -1,13 +1,13 @@
-#include "enroll/log_read.h"
+#include "enroll/cli/text/log_read.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
 
-#include "core/contract.h"
 #include "drivers/terminal/progress.h"
-#include "enroll/log_record.h"
-#include "enroll/state.h"
+#include "enroll/cli/client/state.h"
+#include "enroll/cli/text/log_record.h"
+#include "firmware/contract/contract.h"
 
 /* A client may call 20 times a second, which a long log at a busy door takes more of: what is
  * refused is asked for again, for a while. */

@@ -1,12 +1,12 @@
-#include "enroll/log_record.h"
+#include "enroll/cli/text/log_record.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "drivers/terminal/terminal.h"
-#include "enroll/name.h"
-#include "enroll/when.h"
+#include "enroll/cli/arguments/when.h"
+#include "enroll/cli/text/name.h"
 
 enum { VALUE_SIZE = 1024 };
 

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "enroll/arguments.h"
+#include "enroll/cli/arguments/arguments.h"
 
 /* The record's own number; 0 if it has none. */
 uint64_t cli_log_sequence(const json_t *record);
@@ -19,7 +19,8 @@ int64_t cli_log_time_s(const json_t *record);
 bool cli_log_chooses(const struct cli_arguments *arguments);
 
 /* Whether the record is of the people, the day and the events that were asked for. People are
- * compared as the daemon does it (enroll/name.h); a rename is of its old name and of its new one.
+ * compared as the daemon does it (enroll/cli/text/name.h); a rename is of its old name and of its
+ * new one.
  */
 bool cli_log_matches(const json_t *record, const struct cli_arguments *arguments);
 

@@ -1,4 +1,4 @@
-#include "enroll/name.h"
+#include "enroll/cli/text/name.h"
 
 #include <stddef.h>
 #include <stdint.h>

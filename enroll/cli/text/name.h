@@ -1,6 +1,7 @@
 /* Which spellings of a name are one person's: "Ada" and "ada", "é" in one character and in two, or
  * with and without characters that are not seen.
- * The rule is the daemon's (firmware/person_name.h), so that the client finds whom the daemon does.
+ * The rule is the daemon's (firmware/contract/person_name.h), so that the client finds whom the
+ * daemon does.
  */
 #ifndef CLI_NAME_H
 #define CLI_NAME_H

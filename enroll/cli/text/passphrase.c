@@ -1,4 +1,4 @@
-#include "enroll/passphrase.h"
+#include "enroll/cli/text/passphrase.h"
 
 #include <errno.h>
 #include <sodium.h>
@@ -7,8 +7,8 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "core/contract.h"
 #include "drivers/terminal/progress.h"
+#include "firmware/contract/contract.h"
 
 enum { LONGEST = 1024, SHORTEST_FRESH = 12 };
 

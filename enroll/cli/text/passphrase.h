@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 enum { CLI_KEY_BYTES = 32, CLI_SALT_BYTES = 16 };
 

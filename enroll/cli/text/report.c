@@ -1,4 +1,4 @@
-#include "enroll/report.h"
+#include "enroll/cli/text/report.h"
 
 #include <stdio.h>
 

@@ -6,7 +6,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include "enroll/fault.h"
+#include "enroll/cli/client/fault.h"
 
 /* Prints the document on stdout and releases it. CLI_EXIT_FAULT, with a line on stderr, if it is
  * NULL or for want of memory. Whether it could be written is for main() to see. */

@@ -1,9 +1,9 @@
-#include "enroll/same_names.h"
+#include "enroll/cli/text/same_names.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/name.h"
+#include "enroll/cli/text/name.h"
 
 struct cli_spelling {
     char *name, *folded;

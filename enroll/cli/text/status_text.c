@@ -1,4 +1,4 @@
-#include "enroll/status_text.h"
+#include "enroll/cli/text/status_text.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -6,7 +6,7 @@
 
 #include "drivers/terminal/terminal.h"
 #include "drivers/terminal/words.h"
-#include "enroll/state.h"
+#include "enroll/cli/client/state.h"
 
 enum { VALUE_SIZE = 512 };
 

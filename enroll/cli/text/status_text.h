@@ -5,8 +5,8 @@
 #include <jansson.h>
 #include <stdio.h>
 
-/* Prints what there is in the daemon's status (enroll/state.h). What nobody but a program wants is
- * left out. */
+/* Prints what there is in the daemon's status (enroll/cli/client/state.h). What nobody but a
+ * program wants is left out. */
 void cli_status_print(const json_t *state, FILE *out);
 
 #endif

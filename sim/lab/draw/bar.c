@@ -1,6 +1,6 @@
-#include "sim/picture/bar.h"
+#include "sim/lab/draw/bar.h"
 
-#include "sim/picture/png_file.h"
+#include "sim/lab/draw/png_file.h"
 
 void sim_picture_set_colour(cairo_t *cr, struct sim_colour colour)
 {

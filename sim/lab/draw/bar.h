@@ -5,8 +5,8 @@
 #include <cairo.h>
 #include <stdbool.h>
 
-#include "sim/picture/colour.h"
-#include "sim/picture/scale.h"
+#include "sim/lab/draw/colour.h"
+#include "sim/lab/draw/scale.h"
 
 /* The current colour of a context. */
 void sim_picture_set_colour(cairo_t *cr, struct sim_colour colour);

@@ -1,4 +1,4 @@
-#include "sim/picture/canvas.h"
+#include "sim/lab/draw/canvas.h"
 
 #include <errno.h>
 #include <stdlib.h>

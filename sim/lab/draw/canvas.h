@@ -4,7 +4,7 @@
 
 #include <cairo.h>
 
-#include "sim/picture/colour.h"
+#include "sim/lab/draw/colour.h"
 
 enum { SIM_CANVAS_SUPERSAMPLING = 3 }; /* samples along each side of a pixel */
 

@@ -1,4 +1,4 @@
-#include "sim/picture/colour.h"
+#include "sim/lab/draw/colour.h"
 
 #include <math.h>
 #include <stddef.h>

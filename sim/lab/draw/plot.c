@@ -1,10 +1,10 @@
-#include "sim/picture/plot.h"
+#include "sim/lab/draw/plot.h"
 
 #include <cairo.h>
 #include <math.h>
 #include <stdbool.h>
 
-#include "sim/picture/png_file.h"
+#include "sim/lab/draw/png_file.h"
 
 enum { WIDTH_PX = 900, HEIGHT_PX = 640 };
 

@@ -2,8 +2,8 @@
 #ifndef SIM_PICTURE_PLOT_H
 #define SIM_PICTURE_PLOT_H
 
-#include "core/fault.h"
-#include "sim/picture/scale.h"
+#include "core/base/fault.h"
+#include "sim/lab/draw/scale.h"
 
 enum sim_series_style {
     SIM_SERIES_LINE,

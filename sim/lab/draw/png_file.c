@@ -1,4 +1,4 @@
-#include "sim/picture/png_file.h"
+#include "sim/lab/draw/png_file.h"
 
 #include <errno.h>
 

@@ -4,7 +4,7 @@
 
 #include <cairo.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Writes a surface as a PNG file and destroys it, whatever comes of it. -ENOMEM (also for a surface
  * that could not be made), -EIO. */

@@ -1,4 +1,4 @@
-#include "sim/picture/scale.h"
+#include "sim/lab/draw/scale.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "sim/eval/analysis.h"
+#include "sim/lab/eval/analysis.h"
 
 #include <errno.h>
 #include <math.h>

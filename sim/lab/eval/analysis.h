@@ -6,10 +6,10 @@
 
 #include <stdbool.h>
 
-#include "sim/eval/det.h"
-#include "sim/eval/identification.h"
-#include "sim/eval/latency.h"
-#include "sim/eval/match.h"
+#include "sim/lab/match/latency.h"
+#include "sim/lab/match/match.h"
+#include "sim/lab/measure/det.h"
+#include "sim/lab/measure/identification.h"
 
 enum {
     SIM_FMR_TARGETS = 4,

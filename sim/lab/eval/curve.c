@@ -1,4 +1,4 @@
-#include "sim/eval/curve.h"
+#include "sim/lab/eval/curve.h"
 
 #include <ctype.h>
 #include <errno.h>

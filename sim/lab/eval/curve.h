@@ -3,7 +3,7 @@
 #ifndef SIM_EVAL_CURVE_H
 #define SIM_EVAL_CURVE_H
 
-#include "sim/eval/analysis.h"
+#include "sim/lab/eval/analysis.h"
 
 enum sim_factor {
     SIM_FACTOR_LANDMARK_ERROR, /* mean distance from the true landmarks, constant offsets taken off,

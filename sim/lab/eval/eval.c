@@ -1,15 +1,15 @@
-#include "sim/eval/eval.h"
+#include "sim/lab/eval/eval.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/data_file.h"
-#include "sim/eval/extract_options.h"
-#include "sim/eval/landmark_choice.h"
-#include "sim/eval/method_match.h"
-#include "sim/face/person.h"
+#include "sim/base/data_file.h"
+#include "sim/lab/match/extract_options.h"
+#include "sim/lab/match/landmark_choice.h"
+#include "sim/lab/match/method_match.h"
+#include "sim/world/face/person.h"
 
 /* What a visit of fewer frames would be: the rest of each row is not looked at. */
 static void shorten(struct sim_corpus *corpus, const struct sim_eval_options *options)

@@ -3,11 +3,11 @@
 #ifndef SIM_EVAL_EVAL_H
 #define SIM_EVAL_EVAL_H
 
-#include "sim/eval/analysis.h"
-#include "sim/eval/curve.h"
-#include "sim/eval/growth.h"
-#include "sim/eval/landmark_error.h"
-#include "sim/eval/training_set.h"
+#include "sim/lab/eval/analysis.h"
+#include "sim/lab/eval/curve.h"
+#include "sim/lab/eval/growth.h"
+#include "sim/lab/eval/landmark_error.h"
+#include "sim/lab/match/training_set.h"
 
 struct sim_eval_options {
     const char *corpus; /* directory */

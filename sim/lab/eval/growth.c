@@ -1,11 +1,11 @@
-#include "sim/eval/growth.h"
+#include "sim/lab/eval/growth.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/eval/spread.h"
+#include "sim/base/spread.h"
 
 struct growing {
     size_t n_enrolled; /* people with a template */

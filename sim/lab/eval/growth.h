@@ -7,7 +7,7 @@
 #ifndef SIM_EVAL_GROWTH_H
 #define SIM_EVAL_GROWTH_H
 
-#include "sim/eval/analysis.h"
+#include "sim/lab/eval/analysis.h"
 
 enum { SIM_GROWTH_MAX = 16 };
 

@@ -1,4 +1,4 @@
-#include "sim/eval/landmark_error.h"
+#include "sim/lab/eval/landmark_error.h"
 
 #include <errno.h>
 #include <stdlib.h>

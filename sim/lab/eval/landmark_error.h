@@ -2,9 +2,9 @@
 #ifndef SIM_EVAL_LANDMARK_ERROR_H
 #define SIM_EVAL_LANDMARK_ERROR_H
 
-#include "core/extract.h"
-#include "sim/eval/spread.h"
-#include "sim/eval/truth.h"
+#include "core/extract/extract.h"
+#include "sim/base/spread.h"
+#include "sim/lab/match/truth.h"
 
 /* How far the landmarks found in a frame are from the true ones. */
 struct sim_deviation {

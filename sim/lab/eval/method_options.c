@@ -1,11 +1,11 @@
-#include "sim/eval/method_options.h"
+#include "sim/lab/eval/method_options.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/text.h"
-#include "sim/data_file.h"
-#include "sim/eval/extract_options.h"
+#include "drivers/file/text.h"
+#include "sim/base/data_file.h"
+#include "sim/lab/match/extract_options.h"
 
 static bool contains(const struct sim_method_choice *choice, const struct sim_method *method)
 {

@@ -4,8 +4,8 @@
 
 #include <stdio.h>
 
-#include "sim/eval/eval.h"
-#include "sim/options.h"
+#include "sim/base/options.h"
+#include "sim/lab/eval/eval.h"
 
 struct sim_method_choice {
     size_t n; /* 0: nothing was said */

@@ -1,4 +1,4 @@
-#include "sim/eval/verdict.h"
+#include "sim/lab/eval/verdict.h"
 
 #include <errno.h>
 #include <math.h>

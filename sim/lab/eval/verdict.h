@@ -2,8 +2,8 @@
 #ifndef SIM_EVAL_VERDICT_H
 #define SIM_EVAL_VERDICT_H
 
-#include "sim/eval/eval.h"
-#include "sim/eval/paired.h"
+#include "sim/lab/eval/eval.h"
+#include "sim/lab/measure/paired.h"
 
 enum {
     SIM_VERDICT_FMR = 2,        /* index of the FMR of the table: 1e-3 */

@@ -1,4 +1,4 @@
-#include "sim/landmarks/analysis.h"
+#include "sim/lab/landmarks/analysis.h"
 
 #include <errno.h>
 #include <math.h>

@@ -8,9 +8,9 @@
 #ifndef SIM_LANDMARKS_ANALYSIS_H
 #define SIM_LANDMARKS_ANALYSIS_H
 
-#include "sim/eval/latency.h"
-#include "sim/eval/rate.h"
-#include "sim/landmarks/presentation.h"
+#include "sim/lab/landmarks/presentation.h"
+#include "sim/lab/match/latency.h"
+#include "sim/lab/measure/rate.h"
 
 #define SIM_FAILURE_MM 10.0
 

@@ -1,12 +1,12 @@
-#include "sim/landmarks/fit_picture.h"
+#include "sim/lab/landmarks/fit_picture.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "core/landmark/meeting.h"
-#include "sim/landmarks/measure.h"
-#include "sim/picture/fit.h"
+#include "sim/lab/landmarks/measure.h"
+#include "sim/lab/picture/fit.h"
 
 static double degrees(double rad)
 {

@@ -2,8 +2,8 @@
 #ifndef SIM_LANDMARKS_FIT_PICTURE_H
 #define SIM_LANDMARKS_FIT_PICTURE_H
 
-#include "core/extract.h"
-#include "sim/eval/truth.h"
+#include "core/extract/extract.h"
+#include "sim/lab/match/truth.h"
 
 struct sim_fit_subject {
     const struct iso_head_model *model;

@@ -1,11 +1,11 @@
-#include "sim/landmarks/measure.h"
+#include "sim/lab/landmarks/measure.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/landmarks/presentation.h"
-#include "sim/landmarks/true_angle.h"
+#include "sim/lab/landmarks/presentation.h"
+#include "sim/lab/landmarks/true_angle.h"
 
 struct measuring {
     struct sim_measurement *measurement;

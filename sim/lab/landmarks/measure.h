@@ -2,8 +2,8 @@
 #ifndef SIM_LANDMARKS_MEASURE_H
 #define SIM_LANDMARKS_MEASURE_H
 
-#include "sim/eval/capture.h"
-#include "sim/eval/landmark_error.h"
+#include "sim/lab/eval/landmark_error.h"
+#include "sim/lab/match/capture.h"
 
 /* What is kept of a frame's extraction: everything but the template. */
 struct sim_measured_frame {

@@ -1,4 +1,4 @@
-#include "sim/landmarks/presentation.h"
+#include "sim/lab/landmarks/presentation.h"
 
 #include <ctype.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef SIM_LANDMARKS_PRESENTATION_H
 #define SIM_LANDMARKS_PRESENTATION_H
 
-#include "sim/landmarks/measure.h"
+#include "sim/lab/landmarks/measure.h"
 
 enum sim_row_kind {
     SIM_ROW_BONA_FIDE,  /* a person: the subject is not `none` */

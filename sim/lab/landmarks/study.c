@@ -1,10 +1,10 @@
-#include "sim/landmarks/study.h"
+#include "sim/lab/landmarks/study.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/data_file.h"
-#include "sim/eval/extract_options.h"
+#include "sim/base/data_file.h"
+#include "sim/lab/match/extract_options.h"
 
 static int measure(struct sim_study *study, struct iso_fault *fault)
 {

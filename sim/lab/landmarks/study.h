@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "sim/landmarks/analysis.h"
+#include "sim/lab/landmarks/analysis.h"
 
 struct sim_study_options {
     const char *corpus; /* directory */

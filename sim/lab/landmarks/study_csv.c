@@ -1,8 +1,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "sim/eval/report_file.h"
-#include "sim/landmarks/study.h"
+#include "sim/lab/landmarks/study.h"
+#include "sim/lab/report/report_file.h"
 
 static double degrees(double rad)
 {

@@ -1,8 +1,8 @@
 #include <stdio.h>
 
-#include "drivers/path.h"
-#include "sim/eval/json.h"
-#include "sim/landmarks/study.h"
+#include "drivers/base/path.h"
+#include "sim/lab/landmarks/study.h"
+#include "sim/lab/report/json.h"
 
 static json_t *reasons_json(const size_t reason[SIM_REASONS])
 {

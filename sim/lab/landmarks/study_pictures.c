@@ -1,4 +1,4 @@
-#include "sim/landmarks/study_pictures.h"
+#include "sim/lab/landmarks/study_pictures.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/path.h"
-#include "sim/landmarks/fit_picture.h"
+#include "drivers/base/path.h"
+#include "sim/lab/landmarks/fit_picture.h"
 
 /* ---- choosing --------------------------------------------------------------------- */
 

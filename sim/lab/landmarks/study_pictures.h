@@ -2,7 +2,7 @@
 #ifndef SIM_LANDMARKS_STUDY_PICTURES_H
 #define SIM_LANDMARKS_STUDY_PICTURES_H
 
-#include "sim/landmarks/study.h"
+#include "sim/lab/landmarks/study.h"
 
 struct sim_chosen_frame {
     size_t number; /* of the measurement's frames */

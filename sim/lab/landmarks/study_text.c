@@ -1,4 +1,4 @@
-#include "sim/landmarks/study.h"
+#include "sim/lab/landmarks/study.h"
 
 enum { RATE_COLUMNS = 40 }; /* characters of a column with a rate */
 

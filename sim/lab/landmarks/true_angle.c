@@ -1,8 +1,8 @@
-#include "sim/landmarks/true_angle.h"
+#include "sim/lab/landmarks/true_angle.h"
 
 #include <stdio.h>
 
-#include "core/match/rigid.h"
+#include "core/registration/rigid.h"
 
 static bool moves_with_expression(int landmark)
 {

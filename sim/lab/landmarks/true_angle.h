@@ -3,7 +3,7 @@
 #define SIM_LANDMARKS_TRUE_ANGLE_H
 
 #include "core/landmark/head_model.h"
-#include "sim/eval/truth.h"
+#include "sim/lab/match/truth.h"
 
 /* The angle between where the face points and the camera's axis, yaw and pitch together:
  * cos angle = cos yaw cos pitch, 0..pi.

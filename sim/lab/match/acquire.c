@@ -1,10 +1,10 @@
-#include "sim/eval/acquire.h"
+#include "sim/lab/match/acquire.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/match/icp.h"
+#include "core/registration/icp.h"
 
 static void keep(void *context, size_t number, const struct sim_capture *capture)
 {

@@ -7,7 +7,7 @@
 #ifndef SIM_EVAL_ACQUIRE_H
 #define SIM_EVAL_ACQUIRE_H
 
-#include "sim/eval/capture.h"
+#include "sim/lab/match/capture.h"
 
 enum { SIM_SAMPLE_CAPTURES_MAX = 64 }; /* as many as iso_template_fuse takes */
 

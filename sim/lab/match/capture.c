@@ -1,13 +1,13 @@
-#include "sim/eval/capture.h"
+#include "sim/lab/match/capture.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/path.h"
-#include "sim/eval/latency.h"
-#include "sim/eval/parallel.h"
+#include "drivers/base/path.h"
+#include "sim/lab/match/latency.h"
+#include "sim/lab/match/parallel.h"
 
 struct capturing {
     const char *directory;

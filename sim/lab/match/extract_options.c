@@ -1,4 +1,4 @@
-#include "sim/eval/extract_options.h"
+#include "sim/lab/match/extract_options.h"
 
 #include <errno.h>
 #include <stddef.h>
@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/text.h"
-#include "sim/eval/landmark_choice.h"
+#include "drivers/file/text.h"
+#include "sim/lab/match/landmark_choice.h"
 
 /* The field is the whole of the options. */
 static int parse_radii(const char *text, void *field)

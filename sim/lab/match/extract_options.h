@@ -2,9 +2,9 @@
 #ifndef SIM_EVAL_EXTRACT_OPTIONS_H
 #define SIM_EVAL_EXTRACT_OPTIONS_H
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/match/distance.h"
-#include "sim/options.h"
+#include "sim/base/options.h"
 
 struct sim_option_set sim_extract_option_set(struct iso_extract_options *options);
 /* How many threads may run extractors: 1 with ISO_HEAT_SPECTRAL, whose solver is not reentrant. */

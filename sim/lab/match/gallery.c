@@ -1,4 +1,4 @@
-#include "sim/eval/gallery.h"
+#include "sim/lab/match/gallery.h"
 
 #include <errno.h>
 #include <stdlib.h>

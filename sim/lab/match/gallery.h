@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "sim/eval/acquire.h"
+#include "sim/lab/match/acquire.h"
 
 /* The people of the rows with role gallery, in the manifest's order. */
 struct sim_gallery {

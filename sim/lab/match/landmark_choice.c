@@ -1,9 +1,9 @@
-#include "sim/eval/landmark_choice.h"
+#include "sim/lab/match/landmark_choice.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/text.h"
+#include "drivers/file/text.h"
 
 const bool sim_landmarks_below[ISO_LANDMARKS] = {
     [ISO_LM_SUBNASALE] = true,

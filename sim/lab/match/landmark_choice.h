@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 #include "core/landmark/landmark.h"
-#include "sim/options.h"
+#include "sim/base/options.h"
 
 /* What a mouth does not move, subnasale and what is below it left out: nasion, nose tip, alae and
  * corners of the eyes. */

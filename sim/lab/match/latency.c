@@ -1,9 +1,9 @@
-#include "sim/eval/latency.h"
+#include "sim/lab/match/latency.h"
 
 #include <stdlib.h>
 #include <time.h>
 
-#include "sim/eval/spread.h"
+#include "sim/base/spread.h"
 
 static int64_t read_clock(clockid_t id)
 {

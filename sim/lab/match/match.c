@@ -1,12 +1,12 @@
-#include "sim/eval/match.h"
+#include "sim/lab/match/match.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/eval/latency.h"
-#include "sim/eval/parallel.h"
+#include "sim/lab/match/latency.h"
+#include "sim/lab/match/parallel.h"
 
 struct matching {
     struct sim_acquisition *acquisition;

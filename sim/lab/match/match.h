@@ -10,8 +10,8 @@
 
 #include "core/match/cohort.h"
 #include "core/match/rerank.h"
-#include "sim/eval/acquire.h"
-#include "sim/eval/gallery.h"
+#include "sim/lab/match/acquire.h"
+#include "sim/lab/match/gallery.h"
 
 /* What makes a score: the metric; or the distance of registered curves, by the cohort if there is
  * one. */

@@ -1,11 +1,11 @@
-#include "sim/eval/method_match.h"
+#include "sim/lab/match/method_match.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "sim/eval/latency.h"
-#include "sim/eval/parallel.h"
+#include "sim/lab/match/latency.h"
+#include "sim/lab/match/parallel.h"
 
 struct matching {
     const struct sim_method *method;

@@ -2,9 +2,9 @@
 #ifndef SIM_EVAL_METHOD_MATCH_H
 #define SIM_EVAL_METHOD_MATCH_H
 
-#include "sim/eval/match.h"
-#include "sim/eval/scans.h"
-#include "sim/methods/method.h"
+#include "sim/lab/match/match.h"
+#include "sim/lab/match/scans.h"
+#include "sim/lab/methods/method.h"
 
 /* Describes every sample that was acquired and compares every probe with every enrolled person,
  * who counts by the nearest of his or her descriptions. A face that cannot be described is as far

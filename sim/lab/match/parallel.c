@@ -1,4 +1,4 @@
-#include "sim/eval/parallel.h"
+#include "sim/lab/match/parallel.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -6,7 +6,7 @@
 #include <stdbool.h>
 
 #include "drivers/process/thread.h"
-#include "sim/progress.h"
+#include "sim/base/progress.h"
 
 enum { THREADS_MAX = 64 };
 

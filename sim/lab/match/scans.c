@@ -1,10 +1,10 @@
-#include "sim/eval/scans.h"
+#include "sim/lab/match/scans.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/methods/anthroface.h"
+#include "sim/lab/methods/anthroface.h"
 
 int sim_scans_new(const struct sim_corpus *corpus, struct sim_scans **out)
 {

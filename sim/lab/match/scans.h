@@ -2,8 +2,8 @@
 #ifndef SIM_EVAL_SCANS_H
 #define SIM_EVAL_SCANS_H
 
-#include "sim/eval/acquire.h"
-#include "sim/methods/scan.h"
+#include "sim/lab/match/acquire.h"
+#include "sim/lab/methods/scan.h"
 
 struct sim_scans {
     size_t n_captures, n_samples;

@@ -1,4 +1,4 @@
-#include "sim/eval/training_set.h"
+#include "sim/lab/match/training_set.h"
 
 #include <errno.h>
 #include <stdlib.h>

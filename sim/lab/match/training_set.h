@@ -2,8 +2,8 @@
 #ifndef SIM_EVAL_TRAINING_SET_H
 #define SIM_EVAL_TRAINING_SET_H
 
-#include "sim/eval/scans.h"
-#include "sim/methods/method.h"
+#include "sim/lab/match/scans.h"
+#include "sim/lab/methods/method.h"
 
 struct sim_training_set;
 

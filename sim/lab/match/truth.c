@@ -1,10 +1,10 @@
-#include "sim/eval/truth.h"
+#include "sim/lab/match/truth.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/eval/capture.h"
+#include "sim/lab/match/capture.h"
 
 /* The frames of one recording; one is kept, since rows mostly follow each other. */
 struct known {

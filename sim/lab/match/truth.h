@@ -4,10 +4,10 @@
 
 #include <stdbool.h>
 
+#include "core/base/vec.h"
 #include "core/landmark/landmark.h"
-#include "core/math/vec.h"
 #include "drivers/recording/recording.h"
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
 
 /* Of one frame. Names other than the twelve are passed over. */
 struct sim_truth {

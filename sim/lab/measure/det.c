@@ -1,10 +1,10 @@
-#include "sim/eval/det.h"
+#include "sim/lab/measure/det.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 static int by_score(const void *a, const void *b)
 {

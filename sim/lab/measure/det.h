@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "sim/eval/rate.h"
+#include "sim/lab/measure/rate.h"
 
 /* A comparison's score (not NaN, may be -INFINITY) and the number of the person whose probe it was.
  */

@@ -1,4 +1,4 @@
-#include "sim/eval/identification.h"
+#include "sim/lab/measure/identification.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
 
 #include <stddef.h>
 
-#include "sim/eval/rate.h"
+#include "sim/lab/measure/rate.h"
 
 /* The rank of the mate among n scores, from 1: those with the same score stand before it. */
 size_t sim_rank(const double *scores, size_t n, size_t mate);

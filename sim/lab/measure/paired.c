@@ -1,9 +1,9 @@
-#include "sim/eval/paired.h"
+#include "sim/lab/measure/paired.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum { ALL_SIGNS_MAX = 16, DRAWS = 99999 };
 

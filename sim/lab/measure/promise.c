@@ -1,4 +1,4 @@
-#include "sim/eval/promise.h"
+#include "sim/lab/measure/promise.h"
 
 /* How many of n rising scores are below one. */
 static size_t count_below(const struct sim_score *scores, size_t n, double score)

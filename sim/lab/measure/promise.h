@@ -3,7 +3,7 @@
 #ifndef SIM_EVAL_PROMISE_H
 #define SIM_EVAL_PROMISE_H
 
-#include "sim/eval/det.h"
+#include "sim/lab/measure/det.h"
 
 enum { SIM_PROMISES = 4 };
 

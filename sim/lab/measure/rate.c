@@ -1,4 +1,4 @@
-#include "sim/eval/rate.h"
+#include "sim/lab/measure/rate.h"
 
 #include <math.h>
 

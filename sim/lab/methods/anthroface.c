@@ -1,4 +1,4 @@
-#include "sim/methods/anthroface.h"
+#include "sim/lab/methods/anthroface.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "drivers/terminal/words.h"
-#include "sim/methods/geodesic.h"
-#include "sim/methods/method.h"
-#include "sim/methods/subspace.h"
+#include "sim/lab/methods/geodesic.h"
+#include "sim/lab/methods/method.h"
+#include "sim/lab/methods/subspace.h"
 
 const struct sim_mark sim_marks[SIM_MARKS] = {
     {"eye_out_r", 36},  {"eye_top_r", 37},    {"eye_in_r", 39},     {"eye_bottom_r", 41},

@@ -9,7 +9,7 @@
 #ifndef SIM_METHODS_ANTHROFACE_H
 #define SIM_METHODS_ANTHROFACE_H
 
-#include "sim/methods/scan.h"
+#include "sim/lab/methods/scan.h"
 
 struct sim_mark {
     const char *name; /* in landmarks.csv; the appliance's landmarks have their own names */

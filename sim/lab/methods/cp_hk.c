@@ -3,9 +3,9 @@
 #include <errno.h>
 #include <math.h>
 
-#include "core/shape/method.h"
-#include "sim/methods/method.h"
-#include "sim/methods/scan_mesh.h"
+#include "core/shape/describe/method.h"
+#include "sim/lab/methods/method.h"
+#include "sim/lab/methods/scan_mesh.h"
 
 /* 4 mm of the default grid: some 2,000 vertices, as many as the shapes of chapter 4 have. */
 enum { STEP = 2 };

@@ -1,4 +1,4 @@
-#include "sim/methods/geodesic.h"
+#include "sim/lab/methods/geodesic.h"
 
 #include <errno.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef SIM_METHODS_GEODESIC_H
 #define SIM_METHODS_GEODESIC_H
 
-#include "sim/methods/scan.h"
+#include "sim/lab/methods/scan.h"
 
 struct sim_geodesic;
 

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/solve.h"
-#include "sim/methods/method.h"
+#include "core/base/solve.h"
+#include "sim/lab/methods/method.h"
 
 enum {
     STEP_PX = 2, /* every second column and row of the probe: 4 mm */

@@ -14,9 +14,9 @@
 #include "core/heat/eigenpairs.h"
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/isotherm.h"
-#include "core/match/icp.h"
-#include "sim/methods/method.h"
-#include "sim/methods/scan_mesh.h"
+#include "core/registration/icp.h"
+#include "sim/lab/methods/method.h"
+#include "sim/lab/methods/scan_mesh.h"
 
 enum { EIGENPAIRS = 100, POINTS = 32, ALL_POINTS = ISO_LANDMARKS * POINTS, ICP_ITERATIONS = 20 };
 static const double t_mm2 = 100.0, radius_mm = 18.0;

@@ -1,4 +1,4 @@
-#include "sim/methods/method.h"
+#include "sim/lab/methods/method.h"
 
 #include <string.h>
 

@@ -12,8 +12,8 @@
 
 #include <stddef.h>
 
-#include "core/fault.h"
-#include "sim/methods/scan.h"
+#include "core/base/fault.h"
+#include "sim/lab/methods/scan.h"
 
 /* Faces to learn from: of people who are in no corpus that is compared. */
 struct sim_training {

@@ -1,4 +1,4 @@
-#include "sim/methods/reflectance.h"
+#include "sim/lab/methods/reflectance.h"
 
 #include <errno.h>
 #include <math.h>

@@ -14,7 +14,7 @@
 #ifndef SIM_METHODS_REFLECTANCE_H
 #define SIM_METHODS_REFLECTANCE_H
 
-#include "sim/methods/scan.h"
+#include "sim/lab/methods/scan.h"
 
 /* Fills face->reflectance, which is made, from the frame that the face was measured in. A frame
  * without an image leaves it NULL. -ENOMEM. */

@@ -1,11 +1,11 @@
-#include "sim/methods/scan.h"
+#include "sim/lab/methods/scan.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/methods/reflectance.h"
+#include "sim/lab/methods/reflectance.h"
 
 int sim_scan_new(int side, double spacing_mm, struct sim_scan **out)
 {

@@ -1,4 +1,4 @@
-#include "sim/methods/scan_mesh.h"
+#include "sim/lab/methods/scan_mesh.h"
 
 #include <errno.h>
 #include <math.h>

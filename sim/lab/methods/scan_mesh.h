@@ -3,7 +3,7 @@
 #define SIM_METHODS_SCAN_MESH_H
 
 #include "core/surface/mesh.h"
-#include "sim/methods/scan.h"
+#include "sim/lab/methods/scan.h"
 
 struct sim_scan_mesh {
     struct iso_mesh *mesh;                           /* face frame, mm */

@@ -1,4 +1,4 @@
-#include "sim/methods/subspace.h"
+#include "sim/lab/methods/subspace.h"
 
 #include <errno.h>
 #include <lapacke.h>

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* coordinate[k] = sum_i basis[k][i] (sample[i] - mean[i]) */
 struct sim_subspace {

@@ -11,8 +11,8 @@
 #include <string.h>
 
 #include "drivers/terminal/words.h"
-#include "sim/methods/method.h"
-#include "sim/methods/subspace.h"
+#include "sim/lab/methods/method.h"
+#include "sim/lab/methods/subspace.h"
 
 static const double energy = 0.99, shrinkage = 0.1;
 

@@ -15,8 +15,8 @@
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
 #include "core/match/distance.h"
-#include "sim/methods/method.h"
-#include "sim/methods/scan_mesh.h"
+#include "sim/lab/methods/method.h"
+#include "sim/lab/methods/scan_mesh.h"
 
 /* Everything between a face and its template. */
 struct work {

@@ -1,7 +1,7 @@
 /* Curves and dots on the surface of a scene. */
 #include <math.h>
 
-#include "sim/picture/scene_data.h"
+#include "sim/lab/picture/scene_data.h"
 
 /* What lies this little behind the surface still shows: curves run on it. */
 static const double on_surface_mm = 2.5;

@@ -1,13 +1,13 @@
-#include "sim/picture/depth.h"
+#include "sim/lab/picture/depth.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "sim/picture/bar.h"
-#include "sim/picture/png_file.h"
-#include "sim/picture/relief.h"
+#include "sim/lab/draw/bar.h"
+#include "sim/lab/draw/png_file.h"
+#include "sim/lab/picture/relief.h"
 
 struct range {
     double near_mm, far_mm;

@@ -2,7 +2,7 @@
 #ifndef SIM_PICTURE_DEPTH_H
 #define SIM_PICTURE_DEPTH_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 
 /* Draws depth in colours from the nearest (bright) to the farthest (dark) of the middle 98% of the

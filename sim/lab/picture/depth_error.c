@@ -1,10 +1,10 @@
-#include "sim/picture/depth_error.h"
+#include "sim/lab/picture/depth_error.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 
 static void paint(double true_mm, double measured_mm, double full_scale_mm, uint8_t rgb[3])
 {

@@ -2,9 +2,9 @@
 #ifndef SIM_PICTURE_DEPTH_ERROR_H
 #define SIM_PICTURE_DEPTH_ERROR_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
-#include "sim/render/view.h"
+#include "sim/world/view/view.h"
 
 /* Draws measured - true: grey where they agree, red where the measured depth is farther, blue where
  * it is nearer, full colour at +-full_scale_mm; black where nothing was measured although something

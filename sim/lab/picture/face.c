@@ -1,12 +1,12 @@
-#include "sim/picture/face.h"
+#include "sim/lab/picture/face.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/picture/png_file.h"
-#include "sim/picture/scene.h"
+#include "sim/lab/draw/png_file.h"
+#include "sim/lab/picture/scene.h"
 
 static const double viewer_mm = 700.0;
 

@@ -2,8 +2,8 @@
 #ifndef SIM_PICTURE_FACE_H
 #define SIM_PICTURE_FACE_H
 
-#include "core/extract.h"
-#include "core/fault.h"
+#include "core/base/fault.h"
+#include "core/extract/extract.h"
 
 /* What there is to be drawn, in the face frame; all belongs to the caller. */
 struct sim_face {

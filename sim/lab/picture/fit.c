@@ -1,4 +1,4 @@
-#include "sim/picture/fit.h"
+#include "sim/lab/picture/fit.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "core/surface/raster.h"
-#include "sim/picture/bar.h"
-#include "sim/picture/canvas.h"
-#include "sim/picture/png_file.h"
-#include "sim/picture/relief.h"
+#include "sim/lab/draw/bar.h"
+#include "sim/lab/draw/canvas.h"
+#include "sim/lab/draw/png_file.h"
+#include "sim/lab/picture/relief.h"
 
 enum {
     PANEL_PX = 440,

@@ -2,7 +2,7 @@
 #ifndef SIM_PICTURE_FIT_H
 #define SIM_PICTURE_FIT_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 #include "core/landmark/landmark.h"
 

@@ -1,4 +1,4 @@
-#include "sim/picture/occlusion.h"
+#include "sim/lab/picture/occlusion.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #ifndef SIM_PICTURE_OCCLUSION_H
 #define SIM_PICTURE_OCCLUSION_H
 
-#include "sim/picture/scene_data.h"
+#include "sim/lab/picture/scene_data.h"
 
 struct sim_occlusion {
     int width, height; /* in pixels of the picture */

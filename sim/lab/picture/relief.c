@@ -1,4 +1,4 @@
-#include "sim/picture/relief.h"
+#include "sim/lab/picture/relief.h"
 
 #include <math.h>
 #include <stdbool.h>

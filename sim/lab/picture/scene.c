@@ -1,10 +1,10 @@
-#include "sim/picture/scene.h"
+#include "sim/lab/picture/scene.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/picture/scene_data.h"
+#include "sim/lab/picture/scene_data.h"
 
 static struct iso_rigid camera_of(const struct sim_view *view)
 {

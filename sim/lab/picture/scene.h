@@ -6,7 +6,7 @@
 
 #include "core/surface/mesh.h"
 #include "core/surface/raster.h"
-#include "sim/picture/canvas.h"
+#include "sim/lab/draw/canvas.h"
 
 /* From where a face is looked at: face frame, nose tip at the centre of the picture unless moved.
  */

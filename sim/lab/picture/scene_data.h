@@ -2,7 +2,7 @@
 #ifndef SIM_PICTURE_SCENE_DATA_H
 #define SIM_PICTURE_SCENE_DATA_H
 
-#include "sim/picture/scene.h"
+#include "sim/lab/picture/scene.h"
 
 struct sim_scene {
     const struct iso_mesh *mesh;

@@ -2,8 +2,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/picture/occlusion.h"
-#include "sim/picture/scene_data.h"
+#include "sim/lab/picture/occlusion.h"
+#include "sim/lab/picture/scene_data.h"
 
 /* Camera frame: x right, y down, z away from the viewer. `towards` points to the light. */
 struct light {

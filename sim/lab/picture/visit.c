@@ -1,4 +1,4 @@
-#include "sim/picture/visit.h"
+#include "sim/lab/picture/visit.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/picture/bar.h"
-#include "sim/picture/png_file.h"
-#include "sim/picture/relief.h"
-#include "sim/picture/scale.h"
+#include "sim/lab/draw/bar.h"
+#include "sim/lab/draw/png_file.h"
+#include "sim/lab/draw/scale.h"
+#include "sim/lab/picture/relief.h"
 
 enum {
     WIDTH_PX = 1200,

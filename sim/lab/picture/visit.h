@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
 #include "core/landmark/landmark.h"
 

@@ -1,4 +1,4 @@
-#include "sim/eval/json.h"
+#include "sim/lab/report/json.h"
 
 #include <errno.h>
 #include <math.h>

@@ -4,9 +4,9 @@
 
 #include <jansson.h>
 
-#include "sim/eval/landmark_error.h"
-#include "sim/eval/latency.h"
-#include "sim/eval/rate.h"
+#include "sim/lab/eval/landmark_error.h"
+#include "sim/lab/match/latency.h"
+#include "sim/lab/measure/rate.h"
 
 /* New references. Out of memory shows as a NULL that Jansson's setters refuse; sim_json_file then
  * fails. */

@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-#include "sim/eval/eval.h"
+#include "sim/lab/eval/eval.h"
 
 /* scores.csv: every comparison; landmarks.csv: what was found in every usable frame; cmc.csv;
  * det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: by what a search

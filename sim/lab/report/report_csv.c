@@ -1,5 +1,5 @@
-#include "sim/eval/report.h"
-#include "sim/eval/report_file.h"
+#include "sim/lab/report/report.h"
+#include "sim/lab/report/report_file.h"
 
 static void write_scores(const void *context, FILE *out)
 {

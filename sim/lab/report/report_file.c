@@ -1,9 +1,9 @@
-#include "sim/eval/report_file.h"
+#include "sim/lab/report/report_file.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/path.h"
+#include "drivers/base/path.h"
 
 int sim_report_file(const char *directory, const char *name, sim_report_writer *writer,
                     const void *context, struct iso_fault *fault)

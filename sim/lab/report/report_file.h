@@ -4,8 +4,8 @@
 
 #include <stdio.h>
 
-#include "core/extract.h"
-#include "core/fault.h"
+#include "core/base/fault.h"
+#include "core/extract/extract.h"
 
 /* Writes what a file is to contain. */
 typedef void sim_report_writer(const void *context, FILE *out);

@@ -1,7 +1,7 @@
-#include "drivers/path.h"
-#include "sim/eval/json.h"
-#include "sim/eval/promise.h"
-#include "sim/eval/report.h"
+#include "drivers/base/path.h"
+#include "sim/lab/measure/promise.h"
+#include "sim/lab/report/json.h"
+#include "sim/lab/report/report.h"
 
 static json_t *settings_json(const struct sim_eval *eval)
 {

@@ -1,8 +1,8 @@
-#include "sim/eval/report_methods.h"
+#include "sim/lab/report/report_methods.h"
 
 #include <string.h>
 
-#include "sim/eval/report_file.h"
+#include "sim/lab/report/report_file.h"
 
 static void name_corpus(const char *path, char name[SIM_CORPUS_NAME_MAX])
 {

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "sim/eval/verdict.h"
+#include "sim/lab/eval/verdict.h"
 
 /* The results of one corpus; they outlive the evaluation. */
 struct sim_contest {

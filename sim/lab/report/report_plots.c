@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/eval/report.h"
-#include "sim/picture/plot.h"
+#include "sim/lab/draw/plot.h"
+#include "sim/lab/report/report.h"
 
 static int write_plot(const struct sim_plot *plot, const char *directory, const char *name,
                       struct iso_fault *fault)

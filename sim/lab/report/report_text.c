@@ -1,7 +1,7 @@
 #include <math.h>
 
-#include "sim/eval/promise.h"
-#include "sim/eval/report.h"
+#include "sim/lab/measure/promise.h"
+#include "sim/lab/report/report.h"
 
 static void print_rate(FILE *out, const char *name, struct sim_rate rate)
 {

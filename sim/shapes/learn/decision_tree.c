@@ -2,8 +2,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#include "drivers/learn/ops.h"
-#include "drivers/learn/tree.h"
+#include "sim/shapes/learn/ops.h"
+#include "sim/shapes/learn/tree.h"
 
 struct machine {
     int32_t n_classes;

@@ -1,11 +1,11 @@
-#include "drivers/learn/learn.h"
+#include "sim/shapes/learn/learn.h"
 
 #include <stddef.h>
 #include <string.h>
 
-#include "drivers/learn/ops.h"
+#include "sim/shapes/learn/ops.h"
 #ifdef ISOTHERM_OPENCV_ML
-#include "drivers/learn/tree.h"
+#include "sim/shapes/learn/tree.h"
 #endif
 
 const struct iso_classifier_ops *const iso_learn_classifiers[] = {

@@ -5,7 +5,7 @@
 
 #include <libsvm/svm.h>
 
-#include "drivers/learn/ops.h"
+#include "sim/shapes/learn/ops.h"
 
 /* A linear kernel does with features that are longer than they are many. Values are scaled to 0..1
  * by what was learnt from, as libsvm's guide has it (Hsu, Chang and Lin 2003). */

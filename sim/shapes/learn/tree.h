@@ -1,11 +1,11 @@
 /* Decision trees in plain C: the one place that knows OpenCV's ml. Nothing is thrown out of it. Its
- * code is the module `trees` (drivers/module.h). */
-#ifndef ISO_DRIVERS_LEARN_TREE_H
-#define ISO_DRIVERS_LEARN_TREE_H
+ * code is the module `trees` (drivers/base/module.h). */
+#ifndef ISO_SIM_SHAPES_LEARN_TREE_H
+#define ISO_SIM_SHAPES_LEARN_TREE_H
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 struct iso_tree;
 

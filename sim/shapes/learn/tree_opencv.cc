@@ -1,5 +1,5 @@
 extern "C" {
-#include "drivers/learn/tree.h"
+#include "sim/shapes/learn/tree.h"
 }
 
 #include <cerrno>

@@ -1,5 +1,5 @@
 /* The program's side of the module `trees`. */
-#include "drivers/learn/trees_module.h"
+#include "sim/shapes/learn/trees_module.h"
 
 static struct iso_module_slot slot = {.name = ISO_TREES_MODULE_NAME,
                                       .size_bytes = sizeof(struct iso_trees_module)};

@@ -1,10 +1,10 @@
-/* The module `trees`: what tree.h declares, in a shared object of its own (drivers/module.h).
+/* The module `trees`: what tree.h declares, in a shared object of its own (drivers/base/module.h).
  * Programs call those functions as ever; trees_module.c hands the calls on. */
-#ifndef ISO_DRIVERS_LEARN_TREES_MODULE_H
-#define ISO_DRIVERS_LEARN_TREES_MODULE_H
+#ifndef ISO_SIM_SHAPES_LEARN_TREES_MODULE_H
+#define ISO_SIM_SHAPES_LEARN_TREES_MODULE_H
 
-#include "drivers/learn/tree.h"
-#include "drivers/module.h"
+#include "drivers/base/module.h"
+#include "sim/shapes/learn/tree.h"
 
 #define ISO_TREES_MODULE_NAME "trees"
 

@@ -1,5 +1,5 @@
 /* What the module `trees` exports. */
-#include "drivers/learn/trees_module.h"
+#include "sim/shapes/learn/trees_module.h"
 
 extern const struct iso_trees_module iso_module;
 

@@ -1,12 +1,12 @@
-#include "sim/shapes/creature.h"
+#include "sim/shapes/make/creature.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/shapes/flesh.h"
-#include "sim/shapes/polygonise.h"
-#include "sim/shapes/thin.h"
+#include "sim/shapes/make/flesh.h"
+#include "sim/shapes/make/polygonise.h"
+#include "sim/shapes/make/thin.h"
 
 enum {
     VERTICES_MIN = 200,

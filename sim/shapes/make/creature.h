@@ -8,7 +8,7 @@
 #define SIM_SHAPES_CREATURE_H
 
 #include "core/surface/mesh.h"
-#include "sim/shapes/skeleton.h"
+#include "sim/shapes/make/skeleton.h"
 
 struct sim_creature {
     struct iso_mesh *mesh;    /* closed; in its pose */

@@ -1,4 +1,4 @@
-#include "sim/shapes/crops.h"
+#include "sim/shapes/make/crops.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -8,13 +8,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "core/shape/shape.h"
+#include "core/shape/describe/shape.h"
 #include "core/surface/clean.h"
 #include "core/surface/triangulate.h"
-#include "sim/eval/capture.h"
-#include "sim/progress.h"
-#include "sim/shapes/manifest.h"
-#include "sim/shapes/mesh_writer.h"
+#include "sim/base/progress.h"
+#include "sim/lab/match/capture.h"
+#include "sim/shapes/make/manifest.h"
+#include "sim/shapes/mesh/mesh_writer.h"
 
 enum { CROP_PX_MAX = 1 << 18, DEPTH_MAX_MM = 4096 };
 static const double slab_mm = 80.0, radius_mm = 100.0, pitch_mm = 4.0, jump_mm = 20.0;

@@ -1,11 +1,11 @@
-#include "sim/shapes/distort.h"
+#include "sim/shapes/make/distort.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 static const struct {
     const char *name;

@@ -5,8 +5,8 @@
 #ifndef SIM_SHAPES_DISTORT_H
 #define SIM_SHAPES_DISTORT_H
 
-#include "drivers/mesh/mesh_file.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/shapes/mesh/mesh_file.h"
 
 enum sim_distortion_kind {
     SIM_DISTORTION_WHITE,   /* normal noise on every coordinate; NSR 0.0001, 0.001, 0.01 */

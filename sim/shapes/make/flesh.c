@@ -1,4 +1,4 @@
-#include "sim/shapes/flesh.h"
+#include "sim/shapes/make/flesh.h"
 
 #include <stdbool.h>
 

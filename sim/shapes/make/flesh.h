@@ -9,7 +9,7 @@
 #ifndef SIM_SHAPES_FLESH_H
 #define SIM_SHAPES_FLESH_H
 
-#include "sim/shapes/skeleton.h"
+#include "sim/shapes/make/skeleton.h"
 
 /* The level of the surface: what a long bone's field is at its radius. */
 extern const double sim_flesh_level;

@@ -1,4 +1,4 @@
-#include "sim/shapes/generate.h"
+#include "sim/shapes/make/generate.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -8,14 +8,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/path.h"
-#include "sim/eval/parallel.h"
-#include "sim/shapes/creature.h"
-#include "sim/shapes/distort.h"
-#include "sim/shapes/manifest.h"
-#include "sim/shapes/mesh_writer.h"
-#include "sim/shapes/species.h"
-#include "sim/shapes/texture.h"
+#include "drivers/base/path.h"
+#include "sim/lab/match/parallel.h"
+#include "sim/shapes/make/creature.h"
+#include "sim/shapes/make/distort.h"
+#include "sim/shapes/make/manifest.h"
+#include "sim/shapes/make/species.h"
+#include "sim/shapes/make/texture.h"
+#include "sim/shapes/mesh/mesh_writer.h"
 
 enum {
     COATS_EACH = 3,

@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 struct sim_shapes_options {
     const char *preset; /* "plain" or "textured" */

@@ -1,4 +1,4 @@
-#include "sim/shapes/manifest.h"
+#include "sim/shapes/make/manifest.h"
 
 #include <errno.h>
 #include <stdbool.h>
@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/path.h"
-#include "drivers/text.h"
-#include "sim/eval/report_file.h"
+#include "drivers/base/path.h"
+#include "drivers/file/text.h"
+#include "sim/lab/report/report_file.h"
 
 enum { BYTES_MAX = 16 << 20, ROWS_MAX = 100000 };
 

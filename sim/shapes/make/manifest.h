@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 enum { SIM_SHAPE_NAME_MAX = 96 };
 

@@ -1,4 +1,4 @@
-#include "sim/shapes/polygonise.h"
+#include "sim/shapes/make/polygonise.h"
 
 #include <errno.h>
 #include <stdbool.h>

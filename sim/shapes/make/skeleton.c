@@ -1,4 +1,4 @@
-#include "sim/shapes/skeleton.h"
+#include "sim/shapes/make/skeleton.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,8 +7,8 @@
 
 #include <stdbool.h>
 
-#include "core/math/vec.h"
-#include "sim/random.h"
+#include "core/base/vec.h"
+#include "sim/base/random.h"
 
 enum { SIM_LIMB_JOINTS_MAX = 12, SIM_BONES_MAX = 96, SIM_LIMBS_MAX = 24 };
 

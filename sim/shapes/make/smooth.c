@@ -1,4 +1,4 @@
-#include "sim/shapes/smooth.h"
+#include "sim/shapes/make/smooth.h"
 
 #include <errno.h>
 #include <stdlib.h>

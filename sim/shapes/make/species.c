@@ -1,4 +1,4 @@
-#include "sim/shapes/species.h"
+#include "sim/shapes/make/species.h"
 
 /* {name, parent limb, joint of the parent, paired, bend, follow, {{{x, y, z}, radius}, ...}}: x is
  * the creature's left, y up, z forward, in mm. Paired limbs are written for the left side. Limbs

@@ -2,7 +2,7 @@
 #ifndef SIM_SHAPES_SPECIES_H
 #define SIM_SHAPES_SPECIES_H
 
-#include "sim/shapes/skeleton.h"
+#include "sim/shapes/make/skeleton.h"
 
 struct sim_species {
     const char *name;

@@ -1,6 +1,6 @@
-#include "sim/shapes/texture.h"
+#include "sim/shapes/make/texture.h"
 
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 const char *sim_texture_name(enum sim_texture texture)
 {

@@ -2,8 +2,8 @@
 #ifndef SIM_SHAPES_TEXTURE_H
 #define SIM_SHAPES_TEXTURE_H
 
-#include "core/shape/shape.h"
-#include "sim/random.h"
+#include "core/shape/describe/shape.h"
+#include "sim/base/random.h"
 
 enum sim_texture {
     SIM_TEXTURE_STRIPES, /* dark bands across the body, over sand */

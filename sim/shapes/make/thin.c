@@ -1,9 +1,9 @@
-#include "sim/shapes/thin.h"
+#include "sim/shapes/make/thin.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/train/decimate.h"
+#include "sim/train/head/decimate.h"
 
 /* Leaves out vertices of no triangle. */
 static int drop_unused(struct iso_coloured_mesh *coloured)

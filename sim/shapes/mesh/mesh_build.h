@@ -1,8 +1,8 @@
-/* A mesh being read: vertices and faces one by one. Internal to drivers/mesh. */
-#ifndef ISO_DRIVERS_MESH_MESH_BUILD_H
-#define ISO_DRIVERS_MESH_MESH_BUILD_H
+/* A mesh being read: vertices and faces one by one. Internal to sim/shapes/mesh. */
+#ifndef ISO_SIM_SHAPES_MESH_MESH_BUILD_H
+#define ISO_SIM_SHAPES_MESH_MESH_BUILD_H
 
-#include "drivers/mesh/mesh_file.h"
+#include "sim/shapes/mesh/mesh_file.h"
 
 enum {
     ISO__MESH_MOST = 50000000,       /* vertices or triangles */

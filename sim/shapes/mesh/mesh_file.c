@@ -1,4 +1,4 @@
-#include "drivers/mesh/mesh_file.h"
+#include "sim/shapes/mesh/mesh_file.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -9,8 +9,8 @@
 #include <strings.h>
 
 #include "drivers/file/file.h"
-#include "drivers/mesh/mesh_build.h"
-#include "drivers/text.h"
+#include "drivers/file/text.h"
+#include "sim/shapes/mesh/mesh_build.h"
 
 static const size_t bytes_most = (size_t)1 << 30;
 

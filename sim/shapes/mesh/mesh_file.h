@@ -10,13 +10,13 @@
  * Faces of more than three corners are cut into fans. Coordinates are taken as they are, whatever
  * their unit. A reader refuses what it does not understand: every failure is one line "file:line:
  * what is wrong". What can be wrong with a mesh that is understood, mending deals with. */
-#ifndef ISO_DRIVERS_MESH_MESH_FILE_H
-#define ISO_DRIVERS_MESH_MESH_FILE_H
+#ifndef ISO_SIM_SHAPES_MESH_MESH_FILE_H
+#define ISO_SIM_SHAPES_MESH_MESH_FILE_H
 
 #include <stddef.h>
 
-#include "core/fault.h"
-#include "core/shape/shape.h"
+#include "core/base/fault.h"
+#include "core/shape/describe/shape.h"
 
 /* A mesh and the colours of its vertices, if it has any. All-zero is empty. */
 struct iso_coloured_mesh {
@@ -67,7 +67,7 @@ struct iso_mesh_mended {
  *  - vertices of no triangle are left out;
  *  - boundaries, edges of more than two triangles, triangles without area, triangles that are
  *    turned inside out and several components stay: heat needs nothing else. What becomes of them
- *    says core/shape/shape.h.
+ *    says core/shape/describe/shape.h.
  *
  * What is left keeps its order. `report` may be NULL. -EBADMSG if no triangle is left, -ENOMEM; the
  * mesh is then as it was. */

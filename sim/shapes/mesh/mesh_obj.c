@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/mesh/mesh_build.h"
-#include "drivers/text.h"
+#include "drivers/file/text.h"
+#include "sim/shapes/mesh/mesh_build.h"
 
 /* What has nothing to do with the surface. */
 static const char *const passed_over[] = {"vn",     "vt",     "vp", "g", "o",      "s",

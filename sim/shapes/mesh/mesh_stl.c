@@ -2,9 +2,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
-#include "drivers/mesh/mesh_build.h"
-#include "drivers/text.h"
+#include "core/base/bytes.h"
+#include "drivers/file/text.h"
+#include "sim/shapes/mesh/mesh_build.h"
 
 /* 80 bytes of anything, a count, then triangles of a normal, three corners and two spare bytes. */
 enum { HEADER_BYTES = 80, FIRST_BYTE = HEADER_BYTES + 4, TRIANGLE_BYTES = 50 };

@@ -1,4 +1,4 @@
-#include "sim/shapes/mesh_writer.h"
+#include "sim/shapes/mesh/mesh_writer.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/math/bytes.h"
+#include "core/base/bytes.h"
 
 typedef void body_writer(const struct iso_coloured_mesh *mesh, FILE *out);
 

@@ -1,8 +1,8 @@
-/* Mesh files for the reader of drivers/mesh. */
+/* Mesh files for the reader of sim/shapes/mesh. */
 #ifndef SIM_SHAPES_MESH_WRITER_H
 #define SIM_SHAPES_MESH_WRITER_H
 
-#include "drivers/mesh/mesh_file.h"
+#include "sim/shapes/mesh/mesh_file.h"
 
 /* Writes a file, replacing it, in the format that the end of its name asks for: .off (COFF with
  * colours) and .vert (TOSCA, with its .tri; no colours) as text of nine digits, .ply as

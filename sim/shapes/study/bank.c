@@ -1,4 +1,4 @@
-#include "sim/shapes/bank.h"
+#include "sim/shapes/study/bank.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -7,10 +7,10 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#include "drivers/path.h"
-#include "sim/eval/parallel.h"
-#include "sim/shapes/smooth.h"
-#include "sim/shapes/thin.h"
+#include "drivers/base/path.h"
+#include "sim/lab/match/parallel.h"
+#include "sim/shapes/make/smooth.h"
+#include "sim/shapes/make/thin.h"
 
 struct work {
     const struct sim_bank_options *options;

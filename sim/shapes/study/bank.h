@@ -2,9 +2,9 @@
 #ifndef SIM_SHAPES_BANK_H
 #define SIM_SHAPES_BANK_H
 
-#include "core/shape/method.h"
-#include "sim/shapes/distort.h"
-#include "sim/shapes/manifest.h"
+#include "core/shape/describe/method.h"
+#include "sim/shapes/make/distort.h"
+#include "sim/shapes/make/manifest.h"
 
 struct sim_bank_options {
     const char *corpus; /* directory of the manifest's files */

@@ -1,4 +1,4 @@
-#include "sim/shapes/paper.h"
+#include "sim/shapes/study/paper.h"
 
 #include <stddef.h>
 

@@ -2,7 +2,7 @@
 #ifndef SIM_SHAPES_PAPER_H
 #define SIM_SHAPES_PAPER_H
 
-#include "sim/shapes/distort.h"
+#include "sim/shapes/make/distort.h"
 
 /* What the columns of a table are. */
 enum sim_paper_columns {

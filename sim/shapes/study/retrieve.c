@@ -1,11 +1,11 @@
-#include "sim/shapes/retrieve.h"
+#include "sim/shapes/study/retrieve.h"
 
 #include <errno.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/eval/parallel.h"
+#include "sim/lab/match/parallel.h"
 
 enum { FOLDS = 10 };
 

@@ -5,10 +5,10 @@
 #ifndef SIM_SHAPES_RETRIEVE_H
 #define SIM_SHAPES_RETRIEVE_H
 
-#include "core/shape/classifier.h"
-#include "core/shape/confusion.h"
-#include "core/shape/retrieval.h"
-#include "sim/shapes/bank.h"
+#include "core/shape/classify/classifier.h"
+#include "core/shape/classify/confusion.h"
+#include "core/shape/classify/retrieval.h"
+#include "sim/shapes/study/bank.h"
 
 /* Features of a corpus, and of queries that were described apart from it. */
 struct sim_features {

@@ -1,12 +1,12 @@
-#include "sim/shapes/sheet.h"
+#include "sim/shapes/study/sheet.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/picture/png_file.h"
-#include "sim/picture/scene.h"
+#include "sim/lab/draw/png_file.h"
+#include "sim/lab/picture/scene.h"
 
 enum { CELL_PX = 120, LABEL_PX = 18, ROWS_MAX = 20, COLUMNS_MAX = 16 };
 

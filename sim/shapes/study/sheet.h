@@ -2,7 +2,7 @@
 #ifndef SIM_SHAPES_SHEET_H
 #define SIM_SHAPES_SHEET_H
 
-#include "sim/shapes/retrieve.h"
+#include "sim/shapes/study/retrieve.h"
 
 /* One shape of each class a row, up to `columns` of its shapes (at most 20 rows, as many classes).
  * -ENOMEM, -EIO, errors of sim_bank_read. */

@@ -1,4 +1,4 @@
-#include "sim/shapes/study.h"
+#include "sim/shapes/study/study.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,13 +7,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/learn/learn.h"
-#include "drivers/path.h"
-#include "sim/eval/rate.h"
-#include "sim/eval/report_file.h"
-#include "sim/picture/plot.h"
-#include "sim/shapes/retrieve.h"
-#include "sim/shapes/sheet.h"
+#include "drivers/base/path.h"
+#include "sim/lab/draw/plot.h"
+#include "sim/lab/measure/rate.h"
+#include "sim/lab/report/report_file.h"
+#include "sim/shapes/learn/learn.h"
+#include "sim/shapes/study/retrieve.h"
+#include "sim/shapes/study/sheet.h"
 
 enum { METHODS_MAX = 24, CLASSIFIERS_MAX = 12, RESULTS_MAX = METHODS_MAX * CLASSIFIERS_MAX };
 

@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "core/fault.h"
-#include "sim/shapes/distort.h"
+#include "core/base/fault.h"
+#include "sim/shapes/make/distort.h"
 
 struct sim_shapes_study_options {
     const char *corpus, *out;

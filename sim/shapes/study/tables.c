@@ -1,4 +1,4 @@
-#include "sim/shapes/tables.h"
+#include "sim/shapes/study/tables.h"
 
 #include <errno.h>
 #include <stdbool.h>
@@ -6,10 +6,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "drivers/learn/learn.h"
-#include "sim/eval/report_file.h"
-#include "sim/shapes/paper.h"
-#include "sim/shapes/retrieve.h"
+#include "sim/lab/report/report_file.h"
+#include "sim/shapes/learn/learn.h"
+#include "sim/shapes/study/paper.h"
+#include "sim/shapes/study/retrieve.h"
 
 enum { METHODS_MAX = 16, CACHE_MAX = 32 };
 

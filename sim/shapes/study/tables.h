@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 struct sim_tables_options {
     const char *corpus;   /* for the nonrigid world data set */

@@ -1,4 +1,4 @@
-#include "sim/train/decimate.h"
+#include "sim/train/head/decimate.h"
 
 #include <errno.h>
 #include <math.h>

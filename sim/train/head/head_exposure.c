@@ -1,4 +1,4 @@
-#include "sim/train/head_exposure.h"
+#include "sim/train/head/head_exposure.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "sim/train/head_surface.h"
+#include "sim/train/head/head_surface.h"
 
 /* For each vertex of the mean face the share, 0..1, of the directions about the front (yaw to 50
  * degrees, pitch to 40) from which it is seen, among those it faces: nothing lies more than 1 mm

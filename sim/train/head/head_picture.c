@@ -1,4 +1,4 @@
-#include "sim/train/head_picture.h"
+#include "sim/train/head/head_picture.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "core/surface/raster.h"
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 
 enum { VIEW_PX = 480, VIEWS = 2, MODES_SHOWN = 5, PIXELS = VIEW_PX * VIEW_PX };
 

@@ -2,7 +2,7 @@
 #ifndef SIM_TRAIN_HEAD_PICTURE_H
 #define SIM_TRAIN_HEAD_PICTURE_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/landmark/head_model.h"
 
 /* Writes PNG files into a directory that exists: mean.png, mesh.png (with the triangles' edges)

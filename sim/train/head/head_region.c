@@ -1,10 +1,10 @@
-#include "sim/train/head_region.h"
+#include "sim/train/head/head_region.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "core/landmark/head_model.h"
-#include "sim/train/head_exposure.h"
+#include "sim/train/head/head_exposure.h"
 
 /* In the face frame: from the forehead below the hair line to just under the chin. */
 static const double face_top_mm = 70.0, face_depth_mm = 85.0, under_chin_mm = 5.0;

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "sim/train/head_surface.h"
+#include "sim/train/head/head_surface.h"
 
 /* Whether a vertex belongs to the face proper: within the head model's narrow face, brow to chin,
  * in front of the ears. */

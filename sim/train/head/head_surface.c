@@ -1,4 +1,4 @@
-#include "sim/train/head_surface.h"
+#include "sim/train/head/head_surface.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/train/opening.h"
+#include "sim/train/head/opening.h"
 
 /* The crop, in the face frame. Behind this depth come the ears. */
 static const double radius_mm = 114.0, behind_mm = 104.0;

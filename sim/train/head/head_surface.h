@@ -5,9 +5,9 @@
 
 #include <stdint.h>
 
+#include "core/base/vec.h"
 #include "core/landmark/landmark.h"
-#include "core/math/vec.h"
-#include "sim/face/ict.h"
+#include "sim/world/face/ict.h"
 
 /* Where a vertex comes from: halfway between two vertices of the head model (mostly the same one
  * twice), moved by a constant. Being linear, it takes identity and expression modes along. */

@@ -1,4 +1,4 @@
-#include "sim/train/opening.h"
+#include "sim/train/head/opening.h"
 
 #include <errno.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "sim/train/head_surface.h"
+#include "sim/train/head/head_surface.h"
 
 /* A surface under construction; the arrays have room for what is added. */
 struct sim_surface_builder {

@@ -1,18 +1,18 @@
-#include "sim/train/train_head.h"
+#include "sim/train/head/train_head.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "sim/face/expression.h"
-#include "sim/face/person.h"
-#include "sim/progress.h"
-#include "sim/train/decimate.h"
-#include "sim/train/head_exposure.h"
-#include "sim/train/head_region.h"
-#include "sim/train/head_surface.h"
+#include "sim/base/progress.h"
+#include "sim/train/head/decimate.h"
+#include "sim/train/head/head_exposure.h"
+#include "sim/train/head/head_region.h"
+#include "sim/train/head/head_surface.h"
+#include "sim/train/head/train_measure.h"
 #include "sim/train/principal.h"
-#include "sim/train/train_measure.h"
+#include "sim/world/face/expression.h"
+#include "sim/world/face/person.h"
 
 enum { EXPRESSIONS_DRAWN = 2000 };
 

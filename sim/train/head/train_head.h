@@ -3,7 +3,7 @@
 #define SIM_TRAIN_TRAIN_HEAD_H
 
 #include "core/landmark/head_model.h"
-#include "sim/face/ict.h"
+#include "sim/world/face/ict.h"
 
 struct sim_train_head_options {
     uint64_t seed;         /* of the expressions that are learned from */

@@ -1,12 +1,12 @@
-#include "sim/train/train_measure.h"
+#include "sim/train/head/train_measure.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "sim/face/person.h"
-#include "sim/train/head_exposure.h"
-#include "sim/train/head_region.h"
+#include "sim/train/head/head_exposure.h"
+#include "sim/train/head/head_region.h"
+#include "sim/world/face/person.h"
 
 static double clamp01(double t)
 {

@@ -2,7 +2,7 @@
 #ifndef SIM_TRAIN_TRAIN_MEASURE_H
 #define SIM_TRAIN_TRAIN_MEASURE_H
 
-#include "sim/train/head_surface.h"
+#include "sim/train/head/head_surface.h"
 
 struct sim_distances {
     double mean_mm, p95_mm, max_mm;

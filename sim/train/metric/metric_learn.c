@@ -1,12 +1,12 @@
-#include "sim/train/metric_learn.h"
+#include "sim/train/metric/metric_learn.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/progress.h"
-#include "sim/random.h"
+#include "sim/base/progress.h"
+#include "sim/base/random.h"
 #include "sim/train/principal.h"
 
 enum { SPARE = 10 /* directions beyond those kept */, ITERATIONS = 12 };

@@ -1,11 +1,11 @@
-#include "sim/train/rerank_learn.h"
+#include "sim/train/metric/rerank_learn.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/train/metric_learn.h"
+#include "sim/train/metric/metric_learn.h"
 
 /* `sum` and `fit` are those of the n comparisons that have both. */
 static int learn(double *sum, double *fit, size_t n, struct iso_rerank_weights *out)

@@ -1,4 +1,4 @@
-#include "sim/train/train_cohort.h"
+#include "sim/train/metric/train_cohort.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "core/match/cohort.h"
-#include "sim/face/expression.h"
-#include "sim/generate/room.h"
-#include "sim/progress.h"
-#include "sim/render/sitter.h"
+#include "sim/base/progress.h"
+#include "sim/world/face/expression.h"
+#include "sim/world/scene/room.h"
+#include "sim/world/scene/sitter.h"
 
 enum { DAYS = 3 /* on which a person may come */, PEOPLE_PER_TEMPLATE_MAX = 2 };
 

@@ -3,9 +3,9 @@
 #ifndef SIM_TRAIN_TRAIN_COHORT_H
 #define SIM_TRAIN_TRAIN_COHORT_H
 
-#include "core/extract.h"
-#include "sim/face/ict.h"
-#include "sim/sensor/sensor.h"
+#include "core/extract/extract.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/sensor/sensor.h"
 
 enum { SIM_COHORT_SENSORS_MAX = 8 };
 

@@ -1,4 +1,4 @@
-#include "sim/train/train_metric.h"
+#include "sim/train/metric/train_metric.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,11 +7,11 @@
 #include <string.h>
 
 #include "core/match/rerank.h"
-#include "sim/eval/capture.h"
-#include "sim/eval/parallel.h"
-#include "sim/progress.h"
-#include "sim/train/metric_learn.h"
-#include "sim/train/rerank_learn.h"
+#include "sim/base/progress.h"
+#include "sim/lab/match/capture.h"
+#include "sim/lab/match/parallel.h"
+#include "sim/train/metric/metric_learn.h"
+#include "sim/train/metric/rerank_learn.h"
 
 enum {
     HELD_OUT = 5, /* one person in so many calibrates */

@@ -6,8 +6,8 @@
 #ifndef SIM_TRAIN_TRAIN_METRIC_H
 #define SIM_TRAIN_TRAIN_METRIC_H
 
-#include "core/extract.h"
-#include "core/fault.h"
+#include "core/base/fault.h"
+#include "core/extract/extract.h"
 #include "core/match/metric.h"
 
 enum { SIM_METRIC_CORPORA_MAX = ISO_METRIC_ORIGINS_MAX };

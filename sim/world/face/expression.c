@@ -1,4 +1,4 @@
-#include "sim/face/expression.h"
+#include "sim/world/face/expression.h"
 
 #include <math.h>
 #include <stddef.h>

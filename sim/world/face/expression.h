@@ -2,8 +2,8 @@
 #ifndef SIM_FACE_EXPRESSION_H
 #define SIM_FACE_EXPRESSION_H
 
-#include "sim/face/ict.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/world/face/ict.h"
 
 enum sim_expression {
     SIM_NEUTRAL = 0, /* what a face at rest still does: jitter of 0.03 a shape */

@@ -1,4 +1,4 @@
-#include "sim/face/ict.h"
+#include "sim/world/face/ict.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "drivers/file/file.h"
-#include "sim/face/npy.h"
+#include "sim/world/face/npy.h"
 
 enum { LIST_BYTES_MAX = 1 << 20 };
 

@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* Vertices are ordered by part; a part is [first, next part's first). */
 enum sim_ict_part {

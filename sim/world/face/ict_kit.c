@@ -1,4 +1,4 @@
-#include "sim/face/ict_kit.h"
+#include "sim/world/face/ict_kit.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -10,10 +10,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/base/path.h"
 #include "drivers/file/file.h"
-#include "drivers/path.h"
-#include "sim/face/npy_writer.h"
-#include "sim/face/obj_points.h"
+#include "sim/world/face/npy_writer.h"
+#include "sim/world/face/obj_points.h"
 
 enum { NAME_SIZE = 32, SHAPES_MAX = 1024, INDICES_BYTES_MAX = 1 << 24 };
 

@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 enum { SIM_ICT_KIT_RANGES = 2 };
 

@@ -1,4 +1,4 @@
-#include "sim/face/npy.h"
+#include "sim/world/face/npy.h"
 
 #include <errno.h>
 #include <math.h>

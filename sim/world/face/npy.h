@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 enum { SIM_NPY_DIMENSIONS_MAX = 3 };
 

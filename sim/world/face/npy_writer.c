@@ -1,4 +1,4 @@
-#include "sim/face/npy_writer.h"
+#include "sim/world/face/npy_writer.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,8 +5,8 @@
 
 #include <stdint.h>
 
-#include "core/fault.h"
-#include "sim/face/npy.h"
+#include "core/base/fault.h"
+#include "sim/world/face/npy.h"
 
 enum sim_npy_type { SIM_NPY_FLOAT, SIM_NPY_HALF, SIM_NPY_U32 };
 

@@ -1,4 +1,4 @@
-#include "sim/face/obj_points.h"
+#include "sim/world/face/obj_points.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 struct sim_obj {
     uint32_t n_points, n_triangles;

@@ -1,8 +1,8 @@
-#include "sim/face/person.h"
+#include "sim/world/face/person.h"
 
 #include <stddef.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum { NOSE_TIP_IBUG = 30, BLOCK = 512 };
 

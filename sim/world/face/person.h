@@ -7,8 +7,8 @@
 
 #include <stdint.h>
 
-#include "core/math/vec.h"
-#include "sim/face/ict.h"
+#include "core/base/vec.h"
+#include "sim/world/face/ict.h"
 
 /* Populations are separate streams of random numbers: nobody of one is in another. Any other name
  * makes another population. */

@@ -1,9 +1,9 @@
-#include "sim/face/skin.h"
+#include "sim/world/face/skin.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 /* Inner parts: hardly any light finds its way out. */
 static const double mouth_socket = 0.12, eye_socket = 0.3, pupil = 0.04, sclera = 0.5;

@@ -8,8 +8,8 @@
 #ifndef SIM_FACE_SKIN_H
 #define SIM_FACE_SKIN_H
 
-#include "sim/face/ict.h"
-#include "sim/face/person.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/face/person.h"
 
 /* Fills facet_albedo[ict->n_triangles] for a person: the same person, the same map. -ENOMEM. */
 int sim_skin_albedo(const struct sim_ict *ict, const struct sim_person *person, float *facet_albedo)

@@ -3,11 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "sim/face/expression.h"
-#include "sim/generate/attack_scenes.h"
-#include "sim/prop/face_print.h"
-#include "sim/prop/hair.h"
-#include "sim/prop/hand.h"
+#include "sim/world/face/expression.h"
+#include "sim/world/generate/attack_scenes.h"
+#include "sim/world/prop/face_print.h"
+#include "sim/world/prop/hair.h"
+#include "sim/world/prop/hand.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 

@@ -2,7 +2,7 @@
 #ifndef SIM_GENERATE_ATTACK_SCENES_H
 #define SIM_GENERATE_ATTACK_SCENES_H
 
-#include "sim/generate/staging.h"
+#include "sim/world/generate/staging.h"
 
 /* A print on paper or board: A5 to A3, or cut along the face's outline. */
 sim_staging_build sim_attack_photo_flat;

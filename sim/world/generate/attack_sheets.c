@@ -1,14 +1,15 @@
 /* Instruments that are flat by nature: photographs and screens. */
 #include <stdio.h>
 
-#include "sim/generate/attack_scenes.h"
-#include "sim/prop/hand.h"
-#include "sim/prop/screen.h"
-#include "sim/prop/sheet.h"
+#include "sim/world/generate/attack_scenes.h"
+#include "sim/world/prop/hand.h"
+#include "sim/world/prop/screen.h"
+#include "sim/world/prop/sheet.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* How much of the edge a hand covers, and where the edge is in the hand's frame (sim/prop/hand.h).
+/* How much of the edge a hand covers, and where the edge is in the hand's frame
+ * (sim/world/prop/hand.h).
  */
 static const double grip_mm = 14.0, grip_y_mm = -70.0;
 /* How far a roll's edges may have turned: a hollow one would hide itself. */

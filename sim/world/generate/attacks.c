@@ -1,11 +1,11 @@
-#include "sim/generate/attacks.h"
+#include "sim/world/generate/attacks.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/generate/attack_scenes.h"
-#include "sim/generate/session.h"
+#include "sim/world/generate/attack_scenes.h"
+#include "sim/world/generate/session.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 

@@ -18,7 +18,7 @@
 #ifndef SIM_GENERATE_ATTACKS_H
 #define SIM_GENERATE_ATTACKS_H
 
-#include "sim/generate/studio.h"
+#include "sim/world/generate/studio.h"
 
 struct sim_attacks_plan {
     const char *population; /* of the enrolled people */

@@ -1,4 +1,4 @@
-#include "sim/generate/generate.h"
+#include "sim/world/generate/generate.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -6,11 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/generate/attacks.h"
-#include "sim/generate/not_faces.h"
-#include "sim/generate/session.h"
-#include "sim/generate/stored.h"
-#include "sim/progress.h"
+#include "sim/base/progress.h"
+#include "sim/world/generate/attacks.h"
+#include "sim/world/generate/not_faces.h"
+#include "sim/world/generate/session.h"
+#include "sim/world/generate/stored.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 

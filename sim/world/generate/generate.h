@@ -2,8 +2,8 @@
 #ifndef SIM_GENERATE_GENERATE_H
 #define SIM_GENERATE_GENERATE_H
 
-#include "core/fault.h"
-#include "sim/sensor/sensor.h"
+#include "core/base/fault.h"
+#include "sim/world/sensor/sensor.h"
 
 struct sim_generate_options {
     const char *ict_directory, *directory;

@@ -1,9 +1,9 @@
 /* People who show everything but their face. */
 #include <stdio.h>
 
-#include "sim/generate/not_face_scenes.h"
-#include "sim/prop/hand.h"
-#include "sim/prop/hood.h"
+#include "sim/world/generate/not_face_scenes.h"
+#include "sim/world/prop/hand.h"
+#include "sim/world/prop/hood.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 

@@ -2,7 +2,7 @@
 #ifndef SIM_GENERATE_NOT_FACE_SCENES_H
 #define SIM_GENERATE_NOT_FACE_SCENES_H
 
-#include "sim/generate/staging.h"
+#include "sim/world/generate/staging.h"
 
 /* People: from behind, turned by 80 to 110 degrees, an ear close by, and with a hood from the side
  * or from behind. */

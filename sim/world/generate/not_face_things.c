@@ -1,9 +1,9 @@
 /* Walls and things. */
 #include <stdio.h>
 
-#include "sim/generate/not_face_scenes.h"
-#include "sim/prop/furniture.h"
-#include "sim/prop/hand.h"
+#include "sim/world/generate/not_face_scenes.h"
+#include "sim/world/prop/furniture.h"
+#include "sim/world/prop/hand.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 

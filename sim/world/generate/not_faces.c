@@ -1,6 +1,6 @@
-#include "sim/generate/not_faces.h"
+#include "sim/world/generate/not_faces.h"
 
-#include "sim/generate/not_face_scenes.h"
+#include "sim/world/generate/not_face_scenes.h"
 
 static const struct sim_staged_kind kinds[] = {
     {"back", sim_not_face_back, false, false},

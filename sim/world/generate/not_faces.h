@@ -7,7 +7,7 @@
 #ifndef SIM_GENERATE_NOT_FACES_H
 #define SIM_GENERATE_NOT_FACES_H
 
-#include "sim/generate/studio.h"
+#include "sim/world/generate/studio.h"
 
 /* How many recordings are made. */
 int sim_not_faces_count(int per_kind);

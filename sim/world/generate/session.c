@@ -1,9 +1,9 @@
-#include "sim/generate/session.h"
+#include "sim/world/generate/session.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/generate/room.h"
+#include "sim/world/scene/room.h"
 
 /* How a standing person moves between frames (33 ms), per axis: a slow drift plus tremor. */
 static const double drift_rad = 0.008, drift_mm = 1.5, drift_expression = 0.01;

@@ -3,8 +3,8 @@
 #ifndef SIM_GENERATE_SESSION_H
 #define SIM_GENERATE_SESSION_H
 
-#include "sim/face/expression.h"
-#include "sim/generate/studio.h"
+#include "sim/world/face/expression.h"
+#include "sim/world/generate/studio.h"
 
 /* How a session's pose is drawn: each of yaw, pitch and roll normal or uniform; or yaw and pitch
  * together, uniform over a disc that is flattened in pitch, and roll uniform. */

@@ -1,4 +1,4 @@
-#include "sim/generate/staging.h"
+#include "sim/world/generate/staging.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef SIM_GENERATE_STAGING_H
 #define SIM_GENERATE_STAGING_H
 
-#include "sim/generate/still.h"
+#include "sim/world/generate/still.h"
 
 struct sim_staging {
     const struct sim_ict *ict;

@@ -1,6 +1,6 @@
-#include "sim/generate/still.h"
+#include "sim/world/generate/still.h"
 
-#include "sim/face/expression.h"
+#include "sim/world/face/expression.h"
 
 int sim_still_init(struct sim_still *still, bool wall, struct sim_random *random)
 {

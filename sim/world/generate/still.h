@@ -2,9 +2,9 @@
 #ifndef SIM_GENERATE_STILL_H
 #define SIM_GENERATE_STILL_H
 
-#include "sim/generate/room.h"
-#include "sim/generate/studio.h"
-#include "sim/prop/group.h"
+#include "sim/world/generate/studio.h"
+#include "sim/world/prop/group.h"
+#include "sim/world/scene/room.h"
 
 struct sim_still {
     struct sim_room *room;     /* or NULL: no wall within the sensor's range */

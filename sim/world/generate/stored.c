@@ -1,11 +1,11 @@
-#include "sim/generate/stored.h"
+#include "sim/world/generate/stored.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/generate/room.h"
-#include "sim/generate/session.h"
-#include "sim/prop/solid.h"
+#include "sim/world/generate/session.h"
+#include "sim/world/prop/solid.h"
+#include "sim/world/scene/room.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 

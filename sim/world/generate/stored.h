@@ -3,7 +3,7 @@
 #ifndef SIM_GENERATE_STORED_H
 #define SIM_GENERATE_STORED_H
 
-#include "sim/generate/studio.h"
+#include "sim/world/generate/studio.h"
 
 /* How many recordings are made. */
 int sim_stored_count(void);

@@ -1,4 +1,4 @@
-#include "sim/generate/studio.h"
+#include "sim/world/generate/studio.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -7,9 +7,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "sim/methods/anthroface.h"
-#include "sim/progress.h"
-#include "sim/recording/recording_writer.h"
+#include "drivers/recording/recording_writer.h"
+#include "sim/base/progress.h"
+#include "sim/lab/methods/anthroface.h"
 
 static const int64_t frame_period_ns = 33333333;
 

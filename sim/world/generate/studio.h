@@ -3,11 +3,11 @@
 #ifndef SIM_GENERATE_STUDIO_H
 #define SIM_GENERATE_STUDIO_H
 
-#include "core/fault.h"
-#include "sim/face/ict.h"
-#include "sim/recording/corpus.h"
-#include "sim/render/sitter.h"
-#include "sim/sensor/sensor.h"
+#include "core/base/fault.h"
+#include "sim/corpus/corpus.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/scene/sitter.h"
+#include "sim/world/sensor/sensor.h"
 
 struct sim_studio_options {
     const struct sim_ict *ict;

@@ -1,4 +1,4 @@
-#include "sim/prop/face_print.h"
+#include "sim/world/prop/face_print.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-#include "sim/face/ict.h"
-#include "sim/prop/solid.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/prop/solid.h"
 
 struct sim_face_print {
     double scale;    /* about the face frame's origin; 1: true size */

@@ -1,8 +1,8 @@
-#include "sim/prop/furniture.h"
+#include "sim/world/prop/furniture.h"
 
-#include "sim/prop/noise3.h"
-#include "sim/prop/sheet.h"
-#include "sim/prop/torso.h"
+#include "sim/base/noise3.h"
+#include "sim/world/prop/sheet.h"
+#include "sim/world/prop/torso.h"
 
 static void add_bar(struct sim_group *group, struct iso_vec3 from, struct iso_vec3 to,
                     double radius_mm, enum sim_material material)
@@ -173,7 +173,8 @@ void sim_furniture_add_ball(struct sim_group *group, double radius_mm, bool ball
 
 void sim_furniture_add_coat(struct sim_group *group, bool hanger, struct sim_random *random)
 {
-    /* From the face frame of sim/prop/torso.h, where the collar is, turned to look along z. */
+    /* From the face frame of sim/world/prop/torso.h, where the collar is, turned to look along z.
+     */
     static const struct iso_vec3 collar_mm = {0.0, -128.0, -128.0};
     struct sim_solid *trunk = NULL;
     double flat = hanger ? sim_random_between(random, 0.3, 0.6) : 1.0;

@@ -5,8 +5,8 @@
 
 #include <stdbool.h>
 
-#include "sim/prop/group.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/world/prop/group.h"
 
 enum sim_chair_back {
     SIM_CHAIR_SLATS = 0, /* upright bars between two posts */

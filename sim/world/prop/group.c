@@ -1,4 +1,4 @@
-#include "sim/prop/group.h"
+#include "sim/world/prop/group.h"
 
 #include <errno.h>
 #include <stdlib.h>

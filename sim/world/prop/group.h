@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 struct sim_group {
     size_t n_solids, capacity;

@@ -1,9 +1,9 @@
-#include "sim/prop/hair.h"
+#include "sim/world/prop/hair.h"
 
 #include <errno.h>
 #include <stddef.h>
 
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 /* Positions on the MEAN head below are in the head model's own frame (y 62 mm: eyebrows, 145:
  * crown; z 108: forehead, 0: ears, -85: back of the head). */

@@ -9,9 +9,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "sim/face/ict.h"
-#include "sim/prop/solid.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/prop/solid.h"
 
 struct sim_hair {
     bool scalp, curtain;  /* neither: a bald head */

@@ -1,4 +1,4 @@
-#include "sim/prop/hand.h"
+#include "sim/world/prop/hand.h"
 
 enum { FINGERS = 4, JOINTS = 4 };
 

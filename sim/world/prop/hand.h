@@ -6,8 +6,8 @@
 
 #include <stdbool.h>
 
-#include "sim/prop/group.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/world/prop/group.h"
 
 enum sim_hand_pose {
     SIM_HAND_OPEN = 0, /* the palm shown, fingers up and spread */

@@ -1,6 +1,6 @@
-#include "sim/prop/hood.h"
+#include "sim/world/prop/hood.h"
 
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 enum { ROWS = 50, COLUMNS = 80 };
 

@@ -2,8 +2,8 @@
 #ifndef SIM_PROP_HOOD_H
 #define SIM_PROP_HOOD_H
 
-#include "sim/prop/solid.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/world/prop/solid.h"
 
 /* In the face frame of the head that wears it; how loose it is and how far it comes round the face
  * are drawn. -ENOMEM. */

@@ -1,4 +1,4 @@
-#include "sim/prop/print.h"
+#include "sim/world/prop/print.h"
 
 #include <errno.h>
 #include <stdlib.h>

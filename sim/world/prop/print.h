@@ -2,7 +2,7 @@
 #ifndef SIM_PROP_PRINT_H
 #define SIM_PROP_PRINT_H
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 /* A rectangle as sim_solid_rectangle makes it, of paper, with a picture of columns x rows albedos,
  * rows from the top; two triangles a pixel. Ink of dyes is transparent to near infrared and leaves

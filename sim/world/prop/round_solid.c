@@ -1,7 +1,7 @@
-/* The solids of sim/prop/solid.h that are round: tubes and superellipsoids. */
+/* The solids of sim/world/prop/solid.h that are round: tubes and superellipsoids. */
 #include <errno.h>
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 enum {
     TUBE_AROUND = 17,

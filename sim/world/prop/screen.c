@@ -1,10 +1,10 @@
-#include "sim/prop/screen.h"
+#include "sim/world/prop/screen.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 enum { ROWS = 71, COLUMNS = 71, CELLS = (ROWS - 1) * (COLUMNS - 1) };
 

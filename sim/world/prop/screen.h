@@ -12,7 +12,7 @@
 
 #include <stdbool.h>
 
-#include "sim/prop/group.h"
+#include "sim/world/prop/group.h"
 
 struct sim_screen {
     double width_mm, height_mm; /* of the glass */

@@ -1,8 +1,8 @@
-#include "sim/prop/sheet.h"
+#include "sim/world/prop/sheet.h"
 
 #include <errno.h>
 
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 enum { ROWS = 81, COLUMNS = 81 };
 

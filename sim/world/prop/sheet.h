@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 enum sim_sheet_shape {
     SIM_SHEET_FLAT = 0,

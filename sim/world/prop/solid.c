@@ -1,4 +1,4 @@
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/math/vec.h"
-#include "sim/render/view.h"
+#include "core/base/vec.h"
+#include "sim/world/view/view.h"
 
 struct sim_solid {
     uint32_t n_vertices, n_triangles;

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 /* An edge as one triangle runs along it. */
 struct edge {

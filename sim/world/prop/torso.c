@@ -1,9 +1,9 @@
-#include "sim/prop/torso.h"
+#include "sim/world/prop/torso.h"
 
 #include <stddef.h>
 
-#include "sim/prop/noise3.h"
-#include "sim/random.h"
+#include "sim/base/noise3.h"
+#include "sim/base/random.h"
 
 enum { ROWS = 60, COLUMNS = 72 };
 

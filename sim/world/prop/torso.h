@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 /* The trunk in the face frame of a person who looks straight ahead; `key` gives breadth and folds.
  * -ENOMEM. */

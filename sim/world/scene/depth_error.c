@@ -1,12 +1,12 @@
-#include "sim/sensor/depth_error.h"
+#include "sim/world/scene/depth_error.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/generate/room.h"
-#include "sim/progress.h"
-#include "sim/render/sitter.h"
+#include "sim/base/progress.h"
+#include "sim/world/scene/room.h"
+#include "sim/world/scene/sitter.h"
 
 static const double gross_mm = 5.0, pose_rad = 0.1745, sideways_mm = 30.0;
 

@@ -5,9 +5,9 @@
 
 #include <stddef.h>
 
-#include "core/fault.h"
-#include "sim/face/ict.h"
-#include "sim/sensor/sensor.h"
+#include "core/base/fault.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/sensor/sensor.h"
 
 /* What counts as face: skin that the sensor's camera sees within this distance of the nose tip. */
 #define SIM_DEPTH_ERROR_RADIUS_MM 90.0

@@ -1,7 +1,7 @@
-#include "sim/render/portrait.h"
+#include "sim/world/scene/portrait.h"
 
-#include "sim/sensor/infrared.h"
-#include "sim/sensor/sensor.h"
+#include "sim/world/sensor/infrared.h"
+#include "sim/world/sensor/sensor.h"
 
 /* A camera without a fault, in a lit room. */
 static const struct sim_sensor camera = {

@@ -2,7 +2,7 @@
 #ifndef SIM_RENDER_PORTRAIT_H
 #define SIM_RENDER_PORTRAIT_H
 
-#include "sim/render/sitter.h"
+#include "sim/world/scene/sitter.h"
 
 enum { SIM_PORTRAIT_COLUMNS = 190, SIM_PORTRAIT_ROWS = 260 };
 

@@ -1,9 +1,9 @@
-#include "sim/generate/room.h"
+#include "sim/world/scene/room.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 enum { SOLIDS_MAX = 5, SCRATCH = 1024 };
 

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-#include "sim/random.h"
-#include "sim/render/view.h"
+#include "sim/base/random.h"
+#include "sim/world/view/view.h"
 
 struct sim_room;
 

@@ -1,12 +1,12 @@
-#include "sim/render/sitter.h"
+#include "sim/world/scene/sitter.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/face/skin.h"
-#include "sim/prop/hair.h"
-#include "sim/prop/solid.h"
-#include "sim/prop/torso.h"
+#include "sim/world/face/skin.h"
+#include "sim/world/prop/hair.h"
+#include "sim/world/prop/solid.h"
+#include "sim/world/prop/torso.h"
 
 /* The trunk turns this much of the head's yaw with it, about the base of the neck. */
 static const double torso_yaw_share = 0.25;

@@ -5,10 +5,10 @@
 #include <stdbool.h>
 
 #include "core/landmark/landmark.h"
-#include "sim/face/ict.h"
-#include "sim/face/person.h"
-#include "sim/random.h"
-#include "sim/render/view.h"
+#include "sim/base/random.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/face/person.h"
+#include "sim/world/view/view.h"
 
 /* How the person stands before the camera at one moment. With all angles 0 the face looks along the
  * optical axis. */

@@ -13,8 +13,8 @@
  * - Correlation window 9 x 7 px (Konolige and Mihelich, "Technical description of Kinect
  *   calibration", ROS).
  * - The projector is at the left in the image: shadows fall to the right of things. */
-#include "sim/sensor/sensor.h"
-#include "sim/sensor/triangulation.h"
+#include "sim/world/sensor/sensor.h"
+#include "sim/world/sensor/triangulation.h"
 
 static void measure(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm)

@@ -7,8 +7,8 @@
  * - Assumed: errors correlate over 5 px, outlines wander by 1.2 px (how stereo matching works is in
  *   Keselman et al., "Intel RealSense Stereoscopic Depth Cameras", CVPRW 2017).
  * - The left camera is the reference: what only it sees, at the left of things, is not measured. */
-#include "sim/sensor/sensor.h"
-#include "sim/sensor/triangulation.h"
+#include "sim/world/sensor/sensor.h"
+#include "sim/world/sensor/triangulation.h"
 
 static void measure(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm)

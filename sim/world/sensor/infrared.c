@@ -1,6 +1,6 @@
-#include "sim/sensor/infrared.h"
+#include "sim/world/sensor/infrared.h"
 
-#include "sim/sensor/sensor.h"
+#include "sim/world/sensor/sensor.h"
 
 /* One pixel in so many is the middle of a dot. */
 static const double dot_share = 0.1;

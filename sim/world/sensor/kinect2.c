@@ -10,8 +10,8 @@
  *   Autonomous Systems 75 (2016); here an offset common to the frame and a smooth error of half a
  *   millimetre over a face.
  * - Assumed: the albedos in the near infrared, and what mixed pixels lose. */
-#include "sim/sensor/noise_plane.h"
-#include "sim/sensor/sensor.h"
+#include "sim/world/sensor/noise_plane.h"
+#include "sim/world/sensor/sensor.h"
 
 static const double noise_mm = 0.8, noise_distance_mm = 800.0; /* for amplitude 1 */
 static const double multipath_mm = 0.5, offset_mm = 2.0;

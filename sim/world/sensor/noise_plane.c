@@ -1,4 +1,4 @@
-#include "sim/sensor/noise_plane.h"
+#include "sim/world/sensor/noise_plane.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 #ifndef SIM_SENSOR_NOISE_PLANE_H
 #define SIM_SENSOR_NOISE_PLANE_H
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 /* Fills out[height][width] with normal deviates of standard deviation 1 that are averages over
  * windows of (2 radius_u + 1) x (2 radius_v + 1) independent ones, wrapped around at the borders:

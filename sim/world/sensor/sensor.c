@@ -1,4 +1,4 @@
-#include "sim/sensor/sensor.h"
+#include "sim/world/sensor/sensor.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,17 +1,17 @@
 /* Models of depth sensors: from what is there (a finished view) to what a sensor reports.
  *
  * Every model states its constants and where they were published at the top of its .c file, and its
- * measured noise is checked against them by tests/sim/test_sensor_noise.c. */
+ * measured noise is checked against them by tests/sim/world/test_sensor_noise.c. */
 #ifndef SIM_SENSOR_SENSOR_H
 #define SIM_SENSOR_SENSOR_H
 
 #include <stdbool.h>
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 #include "core/frame/frame.h"
-#include "sim/random.h"
-#include "sim/render/view.h"
-#include "sim/sensor/infrared.h"
+#include "sim/base/random.h"
+#include "sim/world/sensor/infrared.h"
+#include "sim/world/view/view.h"
 
 /* Planes of the sensor's size for a model's own use. */
 enum { SIM_SENSOR_PLANES = 6 };
@@ -35,8 +35,9 @@ struct sim_sensor {
      * published). */
     void (*measure)(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm);
-    /* The following may be NULL: loads the module that the model needs (drivers/module.h); what the
-     * model makes for itself, once; how it gives a view the other eyes that it looks through. */
+    /* The following may be NULL: loads the module that the model needs (drivers/base/module.h);
+     * what the model makes for itself, once; how it gives a view the other eyes that it looks
+     * through. */
     int (*load)(struct iso_fault *fault);
     int (*own_new)(void **own);
     void (*own_free)(void *own);

@@ -2,7 +2,7 @@
  * stereo path (drivers/stereo), calibrated as well as a calibration is.
  *
  * - 1280 x 800, f 900 px (71 degrees wide), baseline 60 mm: a pixel of disparity is 6.7 mm at
- *   0.6 m. sim/stereo/rig.c has the other constants.
+ *   0.6 m. sim/world/stereo/rig.c has the other constants.
  * - There is no noise model: errors are those of the matching, and tests/sim/test_stereo.c measures
  *   them. noise_scale multiplies the noise of the pictures. */
 #include <errno.h>
@@ -11,8 +11,8 @@
 
 #include "drivers/stereo/stereo.h"
 #include "drivers/stereo/stereo_module.h"
-#include "sim/sensor/sensor.h"
-#include "sim/stereo/stereo_scene.h"
+#include "sim/world/sensor/sensor.h"
+#include "sim/world/stereo/stereo_scene.h"
 
 struct pair {
     struct iso_stereo *stereo;

@@ -6,8 +6,8 @@
  * - Assumed: a level is 0.4 mm, so that 255 of them hold a face from the nose tip to the temples;
  *   noise of a studio stereo rig, 0.25 mm, smooth over about 3 mm. Levels stand on an offset,
  *   because recordings hold depths from a camera. */
-#include "sim/sensor/noise_plane.h"
-#include "sim/sensor/sensor.h"
+#include "sim/world/sensor/noise_plane.h"
+#include "sim/world/sensor/sensor.h"
 
 static const double level_mm = 0.4, noise_mm = 0.25;
 static const double cosine_min = 0.2;

@@ -1,6 +1,6 @@
-#include "sim/sensor/triangulation.h"
+#include "sim/world/sensor/triangulation.h"
 
-#include "sim/sensor/noise_plane.h"
+#include "sim/world/sensor/noise_plane.h"
 
 /* Depths that differ by less are one surface. */
 static const float jump_mm = 12.0f;

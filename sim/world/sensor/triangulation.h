@@ -3,7 +3,7 @@
 #ifndef SIM_SENSOR_TRIANGULATION_H
 #define SIM_SENSOR_TRIANGULATION_H
 
-#include "sim/sensor/sensor.h"
+#include "sim/world/sensor/sensor.h"
 
 struct sim_triangulation {
     double focal_px, baseline_mm;

@@ -5,8 +5,8 @@
  * on external influences of the iPhone X TrueDepth sensor", Proc. SPIE 11144 (2019). Assumed here:
  * 640 x 480, f 600 px, baseline 27 mm; 0.4 mm of noise at 0.4 m, which is 0.040 px of disparity,
  * smooth over 5 px; steps of 1/64 px; counts of 0.1 mm. */
-#include "sim/sensor/sensor.h"
-#include "sim/sensor/triangulation.h"
+#include "sim/world/sensor/sensor.h"
+#include "sim/world/sensor/triangulation.h"
 
 static void measure(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm)

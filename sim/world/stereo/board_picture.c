@@ -1,4 +1,4 @@
-#include "sim/stereo/board_picture.h"
+#include "sim/world/stereo/board_picture.h"
 
 #include <stddef.h>
 

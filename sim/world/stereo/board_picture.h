@@ -3,8 +3,8 @@
 #define SIM_STEREO_BOARD_PICTURE_H
 
 #include "drivers/stereo/board.h"
-#include "sim/random.h"
-#include "sim/stereo/lens.h"
+#include "sim/base/random.h"
+#include "sim/world/stereo/lens.h"
 
 /* A pose in which a rig like `calibration` sees a board well: 250 to 700 mm away, turned by up to
  * 35 degrees, its middle somewhere in the left picture. It is not said that all of it is in view.

@@ -1,4 +1,4 @@
-#include "sim/stereo/lens.h"
+#include "sim/world/stereo/lens.h"
 
 #include <errno.h>
 #include <stdlib.h>

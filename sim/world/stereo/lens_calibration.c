@@ -1,4 +1,4 @@
-#include "sim/stereo/lens_calibration.h"
+#include "sim/world/stereo/lens_calibration.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -9,11 +9,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "drivers/image/png.h"
-#include "drivers/path.h"
-#include "sim/recording/recording_ini.h"
-#include "sim/stereo/board_picture.h"
-#include "sim/stereo/rig.h"
+#include "drivers/base/path.h"
+#include "drivers/file/png.h"
+#include "drivers/recording/recording_ini.h"
+#include "sim/world/stereo/board_picture.h"
+#include "sim/world/stereo/rig.h"
 
 enum { PICTURES_MAX = 1000 };
 

@@ -1,6 +1,6 @@
-#include "sim/stereo/light.h"
+#include "sim/world/stereo/light.h"
 
-#include "sim/prop/noise3.h"
+#include "sim/base/noise3.h"
 
 /* Light of the room that reaches every point, of a frontal surface's share at 600 mm. */
 static const double ambient = 0.03;

@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-#include "sim/render/view.h"
-#include "sim/stereo/rig.h"
+#include "sim/world/stereo/rig.h"
+#include "sim/world/view/view.h"
 
 struct sim_light {
     const struct sim_stereo_rig *rig;

@@ -1,4 +1,4 @@
-#include "sim/stereo/rig.h"
+#include "sim/world/stereo/rig.h"
 
 static struct iso_stereo_calibration built(void)
 {

@@ -30,7 +30,7 @@ struct sim_stereo_rig {
 };
 
 /* 0: what believes itself exactly calibrated; 1: as good as a calibration from some 20 pictures of
- * a board is (tests/sim/test_calibrate.c measures it). */
+ * a board is (tests/sim/world/test_calibrate.c measures it). */
 struct sim_stereo_rig sim_stereo_rig(double calibration_error);
 
 #endif

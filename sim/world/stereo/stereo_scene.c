@@ -1,10 +1,10 @@
-#include "sim/stereo/stereo_scene.h"
+#include "sim/world/stereo/stereo_scene.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/stereo/lens.h"
+#include "sim/world/stereo/lens.h"
 
 /* Views of the cameras are larger than their pictures, for rays that distortion bends outwards. */
 enum { MARGIN_PX = 100, LEVELS = 4096 };

@@ -2,8 +2,8 @@
 #ifndef SIM_STEREO_STEREO_SCENE_H
 #define SIM_STEREO_STEREO_SCENE_H
 
-#include "sim/random.h"
-#include "sim/stereo/light.h"
+#include "sim/base/random.h"
+#include "sim/world/stereo/light.h"
 
 struct sim_stereo_scene;
 

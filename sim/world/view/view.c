@@ -1,4 +1,4 @@
-#include "sim/render/view.h"
+#include "sim/world/view/view.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* The true view of a scene: what an ideal sensor would see at each pixel.
  *
  * A view is cleared, solids are drawn into it in camera-frame coordinates, the nearest wins; then
- * it is finished, and sensor models (sim/sensor) read it. Created once, reused for frame after
- * frame. */
+ * it is finished, and sensor models (sim/world/sensor) read it. Created once, reused for frame
+ * after frame. */
 #ifndef SIM_RENDER_VIEW_H
 #define SIM_RENDER_VIEW_H
 

@@ -1,4 +1,4 @@
-#include "tests/bench/heat_arpack.h"
+#include "tests/bench/peers/heat_arpack.h"
 
 #include <arpack/arpack.h>
 #include <errno.h>

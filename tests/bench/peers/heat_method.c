@@ -1,4 +1,4 @@
-#include "tests/bench/heat_method.h"
+#include "tests/bench/peers/heat_method.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/heat/heat_grid.h"
+#include "core/heat/grid/heat_grid.h"
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/grid_isotherm.h"
-#include "tests/bench/heat_arpack.h"
-#include "tests/bench/heat_peers.h"
+#include "tests/bench/peers/heat_arpack.h"
+#include "tests/bench/peers/heat_peers.h"
 
 enum { EIGENPAIRS = 100, EULER_STEPS = 8 };
 

@@ -4,11 +4,11 @@
 
 #include <stdbool.h>
 
+#include "core/base/tasks.h"
 #include "core/isotherm/isotherm.h"
 #include "core/landmark/landmark.h"
-#include "core/tasks.h"
-#include "tests/core/grid_surface.h"
-#include "tests/core/matrices.h"
+#include "tests/core/surfaces/grid_surface.h"
+#include "tests/core/surfaces/matrices.h"
 
 /* The mean face as a mesh and as planes, with a heat source at each landmark. */
 struct heat_case {

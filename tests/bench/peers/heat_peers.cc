@@ -1,4 +1,4 @@
-#include "tests/bench/heat_peers.h"
+#include "tests/bench/peers/heat_peers.h"
 
 #include <cerrno>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tests/bench/icp_pcl.h"
+#include "tests/bench/peers/icp_pcl.h"
 
 #include <cerrno>
 

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "core/math/crc32.h"
+#include "core/base/crc32.h"
 
 static uint32_t bit_by_bit(const uint8_t *p, size_t n)
 {

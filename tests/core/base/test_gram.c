@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/math/gram.h"
+#include "core/base/gram.h"
 
 enum { N_MAX = 61, ROWS_MAX = 1000 };
 

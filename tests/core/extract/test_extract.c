@@ -12,13 +12,13 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
-#include "core/heat/grid_stencil.h"
+#include "core/extract/extract.h"
+#include "core/heat/grid/grid_stencil.h"
 #include "core/match/distance.h"
 #include "drivers/recording/recording.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shipped_model.h"
-#include "tests/core/tasks_backwards.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shipped_model.h"
+#include "tests/core/surfaces/tasks_backwards.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;

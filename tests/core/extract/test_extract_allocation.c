@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shipped_model.h"
+#include "core/extract/extract.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 enum { NEVER = -1, ALLOCATIONS_MAX = 200 };
 

@@ -11,8 +11,8 @@
 
 #include "core/find/pose_search.h"
 #include "core/frame/shrink.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 enum { COARSE_PX_MAX = 640 * 480, SHRINK = 3 };
 

@@ -11,13 +11,13 @@
 
 #include <cmocka.h>
 
-#include "core/heat/grid_stencil.h"
-#include "core/heat/heat_grid.h"
+#include "core/heat/grid/grid_stencil.h"
+#include "core/heat/grid/heat_grid.h"
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/grid_isotherm.h"
 #include "core/surface/triangulate.h"
-#include "tests/core/matrices.h"
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/shapes.h"
 
 enum { COUNTING_OFF = -1, ALLOCATIONS_MAX = 50 };
 

@@ -13,8 +13,8 @@
 #include "core/heat/block.h"
 #include "core/heat/factor.h"
 #include "core/heat/permuted.h"
-#include "tests/core/matrices.h"
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/shapes.h"
 
 /* L + B of a made-up face, its factor, and the matrix in the factor's order. */
 struct scene {

@@ -11,8 +11,8 @@
 #include <cmocka.h>
 
 #include "core/heat/eigenpairs.h"
-#include "tests/core/matrices.h"
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/shapes.h"
 
 /* Machine precision: these shapes are symmetric (eigenpairs.h). */
 static const double tight = 0.0;

@@ -16,10 +16,10 @@
 #include "core/landmark/head_model.h"
 #include "core/surface/raster.h"
 #include "core/surface/triangulate.h"
-#include "tests/core/matrices.h"
-#include "tests/core/reference_heat.h"
-#include "tests/core/shapes.h"
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/reference_heat.h"
+#include "tests/core/surfaces/shapes.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 enum { SOURCES = 3, TIMES = 5, RADII = 3, POINTS = 64, EIGENPAIRS = 100 };
 

@@ -12,13 +12,13 @@
 
 #include <cmocka.h>
 
-#include "core/heat/chebyshev.h"
-#include "core/heat/grid_step.h"
-#include "core/heat/heat_grid.h"
-#include "core/math/lanes.h"
-#include "tests/core/grid_surface.h"
-#include "tests/core/matrices.h"
-#include "tests/core/tasks_backwards.h"
+#include "core/base/lanes.h"
+#include "core/heat/grid/chebyshev.h"
+#include "core/heat/grid/grid_step.h"
+#include "core/heat/grid/heat_grid.h"
+#include "tests/core/surfaces/grid_surface.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/tasks_backwards.h"
 
 static float *new_plane(const struct iso_grid *grid)
 {

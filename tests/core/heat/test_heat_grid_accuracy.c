@@ -11,11 +11,11 @@
 
 #include <cmocka.h>
 
-#include "core/heat/heat_grid.h"
+#include "core/heat/grid/heat_grid.h"
 #include "core/isotherm/grid_isotherm.h"
-#include "tests/core/grid_surface.h"
-#include "tests/core/matrices.h"
-#include "tests/core/reference_heat.h"
+#include "tests/core/surfaces/grid_surface.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/reference_heat.h"
 
 enum { SOURCES = 3, TIMES = 4, RADII = 4, POINTS = 64 };
 

@@ -11,9 +11,9 @@
 #include <cmocka.h>
 
 #include "core/heat/heat_kernel.h"
-#include "tests/core/matrices.h"
-#include "tests/core/reference_heat.h"
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/reference_heat.h"
+#include "tests/core/surfaces/shapes.h"
 
 static double *column_room(const struct iso_mesh *mesh, int columns)
 {

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "tests/core/matrices.h"
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/shapes.h"
 
 static double entry(const struct iso_symmetric *a, int32_t i, int32_t j)
 {

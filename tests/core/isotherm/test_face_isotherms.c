@@ -14,10 +14,10 @@
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
 #include "core/surface/triangulate.h"
-#include "tests/core/matrices.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shapes.h"
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shapes.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 enum { COLUMNS = 91, ROWS = 81, POINTS = 24 };
 

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "core/isotherm/grid_isotherm.h"
-#include "tests/core/grid_surface.h"
+#include "tests/core/surfaces/grid_surface.h"
 
 struct fixture {
     struct grid_surface surface;

@@ -11,8 +11,8 @@
 
 #include "core/heat/heat_kernel.h"
 #include "core/isotherm/isotherm.h"
-#include "tests/core/matrices.h"
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/shapes.h"
 
 static const struct iso_vec3 origin = {0, 0, 0};
 

@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/landmark/head_model.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
 
 /* Where things are in the file of the small model below, by the layout of head_model.h. */
 enum {

@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shipped_model.h"
+#include "core/extract/extract.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 static const struct iso_vec3 middle = {0, 0, 600};
 enum { FRAME_NS = 33333333 };

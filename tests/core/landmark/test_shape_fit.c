@@ -11,8 +11,8 @@
 #include <cmocka.h>
 
 #include "core/landmark/shape_fit.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 static const struct iso_shape_fit_options usual = {
     .rigid_iterations = 4,

@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "core/match/index.h"
-#include "tests/support/scarce_memory.h"
+#include "tests/support/memory/scarce_memory.h"
 
 enum { DIMENSIONS = 150, PEOPLE = 3000, SHORTLIST = 10 };
 

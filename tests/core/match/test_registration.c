@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "core/match/icp.h"
-#include "core/match/rigid.h"
+#include "core/registration/icp.h"
+#include "core/registration/rigid.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;

@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
+#include "core/base/bytes.h"
+#include "core/base/crc32.h"
 #include "core/match/search.h"
-#include "core/math/bytes.h"
-#include "core/math/crc32.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;

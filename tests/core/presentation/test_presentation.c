@@ -9,11 +9,11 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/presentation/presentation.h"
-#include "tests/core/presented.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/presented.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 enum { SIDE = 20, GRID = SIDE * SIDE };
 

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "core/presentation/frame_memory.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum { WIDTH = 640, HEIGHT = 480, RING_MAX = 60 };
 

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "core/presentation/liveness.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 static const int64_t period_ns = 33333333;
 

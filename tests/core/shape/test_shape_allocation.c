@@ -9,11 +9,11 @@
 
 #include <cmocka.h>
 
-#include "core/shape/classifier.h"
-#include "core/shape/confusion.h"
-#include "core/shape/retrieval.h"
-#include "tests/core/shapes.h"
-#include "tests/support/scarce_memory.h"
+#include "core/shape/classify/classifier.h"
+#include "core/shape/classify/confusion.h"
+#include "core/shape/classify/retrieval.h"
+#include "tests/core/surfaces/shapes.h"
+#include "tests/support/memory/scarce_memory.h"
 
 enum { SHAPES = 3, CLASSES = 2 };
 

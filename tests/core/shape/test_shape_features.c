@@ -12,10 +12,10 @@
 
 #include <cmocka.h>
 
-#include "core/shape/method.h"
-#include "core/shape/principal.h"
-#include "core/shape/vocabulary.h"
-#include "tests/core/shapes.h"
+#include "core/shape/describe/method.h"
+#include "core/shape/describe/principal.h"
+#include "core/shape/describe/vocabulary.h"
+#include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 
 /* A sphere drawn out and bent sideways, so that nothing of it is symmetric. */

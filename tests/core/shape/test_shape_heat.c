@@ -11,10 +11,10 @@
 
 #include <cmocka.h>
 
-#include "core/shape/critical_points.h"
-#include "core/shape/heat_signature.h"
-#include "core/shape/scale_invariant.h"
-#include "tests/core/shapes.h"
+#include "core/shape/describe/critical_points.h"
+#include "core/shape/describe/heat_signature.h"
+#include "core/shape/describe/scale_invariant.h"
+#include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 
 static struct iso_shape *prepare(const struct iso_mesh *mesh, int32_t n_pairs)

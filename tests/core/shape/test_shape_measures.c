@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "core/shape/confusion.h"
-#include "core/shape/retrieval.h"
+#include "core/shape/classify/confusion.h"
+#include "core/shape/classify/retrieval.h"
 #include "tests/support/near.h"
 
 /* One query of class 7 and six items: hits at places 1, 3 and 6. */

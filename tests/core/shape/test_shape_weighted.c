@@ -13,8 +13,8 @@
 #include <cmocka.h>
 
 #include "core/heat/eigenpairs.h"
-#include "tests/core/matrices.h"
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/matrices.h"
+#include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 
 static struct matrices weighted_of(const struct iso_mesh *mesh, enum iso_mass kind,

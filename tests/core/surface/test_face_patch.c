@@ -12,8 +12,8 @@
 
 #include "core/surface/face_patch.h"
 #include "core/surface/raster.h"
-#include "tests/core/rendered_head.h"
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/rendered_head.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 static const struct iso_face_patch_options usual = {
     .radius_mm = 100.0, .spacing_mm = 2.0, .smoothing_mm = 3.0, .outlier_mm = 20.0};

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "tests/core/grid_surface.h"
+#include "tests/core/surfaces/grid_surface.h"
 
 static int set_up(void **state)
 {

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/shapes.h"
 
 enum { TRIANGLES_MAX = 2000 };
 

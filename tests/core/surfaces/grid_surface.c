@@ -1,5 +1,5 @@
-#include "tests/core/grid_surface.h"
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/grid_surface.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 #include <math.h>
 #include <setjmp.h>

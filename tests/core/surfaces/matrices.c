@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "tests/core/matrices.h"
+#include "tests/core/surfaces/matrices.h"
 
 struct matrices matrices_of(const struct iso_mesh *mesh, enum iso_mass kind)
 {

@@ -1,4 +1,4 @@
-#include "tests/core/presented.h"
+#include "tests/core/surfaces/presented.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "sim/prop/noise3.h"
-#include "sim/prop/solid.h"
+#include "sim/base/noise3.h"
+#include "sim/world/prop/solid.h"
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 

@@ -8,8 +8,8 @@
 #include <stdbool.h>
 
 #include "core/landmark/head_model.h"
-#include "sim/random.h"
-#include "sim/sensor/sensor.h"
+#include "sim/base/random.h"
+#include "sim/world/sensor/sensor.h"
 
 struct presented {
     const struct sim_sensor *sensor;

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "tests/core/reference_heat.h"
+#include "tests/core/surfaces/reference_heat.h"
 
 enum { TIMES_MAX = 8, DEGREE_MAX = 4000, CG_STEPS_MAX = 200 };
 

@@ -5,7 +5,7 @@
 #define TESTS_CORE_REFERENCE_HEAT_H
 
 #include "core/surface/mesh.h"
-#include "tests/core/matrices.h"
+#include "tests/core/surfaces/matrices.h"
 
 /* Heat column of one source at n_times times, out[j * n] for time j, relative error about 1e-11.
  * Ends the test if it cannot get that far. */

@@ -1,4 +1,4 @@
-#include "tests/core/rendered_head.h"
+#include "tests/core/surfaces/rendered_head.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "tests/core/shapes.h"
+#include "tests/core/surfaces/shapes.h"
 
 static struct iso_mesh *new_mesh(int32_t n_vertices, int32_t n_triangles)
 {

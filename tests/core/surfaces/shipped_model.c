@@ -1,4 +1,4 @@
-#include "tests/core/shipped_model.h"
+#include "tests/core/surfaces/shipped_model.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,7 +3,7 @@
 #ifndef TESTS_CORE_TASKS_BACKWARDS_H
 #define TESTS_CORE_TASKS_BACKWARDS_H
 
-#include "core/tasks.h"
+#include "core/base/tasks.h"
 
 enum { TASKS_BACKWARDS_WORKERS = 3 };
 

@@ -1,4 +1,4 @@
-#include "tests/drivers/door_contract.h"
+#include "tests/drivers/door/door_contract.h"
 
 #include <errno.h>
 #include <poll.h>

@@ -9,9 +9,9 @@
 #include <cmocka.h>
 
 #include "drivers/door/door_null.h"
-#include "tests/drivers/door_contract.h"
-#include "tests/support/fake_gpio.h"
-#include "tests/support/manual_clock.h"
+#include "tests/drivers/door/door_contract.h"
+#include "tests/support/devices/fake_gpio.h"
+#include "tests/support/devices/manual_clock.h"
 
 static int64_t now_ns;
 

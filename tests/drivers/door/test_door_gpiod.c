@@ -11,8 +11,8 @@
 #include <cmocka.h>
 
 #include "drivers/door/door_gpiod.h"
-#include "tests/support/fake_gpio.h"
-#include "tests/support/manual_clock.h"
+#include "tests/support/devices/fake_gpio.h"
+#include "tests/support/devices/manual_clock.h"
 
 #define MS INT64_C(1000000)
 

@@ -11,7 +11,7 @@
 
 #include "drivers/door/door_io.h"
 #include "drivers/door/door_null.h"
-#include "tests/support/manual_clock.h"
+#include "tests/support/devices/manual_clock.h"
 
 static struct puppet {
     int check_error, open_error, error;

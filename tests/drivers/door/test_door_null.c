@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "drivers/door/door_null.h"
-#include "tests/support/manual_clock.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 
 static int64_t now_ns;

@@ -14,7 +14,7 @@
 
 #include "drivers/door/door_io.h"
 #include "drivers/door/gpio_line.h"
-#include "tests/support/manual_clock.h"
+#include "tests/support/devices/manual_clock.h"
 
 static int64_t now_ns;
 

@@ -12,11 +12,11 @@
 #include <cmocka.h>
 
 #include "drivers/door/door_io.h"
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 #include "drivers/recording/recording.h"
-#include "drivers/sensor/sensor.h"
-#include "tests/support/manual_clock.h"
-#include "tests/support/scarce_memory.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "tests/support/devices/manual_clock.h"
+#include "tests/support/memory/scarce_memory.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

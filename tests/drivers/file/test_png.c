@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 #include "tests/support/scratch.h"
 
 enum { WIDTH = 11, HEIGHT = 6 };

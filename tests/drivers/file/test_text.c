@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "drivers/path.h"
-#include "drivers/text.h"
+#include "drivers/base/path.h"
+#include "drivers/file/text.h"
 #include "tests/support/scratch.h"
 
 static void reads_a_file_whole(void **state)

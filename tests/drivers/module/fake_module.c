@@ -1,6 +1,6 @@
 /* A shared object that is a module, or nearly: built several times, with one thing wrong each time
  * (tests/drivers/CMakeLists.txt). */
-#include "tests/drivers/fake_module.h"
+#include "tests/drivers/module/fake_module.h"
 
 #ifndef FAKE_ABI
 #define FAKE_ABI ISO_MODULE_ABI

@@ -2,7 +2,7 @@
 #ifndef TESTS_DRIVERS_FAKE_MODULE_H
 #define TESTS_DRIVERS_FAKE_MODULE_H
 
-#include "drivers/module.h"
+#include "drivers/base/module.h"
 
 enum { FAKE_ANSWER = 4711 };
 

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "tests/drivers/fake_module.h"
+#include "tests/drivers/module/fake_module.h"
 #include "tests/support/scratch.h"
 
 /* One of those that were built. */

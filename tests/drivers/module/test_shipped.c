@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/shipped.h"
+#include "drivers/base/shipped.h"
 #include "tests/support/scratch.h"
 
 static const char *directory_of(const char *root, const char *program)

@@ -13,9 +13,9 @@
 #include <tss2/tss2_tctildr.h>
 
 #include "drivers/counter/tpm2_counter.h"
-#include "tests/enroll/private_bus.h"
+#include "tests/support/devices/soft_tpm.h"
+#include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
-#include "tests/support/soft_tpm.h"
 
 enum { INDEX = 0x01804953 };
 

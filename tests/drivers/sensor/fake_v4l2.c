@@ -1,4 +1,4 @@
-#include "tests/drivers/fake_v4l2.h"
+#include "tests/drivers/sensor/fake_v4l2.h"
 
 #include <errno.h>
 #include <linux/videodev2.h>

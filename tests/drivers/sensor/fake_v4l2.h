@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "drivers/sensor/sensor_v4l2_system.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_system.h"
 
 enum { FAKE_CAMERAS = 2, FAKE_BUFFERS = 8 };
 

@@ -10,8 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "drivers/option.h"
-#include "drivers/sensor/sensor.h"
+#include "drivers/base/option.h"
+#include "drivers/sensor/contract/sensor.h"
 
 enum { SENSOR_STAGE_FRAMES = 5, SENSOR_STAGE_OPTIONS = 8 };
 

@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#include "tests/drivers/sensor_contract.h"
+#include "tests/drivers/sensor/sensor_contract.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

@@ -8,10 +8,10 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor_openni2.h"
-#include "tests/drivers/sensor_contract.h"
-#include "tests/support/camera_bench.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/openni2/sensor_openni2.h"
+#include "tests/drivers/sensor/sensor_contract.h"
+#include "tests/support/devices/camera_bench.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

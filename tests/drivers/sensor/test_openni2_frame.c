@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/openni2_frame.h"
+#include "drivers/sensor/openni2/openni2_frame.h"
 
 enum { WIDTH = 4, HEIGHT = 3 };
 

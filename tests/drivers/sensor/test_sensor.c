@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "tests/support/devices/manual_clock.h"
 
 /* What the back end answers, and what was asked of it. */
 static struct puppet {

@@ -9,10 +9,10 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "tests/support/devices/manual_clock.h"
+#include "tests/support/devices/stereo_wall.h"
 #include "tests/support/scratch.h"
-#include "tests/support/stereo_wall.h"
 #include "tests/support/stored_frames.h"
 
 static void count_device(const struct iso_sensor_device *device, void *context)

@@ -1,5 +1,5 @@
-/* What every back end of the sensor class owes its user (drivers/sensor/sensor.h), on every stage
- * (sensor_contract.h). What a stage cannot show is counted and printed. */
+/* What every back end of the sensor class owes its user (drivers/sensor/contract/sensor.h), on
+ * every stage (sensor_contract.h). What a stage cannot show is counted and printed. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor.h"
-#include "tests/drivers/sensor_contract.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "tests/drivers/sensor/sensor_contract.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/libcamera_pair.h"
-#include "drivers/sensor/sensor.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/libcamera/libcamera_pair.h"
+#include "tests/support/devices/manual_clock.h"
+#include "tests/support/devices/stereo_wall.h"
 #include "tests/support/scratch.h"
-#include "tests/support/stereo_wall.h"
 
 static int64_t now_ns = 1000;
 

@@ -11,10 +11,10 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor.h"
-#include "drivers/sensor/sensor_openni2.h"
-#include "tests/support/camera_bench.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "drivers/sensor/openni2/sensor_openni2.h"
+#include "tests/support/devices/camera_bench.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

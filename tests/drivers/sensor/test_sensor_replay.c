@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor_replay.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/replay/sensor_replay.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

@@ -13,10 +13,10 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/picture_pair.h"
-#include "drivers/sensor/sensor_v4l2.h"
-#include "tests/drivers/fake_v4l2.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/picture/picture_pair.h"
+#include "drivers/sensor/v4l2/sensor_v4l2.h"
+#include "tests/drivers/sensor/fake_v4l2.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 
 #define MS INT64_C(1000000)

@@ -14,11 +14,11 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/sensor_v4l2_stereo.h"
-#include "tests/drivers/fake_v4l2.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/sensor/v4l2/sensor_v4l2_stereo.h"
+#include "tests/drivers/sensor/fake_v4l2.h"
+#include "tests/support/devices/manual_clock.h"
+#include "tests/support/devices/stereo_wall.h"
 #include "tests/support/scratch.h"
-#include "tests/support/stereo_wall.h"
 
 #define MS INT64_C(1000000)
 

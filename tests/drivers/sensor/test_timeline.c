@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "drivers/sensor/timeline.h"
+#include "drivers/sensor/contract/timeline.h"
 
 #define MS INT64_C(1000000)
 

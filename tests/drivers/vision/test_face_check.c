@@ -11,11 +11,11 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "drivers/recording/recording.h"
 #include "drivers/vision/face_check.h"
 #include "drivers/vision/face_detector.h"
-#include "tests/support/painted_face.h"
+#include "tests/support/devices/painted_face.h"
 #include "tests/support/scratch.h"
 
 #define STORED ISOTHERM_SOURCE_DIR "/sim/stored/"

@@ -13,7 +13,7 @@
 #include "drivers/terminal/progress.h"
 #include "drivers/terminal/terminal.h"
 #include "drivers/terminal/words.h"
-#include "tests/support/pseudo_terminal.h"
+#include "tests/support/devices/pseudo_terminal.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

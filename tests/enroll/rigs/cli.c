@@ -1,4 +1,4 @@
-#include "tests/enroll/cli.h"
+#include "tests/enroll/rigs/cli.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "tests/support/child_end.h"
-#include "tests/support/pseudo_terminal.h"
+#include "tests/support/devices/pseudo_terminal.h"
 
 static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
 

@@ -5,9 +5,9 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include "tests/enroll/fake_door.h"
-#include "tests/enroll/private_bus.h"
-#include "tests/enroll/run.h"
+#include "tests/enroll/rigs/fake_door.h"
+#include "tests/support/programs/private_bus.h"
+#include "tests/support/programs/run.h"
 
 /* Starts the bus that all tests of a program share; false if the program is to be skipped. */
 bool cli_find_bus(void);

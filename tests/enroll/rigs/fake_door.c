@@ -1,4 +1,4 @@
-#include "tests/enroll/fake_door.h"
+#include "tests/enroll/rigs/fake_door.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,8 +22,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "core/contract.h"
-#include "tests/enroll/fake_work.h"
+#include "firmware/contract/contract.h"
+#include "tests/enroll/rigs/fake_work.h"
 
 enum { RECORD_SIZE = 512 };
 enum { LOG_RECORDS_MAX = 100 }; /* that are handed out at once: fewer than may be asked for */

@@ -1,6 +1,7 @@
-/* A stand-in for the daemon: it has the name, object and interface of core/contract.h, keeps to the
- * signatures written there, and does what a script says. It runs in a process of its own. Stricter
- * than the daemon: an action without a claim, a second claim and a stop without a start fail. */
+/* A stand-in for the daemon: it has the name, object and interface of firmware/contract/contract.h,
+ * keeps to the signatures written there, and does what a script says. It runs in a process of its
+ * own. Stricter than the daemon: an action without a claim, a second claim and a stop without a
+ * start fail. */
 #ifndef TEST_FAKE_DOOR_H
 #define TEST_FAKE_DOOR_H
 

@@ -1,4 +1,4 @@
-#include "tests/enroll/fake_manager.h"
+#include "tests/enroll/rigs/fake_manager.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,9 @@
-#include "tests/enroll/fake_work.h"
+#include "tests/enroll/rigs/fake_work.h"
 
 #include <string.h>
 #include <time.h>
 
-#include "core/contract.h"
+#include "firmware/contract/contract.h"
 
 static void pause_ms(unsigned ms)
 {

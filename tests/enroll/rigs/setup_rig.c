@@ -1,4 +1,4 @@
-#include "tests/enroll/setup_rig.h"
+#include "tests/enroll/rigs/setup_rig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,8 +22,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "enroll/setup/text_file.h"
-#include "tests/enroll/private_bus.h"
+#include "enroll/cli/machine/text_file.h"
+#include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
 
 enum { SILENCE_MS = 60 * 1000 };

@@ -3,9 +3,9 @@
 #ifndef TEST_SETUP_RIG_H
 #define TEST_SETUP_RIG_H
 
-#include "enroll/setup/setup.h"
-#include "tests/enroll/fake_door.h"
-#include "tests/enroll/fake_manager.h"
+#include "enroll/cli/setup/setup.h"
+#include "tests/enroll/rigs/fake_door.h"
+#include "tests/enroll/rigs/fake_manager.h"
 
 struct setup_rig {
     struct cli_setup_places places;

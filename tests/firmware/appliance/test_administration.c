@@ -6,14 +6,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "firmware/administration.h"
-#include "firmware/journal.h"
-#include "tests/firmware/puppets.h"
-#include "tests/firmware/rig.h"
-#include "tests/firmware/stores.h"
+#include "firmware/appliance/administration.h"
+#include "firmware/audit/journal.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/firmware/rigs/stores.h"
 #include "tests/support/scratch.h"
 
 static const struct iso_transfer_lock lock = {.key = {{7}}};

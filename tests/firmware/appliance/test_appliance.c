@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "tests/firmware/rig.h"
+#include "tests/firmware/rigs/rig.h"
 #include "tests/support/scratch.h"
 
 /* ---- visits ---- */

@@ -3,12 +3,12 @@
 #include <errno.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/state_counter.h"
-#include "tests/firmware/puppet_counter.h"
-#include "tests/firmware/rig.h"
-#include "tests/firmware/stores.h"
+#include "firmware/keys/state_counter.h"
+#include "tests/firmware/rigs/puppet_counter.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/firmware/rigs/stores.h"
 
 static struct puppet_counter puppet;
 

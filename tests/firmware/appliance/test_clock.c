@@ -2,11 +2,11 @@
  * the fault is told and on record, and a restart forgets nothing of it. */
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/firmware/puppets.h"
-#include "tests/firmware/rig.h"
-#include "tests/firmware/stores.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/firmware/rigs/stores.h"
 
 enum { ANNA = 50, BOB = 80 }; /* until an hour after the start; without limits */
 

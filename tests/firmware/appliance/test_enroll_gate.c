@@ -1,12 +1,12 @@
 /* What an enrolment asks of a frame, and what is said of where it looks. */
 #include <math.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/enroll_gate.h"
-#include "firmware/times.h"
-#include "firmware/view.h"
-#include "tests/firmware/puppets.h"
+#include "drivers/base/times.h"
+#include "firmware/appliance/enroll_gate.h"
+#include "firmware/appliance/view.h"
+#include "tests/firmware/rigs/puppets.h"
 
 static const struct iso_enroll_gate gate = {
     .yaw_max_rad = 15 * ISO_RAD_PER_DEG,

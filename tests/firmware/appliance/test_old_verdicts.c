@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "firmware/administration.h"
-#include "tests/firmware/rig.h"
-#include "tests/firmware/stores.h"
-#include "tests/support/manual_clock.h"
+#include "firmware/appliance/administration.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/firmware/rigs/stores.h"
+#include "tests/support/devices/manual_clock.h"
 
 enum { STALE_MS = 1000 };
 

@@ -4,11 +4,11 @@
 #include <errno.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/appliance.h"
-#include "sim/random.h"
-#include "tests/firmware/rig.h"
+#include "firmware/appliance/appliance.h"
+#include "sim/base/random.h"
+#include "tests/firmware/rigs/rig.h"
 
 enum { WIDTH = 160, HEIGHT = 120, NOSE_MM = 700, QUEUE_MAX = 64, CODE_PX = 3 };
 

@@ -2,12 +2,12 @@
 #include <errno.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/sensor_keeper.h"
-#include "firmware/times.h"
-#include "tests/firmware/puppets.h"
-#include "tests/support/manual_clock.h"
+#include "drivers/base/times.h"
+#include "firmware/appliance/sensor_keeper.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/support/devices/manual_clock.h"
 
 #define MS ISO_NS_PER_MS
 

@@ -1,6 +1,6 @@
 /* What stands still before the camera: furniture, of which nobody is told. */
-#include "tests/firmware/cmocka_headers.h"
-#include "tests/firmware/rig.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
+#include "tests/firmware/rigs/rig.h"
 
 /* A chair is no face either; but it does not move. */
 static void tells_only_what_moves_that_it_is_not_a_face(void **state)

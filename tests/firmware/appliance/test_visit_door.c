@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "firmware/cards.h"
-#include "tests/firmware/rig.h"
-#include "tests/support/manual_clock.h"
+#include "firmware/gallery/cards.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 
 static struct rig *the_rig;

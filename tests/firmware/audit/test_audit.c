@@ -8,9 +8,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/firmware/audit_rig.h"
+#include "tests/firmware/rigs/audit_rig.h"
 #include "tests/support/child_end.h"
 #include "tests/support/scratch.h"
 

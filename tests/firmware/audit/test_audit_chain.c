@@ -6,10 +6,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/audit_state.h"
-#include "tests/firmware/audit_rig.h"
+#include "firmware/audit/audit_state.h"
+#include "tests/firmware/rigs/audit_rig.h"
 #include "tests/support/scratch.h"
 
 /* ---- damage ---- */

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/firmware/audit_rig.h"
+#include "tests/firmware/rigs/audit_rig.h"
 #include "tests/support/scratch.h"
 
 enum { GROUP = 5 };

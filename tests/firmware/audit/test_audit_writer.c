@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/audit_writer.h"
-#include "tests/firmware/audit_rig.h"
-#include "tests/firmware/rig.h"
-#include "tests/support/slow_disk.h"
+#include "firmware/audit/audit_writer.h"
+#include "tests/firmware/rigs/audit_rig.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/support/disk/slow_disk.h"
 
 enum { MOMENT_MS = 20 };
 

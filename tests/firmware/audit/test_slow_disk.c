@@ -11,14 +11,14 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/journal.h"
-#include "firmware/door_options.h"
-#include "tests/firmware/rig.h"
-#include "tests/firmware/stores.h"
-#include "tests/support/slow_disk.h"
-#include "tests/support/wired_door.h"
+#include "firmware/audit/journal.h"
+#include "firmware/config/door_options.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/firmware/rigs/stores.h"
+#include "tests/support/devices/wired_door.h"
+#include "tests/support/disk/slow_disk.h"
 
 enum { STOPPED_S = 3, UNLOCK_MS = 50, VISITS_MAX = 100, LONG_MS = 600000 };
 

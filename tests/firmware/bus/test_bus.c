@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/contract.h"
-#include "tests/firmware/bus_rig.h"
+#include "firmware/contract/contract.h"
+#include "tests/firmware/rigs/bus_rig.h"
 
 /* EnrollStart with one option. */
 static const char *call_enroll(struct bus_rig *fixture, const char *person, const char *option,

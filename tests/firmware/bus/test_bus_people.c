@@ -2,10 +2,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/contract.h"
-#include "tests/firmware/bus_rig.h"
+#include "firmware/contract/contract.h"
+#include "tests/firmware/rigs/bus_rig.h"
 
 /* What EnrollStart answers of a name, "" if nobody has it. */
 static const char *known_of(struct bus_rig *f, const char *person)

@@ -12,11 +12,11 @@
 #include <systemd/sd-bus.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/contract.h"
-#include "tests/enroll/private_bus.h"
+#include "firmware/contract/contract.h"
 #include "tests/support/child_end.h"
+#include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
 
 #define POLICY ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Isotherm.conf"

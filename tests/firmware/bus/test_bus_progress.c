@@ -4,10 +4,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/contract.h"
-#include "tests/firmware/bus_rig.h"
+#include "firmware/contract/contract.h"
+#include "tests/firmware/rigs/bus_rig.h"
 
 enum { PEOPLE = 100, RECORDS = 200, STEP_MS = 20, SIGNAL_STEPS = 500 / STEP_MS };
 

@@ -3,12 +3,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/contract.h"
-#include "tests/firmware/bus_rig.h"
+#include "firmware/contract/contract.h"
+#include "tests/firmware/rigs/bus_rig.h"
 
-/* Every word of core/capture.h goes out as what it is. */
+/* Every word of core/base/capture.h goes out as what it is. */
 static void tells_everybody_every_hint(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);

@@ -2,10 +2,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/call_rate.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/bus/call_rate.h"
 
 static struct iso_call_rate rate;
 static int64_t now_ns;

@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/gpio_line.h"
-#include "drivers/sensor/sensor.h"
-#include "firmware/config.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "firmware/config/config.h"
 #include "tests/support/scratch.h"
 
 #define BOARDS ISOTHERM_SOURCE_DIR "/board/"

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/match/distance.h"
-#include "firmware/config.h"
+#include "firmware/config/config.h"
 #include "tests/support/scratch.h"
 
 static void holds_defaults_without_a_file(void **state)

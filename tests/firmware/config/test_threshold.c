@@ -2,9 +2,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/firmware/rig.h"
+#include "tests/firmware/rigs/rig.h"
 
 static int many_people_setup(void **state)
 {

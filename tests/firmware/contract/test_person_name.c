@@ -4,9 +4,9 @@
 #include <string.h>
 #include <unistr.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/person_name.h"
+#include "firmware/contract/person_name.h"
 
 static struct iso_person_name_key key_of(const char *name)
 {

@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/json_line.h"
-#include "firmware/person_name.h"
-#include "firmware/utf8.h"
+#include "drivers/base/utf8.h"
+#include "firmware/contract/json_line.h"
+#include "firmware/contract/person_name.h"
 
 static void decodes_utf8(void **state)
 {

@@ -1,9 +1,9 @@
 /* Limits of validity: what a change leaves, what is refused, and how it reads. */
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/validity.h"
+#include "firmware/contract/validity.h"
 
 enum { NOW = 1795250000 }; /* 2026-11-21T08:33:20Z */
 

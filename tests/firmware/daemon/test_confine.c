@@ -17,10 +17,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/process/thread.h"
-#include "firmware/confine.h"
+#include "firmware/daemon/confine.h"
 #include "tests/support/child_end.h"
 #include "tests/support/scratch.h"
 

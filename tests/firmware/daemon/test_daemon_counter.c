@@ -4,13 +4,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/enroll/private_bus.h"
-#include "tests/enroll/run.h"
-#include "tests/firmware/file_mix.h"
+#include "tests/firmware/rigs/file_mix.h"
+#include "tests/support/devices/soft_tpm.h"
+#include "tests/support/programs/private_bus.h"
+#include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
-#include "tests/support/soft_tpm.h"
 
 #define DAEMON ISOTHERM_BINARY_DIR "/firmware/isothermd"
 #define CLIENT ISOTHERM_BINARY_DIR "/enroll/isotherm"

@@ -10,10 +10,10 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/enroll/private_bus.h"
-#include "tests/enroll/run.h"
+#include "tests/support/programs/private_bus.h"
+#include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
 #define PROGRAM ISOTHERM_BINARY_DIR "/firmware/isothermd"

@@ -7,11 +7,11 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/disk_wait.h"
-#include "firmware/life_sign.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "drivers/file/disk_wait.h"
+#include "firmware/daemon/life_sign.h"
 
 static struct iso_life_sign *sign;
 static atomic_int extended, fed, others;

@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/door.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/door/door.h"
 
 #define S ISO_NS_PER_S
 

@@ -3,12 +3,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/base/times.h"
 #include "drivers/door/door_null.h"
-#include "firmware/door_control.h"
-#include "firmware/times.h"
-#include "tests/support/manual_clock.h"
+#include "firmware/door/door_control.h"
+#include "tests/support/devices/manual_clock.h"
 
 #define MS ISO_NS_PER_MS
 

@@ -7,11 +7,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/door_guard.h"
-#include "firmware/times.h"
-#include "tests/support/wired_door.h"
+#include "drivers/base/times.h"
+#include "firmware/door/door_guard.h"
+#include "tests/support/devices/wired_door.h"
 
 static struct iso_door_io *io;
 static struct iso_door_guard *guard;

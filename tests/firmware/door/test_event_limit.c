@@ -1,10 +1,10 @@
 /* Events that come too often are counted, and reported with their number. */
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/door_events.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/door/door_events.h"
 
 enum { BURST = ISO_EVENT_LIMIT_BURST };
 

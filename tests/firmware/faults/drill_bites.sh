@@ -13,7 +13,7 @@
 #   5  files of an earlier time, in any mixture, are refused
 #   6  whatever else the plans of faults (make drill) have to find
 set -euo pipefail
-root=$(cd "$(dirname "$0")/../.." && pwd)
+root=$(cd "$(dirname "$0")/../../.." && pwd)
 build=$(cd "$1" && pwd)
 only=${2:-}
 copy=$(mktemp -d "${TMPDIR:-/var/tmp}/drill-bites.XXXXXX")
@@ -118,68 +118,68 @@ mistake() {
 # ---- 1: the truth is read from the disk ----
 rule=1
 judges=('storage_faults 3 remove')
-mistake 'commit: an error is believed' firmware/gallery_db.c \
+mistake 'commit: an error is believed' firmware/gallery/gallery_db.c \
     'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'db->draft = error ? db->head : db->draft;'
-mistake 'commit: an error is taken for a success' firmware/gallery_db.c \
+mistake 'commit: an error is taken for a success' firmware/gallery/gallery_db.c \
     'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'error = 0;'
-mistake 'commit: what is done is told as undone' firmware/gallery_truth.c \
+mistake 'commit: what is done is told as undone' firmware/gallery/gallery_truth.c \
     'if (is_same(&db->head, &after)) {' 'if (is_same(&db->head, &after) && is_same(&db->head, &before)) {'
-mistake 'commit: what is undone is told as done' firmware/gallery_truth.c \
+mistake 'commit: what is undone is told as done' firmware/gallery/gallery_truth.c \
     'if (is_same(&db->head, &after)) {' 'if (is_same(&db->head, &after) || is_same(&db->head, &before)) {'
-mistake 'commit: the old connection is asked' firmware/gallery_truth.c \
+mistake 'commit: the old connection is asked' firmware/gallery/gallery_truth.c \
     'iso__gallery_disconnect(db);
     int error = iso__gallery_connect(db, db->path, fault);' 'int error = 0;'
-mistake 'commit: the head is not read again' firmware/gallery_truth.c \
+mistake 'commit: the head is not read again' firmware/gallery/gallery_truth.c \
     'error = error ? error : iso__gallery_read_head(db, fault);' ''
 judges=('storage_faults 3 enrol')
-mistake 'commit: an error of an enrolment is swallowed' firmware/gallery.c \
+mistake 'commit: an error of an enrolment is swallowed' firmware/gallery/gallery.c \
     'error = iso_gallery_db_end(gallery->db, error, fault);' 'error = iso_gallery_db_end(gallery->db, error, fault) ? 0 : error;'
-mistake 'commit: out of service, and it goes on' firmware/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
+mistake 'commit: out of service, and it goes on' firmware/gallery/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
 judges=('storage_faults 3 rename' 'storage_faults 1 rename')
-mistake 'commit: the directory is not synchronised' firmware/gallery_truth.c \
+mistake 'commit: the directory is not synchronised' firmware/gallery/gallery_truth.c \
     'return iso_directory_sync(db->path, fault);' 'return 0 * fault->text[0];'
 judges=('storage_faults 3 log')
-mistake 'log: an exchange of files is believed' firmware/audit_rotate.c \
+mistake 'log: an exchange of files is believed' firmware/audit/audit_rotate.c \
     '(void)!iso__audit_recover(audit, NULL); /* or before the next record */' ';'
-mistake 'log: a failed group counts' firmware/audit_append.c 'put_back(audit, before);' '(void)put_back;'
+mistake 'log: a failed group counts' firmware/audit/audit_append.c 'put_back(audit, before);' '(void)put_back;'
 judges=(test_firmware_audit_chain)
-mistake 'log: who lacks records is taken for the log' firmware/audit_truth.c 'if (!has_all(found, audit)) {' 'if (!has_all(found, audit) && !found) {'
+mistake 'log: who lacks records is taken for the log' firmware/audit/audit_truth.c 'if (!has_all(found, audit)) {' 'if (!has_all(found, audit) && !found) {'
 judges=('storage_faults 1 lockdown')
-mistake 'lock-out: ended in memory only' firmware/appliance_refusal.c 'appliance->lockout = *before;' '(void)before;'
-mistake 'lock-out: nobody asks what the file holds' firmware/appliance_refusal.c \
+mistake 'lock-out: ended in memory only' firmware/appliance/appliance_refusal.c 'appliance->lockout = *before;' '(void)before;'
+mistake 'lock-out: nobody asks what the file holds' firmware/appliance/appliance_refusal.c \
     'if (error && !is_kept(appliance)) {' 'if (error && (!is_kept(appliance) || error)) {' \
-    firmware/lockout_file.c \
+    firmware/visit/lockout_file.c \
     'if (error && iso_data_file_holds(path, bytes, sizeof bytes)) {' 'if (error && size_of_nothing(path)) {' \
-    firmware/lockout_file.c 'int iso_lockout_save(' 'static int size_of_nothing(const char *path) { return !path; }
+    firmware/visit/lockout_file.c 'int iso_lockout_save(' 'static int size_of_nothing(const char *path) { return !path; }
 int iso_lockout_save('
 
 # ---- 2: the door waits for nobody ----
 rule=2
 judges=(test_firmware_slow_disk)
-mistake 'door: it waits for its records' firmware/appliance_door.c \
+mistake 'door: it waits for its records' firmware/appliance/appliance_door.c \
     'iso_audit_writer_post(appliance->log, &record, NULL)' \
     'iso_audit_writer_append(appliance->log, &record, ISO_NEVER_NS, NULL, NULL)'
-mistake 'door: it waits for whoever steps the appliance' firmware/door_options.c \
+mistake 'door: it waits for whoever steps the appliance' firmware/config/door_options.c \
     '.threaded = threaded,' '.threaded = false && threaded,'
-mistake 'door: the queue is locked while the disk works' firmware/audit_group.c \
+mistake 'door: the queue is locked while the disk works' firmware/audit/audit_group.c \
     '(void)pthread_mutex_unlock(&writer->mutex);
     (void)pthread_mutex_lock(&writer->log_mutex);' '(void)pthread_mutex_lock(&writer->log_mutex);' \
-    firmware/audit_group.c \
+    firmware/audit/audit_group.c \
     '(void)pthread_mutex_lock(&writer->mutex);
     writer->last = iso_audit_last(writer->audit);' 'writer->last = iso_audit_last(writer->audit);'
-mistake 'grant: it waits for its record without an end' firmware/appliance.c \
+mistake 'grant: it waits for its record without an end' firmware/appliance/appliance.c \
     'iso_audit_writer_append(appliance->log, record, wait_ns, NULL, &own);' \
     'iso_audit_writer_append(appliance->log, record, ISO_NEVER_NS, NULL, &own);'
-mistake 'grant: the door opens while its record waits' firmware/appliance_visit.c \
+mistake 'grant: the door opens while its record waits' firmware/appliance/appliance_visit.c \
     'error ? reason_of(error) : open_door(appliance, visit);' \
     'error == -ETIMEDOUT ? open_door(appliance, visit) : error ? reason_of(error) : open_door(appliance, visit);'
-mistake 'grant: a full queue lets somebody in' firmware/appliance_visit.c \
+mistake 'grant: a full queue lets somebody in' firmware/appliance/appliance_visit.c \
     'error ? reason_of(error) : open_door(appliance, visit);' \
     'error == -ENOBUFS ? open_door(appliance, visit) : error ? reason_of(error) : open_door(appliance, visit);'
-mistake 'door: each edge of a contact that chatters is a record' firmware/event_limit.c \
+mistake 'door: each edge of a contact that chatters is a record' firmware/door/event_limit.c \
     'limit->passed < ISO_EVENT_LIMIT_BURST' 'limit->passed < 1000000'
 judges=(test_firmware_door_guard)
-mistake 'door: it waits until its news are taken' firmware/door_guard.c \
+mistake 'door: it waits until its news are taken' firmware/door/door_guard.c \
     'if (guard->n == ISO_DOOR_GUARD_NEWS) {' \
     'while (guard->n == ISO_DOOR_GUARD_NEWS) {
         (void)pthread_mutex_unlock(&guard->mutex);
@@ -187,58 +187,58 @@ mistake 'door: it waits until its news are taken' firmware/door_guard.c \
         (void)pthread_mutex_lock(&guard->mutex);
     }
     if (guard->n == ISO_DOOR_GUARD_NEWS) {'
-mistake 'door: no edge wakes it' firmware/door_guard.c '{.fd = lines_fd, .events = POLLIN},' '{.fd = lines_fd < 0 ? lines_fd : -1, .events = POLLIN},'
-mistake 'door: no time wakes it' firmware/door_guard.c '{.fd = guard->timer_fd, .events = POLLIN},' '{.fd = -1, .events = POLLIN},'
+mistake 'door: no edge wakes it' firmware/door/door_guard.c '{.fd = lines_fd, .events = POLLIN},' '{.fd = lines_fd < 0 ? lines_fd : -1, .events = POLLIN},'
+mistake 'door: no time wakes it' firmware/door/door_guard.c '{.fd = guard->timer_fd, .events = POLLIN},' '{.fd = -1, .events = POLLIN},'
 judges=(test_firmware_old_verdicts)
-mistake 'grant: its record may take 3 s' firmware/appliance.c \
+mistake 'grant: its record may take 3 s' firmware/appliance/appliance.c \
     'wait_ns = ISO_GRANT_WAIT_MS * ISO_NS_PER_MS;' 'wait_ns = 3000 * ISO_NS_PER_MS;'
-mistake 'grant: its record may take any time' firmware/appliance.c 'took_ns > wait_ns' 'took_ns < 0'
+mistake 'grant: its record may take any time' firmware/appliance/appliance.c 'took_ns > wait_ns' 'took_ns < 0'
 judges=(test_firmware_audit_writer)
-mistake 'log: a grant that was given up is written' firmware/audit_writer.c \
+mistake 'log: a grant that was given up is written' firmware/audit/audit_writer.c \
     'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled;'
-mistake 'log: a late grant has no outcome behind it' firmware/audit_group.c \
+mistake 'log: a late grant has no outcome behind it' firmware/audit/audit_group.c \
     'known ? writer->awaited.sequence : 0;' 'known ? 0 : 0;'
-mistake 'log: what was lost is not said' firmware/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
-mistake 'log: whoever posts waits' firmware/audit_writer.c \
+mistake 'log: what was lost is not said' firmware/audit/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
+mistake 'log: whoever posts waits' firmware/audit/audit_writer.c \
     'error = writer->threaded ? 0 : write_now(writer, &own);' \
     'error = writer->threaded ? !wait_for(writer, slot->ticket, ISO_NEVER_NS) : write_now(writer, &own);' \
-    firmware/audit_writer.c 'static int post(' 'static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t wait_ns);
+    firmware/audit/audit_writer.c 'static int post(' 'static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t wait_ns);
 static int post('
 judges=('test_firmware_faults 40 500')
-mistake 'disk: the door opens without a record' firmware/appliance_visit.c \
+mistake 'disk: the door opens without a record' firmware/appliance/appliance_visit.c \
     'error ? reason_of(error) : open_door(appliance, visit);' 'error ? open_door(appliance, visit) : open_door(appliance, visit);'
 
 # ---- 3: how old the frames of a grant are ----
 rule=3
 judges=(test_firmware_old_verdicts)
-mistake 'stale: nobody asks how old a grant is' firmware/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'
-mistake 'stale: nobody asks again behind the switching' firmware/door_guard.c \
+mistake 'stale: nobody asks how old a grant is' firmware/door/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'
+mistake 'stale: nobody asks again behind the switching' firmware/door/door_guard.c \
     '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0'
-mistake 'stale: by a clock that stops with the machine' firmware/door_options.c \
+mistake 'stale: by a clock that stops with the machine' firmware/config/door_options.c \
     '.clock = times->boottime.now_ns ? times->boottime : times->monotonic,' '.clock = times->monotonic,'
-mistake 'stale: the newest frame counts, not the oldest' firmware/decision.c \
+mistake 'stale: the newest frame counts, not the oldest' firmware/visit/decision.c \
     '*since_ns = decision->frames[i].t_ns;' '*since_ns = t_ns;'
-mistake 'stale: counted from the verdict' firmware/appliance_door.c \
+mistake 'stale: counted from the verdict' firmware/appliance/appliance_door.c \
     'const int64_t until_ns = since_ns + appliance->suspension.asleep_ns + stale_ns;' \
     'const int64_t until_ns = iso_times_boot_ns(&appliance->parts.times) + stale_ns + 0 * since_ns;'
-mistake 'suspended: frames from before count' firmware/appliance_frame.c \
+mistake 'suspended: frames from before count' firmware/appliance/appliance_frame.c \
     'frame->t_ns < appliance->suspension.awake_ns' 'frame->t_ns < 0'
-mistake 'suspended: a visit goes on' firmware/appliance.c \
+mistake 'suspended: a visit goes on' firmware/appliance/appliance.c \
     'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times)) {' \
     'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times) && 0) {'
-mistake 'suspended: the present time asleep is added' firmware/appliance_door.c \
+mistake 'suspended: the present time asleep is added' firmware/appliance/appliance_door.c \
     'since_ns + appliance->suspension.asleep_ns + stale_ns;' \
     'since_ns + iso_times_boot_ns(&appliance->parts.times) - iso_times_now_ns(&appliance->parts.times) + stale_ns;'
-mistake 'suspended: for less than a minute is not seen' firmware/suspension.c \
+mistake 'suspended: for less than a minute is not seen' firmware/visit/suspension.c \
     'least_ns = 10 * ISO_NS_PER_MS;' 'least_ns = 60000 * ISO_NS_PER_MS;'
 judges=(test_firmware_door_guard)
-mistake 'stale: the card of an old grant is sent' firmware/door_guard.c \
+mistake 'stale: the card of an old grant is sent' firmware/door/door_guard.c \
     'error = now_ns(guard) <= guard->granted_until_ns' 'error = now_ns(guard) <= INT64_MAX'
 judges=(test_firmware_slow_disk)
-mistake 'stale: a process that was stopped goes on' firmware/appliance.c 'took_ns > wait_ns' 'took_ns < 0' \
-    firmware/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {' \
-    firmware/door_guard.c '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0' \
-    firmware/audit_writer.c 'pthread_cond_timedwait(&writer->changed, &writer->mutex, &until);' \
+mistake 'stale: a process that was stopped goes on' firmware/appliance/appliance.c 'took_ns > wait_ns' 'took_ns < 0' \
+    firmware/door/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {' \
+    firmware/door/door_guard.c '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0' \
+    firmware/audit/audit_writer.c 'pthread_cond_timedwait(&writer->changed, &writer->mutex, &until);' \
     'pthread_cond_wait(&writer->changed, &writer->mutex);'
 
 # ---- 4: frames that repeat ----
@@ -256,67 +256,67 @@ mistake 'repeats: a ring of frames is forgotten again' core/presentation/frame_m
     'struct entry *entry = &memory->entries[memory->next];' 'if (known) { return known; }
     struct entry *entry = &memory->entries[memory->next];'
 judges=(test_firmware_repeats)
-mistake 'repeats: known frames count at the door' firmware/appliance_frame.c \
+mistake 'repeats: known frames count at the door' firmware/appliance/appliance_frame.c \
     'return !repeats && !is_echo(appliance);' 'return (repeats || !repeats) && !is_echo(appliance);'
-mistake 'repeats: known frames count for an enrolment' firmware/appliance_frame.c \
+mistake 'repeats: known frames count for an enrolment' firmware/appliance/appliance_frame.c \
     'capture = evidence ?' 'capture = evidence || appliance->mode == ISO_APPLIANCE_ENROLL ?'
-mistake 'repeats: known frames count for a client' firmware/appliance_frame.c \
+mistake 'repeats: known frames count for a client' firmware/appliance/appliance_frame.c \
     'capture = evidence ?' 'capture = evidence || appliance->mode == ISO_APPLIANCE_IDENTIFY ?'
-mistake 'repeats: frames that were moving are not remembered' firmware/appliance_frame.c \
+mistake 'repeats: frames that were moving are not remembered' firmware/appliance/appliance_frame.c \
     'const bool evidence = counts(appliance, frame);' 'const bool evidence = capture == ISO_CAPTURE_OK && counts(appliance, frame);'
-mistake 'repeats: a camera that starts again has new frames' firmware/appliance_repeat.c \
+mistake 'repeats: a camera that starts again has new frames' firmware/appliance/appliance_repeat.c \
     'appliance->repeats = (struct iso_repeat_watch){.stuck = false};
 }' 'appliance->repeats = (struct iso_repeat_watch){.stuck = false};
     const struct iso_frame_memory_options anew = iso_frame_memory_options_default();
     iso_frame_memory_free(appliance->shown);
     (void)!iso_frame_memory_new(&anew, &appliance->shown);
 }'
-mistake 'repeats: a stuck camera is not on record' firmware/repeat_watch.c \
+mistake 'repeats: a stuck camera is not on record' firmware/visit/repeat_watch.c \
     'ISO_REPEATS_TO_STUCK)' 'ISO_REPEATS_TO_STUCK * 1000)'
 judges=('test_firmware_faults 40 500')
-mistake 'twice, frozen: a frame agrees with itself' firmware/appliance_frame.c \
+mistake 'twice, frozen: a frame agrees with itself' firmware/appliance/appliance_frame.c \
     'appliance->liveness.repeated > 0;' 'appliance->liveness.repeated > 1000;'
 
 # ---- 5: files of an earlier time ----
 rule=5
 judges=(test_firmware_earlier_files)
-mistake 'earlier: nobody compares the stores' firmware/heads.c \
+mistake 'earlier: nobody compares the stores' firmware/keys/heads.c \
     'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
-mistake 'earlier: the daemon does not ask' firmware/parts.c \
+mistake 'earlier: the daemon does not ask' firmware/daemon/parts.c \
     'const int error = iso_heads_check(iso_key_ring_board(parts->ring), fault);' 'const int error = 0;'
-mistake 'earlier: one less is taken' firmware/heads.c \
+mistake 'earlier: one less is taken' firmware/keys/heads.c \
     'store->count < claim->known.count[i]' 'store->count + 1 < claim->known.count[i]'
-mistake 'earlier: anchors know nothing' firmware/anchor.c \
+mistake 'earlier: anchors know nothing' firmware/audit/anchor.c \
     'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' ''
-mistake 'earlier: the lock-out file knows nothing' firmware/lockout_file.c \
+mistake 'earlier: the lock-out file knows nothing' firmware/visit/lockout_file.c \
     '.known = iso_heads_get(plain + 29),' '.known = {{0}, {0}},'
-mistake 'earlier: an old lock-out file is taken' firmware/lockout_file.c \
+mistake 'earlier: an old lock-out file is taken' firmware/visit/lockout_file.c \
     'if (file.number < needed) {' 'if (file.number + 1 == 0) {' \
-    firmware/heads.c 'store->found && store->count < claim->known.count[i]' \
+    firmware/keys/heads.c 'store->found && store->count < claim->known.count[i]' \
     'i != ISO_HEAD_LOCKOUT && store->found && store->count < claim->known.count[i]'
-mistake 'earlier: the gallery knows nothing' firmware/gallery_seal.c \
+mistake 'earlier: the gallery knows nothing' firmware/gallery/gallery_seal.c \
     'out->known = iso_heads_get(plain + ISO_GALLERY_HEAD_1_BYTES);' 'out->known = (struct iso_heads){{0}, {0}};' \
-    firmware/anchor.c 'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' \
+    firmware/audit/anchor.c 'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' \
     'if (anchor->kind[0] == 0x6c) { anchor->known = iso_heads_get(plain + PLAIN_1_BYTES); }'
-mistake 'earlier: the key ring has no number' firmware/key_ring.c \
+mistake 'earlier: the key ring has no number' firmware/keys/key_ring.c \
     'const uint64_t number = ring->number + 1;' 'const uint64_t number = 1;'
-mistake 'earlier: another history of the log is taken' firmware/heads.c \
+mistake 'earlier: another history of the log is taken' firmware/keys/heads.c \
     'claim->other_link = true;' 'claim->other_link = false;'
-mistake 'earlier: nobody counts closed segments' firmware/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
+mistake 'earlier: nobody counts closed segments' firmware/audit/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
 judges=(test_firmware_gallery_sealed)
-mistake 'earlier: a gallery that is gone is made anew' firmware/gallery_db.c \
+mistake 'earlier: a gallery that is gone is made anew' firmware/gallery/gallery_db.c \
     'db->anchor && iso_anchor_state(db->anchor)->value > 0' 'db->anchor && iso_anchor_state(db->anchor)->value + 1 == 0'
 judges=(test_firmware_audit_group)
-mistake 'earlier: an anchor behind a group is taken' firmware/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'
-mistake 'group: one record ahead, and no more' firmware/audit_scan.c \
+mistake 'earlier: an anchor behind a group is taken' firmware/audit/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'
+mistake 'group: one record ahead, and no more' firmware/audit/audit_scan.c \
     'audit->proved > anchor->value' 'audit->last > anchor->value + 1'
 judges=(test_firmware_lockout_unread)
-mistake 'lock-out: what cannot be read is a lockdown' firmware/appliance_refusal.c 'if (may_pass(error)) {' 'if (may_pass(error) && 0) {'
+mistake 'lock-out: what cannot be read is a lockdown' firmware/appliance/appliance_refusal.c 'if (may_pass(error)) {' 'if (may_pass(error) && 0) {'
 judges=(test_firmware_refusal)
-mistake 'earlier: a lock-out file that is gone is none' firmware/lockout_file.c \
+mistake 'earlier: a lock-out file that is gone is none' firmware/visit/lockout_file.c \
     'return needed == 0 ? error' 'return needed + 1 != 0 ? error'
 judges=(test_firmware_earlier_files 'kill_stores 60')
-mistake 'earlier: a count is known before it is written' firmware/audit_append.c \
+mistake 'earlier: a count is known before it is written' firmware/audit/audit_append.c \
     'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));' \
     'struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
         known.count[ISO_HEAD_LOCKOUT]++;'
@@ -324,19 +324,19 @@ mistake 'earlier: a count is known before it is written' firmware/audit_append.c
 # ---- 6: the plans of faults ----
 rule=6
 judges=('test_firmware_faults 40 500')
-mistake 'late: a pause of 1.5 s is no silence' tests/firmware/test_faults.c \
+mistake 'late: a pause of 1.5 s is no silence' tests/firmware/faults/test_faults.c \
     'config->sensor.silence_ms = 2000;' 'config->sensor.silence_ms = 2000; config->sensor.pause_ms = 1500;'
-mistake 'drop: blind, and the door says nothing' firmware/appliance.c \
+mistake 'drop: blind, and the door says nothing' firmware/appliance/appliance.c \
     'iso_door_guard_set_fault(appliance->door, appliance->blind);' ''
-mistake 'drop: a visit goes on while blind' firmware/appliance.c \
+mistake 'drop: a visit goes on while blind' firmware/appliance/appliance.c \
     '        iso_decision_reset(&appliance->decision);
         iso_track_reset(&appliance->track);' '' \
-    firmware/decision.c \
+    firmware/visit/decision.c \
     'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
-    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
-    firmware/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
-    firmware/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
-mistake 'gone: the sensor is kept' firmware/sensor_keeper.c '    close_sensor(keeper, now_ns);
+    firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
+    firmware/visit/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
+    firmware/appliance/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
+mistake 'gone: the sensor is kept' firmware/appliance/sensor_keeper.c '    close_sensor(keeper, now_ns);
     return ISO_SENSOR_GONE;
 }
 
@@ -344,30 +344,30 @@ static int64_t' '    return ISO_SENSOR_FLAW;
 }
 
 static int64_t'
-mistake 'corrupt: the last good frame is taken again' firmware/appliance_frame.c \
+mistake 'corrupt: the last good frame is taken again' firmware/appliance/appliance_frame.c \
     'appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)' \
     'appliance->mode == ISO_APPLIANCE_CLAIMED || (extract(appliance, frame) && 0)' \
-    firmware/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' ''
-mistake 'corrupt: a score that is no number counts' firmware/decision.c \
+    firmware/appliance/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' ''
+mistake 'corrupt: a score that is no number counts' firmware/visit/decision.c \
     'isfinite(frame->score) && frame->score >= options->threshold &&' \
     '!(frame->score < options->threshold) &&' \
-    firmware/decision.c 'frame->score - frame->second_score >= options->margin;' \
+    firmware/visit/decision.c 'frame->score - frame->second_score >= options->margin;' \
     '!(frame->score - frame->second_score < options->margin);' \
-    firmware/appliance_visit.c 'return person && is_valid_at(' 'return !person || is_valid_at('
-mistake 'blank: a visit has no end' firmware/decision.c \
+    firmware/appliance/appliance_visit.c 'return person && is_valid_at(' 'return !person || is_valid_at('
+mistake 'blank: a visit has no end' firmware/visit/decision.c \
     'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
-    firmware/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
-    firmware/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
-    firmware/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
-mistake 'blank: nobody is whoever was there before' firmware/appliance_frame.c \
+    firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
+    firmware/visit/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
+    firmware/appliance/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
+mistake 'blank: nobody is whoever was there before' firmware/appliance/appliance_frame.c \
     '    if (extraction->outcome != ISO_CAPTURE_OK) {' \
     '    if (extraction->outcome != ISO_CAPTURE_OK && extraction->outcome != ISO_CAPTURE_NOBODY) {' \
-    firmware/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' '' \
-    tests/firmware/puppets.c '*out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};' \
+    firmware/appliance/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' '' \
+    tests/firmware/rigs/puppets.c '*out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};' \
     'out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);'
-mistake 'clock: whom the calendar shuts out enters' firmware/appliance_frame.c \
+mistake 'clock: whom the calendar shuts out enters' firmware/appliance/appliance_frame.c \
     'face.valid = appliance->mode' 'face.valid = true || appliance->mode'
-mistake 'restart: the relay keeps its power' firmware/appliance.c \
+mistake 'restart: the relay keeps its power' firmware/appliance/appliance.c \
     'iso_door_guard_stop(appliance->door);' ''
 
 printf 'drill_bites:'

@@ -2,10 +2,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/firmware/fault_world.h"
-#include "tests/support/broken_disk.h"
+#include "tests/firmware/faults/fault_world.h"
+#include "tests/support/disk/broken_disk.h"
 
 const char *const actor_names[ACTORS] = {[ANNA] = "anna", [BOB] = "bob", [CARL] = "carl"};
 

@@ -3,9 +3,9 @@
 #ifndef TESTS_FIRMWARE_FAULT_WORLD_H
 #define TESTS_FIRMWARE_FAULT_WORLD_H
 
-#include "sim/faults/plan.h"
-#include "sim/random.h"
-#include "tests/firmware/rig.h"
+#include "sim/base/random.h"
+#include "tests/firmware/faults/plan.h"
+#include "tests/firmware/rigs/rig.h"
 
 enum { STEP_FRAMES = 3, FRAME_MS = 33, SEEN_MAX = 256, LATE_MAX = 128 };
 

@@ -18,12 +18,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "firmware/audit.h"
-#include "firmware/gallery.h"
-#include "firmware/key_ring.h"
-#include "firmware/lockout_file.h"
-#include "tests/firmware/fault_tally.h"
-#include "tests/firmware/puppets.h"
+#include "firmware/audit/audit.h"
+#include "firmware/gallery/gallery.h"
+#include "firmware/keys/key_ring.h"
+#include "firmware/visit/lockout_file.h"
+#include "tests/firmware/faults/fault_tally.h"
+#include "tests/firmware/rigs/puppets.h"
 
 enum { PEOPLE = 24, KILL_WITHIN_US = 250000, START_MAX_MS = 1000, SEGMENT_BYTES = 6000 };
 

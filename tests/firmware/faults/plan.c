@@ -1,9 +1,9 @@
-#include "sim/faults/plan.h"
+#include "tests/firmware/faults/plan.h"
 
 #include <inttypes.h>
 #include <stddef.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum { BETWEEN_STEPS = 12, LONGEST_STEPS = 30, ALLOCATIONS = 6 };
 

@@ -1,4 +1,4 @@
-#include "tests/firmware/storage_acts.h"
+#include "tests/firmware/faults/storage_acts.h"
 
 #include <errno.h>
 #include <sqlite3.h>
@@ -8,10 +8,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/administration.h"
-#include "tests/firmware/stores.h"
+#include "firmware/appliance/administration.h"
+#include "tests/firmware/rigs/stores.h"
 #include "tests/support/scratch.h"
 
 enum { ANNA = 50, BOB = 80, CARL = 110, DORA = 140, STRANGER = 65, SEGMENT_BYTES = 2500 };

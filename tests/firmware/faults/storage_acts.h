@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "tests/firmware/rig.h"
+#include "tests/firmware/rigs/rig.h"
 
 struct storage_world {
     char directory[64];

@@ -6,12 +6,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/lockout_file.h"
-#include "tests/firmware/puppet_counter.h"
-#include "tests/firmware/puppets.h"
-#include "tests/firmware/state_rig.h"
+#include "firmware/visit/lockout_file.h"
+#include "tests/firmware/rigs/puppet_counter.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/firmware/rigs/state_rig.h"
 #include "tests/support/scratch.h"
 
 /* ---- subsets ---- */

@@ -1,6 +1,7 @@
-/* The appliance while things go wrong: plans of faults (sim/faults/plan.h), people who come and go,
- * clients who ask for this and that, and an oracle that has seen what the sensor was handed and
- * knows the policy, but nothing of how the appliance decides. It is to hold at all times:
+/* The appliance while things go wrong: plans of faults (tests/firmware/faults/plan.h), people who
+ * come and go, clients who ask for this and that, and an oracle that has seen what the sensor was
+ * handed and knows the policy, but nothing of how the appliance decides. It is to hold at all
+ * times:
  *
  *   the lock's relay has power only after a visit that the policy allows, for unlock_ms;
  *   a second after a fault began that leaves nothing to see, or to write on, nobody is let in;
@@ -14,13 +15,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/firmware/fault_tally.h"
-#include "tests/firmware/fault_world.h"
-#include "tests/firmware/stores.h"
-#include "tests/support/broken_disk.h"
-#include "tests/support/scarce_memory.h"
+#include "tests/firmware/faults/fault_tally.h"
+#include "tests/firmware/faults/fault_world.h"
+#include "tests/firmware/rigs/stores.h"
+#include "tests/support/disk/broken_disk.h"
+#include "tests/support/memory/scarce_memory.h"
 #include "tests/support/scratch.h"
 
 static int n_seeds = 6, n_steps = 500, first_seed = 1;

@@ -5,15 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/audit.h"
-#include "firmware/config.h"
-#include "firmware/gallery.h"
-#include "firmware/pipeline.h"
-#include "tests/firmware/rig.h"
-#include "tests/firmware/stores.h"
-#include "tests/support/scarce_memory.h"
+#include "firmware/audit/audit.h"
+#include "firmware/config/config.h"
+#include "firmware/gallery/gallery.h"
+#include "firmware/recognise/pipeline.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/firmware/rigs/stores.h"
+#include "tests/support/memory/scarce_memory.h"
 #include "tests/support/scratch.h"
 
 enum { MOST = 200 }; /* allocations of anything */

@@ -1,6 +1,6 @@
 /* The Nth call that changes a file fails, for every N until an act of the appliance makes no more
- * calls, in every way in which a disk fails (tests/support/failing_disk.h). Each time two things
- * are tried, with processes of their own:
+ * calls, in every way in which a disk fails (tests/support/disk/failing_disk.h). Each time two
+ * things are tried, with processes of their own:
  *
  *   restart   the process ends behind the act; another one opens what it has left
  *   go on     the disk works again, the process goes on for a while, enrols one person more and
@@ -24,15 +24,15 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/administration.h"
-#include "firmware/heads.h"
-#include "firmware/key_ring.h"
-#include "tests/firmware/fault_tally.h"
-#include "tests/firmware/storage_acts.h"
-#include "tests/firmware/stores.h"
-#include "tests/support/failing_disk.h"
+#include "firmware/appliance/administration.h"
+#include "firmware/keys/heads.h"
+#include "firmware/keys/key_ring.h"
+#include "tests/firmware/faults/fault_tally.h"
+#include "tests/firmware/faults/storage_acts.h"
+#include "tests/firmware/rigs/stores.h"
+#include "tests/support/disk/failing_disk.h"
 #include "tests/support/scratch.h"
 
 enum { PEOPLE_SIZE = 400, CALLS_MAX = 5000 };

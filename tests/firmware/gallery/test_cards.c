@@ -2,9 +2,9 @@
 #include <errno.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/cards.h"
+#include "firmware/gallery/cards.h"
 #include "tests/support/scratch.h"
 
 static void finds_everybodys_card(void **state)

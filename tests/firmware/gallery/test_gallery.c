@@ -6,11 +6,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/gallery.h"
-#include "tests/firmware/puppets.h"
-#include "tests/firmware/stores.h"
+#include "firmware/gallery/gallery.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/firmware/rigs/stores.h"
 #include "tests/support/scratch.h"
 
 static struct iso_gallery *open_gallery(const char *directory)

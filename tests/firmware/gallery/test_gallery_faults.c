@@ -13,11 +13,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/gallery.h"
-#include "tests/firmware/puppets.h"
-#include "tests/firmware/stores.h"
+#include "firmware/gallery/gallery.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/firmware/rigs/stores.h"
 #include "tests/support/child_end.h"
 #include "tests/support/scratch.h"
 

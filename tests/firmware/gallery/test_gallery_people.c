@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/gallery_db.h"
-#include "firmware/gallery_forget.h"
-#include "tests/firmware/puppets.h"
-#include "tests/firmware/rig.h"
-#include "tests/firmware/stores.h"
+#include "firmware/gallery/gallery_db.h"
+#include "firmware/gallery/gallery_forget.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/firmware/rigs/stores.h"
 
 static struct iso_gallery *open_gallery(const char *directory)
 {

@@ -7,13 +7,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/anchor.h"
-#include "firmware/gallery.h"
-#include "tests/firmware/audit_rig.h"
-#include "tests/firmware/puppets.h"
-#include "tests/firmware/stores.h"
+#include "firmware/audit/anchor.h"
+#include "firmware/gallery/gallery.h"
+#include "tests/firmware/rigs/audit_rig.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/firmware/rigs/stores.h"
 #include "tests/support/scratch.h"
 
 static int try_open(const char *directory, struct iso_gallery **out, struct iso_fault *fault)

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/transfer.h"
-#include "tests/firmware/puppets.h"
+#include "firmware/gallery/transfer.h"
+#include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
 
 /* Two doors. */

@@ -6,11 +6,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/anchor.h"
-#include "firmware/key_ring.h"
-#include "firmware/seal.h"
+#include "firmware/audit/anchor.h"
+#include "firmware/keys/key_ring.h"
+#include "firmware/keys/seal.h"
 #include "tests/support/scratch.h"
 
 /* ---- sealing ---- */

@@ -6,14 +6,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/counter/tpm2_counter.h"
-#include "tests/enroll/private_bus.h"
-#include "tests/firmware/puppet_counter.h"
-#include "tests/firmware/state_rig.h"
+#include "tests/firmware/rigs/puppet_counter.h"
+#include "tests/firmware/rigs/state_rig.h"
+#include "tests/support/devices/soft_tpm.h"
+#include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
-#include "tests/support/soft_tpm.h"
 
 /* ---- the devices ---- */
 

@@ -3,12 +3,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/base/times.h"
 #include "drivers/recording/recording.h"
-#include "firmware/enroll_gate.h"
-#include "firmware/pipeline.h"
-#include "firmware/times.h"
+#include "firmware/appliance/enroll_gate.h"
+#include "firmware/recognise/pipeline.h"
 
 enum { FACES = 4 };
 

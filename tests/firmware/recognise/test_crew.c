@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "firmware/crew.h"
+#include "firmware/recognise/crew.h"
 
 enum { TASKS_MAX = 40, BATCHES = 300 };
 

@@ -4,11 +4,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/enrolment.h"
-#include "firmware/times.h"
-#include "tests/firmware/puppets.h"
+#include "drivers/base/times.h"
+#include "firmware/recognise/enrolment.h"
+#include "tests/firmware/rigs/puppets.h"
 
 static struct iso_enrolment enrolment;
 static struct puppet_pipeline puppet;

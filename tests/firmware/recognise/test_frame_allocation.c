@@ -8,14 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/base/times.h"
 #include "drivers/recording/recording.h"
-#include "firmware/decision.h"
-#include "firmware/pipeline.h"
-#include "firmware/times.h"
-#include "firmware/track.h"
-#include "tests/support/counted_memory.h"
+#include "firmware/recognise/pipeline.h"
+#include "firmware/recognise/track.h"
+#include "firmware/visit/decision.h"
+#include "tests/support/memory/counted_memory.h"
 
 enum { FRAMES = 8, PEOPLE = 2000, ROUNDS = 3 };
 

@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/base/times.h"
 #include "drivers/recording/recording.h"
 #include "drivers/vision/face_detector.h"
-#include "firmware/image_tally.h"
-#include "firmware/times.h"
-#include "tests/firmware/rig.h"
-#include "tests/support/painted_face.h"
+#include "firmware/recognise/image_tally.h"
+#include "tests/firmware/rigs/rig.h"
+#include "tests/support/devices/painted_face.h"
 #include "tests/support/scratch.h"
 
 /* ---- counting ---- */

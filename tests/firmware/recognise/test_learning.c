@@ -2,11 +2,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/gallery_forget.h"
-#include "firmware/learning.h"
-#include "tests/firmware/rig.h"
+#include "firmware/gallery/gallery_forget.h"
+#include "firmware/recognise/learning.h"
+#include "tests/firmware/rigs/rig.h"
 #include "tests/support/scratch.h"
 
 /* ---- which visits are sure ---- */

@@ -9,11 +9,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/contract.h"
-#include "firmware/relief_picture.h"
-#include "tests/firmware/bus_rig.h"
+#include "firmware/contract/contract.h"
+#include "firmware/recognise/relief_picture.h"
+#include "tests/firmware/rigs/bus_rig.h"
 
 /* ---- drawing ---- */
 

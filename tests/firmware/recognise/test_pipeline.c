@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/base/times.h"
 #include "drivers/recording/recording.h"
-#include "firmware/pipeline.h"
-#include "firmware/times.h"
+#include "firmware/recognise/pipeline.h"
 #include "tests/support/scratch.h"
 
 #define HEAD   ISOTHERM_SOURCE_DIR "/core/data/head.model"

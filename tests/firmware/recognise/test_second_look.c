@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/second_look.h"
+#include "firmware/recognise/second_look.h"
 
 enum { PEOPLE = 30 };
 

@@ -1,10 +1,10 @@
 /* One face over the frames: the same or another, still or moving. */
 #include <math.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/times.h"
-#include "firmware/track.h"
+#include "drivers/base/times.h"
+#include "firmware/recognise/track.h"
 
 static struct iso_track track;
 

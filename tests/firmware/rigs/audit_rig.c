@@ -1,12 +1,12 @@
-#include "tests/firmware/audit_rig.h"
+#include "tests/firmware/rigs/audit_rig.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/support/manual_clock.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 
 static int64_t now_ns = 81250000000;

@@ -3,8 +3,8 @@
 #ifndef TESTS_FIRMWARE_AUDIT_RIG_H
 #define TESTS_FIRMWARE_AUDIT_RIG_H
 
-#include "firmware/audit.h"
-#include "tests/firmware/stores.h"
+#include "firmware/audit/audit.h"
+#include "tests/firmware/rigs/stores.h"
 
 /* 2026-11-21T08:33:20.250Z, 81.25 s after the start of the machine. */
 extern const struct iso_times audit_rig_times;

@@ -1,12 +1,12 @@
-#include "tests/firmware/bus_rig.h"
+#include "tests/firmware/rigs/bus_rig.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/contract.h"
-#include "tests/enroll/private_bus.h"
+#include "firmware/contract/contract.h"
+#include "tests/support/programs/private_bus.h"
 
 static struct private_bus private;
 static bool there_is_a_bus;

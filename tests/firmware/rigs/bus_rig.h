@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <systemd/sd-bus.h>
 
-#include "firmware/bus.h"
-#include "tests/firmware/rig.h"
+#include "firmware/bus/bus.h"
+#include "tests/firmware/rigs/rig.h"
 
 enum { BUS_RIG_ROUNDS = 20000 };
 

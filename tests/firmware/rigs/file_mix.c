@@ -1,4 +1,4 @@
-#include "tests/firmware/file_mix.h"
+#include "tests/firmware/rigs/file_mix.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "tests/support/scratch.h"
 

@@ -1,4 +1,4 @@
-#include "tests/firmware/puppet_counter.h"
+#include "tests/firmware/rigs/puppet_counter.h"
 
 #include <errno.h>
 

@@ -1,4 +1,4 @@
-#include "tests/firmware/puppets.h"
+#include "tests/firmware/rigs/puppets.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/times.h"
+#include "drivers/base/times.h"
 
 /* ---- templates ---- */
 

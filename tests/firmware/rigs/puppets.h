@@ -8,11 +8,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/capture.h"
-#include "core/clock.h"
+#include "core/base/capture.h"
+#include "core/base/clock.h"
 #include "core/match/template.h"
-#include "firmware/pipeline.h"
-#include "firmware/sensor_keeper.h"
+#include "firmware/appliance/sensor_keeper.h"
+#include "firmware/recognise/pipeline.h"
 
 enum { PUPPET_ALGORITHM = 0x51, PUPPET_MODEL = 0xabc, PUPPET_FRAMES_MAX = 128 };
 

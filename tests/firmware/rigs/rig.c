@@ -1,4 +1,4 @@
-#include "tests/firmware/rig.h"
+#include "tests/firmware/rigs/rig.h"
 
 #include <math.h>
 #include <signal.h>
@@ -8,11 +8,11 @@
 #include <sys/resource.h>
 #include <syslog.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "tests/firmware/stores.h"
-#include "tests/support/manual_clock.h"
+#include "tests/firmware/rigs/stores.h"
+#include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 
 /* ---- what it reports ---- */

@@ -3,8 +3,8 @@
 #ifndef TESTS_FIRMWARE_RIG_H
 #define TESTS_FIRMWARE_RIG_H
 
-#include "firmware/appliance.h"
-#include "tests/firmware/puppets.h"
+#include "firmware/appliance/appliance.h"
+#include "tests/firmware/rigs/puppets.h"
 
 struct rig {
     char *directory;

@@ -1,15 +1,15 @@
-#include "tests/firmware/state_rig.h"
+#include "tests/firmware/rigs/state_rig.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/lockout_file.h"
-#include "tests/firmware/puppets.h"
-#include "tests/support/manual_clock.h"
+#include "firmware/visit/lockout_file.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/support/devices/manual_clock.h"
 
 /* ---- the stores ---- */
 

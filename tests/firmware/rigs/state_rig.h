@@ -4,8 +4,8 @@
 #define TESTS_FIRMWARE_STATE_RIG_H
 
 #include "drivers/counter/counter.h"
-#include "firmware/parts.h"
-#include "tests/firmware/file_mix.h"
+#include "firmware/daemon/parts.h"
+#include "tests/firmware/rigs/file_mix.h"
 
 /* The times of the stores, and the number of the face that was enrolled last. */
 extern int64_t state_rig_now_ns;

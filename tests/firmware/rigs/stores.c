@@ -1,12 +1,12 @@
-#include "tests/firmware/stores.h"
+#include "tests/firmware/rigs/stores.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "tests/firmware/puppets.h"
+#include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
 
 static struct iso_key_ring *ring;

@@ -2,9 +2,9 @@
 #ifndef TESTS_FIRMWARE_STORES_H
 #define TESTS_FIRMWARE_STORES_H
 
-#include "firmware/audit.h"
-#include "firmware/gallery.h"
-#include "firmware/key_ring.h"
+#include "firmware/audit/audit.h"
+#include "firmware/gallery/gallery.h"
+#include "firmware/keys/key_ring.h"
 
 /* The ring of this directory, opened on first use and again after stores_forget(). A failure fails
  * the test. */

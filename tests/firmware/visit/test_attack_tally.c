@@ -1,8 +1,8 @@
 /* Attack frames gathered into attempts. */
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/attack_tally.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/visit/attack_tally.h"
 
 static struct iso_attack_tally tally;
 static struct iso_attack_attempt attempt;

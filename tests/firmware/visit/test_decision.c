@@ -2,10 +2,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/decision.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/visit/decision.h"
 
 enum { ANNA = 7, BOB = 12 };
 

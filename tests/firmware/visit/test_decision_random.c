@@ -1,13 +1,13 @@
 /* The decision against an oracle: random visits, judged a second time from the list of all that was
- * seen, by the sentences of firmware/decision.h and without its counters and states. */
+ * seen, by the sentences of firmware/visit/decision.h and without its counters and states. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/decision.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/visit/decision.h"
 
 enum { EVENTS = 60, RUNS = 20000 };
 

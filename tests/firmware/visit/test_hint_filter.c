@@ -2,9 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/hint_filter.h"
+#include "firmware/visit/hint_filter.h"
 
 static struct iso_hint_filter filter;
 static int64_t now_ms;

@@ -7,11 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/lockout_file.h"
-#include "firmware/times.h"
-#include "tests/firmware/stores.h"
+#include "drivers/base/times.h"
+#include "firmware/visit/lockout_file.h"
+#include "tests/firmware/rigs/stores.h"
 #include "tests/support/scratch.h"
 
 #define S ISO_NS_PER_S

@@ -7,10 +7,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "tests/firmware/rig.h"
+#include "tests/firmware/rigs/rig.h"
 #include "tests/support/scratch.h"
 
 static char path[4096];

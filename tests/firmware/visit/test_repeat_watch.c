@@ -1,7 +1,7 @@
 /* A sensor that repeats its frames is told once, and not at every other frame. */
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/repeat_watch.h"
+#include "firmware/visit/repeat_watch.h"
 
 /* Takes n frames of a kind; how often the state changed. */
 static int take(struct iso_repeat_watch *watch, bool repeats, int n)

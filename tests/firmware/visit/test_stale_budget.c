@@ -2,10 +2,10 @@
 #include <errno.h>
 #include <string.h>
 
-#include "tests/firmware/cmocka_headers.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/stale_budget.h"
-#include "firmware/times.h"
+#include "drivers/base/times.h"
+#include "firmware/visit/stale_budget.h"
 
 static struct iso_stale_budget budget_of(double rate_hz, int work_ms)
 {

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/extract_options.h"
+#include "sim/lab/match/extract_options.h"
 
 struct target {
     const char *text;

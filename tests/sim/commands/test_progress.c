@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/eval/parallel.h"
-#include "sim/progress.h"
-#include "sim/visit/visit_report.h"
-#include "tests/support/pseudo_terminal.h"
+#include "sim/base/progress.h"
+#include "sim/door/visit_report.h"
+#include "sim/lab/match/parallel.h"
+#include "tests/support/devices/pseudo_terminal.h"
 
 static struct pseudo_terminal pseudo;
 static char text[65536];

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum { N = 200000 };
 

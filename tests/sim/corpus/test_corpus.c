@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

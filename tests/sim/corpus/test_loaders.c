@@ -12,9 +12,9 @@
 #include <cmocka.h>
 
 #include "drivers/recording/recording.h"
-#include "sim/loaders/import.h"
-#include "sim/loaders/scan_file.h"
-#include "sim/loaders/scan_view.h"
+#include "sim/corpus/import.h"
+#include "sim/corpus/scan_file.h"
+#include "sim/corpus/scan_view.h"
 #include "tests/support/scratch.h"
 
 enum { ROWS = 50, COLUMNS = 40, POINTS = ROWS * COLUMNS };

@@ -10,10 +10,10 @@
 #include <cmocka.h>
 
 #include "drivers/recording/recording.h"
-#include "drivers/sensor/sensor.h"
-#include "sim/record/record.h"
-#include "sim/record/sensor_word.h"
-#include "sim/record/tape.h"
+#include "drivers/sensor/contract/sensor.h"
+#include "sim/corpus/record.h"
+#include "sim/corpus/sensor_word.h"
+#include "sim/corpus/tape.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 

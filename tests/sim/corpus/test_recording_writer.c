@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "sim/recording/recording_writer.h"
+#include "drivers/recording/recording_writer.h"
 #include "tests/support/scratch.h"
 
 enum { WIDTH = 13, HEIGHT = 8 };

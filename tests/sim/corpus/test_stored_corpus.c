@@ -10,8 +10,8 @@
 #include <cmocka.h>
 
 #include "drivers/recording/recording.h"
-#include "sim/generate/stored.h"
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
+#include "sim/world/generate/stored.h"
 #include "tests/support/scratch.h"
 
 static const char stored[] = ISOTHERM_SOURCE_DIR "/sim/stored";

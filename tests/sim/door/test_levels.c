@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "sim/visit/level_report.h"
-#include "sim/visit/shared_extraction.h"
+#include "sim/door/level_report.h"
+#include "sim/door/shared_extraction.h"
 #include "tests/support/scratch.h"
 
 /* ---- counts ---- */

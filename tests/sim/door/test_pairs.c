@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "sim/visit/rehearsal.h"
-#include "tests/sim/generated.h"
+#include "sim/door/rehearsal.h"
+#include "tests/sim/world/generated.h"
 #include "tests/support/scratch.h"
 
 static void pass(const struct sim_visit *visit, void *context)

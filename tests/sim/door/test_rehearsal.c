@@ -12,10 +12,10 @@
 
 #include <cmocka.h>
 
-#include "firmware/parts.h"
-#include "sim/virtual_clock.h"
-#include "sim/visit/level_report.h"
-#include "sim/visit/rehearsal.h"
+#include "firmware/daemon/parts.h"
+#include "sim/base/virtual_clock.h"
+#include "sim/door/level_report.h"
+#include "sim/door/rehearsal.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"
 

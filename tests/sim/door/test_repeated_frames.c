@@ -13,13 +13,13 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/presentation/frame_memory.h"
 #include "drivers/recording/recording.h"
-#include "sim/generate/room.h"
-#include "sim/recording/corpus.h"
-#include "sim/render/sitter.h"
-#include "sim/sensor/sensor.h"
+#include "sim/corpus/corpus.h"
+#include "sim/world/scene/room.h"
+#include "sim/world/scene/sitter.h"
+#include "sim/world/sensor/sensor.h"
 #include "tests/support/scratch.h"
 
 static const int64_t period_ns = 33333333;

@@ -14,9 +14,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "sim/visit/slot.h"
-#include "sim/visit/visit.h"
-#include "sim/visit/visit_report.h"
+#include "sim/door/slot.h"
+#include "sim/door/visit.h"
+#include "sim/door/visit_report.h"
 #include "tests/support/scratch.h"
 
 static void assert_names(const char *slot, const char *corpus, const char *recording)

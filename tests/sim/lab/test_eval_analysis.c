@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/analysis.h"
+#include "sim/lab/eval/analysis.h"
 
 /* People a, b, c; c could not be enrolled. Rows 0..2 enrol. The probes and their scores against a,
  * b, c: 3  a  yaw   9  1  -    rank 1 4  a  yaw   not acquired 5  b  yaw   6  5  -    rank 2 6  c

@@ -13,8 +13,8 @@
 
 #include <cmocka.h>
 
-#include "sim/data_file.h"
-#include "sim/eval/report.h"
+#include "sim/base/data_file.h"
+#include "sim/lab/report/report.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"
 

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/det.h"
-#include "sim/picture/scale.h"
+#include "sim/lab/draw/scale.h"
+#include "sim/lab/measure/det.h"
 
 static double normal_cdf(double z)
 {

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/identification.h"
+#include "sim/lab/measure/identification.h"
 
 static void test_rank(void **state)
 {

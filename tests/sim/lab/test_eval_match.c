@@ -12,9 +12,9 @@
 #include <cmocka.h>
 
 #include "core/match/cohort.h"
-#include "sim/eval/match.h"
-#include "sim/eval/parallel.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/lab/match/match.h"
+#include "sim/lab/match/parallel.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;

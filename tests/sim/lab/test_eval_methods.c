@@ -11,10 +11,10 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/landmark_choice.h"
-#include "sim/eval/method_options.h"
-#include "sim/eval/report.h"
-#include "sim/eval/report_methods.h"
+#include "sim/lab/eval/method_options.h"
+#include "sim/lab/match/landmark_choice.h"
+#include "sim/lab/report/report.h"
+#include "sim/lab/report/report_methods.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"
 

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/growth.h"
-#include "sim/eval/paired.h"
+#include "sim/lab/eval/growth.h"
+#include "sim/lab/measure/paired.h"
 
 enum { N = 60 };
 

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/promise.h"
+#include "sim/lab/measure/promise.h"
 
 /* A score that is just reached counts as reached. */
 static void counts(void **state)

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/latency.h"
-#include "sim/eval/rate.h"
+#include "sim/lab/match/latency.h"
+#include "sim/lab/measure/rate.h"
 #include "tests/support/near.h"
 
 static void test_value(void **state)

@@ -10,12 +10,12 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "drivers/recording/recording.h"
 #include "drivers/vision/face_check.h"
 #include "drivers/vision/face_detector.h"
-#include "sim/recording/corpus.h"
-#include "tests/support/painted_face.h"
+#include "sim/corpus/corpus.h"
+#include "tests/support/devices/painted_face.h"
 #include "tests/support/scratch.h"
 
 enum { FRAMES = 378, KINDS = 16, EVERY = 3 };

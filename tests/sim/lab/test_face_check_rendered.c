@@ -12,10 +12,10 @@
 
 #include "drivers/vision/face_check.h"
 #include "drivers/vision/face_detector.h"
-#include "sim/face/expression.h"
-#include "sim/prop/print.h"
-#include "sim/render/portrait.h"
-#include "sim/sensor/sensor.h"
+#include "sim/world/face/expression.h"
+#include "sim/world/prop/print.h"
+#include "sim/world/scene/portrait.h"
+#include "sim/world/sensor/sensor.h"
 #include "tests/support/scratch.h"
 
 enum { PEOPLE = 24 };

@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "sim/landmarks/analysis.h"
-#include "sim/landmarks/true_angle.h"
+#include "sim/lab/landmarks/analysis.h"
+#include "sim/lab/landmarks/true_angle.h"
 #include "tests/support/near.h"
 
 enum { FRAMES = 15 };

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "sim/eval/landmark_error.h"
+#include "sim/lab/eval/landmark_error.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "sim/landmarks/study.h"
+#include "sim/lab/landmarks/study.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"

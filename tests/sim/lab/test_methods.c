@@ -10,10 +10,10 @@
 
 #include <cmocka.h>
 
-#include "sim/methods/anthroface.h"
-#include "sim/methods/geodesic.h"
-#include "sim/methods/method.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/lab/methods/anthroface.h"
+#include "sim/lab/methods/geodesic.h"
+#include "sim/lab/methods/method.h"
 
 enum { SIDE = 61 }; /* 3 mm apart: 90 mm about the middle */
 static const double spacing_mm = 3.0, radius_mm = 86.0;

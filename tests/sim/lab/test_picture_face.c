@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "drivers/image/png.h"
-#include "sim/picture/colour.h"
-#include "sim/picture/face.h"
+#include "drivers/file/png.h"
+#include "sim/lab/draw/colour.h"
+#include "sim/lab/picture/face.h"
 #include "tests/support/scratch.h"
 
 enum { SIDE = 41, VERTICES = SIDE * SIDE };

@@ -11,11 +11,11 @@
 
 #include <cmocka.h>
 
-#include "drivers/image/png.h"
-#include "sim/landmarks/study_pictures.h"
-#include "sim/picture/colour.h"
-#include "sim/picture/fit.h"
-#include "sim/picture/relief.h"
+#include "drivers/file/png.h"
+#include "sim/lab/draw/colour.h"
+#include "sim/lab/landmarks/study_pictures.h"
+#include "sim/lab/picture/fit.h"
+#include "sim/lab/picture/relief.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "sim/picture/scale.h"
+#include "sim/lab/draw/scale.h"
 
 static void test_normal_quantile(void **state)
 {

@@ -9,10 +9,10 @@
 
 #include <cmocka.h>
 
-#include "drivers/image/png.h"
-#include "sim/picture/depth.h"
-#include "sim/picture/plot.h"
-#include "sim/picture/scene.h"
+#include "drivers/file/png.h"
+#include "sim/lab/draw/plot.h"
+#include "sim/lab/picture/depth.h"
+#include "sim/lab/picture/scene.h"
 #include "tests/support/scratch.h"
 
 enum { WIDTH = 80, HEIGHT = 60, S = SIM_CANVAS_SUPERSAMPLING };

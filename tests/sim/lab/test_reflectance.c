@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "sim/methods/reflectance.h"
+#include "sim/lab/methods/reflectance.h"
 
 enum { SIDE = 51 };
 static const double spacing_mm = 3.0, tilt_rad = 0.5;

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "sim/methods/subspace.h"
-#include "sim/random.h"
+#include "sim/base/random.h"
+#include "sim/lab/methods/subspace.h"
 
 enum { N = 60, D = 7, PEOPLE = 12 };
 

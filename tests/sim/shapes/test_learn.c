@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "drivers/learn/learn.h"
+#include "sim/shapes/learn/learn.h"
 
 enum { CLASSES = 4, EACH = 6, N = CLASSES * EACH, SIZE = 5 };
 

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "core/math/bytes.h"
-#include "drivers/mesh/mesh_file.h"
+#include "core/base/bytes.h"
+#include "sim/shapes/mesh/mesh_file.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 

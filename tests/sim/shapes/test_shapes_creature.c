@@ -11,11 +11,11 @@
 
 #include <cmocka.h>
 
-#include "sim/shapes/creature.h"
-#include "sim/shapes/flesh.h"
-#include "sim/shapes/polygonise.h"
-#include "sim/shapes/species.h"
-#include "sim/shapes/texture.h"
+#include "sim/shapes/make/creature.h"
+#include "sim/shapes/make/flesh.h"
+#include "sim/shapes/make/polygonise.h"
+#include "sim/shapes/make/species.h"
+#include "sim/shapes/make/texture.h"
 #include "tests/support/near.h"
 
 /* Closed: every edge has two triangles, which run along it in opposite directions. Returns Euler's

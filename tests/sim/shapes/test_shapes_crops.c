@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "drivers/mesh/mesh_file.h"
-#include "sim/shapes/crops.h"
-#include "sim/shapes/manifest.h"
+#include "sim/shapes/make/crops.h"
+#include "sim/shapes/make/manifest.h"
+#include "sim/shapes/mesh/mesh_file.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"
 

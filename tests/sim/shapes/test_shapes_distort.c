@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "sim/shapes/distort.h"
-#include "sim/shapes/smooth.h"
+#include "sim/shapes/make/distort.h"
+#include "sim/shapes/make/smooth.h"
 #include "tests/support/near.h"
 
 enum { RINGS = 40, SECTORS = 60 };

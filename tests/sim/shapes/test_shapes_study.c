@@ -11,12 +11,12 @@
 
 #include <cmocka.h>
 
-#include "drivers/mesh/mesh_file.h"
-#include "sim/shapes/generate.h"
-#include "sim/shapes/manifest.h"
-#include "sim/shapes/mesh_writer.h"
-#include "sim/shapes/study.h"
-#include "sim/shapes/tables.h"
+#include "sim/shapes/make/generate.h"
+#include "sim/shapes/make/manifest.h"
+#include "sim/shapes/mesh/mesh_file.h"
+#include "sim/shapes/mesh/mesh_writer.h"
+#include "sim/shapes/study/study.h"
+#include "sim/shapes/study/tables.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 

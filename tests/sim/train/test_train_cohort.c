@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
+#include "core/base/bytes.h"
 #include "core/match/cohort.h"
 #include "core/match/distance.h"
-#include "core/math/bytes.h"
-#include "sim/data_file.h"
-#include "sim/train/train_cohort.h"
+#include "sim/base/data_file.h"
+#include "sim/train/metric/train_cohort.h"
 #include "tests/support/scratch.h"
 
 /* What registrations work in. */

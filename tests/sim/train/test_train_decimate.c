@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "sim/train/decimate.h"
+#include "sim/train/head/decimate.h"
 
 enum { COLUMNS = 23, ROWS = 15, VERTICES_MAX = 4096, TRIANGLES_MAX = 8192 };
 

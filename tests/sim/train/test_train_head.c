@@ -13,10 +13,10 @@
 #include <cmocka.h>
 
 #include "core/surface/raster.h"
-#include "drivers/image/png.h"
-#include "sim/data_file.h"
-#include "sim/train/head_picture.h"
-#include "sim/train/train_head.h"
+#include "drivers/file/png.h"
+#include "sim/base/data_file.h"
+#include "sim/train/head/head_picture.h"
+#include "sim/train/head/train_head.h"
 #include "tests/support/scratch.h"
 
 #define SHIPPED ISOTHERM_SOURCE_DIR "/core/data/head.model"

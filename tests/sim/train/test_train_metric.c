@@ -10,14 +10,14 @@
 
 #include <cmocka.h>
 
-#include "core/extract.h"
+#include "core/extract/extract.h"
 #include "core/match/rerank.h"
-#include "sim/data_file.h"
-#include "sim/face/person.h"
-#include "sim/random.h"
-#include "sim/recording/corpus.h"
-#include "sim/train/metric_learn.h"
-#include "sim/train/rerank_learn.h"
+#include "sim/base/data_file.h"
+#include "sim/base/random.h"
+#include "sim/corpus/corpus.h"
+#include "sim/train/metric/metric_learn.h"
+#include "sim/train/metric/rerank_learn.h"
+#include "sim/world/face/person.h"
 
 enum { PEOPLE = 400, EACH = 6, DIMENSIONS = 3 };
 

@@ -1,4 +1,4 @@
-#include "tests/sim/generated.h"
+#include "tests/sim/world/generated.h"
 
 #include <math.h>
 #include <setjmp.h>

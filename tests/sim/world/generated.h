@@ -4,8 +4,8 @@
 #define TESTS_SIM_GENERATED_H
 
 #include "core/frame/frame.h"
-#include "sim/generate/generate.h"
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
+#include "sim/world/generate/generate.h"
 
 /* The preset's options for a corpus in `directory`; skips the test without the head model. */
 struct sim_generate_options generated_options(const char *preset, const char *directory);

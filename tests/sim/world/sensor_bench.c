@@ -1,4 +1,4 @@
-#include "tests/sim/sensor_bench.h"
+#include "tests/sim/world/sensor_bench.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "sim/prop/solid.h"
+#include "sim/world/prop/solid.h"
 
 struct sensor_bench sensor_bench_set_up(const struct sim_sensor *sensor)
 {

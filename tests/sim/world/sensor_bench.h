@@ -2,7 +2,7 @@
 #ifndef TESTS_SIM_SENSOR_BENCH_H
 #define TESTS_SIM_SENSOR_BENCH_H
 
-#include "sim/sensor/sensor.h"
+#include "sim/world/sensor/sensor.h"
 
 struct sensor_bench {
     const struct sim_sensor *sensor;

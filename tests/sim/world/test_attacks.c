@@ -12,8 +12,8 @@
 #include <cmocka.h>
 
 #include "drivers/recording/recording.h"
-#include "sim/generate/attacks.h"
-#include "tests/sim/generated.h"
+#include "sim/world/generate/attacks.h"
+#include "tests/sim/world/generated.h"
 #include "tests/support/scratch.h"
 
 enum { PEOPLE = 2, PER_KIND = 6, FRAMES = 4, INSTRUMENTS = 8 };

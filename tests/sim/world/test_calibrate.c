@@ -13,8 +13,8 @@
 #include <cmocka.h>
 
 #include "drivers/stereo/rectification.h"
-#include "sim/stereo/board_picture.h"
-#include "sim/stereo/rig.h"
+#include "sim/world/stereo/board_picture.h"
+#include "sim/world/stereo/rig.h"
 
 static const struct iso_board board = {9, 6, 20.0};
 

@@ -13,9 +13,9 @@
 
 #include "core/landmark/landmark.h"
 #include "drivers/recording/recording.h"
-#include "sim/generate/generate.h"
-#include "sim/methods/anthroface.h"
-#include "sim/recording/corpus.h"
+#include "sim/corpus/corpus.h"
+#include "sim/lab/methods/anthroface.h"
+#include "sim/world/generate/generate.h"
 #include "tests/support/scratch.h"
 
 static const char *model_directory(void)

@@ -14,8 +14,8 @@
 #include <jansson.h>
 #include <math.h>
 
-#include "sim/face/ict_kit.h"
-#include "sim/face/npy_writer.h"
+#include "sim/world/face/ict_kit.h"
+#include "sim/world/face/npy_writer.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "sim/prop/print.h"
-#include "sim/sensor/sensor.h"
+#include "sim/world/prop/print.h"
+#include "sim/world/sensor/sensor.h"
 
 enum { WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT };
 

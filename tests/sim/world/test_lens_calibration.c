@@ -12,10 +12,10 @@
 
 #include <cmocka.h>
 
-#include "drivers/image/png.h"
+#include "drivers/file/png.h"
 #include "drivers/recording/recording.h"
-#include "sim/stereo/board_picture.h"
-#include "sim/stereo/lens_calibration.h"
+#include "sim/world/stereo/board_picture.h"
+#include "sim/world/stereo/lens_calibration.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 

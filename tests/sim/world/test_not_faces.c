@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "sim/generate/not_faces.h"
-#include "tests/sim/generated.h"
+#include "sim/world/generate/not_faces.h"
+#include "tests/sim/world/generated.h"
 #include "tests/support/scratch.h"
 
 enum { KINDS = 11, PER_KIND = 3 };

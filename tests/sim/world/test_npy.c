@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "sim/face/npy.h"
+#include "sim/world/face/npy.h"
 #include "tests/support/scratch.h"
 
 static const float six[6] = {0.0f, -1.5f, 3.25f, 65504.0f, 0.0625f, -0.0f};

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "sim/face/expression.h"
-#include "sim/face/person.h"
-#include "sim/render/sitter.h"
+#include "sim/world/face/expression.h"
+#include "sim/world/face/person.h"
+#include "sim/world/scene/sitter.h"
 #include "tests/support/scratch.h"
 
 static const char *model_directory(void)

@@ -10,13 +10,13 @@
 
 #include <cmocka.h>
 
-#include "sim/face/ict.h"
-#include "sim/face/person.h"
-#include "sim/prop/face_print.h"
-#include "sim/prop/group.h"
-#include "sim/prop/hand.h"
-#include "sim/prop/screen.h"
-#include "sim/prop/sheet.h"
+#include "sim/world/face/ict.h"
+#include "sim/world/face/person.h"
+#include "sim/world/prop/face_print.h"
+#include "sim/world/prop/group.h"
+#include "sim/world/prop/hand.h"
+#include "sim/world/prop/screen.h"
+#include "sim/world/prop/sheet.h"
 #include "tests/support/scratch.h"
 
 static const double pi = 3.14159265358979324;

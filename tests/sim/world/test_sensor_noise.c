@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "tests/sim/sensor_bench.h"
+#include "tests/sim/world/sensor_bench.h"
 
 struct measurement {
     double sd_mm, mean_mm;

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "tests/sim/sensor_bench.h"
+#include "tests/sim/world/sensor_bench.h"
 
 /* A card, turned in its own plane. */
 static void put(struct sensor_bench *b, double width_mm, double height_mm, double z_mm,

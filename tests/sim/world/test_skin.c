@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "sim/face/skin.h"
-#include "sim/render/portrait.h"
+#include "sim/world/face/skin.h"
+#include "sim/world/scene/portrait.h"
 #include "tests/support/scratch.h"
 
 static struct sim_ict *load(void)

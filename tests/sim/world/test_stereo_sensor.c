@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "sim/prop/solid.h"
-#include "sim/sensor/depth_error.h"
-#include "sim/stereo/stereo_scene.h"
+#include "sim/world/prop/solid.h"
+#include "sim/world/scene/depth_error.h"
+#include "sim/world/stereo/stereo_scene.h"
 #include "tests/support/scratch.h"
 
 /* The dots' light is the same however wide they are: its mean over directions is 1. */

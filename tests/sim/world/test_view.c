@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "sim/prop/solid.h"
-#include "sim/render/view.h"
+#include "sim/world/prop/solid.h"
+#include "sim/world/view/view.h"
 
 static const struct iso_camera camera = {.projection = ISO_PINHOLE,
                                          .width_px = 120,

@@ -1,4 +1,4 @@
-#include "tests/support/camera_bench.h"
+#include "tests/support/devices/camera_bench.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -15,7 +15,7 @@
 #include "tests/support/scratch.h"
 
 static const char file_driver[] = ISOTHERM_BINARY_DIR
-    "/sim/openni2/runtime/OpenNI2/Drivers/libOniFile.so.0";
+    "/tests/openni2/runtime/OpenNI2/Drivers/libOniFile.so.0";
 
 int camera_bench_make(const char *directory, const char *recording, bool shutter)
 {

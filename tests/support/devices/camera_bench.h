@@ -1,5 +1,5 @@
-/* A bench for the virtual OpenNI2 camera (sim/openni2/virtual_camera.h). Failures fail the running
- * cmocka test. */
+/* A bench for the virtual OpenNI2 camera (tests/openni2/virtual_camera.h). Failures fail the
+ * running cmocka test. */
 #ifndef TESTS_SUPPORT_CAMERA_BENCH_H
 #define TESTS_SUPPORT_CAMERA_BENCH_H
 

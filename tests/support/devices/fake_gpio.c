@@ -1,4 +1,4 @@
-#include "tests/support/fake_gpio.h"
+#include "tests/support/devices/fake_gpio.h"
 
 #include <errno.h>
 #include <setjmp.h>

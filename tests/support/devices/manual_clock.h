@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "core/clock.h"
+#include "core/base/clock.h"
 
 static inline int64_t manual_clock_now_ns(void *context)
 {

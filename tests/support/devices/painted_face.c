@@ -1,4 +1,4 @@
-#include "tests/support/painted_face.h"
+#include "tests/support/devices/painted_face.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

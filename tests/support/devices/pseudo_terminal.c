@@ -1,4 +1,4 @@
-#include "tests/support/pseudo_terminal.h"
+#include "tests/support/devices/pseudo_terminal.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-#include "tests/support/soft_tpm.h"
+#include "tests/support/devices/soft_tpm.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-#include "tests/support/stereo_wall.h"
+#include "tests/support/devices/stereo_wall.h"
 
 #include <math.h>
 #include <setjmp.h>

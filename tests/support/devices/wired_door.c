@@ -1,4 +1,4 @@
-#include "tests/support/wired_door.h"
+#include "tests/support/devices/wired_door.h"
 
 #include <pthread.h>
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-#include "tests/support/broken_disk.h"
+#include "tests/support/disk/broken_disk.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-#include "tests/support/failing_disk.h"
+#include "tests/support/disk/failing_disk.h"
 
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,4 +1,4 @@
-#include "tests/support/slow_disk.h"
+#include "tests/support/disk/slow_disk.h"
 
 #include <pthread.h>
 #include <setjmp.h>

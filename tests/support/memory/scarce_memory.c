@@ -1,4 +1,4 @@
-#include "tests/support/scarce_memory.h"
+#include "tests/support/memory/scarce_memory.h"
 
 #include <errno.h>
 #include <setjmp.h>

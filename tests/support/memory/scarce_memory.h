@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_SCARCE_MEMORY_H
 #define TESTS_SUPPORT_SCARCE_MEMORY_H
 
-#include "core/fault.h"
+#include "core/base/fault.h"
 
 /* How many allocations succeed until one fails; negative: none fails. */
 extern long scarce_memory_left;

@@ -1,4 +1,4 @@
-#include "tests/enroll/private_bus.h"
+#include "tests/support/programs/private_bus.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

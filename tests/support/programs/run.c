@@ -1,4 +1,4 @@
-#include "tests/enroll/run.h"
+#include "tests/support/programs/run.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -11,8 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/enroll/run.h"
 #include "tests/support/child_end.h"
+#include "tests/support/programs/run.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

@@ -8,8 +8,8 @@
 
 #include <stdlib.h>
 
-#include "tests/enroll/run.h"
-#include "tests/support/pseudo_terminal.h"
+#include "tests/support/devices/pseudo_terminal.h"
+#include "tests/support/programs/run.h"
 
 #define SCRIPT \
     ". " ISOTHERM_SOURCE_DIR "/tests/support/verdict.sh; paint bad wrong; echo; say_tally 12 0 1"

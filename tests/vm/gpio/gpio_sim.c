@@ -1,4 +1,4 @@
-#include "tests/vm/gpio_sim.h"
+#include "tests/vm/gpio/gpio_sim.h"
 
 #include <errno.h>
 #include <fcntl.h>

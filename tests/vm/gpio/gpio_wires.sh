@@ -1,5 +1,5 @@
-# For scripts of tests with a door: `. "$VM_SOURCE/tests/vm/gpio_wires.sh"`. The door's lines on a chip of gpio-sim, our hands on the wires.
-. "$VM_SOURCE/tests/vm/gpio_sim.sh"
+# For scripts of tests with a door: `. "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"`. The door's lines on a chip of gpio-sim, our hands on the wires.
+. "$VM_SOURCE/tests/vm/gpio/gpio_sim.sh"
 sim=/sys/kernel/config/gpio-sim/door
 
 RELAY=0 GRANTED=1 REFUSED=2 BUZZER=3 CONTACT=5 BUTTON=6 TAMPER=7

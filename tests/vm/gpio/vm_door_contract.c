@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "firmware/times.h"
-#include "tests/drivers/door_contract.h"
-#include "tests/vm/gpio_sim.h"
+#include "drivers/base/times.h"
+#include "tests/drivers/door/door_contract.h"
+#include "tests/vm/gpio/gpio_sim.h"
 
 static const char chip[] = "door";
 

@@ -14,11 +14,11 @@
 
 #include <cmocka.h>
 
+#include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
 #include "drivers/door/gpio_line.h"
-#include "firmware/times.h"
 #include "tests/support/child_end.h"
-#include "tests/vm/gpio_sim.h"
+#include "tests/vm/gpio/gpio_sim.h"
 
 enum { REMOVALS = 20, NOBODY = 65534, PATIENCE_MS = 10000 };
 

@@ -1,11 +1,11 @@
-#include "tests/vm/eye_pair.h"
+#include "tests/vm/usb/eye_pair.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/random.h"
+#include "sim/base/random.h"
 
 enum {
     FINE = 4,        /* samples of the pattern a pixel, along a row */

@@ -11,7 +11,7 @@
 
 #include "drivers/recording/recording.h"
 #include "drivers/stereo/stereo.h"
-#include "tests/vm/eye_pair.h"
+#include "tests/vm/usb/eye_pair.h"
 
 enum { ROOM_MM = 1000 }; /* what is nearer is somebody */
 

@@ -1,4 +1,4 @@
-#include "tests/vm/usb_bench.h"
+#include "tests/vm/usb/usb_bench.h"
 
 #include <errno.h>
 #include <linux/videodev2.h>
@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "sim/openni2/virtual_camera.h"
-#include "tests/vm/usb_camera.h"
+#include "tests/openni2/virtual_camera.h"
+#include "tests/vm/usb/usb_camera.h"
 
 struct usb_bench {
     struct usb_camera *camera;

@@ -1,4 +1,4 @@
-#include "tests/vm/usb_camera.h"
+#include "tests/vm/usb/usb_camera.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -11,8 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/vm/usb_camera_descriptors.h"
-#include "tests/vm/usbip.h"
+#include "tests/vm/usb/usb_camera_descriptors.h"
+#include "tests/vm/usb/usbip.h"
 
 enum { QUEUE_MAX = 8 };
 enum { HEADER_END = 0x80, HEADER_LAST = 0x02 }; /* of bmHeaderInfo (UVC 1.1, 2.4.3.3) */

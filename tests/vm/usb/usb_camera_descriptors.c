@@ -1,4 +1,4 @@
-#include "tests/vm/usb_camera_descriptors.h"
+#include "tests/vm/usb/usb_camera_descriptors.h"
 
 #include <linux/usb/ch9.h>
 #include <linux/usb/video.h>

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "tests/vm/usb_camera.h"
+#include "tests/vm/usb/usb_camera.h"
 
 enum { USB_CAMERA_DESCRIPTOR_MAX = 512, USB_CAMERA_PROBE_BYTES = 34 };
 enum { USB_CAMERA_HEADER_BYTES = 2 }; /* before each picture */

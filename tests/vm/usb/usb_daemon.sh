@@ -1,7 +1,7 @@
 #!/bin/sh
 # The daemon, the kernel's cameras and lines: a stored Z16 recording is played by a USB camera to the unmodified uvcvideo, an
 # enrolled face pulls the relay of gpio-sim and a stranger does not; and what else a door has to go through.
-. "$VM_SOURCE/tests/vm/usb_camera.sh"
+. "$VM_SOURCE/tests/vm/usb/usb_camera.sh"
 . "$VM_SOURCE/tests/vm/daemon.sh"
 . "$VM_SOURCE/tests/vm/visitors.sh"
 

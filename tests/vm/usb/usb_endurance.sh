@@ -1,7 +1,7 @@
 #!/bin/sh
 # The daemon under the address sanitizer while cables are pulled, cameras stall and lines go: it stays, and at its end nothing
 # has leaked.
-. "$VM_SOURCE/tests/vm/usb_camera.sh"
+. "$VM_SOURCE/tests/vm/usb/usb_camera.sh"
 . "$VM_SOURCE/tests/vm/daemon.sh"
 
 # A small picture of nothing: what is tried here is not faces.

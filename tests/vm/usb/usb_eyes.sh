@@ -1,7 +1,7 @@
 #!/bin/sh
 # The whole stereo path: what a stored recording shows is seen by two grey USB cameras under a dotted light, the unmodified uvcvideo
 # makes video nodes of them, the daemon matches their pictures, an enrolled face pulls the relay of gpio-sim and a stranger does not.
-. "$VM_SOURCE/tests/vm/usb_camera.sh"
+. "$VM_SOURCE/tests/vm/usb/usb_camera.sh"
 . "$VM_SOURCE/tests/vm/daemon.sh"
 . "$VM_SOURCE/tests/vm/visitors.sh"
 

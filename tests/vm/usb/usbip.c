@@ -1,4 +1,4 @@
-#include "tests/vm/usbip.h"
+#include "tests/vm/usb/usbip.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -17,14 +17,14 @@
 
 #include "drivers/stereo/calibration.h"
 #include "drivers/stereo/stereo.h"
-#include "tests/drivers/sensor_contract.h"
-#include "tests/support/camera_bench.h"
+#include "tests/drivers/sensor/sensor_contract.h"
 #include "tests/support/child_end.h"
+#include "tests/support/devices/camera_bench.h"
+#include "tests/support/devices/stereo_wall.h"
 #include "tests/support/scratch.h"
-#include "tests/support/stereo_wall.h"
 #include "tests/support/stored_frames.h"
-#include "tests/vm/usb_bench.h"
-#include "tests/vm/usb_camera.h"
+#include "tests/vm/usb/usb_bench.h"
+#include "tests/vm/usb/usb_camera.h"
 
 #define SHOT_NS INT64_C(33333333)
 

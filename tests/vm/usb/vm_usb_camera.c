@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "tests/vm/usb_bench.h"
+#include "tests/vm/usb/usb_bench.h"
 
 int main(int argc, char **argv)
 {

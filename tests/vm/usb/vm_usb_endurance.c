@@ -18,10 +18,10 @@
 
 #include <cmocka.h>
 
-#include "tests/support/camera_bench.h"
+#include "tests/support/devices/camera_bench.h"
 #include "tests/support/scratch.h"
-#include "tests/vm/gpio_sim.h"
-#include "tests/vm/usb_bench.h"
+#include "tests/vm/gpio/gpio_sim.h"
+#include "tests/vm/usb/usb_bench.h"
 
 enum { RELAY = 0, REFUSED = 2, CONTACT = 5, BUTTON = 6, TAMPER = 7 };
 enum { UNPLUGS = 50, STALLS = 20, REMOVALS = 20 };

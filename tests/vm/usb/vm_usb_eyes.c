@@ -1,5 +1,5 @@
 /* vm_usb_eyes BENCH: two grey USB cameras side by side, which see what stands on a bench
- * (sim/openni2/virtual_camera.h) as eye_pair.h says. Writes their calibration, BENCH/rig.ini,
+ * (tests/openni2/virtual_camera.h) as eye_pair.h says. Writes their calibration, BENCH/rig.ini,
  * prints their video nodes, left and right, and keeps them there until SIGTERM. */
 #include <errno.h>
 #include <limits.h>
@@ -10,10 +10,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "drivers/path.h"
-#include "sim/openni2/virtual_camera.h"
-#include "tests/vm/eye_pair.h"
-#include "tests/vm/usb_camera.h"
+#include "drivers/base/path.h"
+#include "tests/openni2/virtual_camera.h"
+#include "tests/vm/usb/eye_pair.h"
+#include "tests/vm/usb/usb_camera.h"
 
 struct eyes {
     struct usb_camera *cameras[ISO_EYES];
