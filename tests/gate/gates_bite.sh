@@ -39,6 +39,7 @@ refuses() {
 
 fresh_tree
 passes "$root/cmake/check_layers.sh" "$copy"
+passes "$root/tests/gate/rooms.sh" "$copy"
 passes "$root/tests/gate/docs.sh" "$copy"
 passes "$root/tests/gate/open_files.sh" "$copy"
 passes "$root/tests/gate/threads.sh" "$copy"
@@ -66,6 +67,51 @@ fresh_tree
 what='an include against the flow of the data'
 printf '#  include "core/heat/a.h"\n' >"$copy/core/base/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"
+
+# includes FILE HEADER: a room of each part of the house includes one that stands below it.
+includes() {
+    fresh_tree
+    what="$1 includes $2"
+    mkdir -p "$copy/$(dirname "$1")"
+    printf '#include "%s"\n' "$2" >"$copy/$1"
+    refuses "$root/cmake/check_layers.sh" "$copy"
+}
+
+includes core/surface/b.c core/extract/a.h
+includes drivers/file/b.c drivers/recording/a.h
+includes drivers/sensor/replay/b.c drivers/sensor/openni2/a.h
+includes firmware/gallery/b.c firmware/visit/a.h
+includes firmware/keys/b.c firmware/audit/a.h
+includes enroll/cli/text/b.c firmware/gallery/a.h
+includes enroll/cli/setup/b.c enroll/cli/commands/a.h
+includes sim/world/prop/b.c sim/world/scene/a.h
+includes sim/lab/match/b.c sim/lab/eval/a.h
+includes tests/support/b.c board/a.h
+
+fresh_tree
+what='a folder of 26 files'
+for n in $(seq 26); do
+    echo 'int b;' >"$copy/firmware/b$n.c"
+done
+refuses "$root/tests/gate/rooms.sh" "$copy"
+
+fresh_tree
+what='a room of more than a fifth of the product'
+yes '/* */' | head -1200 >"$copy/core/heat/b.c"
+refuses "$root/tests/gate/rooms.sh" "$copy"
+
+fresh_tree
+what='two headers that include each other'
+printf '#include "core/base/b.h"\n' >"$copy/core/base/a.h"
+printf '#include "core/base/a.h"\n' >"$copy/core/base/b.h"
+refuses "$root/tests/gate/rooms.sh" "$copy"
+
+fresh_tree
+what='two rooms that include each other'
+printf '#include "tests/b/b.h"\n' >"$copy/tests/a.c"
+mkdir "$copy/tests/b"
+printf '#include "tests/a.h"\n' >"$copy/tests/b/b.c"
+refuses "$root/tests/gate/rooms.sh" "$copy"
 
 fresh_tree
 what='an include that is not written from the root'
