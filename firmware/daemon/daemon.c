@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <sys/socket.h>
 #include <syslog.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
@@ -48,10 +49,16 @@ struct daemon {
 
 void iso_daemon_say(int priority, const char *text)
 {
-    if (getenv("JOURNAL_STREAM")) {
-        fprintf(stderr, "<%d>%s\n", priority, text);
-    } else {
+    char line[1024];
+    if (!getenv("JOURNAL_STREAM")) {
         fprintf(stderr, "isothermd: %s\n", text);
+        return;
+    }
+    const int written = snprintf(line, sizeof line, "<%d>%s\n", priority, text);
+    const size_t length = (size_t)written < sizeof line ? (size_t)written : sizeof line - 1;
+    line[length - 1] = '\n'; /* also of a text that was cut */
+    if (send(STDERR_FILENO, line, length, MSG_DONTWAIT | MSG_NOSIGNAL) < 0 && errno == ENOTSOCK) {
+        (void)!write(STDERR_FILENO, line, length);
     }
 }
 

@@ -17,7 +17,8 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
 int iso_daemon_check(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* A line on stderr, with the priority (as in syslog.h) in front if that is the system's journal. */
+/* A line on stderr, with the priority (as in syslog.h) in front if that is the system's journal. It
+ * does not wait for the journal: a line for which a stuck one has no room is lost. */
 void iso_daemon_say(int priority, const char *text);
 
 #endif
