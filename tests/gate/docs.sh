@@ -2,6 +2,7 @@
 # Gate: the tree explains itself.
 #   - every top-level folder has a README
 #   - links between documents lead somewhere
+#   - every path that a document names exists
 #   - a source over 600 lines is listed in long_files.txt with a reason
 #   - nothing is left open in the code
 # usage: docs.sh [ROOT]
@@ -22,6 +23,36 @@ documents=$(find . -name '*.md' -not -path './build/*' -not -path './out/*')
 for document in $documents; do
     for link in $(grep -o '](\([^)]*\))' "$document" | sed 's/^](//; s/[)#].*$//' | grep -v '^[a-z]*:' || true); do
         [ -e "$(dirname "$document")/$link" ] || fault "$document: link to nowhere: $link"
+    done
+done
+
+# named_paths DOCUMENT: the paths that it names, one a line: every word that begins with a folder of the top, wherever it stands, and
+# every word in backticks that has a slash or the ending of a source. Not of this tree: what is absolute, has a variable, is made by a
+# build (build/, out/) or by a command. A word with capitals that stands for any name (NAME.sh, BUILD/vm) is no path.
+named_paths() {
+    {
+        grep -oE '(^|[^A-Za-z0-9_./$-])(core|drivers|firmware|enroll|sim|tests|cmake|board)/[A-Za-z0-9_.*/-]+' "$1" |
+            sed 's/^[^a-z]//'
+        grep -v '^    ' "$1" | tr '\n' ' ' | grep -o '`[^`]*`' | tr -d '`' |
+            grep -xE '[A-Za-z0-9_.*-]+/[A-Za-z0-9_.*/-]*|[A-Za-z0-9_*-]+\.(c|h|cc|sh|md|awk|cmake|dot|svg|inc)'
+    } | sed 's/[.,:;]*$//' | grep -vE '^(build|out)/|[A-Z][A-Z]+' | sort -u
+}
+
+# exists DOCUMENT PATH: from the root or from the document's folder; a bare name of a file: anywhere under the document's folder
+exists() {
+    for place in . "$(dirname "$1")"; do
+        # shellcheck disable=SC2086 # a star stands for several files
+        ls -d "$place"/$2 >/dev/null 2>&1 && return
+    done
+    case $2 in
+    */*) return 1 ;;
+    *) find "$(dirname "$1")" -name "$2" -not -path './build/*' | grep -q . ;;
+    esac
+}
+
+for document in $documents; do
+    for path in $(set -f && named_paths "$document"); do
+        exists "$document" "$path" || fault "$document: names a path that does not exist: $path"
     done
 done
 

@@ -133,6 +133,46 @@ what='a link to nowhere'
 echo 'See [there](nowhere.md).' >"$copy/core/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
 
+# A document may name paths from the root, from its own folder, by a star, or by a name that stands for any.
+fresh_tree
+printf '%s\n' '`core/base/a.h`, `base/a.h`, `a.h`, `core/*/a.c`, `cmd_NAME.c`, `build/b.c`, `/etc/c.c`' >"$copy/core/README.md"
+passes "$root/tests/gate/docs.sh" "$copy"
+what='a path in backticks that is not there'
+echo 'See `base/b.h`.' >"$copy/core/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+echo 'See `b.h`.' >"$copy/core/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+what='a path in the text or in a command that is not there'
+echo 'It lives in core/nowhere.' >"$copy/tests/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+echo '    cat core/base/b.h' >"$copy/tests/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+
+# A diagram and its source.
+diagram() {
+    fresh_tree
+    printf 'digraph g {\n a [label="one\\ncore/base"]\n b [label="two"]\n a -> b\n}\n' >"$copy/sim/g.dot"
+    printf '<title>a&#45;&gt;b</title>\n<text x="1">one</text>\n<text>core/base</text>\n<text>two</text>\n' >"$copy/sim/g.svg"
+}
+
+diagram
+passes "$root/tests/gate/pictures.sh" "$copy"
+what='a diagram that lacks a text of its source'
+sed -i '/two/d' "$copy/sim/g.svg"
+refuses "$root/tests/gate/pictures.sh" "$copy"
+diagram
+what='a diagram whose arrow points the other way'
+sed -i 's/a&#45;&gt;b/b\&#45;\&gt;a/' "$copy/sim/g.svg"
+refuses "$root/tests/gate/pictures.sh" "$copy"
+diagram
+what='a diagram that is not drawn'
+rm "$copy/sim/g.svg"
+refuses "$root/tests/gate/pictures.sh" "$copy"
+diagram
+what='a label that names a path that is not there'
+sed -i 's|core/base|core/nowhere|' "$copy/sim/g.dot" "$copy/sim/g.svg"
+refuses "$root/tests/gate/pictures.sh" "$copy"
+
 fresh_tree
 what='a file of 601 lines'
 yes '/* */' | head -601 >"$copy/core/base/b.c"
