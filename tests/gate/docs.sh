@@ -3,6 +3,7 @@
 #   - every top-level folder has a README
 #   - links between documents lead somewhere
 #   - every path that a document names exists
+#   - the README of the project is short: at most 168 lines (five screens), and 40 numbers outside commands and the table of the levels
 #   - a source over 600 lines is listed in long_files.txt with a reason
 #   - nothing is left open in the code
 # usage: docs.sh [ROOT]
@@ -25,6 +26,16 @@ for document in $documents; do
         [ -e "$(dirname "$document")/$link" ] || fault "$document: link to nowhere: $link"
     done
 done
+
+# The README that a visitor reads first. Measurements belong into sim/results.
+if [ -f README.md ]; then
+    lines=$(wc -l <README.md)
+    [ "$lines" -le 168 ] || fault "README.md: $lines lines, at most 168"
+    # shellcheck disable=SC2016 # backticks of the document
+    numbers=$(grep -vE '^    |^\| `(convenient|balanced|strict)` ' README.md | sed 's/](\([^)]*\))/]/g; s/`[^`]*`//g' |
+        grep -oE '(^|[^A-Za-z0-9_./-])[0-9][0-9.,]*' | wc -l)
+    [ "$numbers" -le 40 ] || fault "README.md: $numbers numbers, at most 40: what is measured belongs into sim/results"
+fi
 
 # named_paths DOCUMENT: the paths that it names, one a line: every word that begins with a folder of the top, wherever it stands, and
 # every word in backticks that has a slash or the ending of a source. Not of this tree: what is absolute, has a variable, is made by a

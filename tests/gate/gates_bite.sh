@@ -148,6 +148,17 @@ refuses "$root/tests/gate/docs.sh" "$copy"
 echo '    cat core/base/b.h' >"$copy/tests/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
 
+fresh_tree
+printf '| `strict` | 1 2 3 |\n    run 1 2 3\n' >"$copy/README.md"
+seq -s ' ' 40 >>"$copy/README.md"
+passes "$root/tests/gate/docs.sh" "$copy"
+what='a README with 41 numbers'
+echo 'And 41.' >>"$copy/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+what='a README of 169 lines'
+yes 'A line.' | head -169 >"$copy/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
+
 # A diagram and its source.
 diagram() {
     fresh_tree
