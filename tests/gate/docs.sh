@@ -1,7 +1,7 @@
 #!/bin/sh
 # Gate: the tree explains itself.
 #   - every top-level folder has a README
-#   - links between documents lead somewhere
+#   - links between documents lead somewhere, to a heading if they name one
 #   - every path that a document names exists
 #   - the README of the project is short: at most 168 lines (five screens), and 40 numbers outside commands and the table of the levels
 #   - a source over 600 lines is listed in long_files.txt with a reason
@@ -20,10 +20,20 @@ for folder in core drivers firmware enroll sim tests cmake board; do
     [ -s "$folder/README.md" ] || fault "$folder: has no README.md"
 done
 
+# headings DOCUMENT: the names by which links call them: small letters, hyphens for spaces, no other signs
+headings() {
+    sed -n 's/^##* *//p' "$1" | tr '[:upper:] ' '[:lower:]-' | sed 's/[^a-z0-9_-]//g'
+}
+
 documents=$(find . -name '*.md' -not -path './build/*' -not -path './out/*')
 for document in $documents; do
-    for link in $(grep -o '](\([^)]*\))' "$document" | sed 's/^](//; s/[)#].*$//' | grep -v '^[a-z]*:' || true); do
-        [ -e "$(dirname "$document")/$link" ] || fault "$document: link to nowhere: $link"
+    for link in $(grep -o '](\([^)]*\))' "$document" | sed 's/^](//; s/)$//' | grep -v '^[a-z]*:' || true); do
+        target=$(dirname "$document")/${link%%#*}
+        [ -n "${link%%#*}" ] || target=$document
+        [ -e "$target" ] || fault "$document: link to nowhere: $link"
+        case $link in
+        *'#'*) [ ! -e "$target" ] || headings "$target" | grep -qxF -e "${link#*#}" || fault "$document: no such heading: $link" ;;
+        esac
     done
 done
 

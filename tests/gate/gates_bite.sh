@@ -132,6 +132,11 @@ fresh_tree
 what='a link to nowhere'
 echo 'See [there](nowhere.md).' >"$copy/core/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
+printf '# Two `words`\n\nSee [there](../core/README.md#two-words).\n' >"$copy/core/README.md"
+passes "$root/tests/gate/docs.sh" "$copy"
+what='a link to a heading that is not there'
+echo 'See [there](../core/README.md#three-words).' >"$copy/tests/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
 
 # A document may name paths from the root, from its own folder, by a star, or by a name that stands for any.
 fresh_tree
