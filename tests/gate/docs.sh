@@ -25,7 +25,7 @@ headings() {
     sed -n 's/^##* *//p' "$1" | tr '[:upper:] ' '[:lower:]-' | sed 's/[^a-z0-9_-]//g'
 }
 
-documents=$(find . -name '*.md' -not -path './build/*' -not -path './out/*')
+documents=$(find . \( -path ./build -o -path ./out \) -prune -o -name '*.md' -print)
 for document in $documents; do
     for link in $(grep -o '](\([^)]*\))' "$document" | sed 's/^](//; s/)$//' | grep -v '^[a-z]*:' || true); do
         target=$(dirname "$document")/${link%%#*}
@@ -61,18 +61,19 @@ named_paths() {
 
 # exists DOCUMENT PATH: from the root or from the document's folder; a bare name of a file: anywhere under the document's folder
 exists() {
-    for place in . "$(dirname "$1")"; do
-        # shellcheck disable=SC2086 # a star stands for several files
-        ls -d "$place"/$2 >/dev/null 2>&1 && return
+    folder=${1%/*}
+    # A star stands for several files: the first one will do.
+    for file in "./"$2 "$folder/"$2; do
+        [ ! -e "$file" ] || return 0
     done
     case $2 in
     */*) return 1 ;;
-    *) find "$(dirname "$1")" -name "$2" -not -path './build/*' | grep -q . ;;
+    *) find "$folder" -path ./build -prune -o -name "$2" -print | grep -q . ;;
     esac
 }
 
 for document in $documents; do
-    for path in $(set -f && named_paths "$document"); do
+    for path in $(named_paths "$document"); do
         exists "$document" "$path" || fault "$document: names a path that does not exist: $path"
     done
 done
