@@ -7,6 +7,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "firmware/appliance/appliance.h"
+#include "firmware/visit/repeat_watch.h"
 #include "sim/base/random.h"
 #include "tests/firmware/rigs/rig.h"
 
@@ -250,7 +251,9 @@ static void a_stuck_camera_is_on_record_once(void **state)
     play(rig, 50, 3, 2);
     assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "repeats");
     assert_non_null(strstr(rig_record(rig, "sensor"), "\"reason\":\"repeats\""));
-    play(rig, 50, 5, 1);
+    play(rig, 50, 5, ISO_NEW_TO_FREE - 1);
+    assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "repeats");
+    play(rig, 50, 5 + ISO_NEW_TO_FREE - 1, 1);
     assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "started");
     assert_non_null(strstr(rig_record(rig, "sensor"), "\"reason\":\"started\""));
 }
