@@ -1,4 +1,8 @@
-/* Key and value pairs that a back end is opened with: a section of the configuration. */
+/* Options of back ends. A back end publishes a table of the options that it has (struct
+ * iso_option_spec, ended by an entry without a name); the configuration, the help and the manual
+ * are made from the tables or checked against them. What somebody sets is a list of keys and values
+ * (struct iso_option). An empty value is the same as an option that is not given: the standard
+ * value of the table holds. */
 #ifndef ISO_DRIVERS_BASE_OPTION_H
 #define ISO_DRIVERS_BASE_OPTION_H
 
@@ -7,33 +11,78 @@
 
 #include "core/base/fault.h"
 
+/* What somebody sets. */
 struct iso_option {
     const char *key, *value;
 };
 
-/* Refuses keys outside `known` (ended by NULL) and repeated keys: 0, or -EINVAL with a fault that
- * names `owner` (such as "sensor replay") and the key. */
-int iso_options_check(const char *owner, const struct iso_option *options, size_t n_options,
-                      const char *const *known, struct iso_fault *fault)
+enum iso_option_kind {
+    ISO_OPTION_TEXT = 0,
+    ISO_OPTION_PATH, /* a file that is read while the sensor or the door works; isothermd permits
+                        itself to read the directory of the file */
+    ISO_OPTION_LINE, /* a line to the door's hardware; `isotherm status` lists those that are set */
+    ISO_OPTION_NUMBER, /* a decimal number, min to max */
+    ISO_OPTION_COUNT,  /* a whole number, min to max */
+    ISO_OPTION_CHOICE, /* one of the words of `choices` */
+    ISO_OPTION_SWITCH, /* no or yes */
+};
+
+/* One option that a back end has. All texts outlive the table. */
+struct iso_option_spec {
+    const char *name; /* small letters, digits, '_'; NULL ends the table */
+    enum iso_option_kind kind;
+    double min, max;      /* of NUMBER and COUNT */
+    const char *choices;  /* of CHOICE: "word|word" */
+    const char *standard; /* the value that holds if the option is not given; "": none */
+    const char *help;     /* one line, without a full stop */
+    bool required;        /* must be given, and has no standard value */
+    bool tools_only;      /* for programs that open the back end themselves, such as `isotherm-sim
+                             record`; a configuration file must not have it */
+
+    /* OPTIONAL. What kind and range cannot say of a value that is not empty: 0, or -EINVAL with a
+     * fault such as "'foo' is no line". Opens no file and touches no device. */
+    int (*check)(const char *value, struct iso_fault *fault);
+};
+
+/* The options of a table and what is set of them. */
+struct iso_option_set {
+    const struct iso_option_spec *specs; /* NULL: there are none */
+    const struct iso_option *options;    /* [n_options] */
+    size_t n_options;
+};
+
+/* The option of a name, or NULL. `specs` may be NULL. */
+const struct iso_option_spec *iso_option_find_spec(const struct iso_option_spec *specs,
+                                                   const char *name);
+
+/* The number of a word among "word|word", from 0 on, or -1. */
+int iso_option_find_choice(const char *choices, const char *word);
+
+/* Writes what a value has to be: "no|yes", "a number, 0 to 1", or "" for texts of any form. */
+void iso_option_describe(const struct iso_option_spec *spec, char *text, size_t size);
+
+/* Whether an option may have a value: 0, or -EINVAL with a fault that names the option and what was
+ * expected, such as "bad value 'soon' for 'fps' (a number, 1 to 1000)". An empty value is fine. */
+int iso_option_check_value(const struct iso_option_spec *spec, const char *value,
+                           struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Refuses options that are not in the table, repeated ones, bad values and missing required
+ * options: 0, or -EINVAL with a fault that begins with `owner` (such as "sensor replay") and names
+ * the option. */
+int iso_options_check(const char *owner, const struct iso_option_set *set, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The value of a key, or NULL. */
+/* The value of a key in a list, or NULL. */
 const char *iso_options_find(const struct iso_option *options, size_t n_options, const char *key);
 
-/* "yes" or "no", or `otherwise` if the key is absent. -EINVAL with a fault for another value. */
-int iso_options_bool(const char *owner, const struct iso_option *options, size_t n_options,
-                     const char *key, bool otherwise, bool *out, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* Whether an option is set to a value that is not empty. */
+bool iso_option_is_given(const struct iso_option_set *set, const char *name);
 
-/* The number behind a key, within min..max, or `otherwise` if the key is absent or empty. -EINVAL
- * with a fault. */
-int iso_options_number(const char *owner, const struct iso_option *options, size_t n_options,
-                       const char *key, double min, double max, double otherwise, double *out,
-                       struct iso_fault *fault) __attribute__((warn_unused_result));
-
-/* The text behind a key. -EINVAL with a fault if it is absent or empty. */
-int iso_options_required(const char *owner, const struct iso_option *options, size_t n_options,
-                         const char *key, const char **out, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* The value of an option of the table, after iso_options_check has accepted the set: what is given,
+ * else the standard value. The text belongs to the set. */
+const char *iso_option_text(const struct iso_option_set *set, const char *name);
+bool iso_option_switch(const struct iso_option_set *set, const char *name);
+double iso_option_number(const struct iso_option_set *set, const char *name);
+int iso_option_choice(const struct iso_option_set *set, const char *name); /* from 0 on */
 
 #endif

@@ -11,7 +11,6 @@
 #include "drivers/door/debounce.h"
 #include "drivers/door/gpio_line.h"
 #include "drivers/door/wiegand_out.h"
-#include "drivers/file/text.h"
 
 static const char owner[] = "door gpiod";
 
@@ -46,46 +45,64 @@ struct gpiod {
 
 /* ---- options ---- */
 
-static int parse_spec(const struct iso_option *options, size_t n_options, const char *key,
-                      bool *there, struct iso_gpio_spec *spec, struct iso_fault *fault)
+static int check_line(const char *value, struct iso_fault *fault)
 {
-    const char *text = iso_options_find(options, n_options, key);
+    struct iso_gpio_spec spec;
+    return iso_gpio_spec_parse(NULL, value, &spec, fault);
+}
+
+/* clang-format off */
+#define LINE(key, text) \
+    {.name = (key), .kind = ISO_OPTION_LINE, .standard = "", .check = check_line, .help = (text)}
+/* clang-format on */
+
+static const struct iso_option_spec option_specs[] = {
+    LINE("relay", "the line of the lock's relay; not needed with wiegand_d0 and wiegand_d1"),
+    LINE("led_granted", "the line of the green light"),
+    LINE("led_refused", "the line of the red light"),
+    LINE("buzzer", "the line of the buzzer"),
+    LINE("projector", "the line of the infrared dot projector"),
+    LINE("contact", "the line of the door contact, active when the door stands open"),
+    LINE("exit_button", "the line of the exit button, active when it is pressed"),
+    LINE("tamper", "the line of the housing's switch, active when the housing is open"),
+    LINE("wiegand_d0", "the line D0 to an access controller; active is a pulse"),
+    LINE("wiegand_d1", "the line D1 to an access controller; active is a pulse"),
+    {.name = "debounce_ms",
+     .kind = ISO_OPTION_COUNT,
+     .min = 0,
+     .max = ISO_DOOR_GPIOD_DEBOUNCE_MAX_MS,
+     .standard = "10",
+     .help = "how long an input has to keep a level until it counts"},
+    {.name = "wiegand_bits",
+     .kind = ISO_OPTION_CHOICE,
+     .choices = "26|34",
+     .standard = "26",
+     .help = "the format of the access controller: 26 bits (H10301) or 34 bits (H10306)"},
+    {.name = NULL},
+};
+
+static int parse_spec(const struct iso_option_set *set, const char *key, bool *there,
+                      struct iso_gpio_spec *spec, struct iso_fault *fault)
+{
     char name[64];
-    *there = text != NULL;
-    if (!text) {
+    *there = iso_option_is_given(set, key);
+    if (!*there) {
         return 0;
     }
     (void)snprintf(name, sizeof name, "%s: %s", owner, key);
-    return iso_gpio_spec_parse(name, text, spec, fault);
-}
-
-static int parse_debounce(const struct iso_option *options, size_t n_options, int64_t *ns,
-                          struct iso_fault *fault)
-{
-    const char *text = iso_options_find(options, n_options, "debounce_ms");
-    size_t ms = ISO_DOOR_GPIOD_DEBOUNCE_MS;
-    if (text && (iso_text_count(text, &ms) || ms > ISO_DOOR_GPIOD_DEBOUNCE_MAX_MS)) {
-        return iso_fault_set(fault, -EINVAL, "%s: debounce_ms is 0 to %d, not '%s'", owner,
-                             ISO_DOOR_GPIOD_DEBOUNCE_MAX_MS, text);
-    }
-    *ns = (int64_t)ms * NS_PER_MS;
-    return 0;
+    return iso_gpio_spec_parse(name, iso_option_text(set, key), spec, fault);
 }
 
 static const char *const wiegand_names[2] = {"wiegand_d0", "wiegand_d1"};
 
-static int parse_wiegand(const struct iso_option *options, size_t n_options, struct wiring *wiring,
+static int parse_wiegand(const struct iso_option_set *set, struct wiring *wiring,
                          struct iso_fault *fault)
 {
-    const char *bits = iso_options_find(options, n_options, "wiegand_bits");
-    if (bits && strcmp(bits, "26") != 0 && strcmp(bits, "34") != 0) {
-        return iso_fault_set(fault, -EINVAL, "%s: wiegand_bits is 26 or 34, not '%s'", owner, bits);
-    }
-    wiring->wiegand_bits = bits && strcmp(bits, "34") == 0 ? 34 : 26;
     int error = 0;
+    wiring->wiegand_bits = (int)iso_option_number(set, "wiegand_bits");
     for (int i = 0; !error && i < 2; i++) {
-        error = parse_spec(options, n_options, wiegand_names[i], &wiring->has_wiegand[i],
-                           &wiring->wiegand[i], fault);
+        error = parse_spec(set, wiegand_names[i], &wiring->has_wiegand[i], &wiring->wiegand[i],
+                           fault);
     }
     if (!error && wiring->has_wiegand[0] != wiring->has_wiegand[1]) {
         return iso_fault_set(fault, -EINVAL, "%s: option '%s' is missing", owner,
@@ -94,40 +111,21 @@ static int parse_wiegand(const struct iso_option *options, size_t n_options, str
     return error;
 }
 
-static int check_options(const struct iso_option *options, size_t n_options,
-                         struct iso_fault *fault)
-{
-    const char *known[ISO_DOOR_OUTPUTS + ISO_DOOR_INPUTS + 5] = {"debounce_ms", "wiegand_bits",
-                                                                 "wiegand_d0", "wiegand_d1"};
-    size_t n = 4;
-    for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
-        known[n++] = iso_door_output_name((enum iso_door_output)i);
-    }
-    for (int i = 0; i < ISO_DOOR_INPUTS; i++) {
-        known[n++] = iso_door_input_name((enum iso_door_input)i);
-    }
-    known[n] = NULL;
-    return iso_options_check(owner, options, n_options, known, fault);
-}
-
 static int parse_options(const struct iso_option *options, size_t n_options, struct wiring *wiring,
                          struct iso_fault *fault)
 {
-    int error = check_options(options, n_options, fault);
+    const struct iso_option_set set = {option_specs, options, n_options};
+    int error = 0;
     for (int i = 0; !error && i < ISO_DOOR_OUTPUTS; i++) {
-        error = parse_spec(options, n_options, iso_door_output_name((enum iso_door_output)i),
+        error = parse_spec(&set, iso_door_output_name((enum iso_door_output)i),
                            &wiring->has_output[i], &wiring->outputs[i], fault);
     }
     for (int i = 0; !error && i < ISO_DOOR_INPUTS; i++) {
-        error = parse_spec(options, n_options, iso_door_input_name((enum iso_door_input)i),
-                           &wiring->has_input[i], &wiring->inputs[i], fault);
+        error = parse_spec(&set, iso_door_input_name((enum iso_door_input)i), &wiring->has_input[i],
+                           &wiring->inputs[i], fault);
     }
-    if (!error) {
-        error = parse_debounce(options, n_options, &wiring->debounce_ns, fault);
-    }
-    if (!error) {
-        error = parse_wiegand(options, n_options, wiring, fault);
-    }
+    wiring->debounce_ns = (int64_t)iso_option_number(&set, "debounce_ms") * NS_PER_MS;
+    error = error ? error : parse_wiegand(&set, wiring, fault);
     if (!error && !wiring->has_output[ISO_DOOR_RELAY] && !wiring->has_wiegand[0]) {
         return iso_fault_set(fault, -EINVAL, "%s: option 'relay' is missing", owner);
     }
@@ -408,6 +406,7 @@ static int gpiod_poll_fd(void *self)
 
 const struct iso_door_io_ops iso_door_gpiod_ops = {
     .name = "gpiod",
+    .options = option_specs,
     .check = gpiod_check,
     .open = gpiod_open,
     .set_output = gpiod_set_output,

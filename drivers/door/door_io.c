@@ -5,16 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifdef ISOTHERM_WITH_GPIOD
-#include "drivers/door/door_gpiod.h"
-#endif
-#include "drivers/door/door_null.h"
+#define BACK_END(ops) extern const struct iso_door_io_ops ops;
+#include "drivers/door/back_ends.def"
+#undef BACK_END
 
 static const struct iso_door_io_ops *const back_ends[] = {
-    &iso_door_null_ops,
-#ifdef ISOTHERM_WITH_GPIOD
-    &iso_door_gpiod_ops,
-#endif
+#define BACK_END(ops) &(ops),
+#include "drivers/door/back_ends.def"
+#undef BACK_END
 };
 
 enum { BACK_ENDS = sizeof back_ends / sizeof back_ends[0] };
@@ -59,6 +57,16 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
 
 /* ---- open, open anew, close ---- */
 
+static int check(const struct iso_door_io_ops *ops, const struct iso_option *options,
+                 size_t n_options, struct iso_fault *fault)
+{
+    const struct iso_option_set set = {ops->options, options, n_options};
+    char owner[64];
+    (void)snprintf(owner, sizeof owner, "door %s", ops->name);
+    const int error = iso_options_check(owner, &set, fault);
+    return error || !ops->check ? error : ops->check(options, n_options, fault);
+}
+
 static int copy_options(struct iso_door_io *io, const struct iso_option *options, size_t n_options)
 {
     io->options = calloc(n_options + 1, sizeof *io->options);
@@ -86,7 +94,7 @@ static int new_io(const struct iso_door_io_ops *ops, const struct iso_option *op
                   size_t n_options, const struct iso_clock *clock, struct iso_door_io **out,
                   struct iso_fault *fault)
 {
-    const int error = ops->check(options, n_options, fault);
+    const int error = check(ops, options, n_options, fault);
     if (error) {
         return error;
     }
@@ -114,11 +122,17 @@ static const struct iso_door_io_ops *find_back_end(const char *name)
     return NULL;
 }
 
+const struct iso_option_spec *iso_door_io_options(const char *name)
+{
+    const struct iso_door_io_ops *ops = find_back_end(name);
+    return ops ? ops->options : NULL;
+}
+
 int iso_door_io_check(const char *name, const struct iso_option *options, size_t n_options,
                       struct iso_fault *fault)
 {
     const struct iso_door_io_ops *ops = find_back_end(name);
-    return ops ? ops->check(options, n_options, fault) : unknown_back_end(name, fault);
+    return ops ? check(ops, options, n_options, fault) : unknown_back_end(name, fault);
 }
 
 int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
@@ -143,8 +157,7 @@ int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_opt
                          const struct iso_door_outputs *initial, struct iso_door_io **out,
                          struct iso_fault *fault)
 {
-    if (!ops->name || !ops->check || !ops->open || !ops->set_output || !ops->get_inputs ||
-        !ops->close) {
+    if (!ops->name || !ops->open || !ops->set_output || !ops->get_inputs || !ops->close) {
         return iso_fault_set(fault, -EINVAL, "door %s: a required operation is missing",
                              ops->name ? ops->name : "without a name");
     }

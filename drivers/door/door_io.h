@@ -56,8 +56,14 @@ struct iso_door_inputs {
 struct iso_door_io_ops {
     const char *name; /* as in the configuration */
 
-    /* REQUIRED. Whether the options are sound: reads them as open does, and touches no device.
-     * Unknown options are refused. -EINVAL, -ENOMEM. */
+    /* OPTIONAL. The table of the options that [door] may have with this back end (option.h), ended
+     * by an entry without a name; NULL: there are none. `check` and `open` are called with options
+     * that agree with the table: known, given once, within their ranges, none missing. An option
+     * `relay` or `wiegand_d0` has the meaning that isotherm.conf(5) gives it. */
+    const struct iso_option_spec *options;
+
+    /* OPTIONAL. Whether the options are sound as far as the table cannot say, such as which of them
+     * go together. Touches no device. -EINVAL, -ENOMEM. */
     int (*check)(const struct iso_option *options, size_t n_options, struct iso_fault *fault);
 
     /* REQUIRED. Claims the lines; each output takes its initial level without another one before
@@ -95,8 +101,9 @@ struct iso_door_io_ops {
 struct iso_door_io;
 
 /* Whether lines of this back end could be opened with these options, if their device is there: asks
- * the operation that iso_door_io_new asks first. -ENOENT unknown name (the fault lists those there
- * are), else the errors of ops->check. */
+ * the table of options and the operation that iso_door_io_new asks first. -ENOENT unknown name (the
+ * fault lists those there are), -EINVAL an option that is not in the table, is repeated, has a bad
+ * value or is missing, else the errors of ops->check. */
 int iso_door_io_check(const char *name, const struct iso_option *options, size_t n_options,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -153,5 +160,9 @@ void *iso_door_io_self(struct iso_door_io *io, const struct iso_door_io_ops *ops
 
 /* The registered back ends: name number i, or NULL from the end on. */
 const char *iso_door_io_registered(size_t i);
+
+/* The table of the options of a registered back end, ended by an entry without a name; NULL: no
+ * such back end, or it has no options. */
+const struct iso_option_spec *iso_door_io_options(const char *name);
 
 #endif

@@ -10,6 +10,14 @@
 
 static const char owner[] = "door null";
 
+static const struct iso_option_spec option_specs[] = {
+    {.name = "inputs",
+     .kind = ISO_OPTION_PATH,
+     .standard = "",
+     .help = "a file with the levels of the inputs; all are inactive if empty"},
+    {.name = NULL},
+};
+
 enum { INPUTS_BYTES_MAX = 4096 };
 
 struct null {
@@ -37,18 +45,12 @@ static void null_close(void *self)
 /* Inputs come from the file if one is given, else by injection with its event descriptor. */
 static int connect_inputs(struct null *null, const char *file, struct iso_fault *fault)
 {
-    if (file) {
+    if (*file) {
         null->inputs_file = strdup(file);
         return null->inputs_file ? 0 : iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
     }
     null->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     return null->event_fd >= 0 ? 0 : iso_fault_set(fault, -EIO, "%s: %m", owner);
-}
-
-static int null_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
-{
-    static const char *const known[] = {"inputs", NULL};
-    return iso_options_check(owner, options, n_options, known, fault);
 }
 
 static int null_open(const struct iso_option *options, size_t n_options,
@@ -62,7 +64,8 @@ static int null_open(const struct iso_option *options, size_t n_options,
     null->clock = *clock;
     null->outputs = *initial;
     null->event_fd = -1;
-    const int error = connect_inputs(null, iso_options_find(options, n_options, "inputs"), fault);
+    const struct iso_option_set set = {option_specs, options, n_options};
+    const int error = connect_inputs(null, iso_option_text(&set, "inputs"), fault);
     if (error) {
         null_close(null);
         return error;
@@ -188,7 +191,7 @@ static int null_poll_fd(void *self)
 
 const struct iso_door_io_ops iso_door_null_ops = {
     .name = "null",
-    .check = null_check,
+    .options = option_specs,
     .open = null_open,
     .set_output = null_set_output,
     .get_inputs = null_get_inputs,

@@ -43,7 +43,7 @@ struct iso_gpio_spec {
 /* Reads "LINE [WORD...]" with single blanks: LINE is CHIP:OFFSET (such as gpiochip0:17) or the
  * line's name (such as GPIO17; without blanks), the words are active-low, one of pull-up, pull-down
  * and no-pull, and one of open-drain and open-source. -EINVAL with a fault that begins with
- * `owner`. */
+ * `owner` and a colon, unless that is NULL. */
 int iso_gpio_spec_parse(const char *owner, const char *text, struct iso_gpio_spec *out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 

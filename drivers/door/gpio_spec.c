@@ -63,23 +63,24 @@ int iso_gpio_spec_parse(const char *owner, const char *text, struct iso_gpio_spe
                         struct iso_fault *fault)
 {
     struct iso_gpio_spec spec = {.chip = ""};
+    const char *begin = owner ? owner : "", *colon = owner ? ": " : "";
     char copy[TEXT_SIZE];
     char *words[WORDS_MAX];
     if (strlen(text) >= sizeof copy) {
-        return iso_fault_set(fault, -EINVAL, "%s: too long for a line", owner);
+        return iso_fault_set(fault, -EINVAL, "%s%stoo long for a line", begin, colon);
     }
     (void)strcpy(copy, text);
     const size_t n = iso_text_split(copy, ' ', words, WORDS_MAX);
     if (n > WORDS_MAX || parse_line(words[0], &spec)) {
-        return iso_fault_set(fault, -EINVAL, "%s: '%s' is no line (CHIP:OFFSET or NAME)", owner,
-                             text);
+        return iso_fault_set(fault, -EINVAL, "%s%s'%s' is no line (CHIP:OFFSET or NAME)", begin,
+                             colon, text);
     }
     for (size_t i = 1; i < n; i++) {
         if (parse_word(words[i], &spec)) {
             return iso_fault_set(fault, -EINVAL,
-                                 "%s: '%s' in '%s' is unknown, or one word too many (active-low; "
+                                 "%s%s'%s' in '%s' is unknown, or one word too many (active-low; "
                                  "pull-up, pull-down or no-pull; open-drain or open-source)",
-                                 owner, words[i], text);
+                                 begin, colon, words[i], text);
         }
     }
     *out = spec;

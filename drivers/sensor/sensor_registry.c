@@ -1,35 +1,18 @@
-/* The table of the back ends. */
+/* The table of the back ends, from the list in back_ends.def. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "drivers/sensor/contract/sensor.h"
-#ifdef ISOTHERM_LIBCAMERA
-#include "drivers/sensor/libcamera/sensor_libcamera_stereo.h"
-#endif
-#ifdef ISOTHERM_OPENNI2
-#include "drivers/sensor/openni2/sensor_openni2.h"
-#endif
-#include "drivers/sensor/replay/sensor_replay.h"
-#ifdef ISOTHERM_V4L2
-#include "drivers/sensor/v4l2/sensor_v4l2.h"
-#include "drivers/sensor/v4l2/sensor_v4l2_stereo.h"
-#endif
+
+#define BACK_END(ops) extern const struct iso_sensor_ops ops;
+#include "drivers/sensor/back_ends.def"
+#undef BACK_END
 
 static const struct iso_sensor_ops *const back_ends[] = {
-    &iso_sensor_replay_ops,
-#ifdef ISOTHERM_V4L2
-    &iso_sensor_v4l2_ops,
-#ifdef ISOTHERM_STEREO
-    &iso_sensor_v4l2_stereo_ops,
-#endif
-#ifdef ISOTHERM_LIBCAMERA
-    &iso_sensor_libcamera_stereo_ops,
-#endif
-#endif
-#ifdef ISOTHERM_OPENNI2
-    &iso_sensor_openni2_ops,
-#endif
+#define BACK_END(ops) &(ops),
+#include "drivers/sensor/back_ends.def"
+#undef BACK_END
 };
 
 enum { BACK_ENDS = sizeof back_ends / sizeof back_ends[0] };
@@ -47,6 +30,12 @@ static const struct iso_sensor_ops *find(const char *name)
         }
     }
     return NULL;
+}
+
+const struct iso_option_spec *iso_sensor_options(const char *name)
+{
+    const struct iso_sensor_ops *ops = find(name);
+    return ops ? ops->options : NULL;
 }
 
 static int unknown_back_end(const char *name, struct iso_fault *fault)
@@ -73,7 +62,8 @@ int iso_sensor_check(const char *name, const struct iso_option *options, size_t 
                      struct iso_fault *fault)
 {
     const struct iso_sensor_ops *ops = find(name);
-    return ops ? ops->check(options, n_options, fault) : unknown_back_end(name, fault);
+    return ops ? iso_sensor_check_ops(ops, options, n_options, fault)
+               : unknown_back_end(name, fault);
 }
 
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,

@@ -69,26 +69,13 @@ static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool
 }
 
 /* Which lines the configuration names. */
-static int append_lines(sd_bus_message *reply, const struct iso_config_door *door)
+static int append_lines(sd_bus_message *reply, const struct iso_config_options *options)
 {
-    const struct {
-        const char *name, *line;
-    } lines[] = {
-        {"relay", door->relay},
-        {"led_granted", door->led_granted},
-        {"led_refused", door->led_refused},
-        {"buzzer", door->buzzer},
-        {"projector", door->projector},
-        {"contact", door->contact},
-        {"exit_button", door->exit_button},
-        {"tamper", door->tamper},
-        {"wiegand_d0", door->wiegand_d0},
-        {"wiegand_d1", door->wiegand_d1},
-    };
     struct word_list list = {.text = ""};
-    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
-        if (lines[i].line[0]) {
-            add_words(&list, "%s %.60s", lines[i].name, lines[i].line);
+    for (size_t i = 0; i < options->n; i++) {
+        const struct iso_config_option *option = &options->list[i];
+        if (option->spec->kind == ISO_OPTION_LINE) {
+            add_words(&list, "%s %.60s", option->spec->name, option->value);
         }
     }
     return append_text(reply, "door-lines", list.text);
@@ -177,7 +164,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     int r = sd_bus_message_open_container(reply, 'a', "{sv}");
     r = r < 0 ? r : append_texts(reply, bus, &status);
     r = r < 0 ? r : append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
-    r = r < 0 ? r : append_lines(reply, &bus->parts->config->door);
+    r = r < 0 ? r : append_lines(reply, &bus->parts->config->door.options);
     r = r < 0 ? r : append_gallery(reply, bus, status.people_valid);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
     r = r < 0 ? r : append_checksum(reply, "model", status.model);

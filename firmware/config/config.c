@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "drivers/file/text.h"
+#include "firmware/config/config_options.h"
 
 /* libinih cuts lines at its ini_max_line of 200 bytes, silently: longer ones are refused first. */
 enum { LINE_MAX_BYTES = 190, FILE_MAX_BYTES = 65536 };
@@ -21,30 +22,15 @@ _Static_assert(sizeof(enum iso_icp_transform) == sizeof(int), "choices are store
 /* What is gathered while libinih goes through the text. */
 struct parse {
     struct iso_config config;
-    const char *rest;               /* what libinih has not asked for yet */
-    int line;                       /* of the line it asked for last, from 1 */
-    bool seen[ISO_CONFIG_KEYS_MAX]; /* keys[i] was given */
-    int fault_line;                 /* of the first line at fault, 0: none */
+    const char *rest;                        /* what libinih has not asked for yet */
+    int line;                                /* of the line it asked for last, from 1 */
+    bool seen[ISO_CONFIG_KEYS_MAX];          /* keys[i] was given */
+    struct iso__config_pending sensor, door; /* keys that are for the back ends */
+    int fault_line;                          /* of the first line at fault, 0: none */
     struct iso_fault reason;
 };
 
 /* ---- values ---- */
-
-/* The number of a word among "word|word", or -1. */
-static int find_choice(const char *choices, const char *word)
-{
-    const size_t length = strlen(word);
-    for (int i = 0;; i++) {
-        const char *end = strchrnul(choices, '|');
-        if ((size_t)(end - choices) == length && strncmp(choices, word, length) == 0) {
-            return i;
-        }
-        if (!*end) {
-            return -1;
-        }
-        choices = end + 1;
-    }
-}
 
 static int store_text(const char *value, void *field)
 {
@@ -78,7 +64,7 @@ static int store_number(const struct iso_config_key *key, const char *value, voi
 
 static int store_choice(const char *choices, const char *value, void *field, size_t size)
 {
-    const int choice = find_choice(choices, value);
+    const int choice = iso_option_find_choice(choices, value);
     if (choice < 0) {
         return -EINVAL;
     }
@@ -154,15 +140,15 @@ static bool section_is_known(const char *name, size_t length)
     return false;
 }
 
-/* Notes the first fault only. */
-__attribute__((format(printf, 2, 3))) static void refuse(struct parse *parse, const char *format,
-                                                         ...)
+/* Notes the fault of the first line only. */
+__attribute__((format(printf, 3, 4))) static void refuse(struct parse *parse, int line,
+                                                         const char *format, ...)
 {
     va_list arguments;
-    if (parse->fault_line) {
+    if (parse->fault_line && parse->fault_line <= line) {
         return;
     }
-    parse->fault_line = parse->line;
+    parse->fault_line = line;
     va_start(arguments, format);
     (void)vsnprintf(parse->reason.text, sizeof parse->reason.text, format, arguments);
     va_end(arguments);
@@ -172,7 +158,7 @@ __attribute__((format(printf, 2, 3))) static void refuse(struct parse *parse, co
 static void check_line(struct parse *parse, const char *line, size_t length)
 {
     if (length > LINE_MAX_BYTES) {
-        refuse(parse, "line is longer than %d bytes", LINE_MAX_BYTES);
+        refuse(parse, parse->line, "line is longer than %d bytes", LINE_MAX_BYTES);
         return;
     }
     const size_t blanks = strspn(line, " \t");
@@ -180,7 +166,7 @@ static void check_line(struct parse *parse, const char *line, size_t length)
         const char *name = line + blanks + 1;
         const size_t name_length = strcspn(name, "]\n");
         if (name[name_length] == ']' && !section_is_known(name, name_length)) {
-            refuse(parse, "unknown section [%.*s]", (int)name_length, name);
+            refuse(parse, parse->line, "unknown section [%.*s]", (int)name_length, name);
         }
     }
 }
@@ -203,6 +189,30 @@ static char *next_line(char *line, int size, void *context)
     return line;
 }
 
+/* A key that is not the appliance's: an option of a back end, or nothing that is known. */
+static int on_other_key(struct parse *parse, const char *section, const char *name,
+                        const char *value)
+{
+    struct iso_fault why = {""};
+    struct iso__config_pending *pending = NULL;
+    if (strcmp(section, iso__config_sensor_class.section) == 0) {
+        pending = &parse->sensor;
+    } else if (strcmp(section, iso__config_door_class.section) == 0) {
+        pending = &parse->door;
+    }
+    if (pending) {
+        if (!iso__config_pending_add(pending, name, value, parse->line, &why)) {
+            return 1;
+        }
+        refuse(parse, parse->line, "%s", why.text);
+    } else if (section_is_known(section, strlen(section))) {
+        refuse(parse, parse->line, "unknown key '%s' in [%s]", name, section);
+    } else {
+        refuse(parse, parse->line, "key '%s' stands in no known section", name);
+    }
+    return 0;
+}
+
 /* libinih's handler: 0 makes this line one at fault. */
 static int on_key(void *context, const char *section, const char *name, const char *value)
 {
@@ -210,24 +220,35 @@ static int on_key(void *context, const char *section, const char *name, const ch
     const struct iso_config_key *key = find_key(section, name);
     char expected[96];
     if (!key) {
-        if (section_is_known(section, strlen(section))) {
-            refuse(parse, "unknown key '%s' in [%s]", name, section);
-        } else {
-            refuse(parse, "key '%s' stands in no known section", name);
-        }
-        return 0;
+        return on_other_key(parse, section, name, value);
     }
     if (parse->seen[key - iso_config_keys]) {
-        refuse(parse, "'%s' is given twice", name);
+        refuse(parse, parse->line, "'%s' is given twice", name);
         return 0;
     }
     parse->seen[key - iso_config_keys] = true;
     if (store(key, value, &parse->config)) {
         describe(key, expected, sizeof expected);
-        refuse(parse, "bad value '%s' for '%s' (%s)", value, name, expected);
+        refuse(parse, parse->line, "bad value '%s' for '%s' (%s)", value, name, expected);
         return 0;
     }
     return 1;
+}
+
+/* At the end of the file, where the back ends are known. */
+static void resolve_options(struct parse *parse)
+{
+    struct iso_config *config = &parse->config;
+    struct iso_fault why = {""};
+    int line = 0;
+    if (iso__config_pending_resolve(&iso__config_sensor_class, config->sensor.backend,
+                                    &parse->sensor, &config->sensor.options, &line, &why)) {
+        refuse(parse, line, "%s", why.text);
+    }
+    if (iso__config_pending_resolve(&iso__config_door_class, config->door.backend, &parse->door,
+                                    &config->door.options, &line, &why)) {
+        refuse(parse, line, "%s", why.text);
+    }
 }
 
 /* Keys that are sound alone and make no sense together: what is wrong, or NULL. */
@@ -260,7 +281,8 @@ static const char *find_conflict(const struct iso_config *config)
 
 bool iso_config_has_relay(const struct iso_config *config)
 {
-    return *config->door.relay || !*config->door.wiegand_d0;
+    const struct iso_config_options *options = &config->door.options;
+    return *iso_config_option(options, "relay") || !*iso_config_option(options, "wiegand_d0");
 }
 
 double iso_config_threshold(const struct iso_config *config)
@@ -299,6 +321,7 @@ int iso_config_parse(const char *name, const char *text, struct iso_config *out,
     if (line < 0) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
     }
+    resolve_options(&parse);
     if (line > 0 && (!parse.fault_line || line < parse.fault_line)) {
         return iso_fault_set(fault, -EINVAL, "%s:%d: not `key = value`", name, line);
     }
@@ -325,56 +348,46 @@ int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *
     return error;
 }
 
-/* ---- options of the back ends ---- */
+/* ---- the sample ---- */
 
-static size_t collect_options(const struct iso_config *config, const char *section,
-                              struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
+static void print_key(const struct iso_config_key *key, FILE *out)
 {
-    size_t n = 0;
-    for (size_t i = 0; i < iso_config_n_keys && n < ISO_CONFIG_OPTIONS_MAX; i++) {
-        const struct iso_config_key *key = &iso_config_keys[i];
-        const char *value = (const char *)config + key->offset;
-        if (key->option && strcmp(key->section, section) == 0 && *value) {
-            out[n++] = (struct iso_option){.key = key->name, .value = value};
+    char expected[96];
+    describe(key, expected, sizeof expected);
+    fprintf(out, "# %s", key->help);
+    if (key->type != ISO_CONFIG_TEXT) {
+        fprintf(out, " (%s)", expected);
+    }
+    fprintf(out, "\n#%s =%s%s\n", key->name, *key->standard ? " " : "", key->standard);
+}
+
+/* What a section has besides the keys of the table. */
+static void print_options(const char *section, FILE *out)
+{
+    static const struct iso__config_class *const classes[] = {&iso__config_sensor_class,
+                                                              &iso__config_door_class};
+    for (size_t i = 0; i < sizeof classes / sizeof *classes; i++) {
+        if (strcmp(section, classes[i]->section) == 0) {
+            iso__config_print_options(classes[i], out);
         }
     }
-    return n;
 }
-
-size_t iso_config_sensor_options(const struct iso_config *config,
-                                 struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
-{
-    return collect_options(config, "sensor", out);
-}
-
-size_t iso_config_door_options(const struct iso_config *config,
-                               struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
-{
-    return collect_options(config, "door", out);
-}
-
-/* ---- the sample ---- */
 
 void iso_config_print_sample(FILE *out)
 {
-    const char *section = "";
     fputs(
         "# Configuration of isothermd, see isotherm.conf(5). Every key is shown with the value "
         "that\n"
         "# holds when it is left out; `isothermd --check-config` says what is wrong with a file.\n",
         out);
     for (size_t i = 0; i < iso_config_n_keys; i++) {
-        const struct iso_config_key *key = &iso_config_keys[i];
-        char expected[96];
-        describe(key, expected, sizeof expected);
-        if (strcmp(section, key->section) != 0) {
-            section = key->section;
+        const char *section = iso_config_keys[i].section;
+        if (i == 0 || strcmp(section, iso_config_keys[i - 1].section) != 0) {
             fprintf(out, "\n[%s]\n", section);
         }
-        fprintf(out, "# %s", key->help);
-        if (key->type != ISO_CONFIG_TEXT) {
-            fprintf(out, " (%s)", expected);
+        print_key(&iso_config_keys[i], out);
+        if (i + 1 == iso_config_n_keys || strcmp(section, iso_config_keys[i + 1].section) != 0) {
+            print_options(section, out);
         }
-        fprintf(out, "\n#%s =%s%s\n", key->name, *key->standard ? " " : "", key->standard);
     }
 }

@@ -1,9 +1,13 @@
 /* The configuration of the appliance: an INI file, read strictly.
  *
- * One table (iso_config_keys) says everything about every key: it drives parsing, the help and the
- * sample file, so that they cannot disagree. An unknown section or key, a bad value, a repeated key
- * and a line that is not `key = value` are refused with "FILE:LINE: what is wrong". ';' or '#'
- * begins a line of comment; " ;" begins one behind a value. A line holds at most 190 bytes. */
+ * One table (iso_config_keys) says everything about every key of the appliance: it drives parsing,
+ * the help and the sample file, so that they cannot disagree. [sensor] and [door] have moreover the
+ * options of the back end that their key `backend` names, wherever in the section it stands; its
+ * table (drivers/base/option.h) drives the same. An unknown section or key, an option that only
+ * other back ends have (the fault names them; one without a value is let pass), a bad value, a
+ * repeated key and a line that is not `key = value` are refused with "FILE:LINE: what is wrong".
+ * ';' or '#' begins a line of comment; " ;" begins one behind a value. A line holds at most 190
+ * bytes. */
 #ifndef ISO_FIRMWARE_CONFIG_CONFIG_H
 #define ISO_FIRMWARE_CONFIG_CONFIG_H
 
@@ -17,35 +21,29 @@
 #include "firmware/door/door.h"
 #include "firmware/recognise/pipeline.h"
 
-enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 32, ISO_CONFIG_KEYS_MAX = 128 };
+enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 24, ISO_CONFIG_KEYS_MAX = 128 };
+
+/* The options of a back end that the file sets, in the order of their lines. */
+struct iso_config_options {
+    size_t n;
+    struct iso_config_option {
+        const struct iso_option_spec *spec; /* of the back end's table */
+        char value[ISO_CONFIG_TEXT_SIZE];   /* not empty */
+        int line;                           /* of the file; 0: of no file */
+    } list[ISO_CONFIG_OPTIONS_MAX];
+};
 
 struct iso_config_sensor {
     char backend[ISO_CONFIG_TEXT_SIZE];
-    char path[ISO_CONFIG_TEXT_SIZE], pace[ISO_CONFIG_TEXT_SIZE], loop[ISO_CONFIG_TEXT_SIZE];
-    char repeats[ISO_CONFIG_TEXT_SIZE];
-    char device[ISO_CONFIG_TEXT_SIZE], mode[ISO_CONFIG_TEXT_SIZE], unit[ISO_CONFIG_TEXT_SIZE];
-    char intensity[ISO_CONFIG_TEXT_SIZE], intrinsics[ISO_CONFIG_TEXT_SIZE];
-    char ir_device[ISO_CONFIG_TEXT_SIZE];
-    char camera[ISO_CONFIG_TEXT_SIZE];
-    char left[ISO_CONFIG_TEXT_SIZE], right[ISO_CONFIG_TEXT_SIZE];
-    char calibration[ISO_CONFIG_TEXT_SIZE];
-    char fps[ISO_CONFIG_TEXT_SIZE], pair_ms[ISO_CONFIG_TEXT_SIZE];
-    char near_mm[ISO_CONFIG_TEXT_SIZE], far_mm[ISO_CONFIG_TEXT_SIZE];
-    char confidence[ISO_CONFIG_TEXT_SIZE];
+    struct iso_config_options options;
     double distance_min_mm, distance_max_mm;
     int pause_ms, silence_ms, stale_ms, retry_ms, retry_max_ms;
 };
 
 struct iso_config_door {
     char backend[ISO_CONFIG_TEXT_SIZE];
-    char inputs[ISO_CONFIG_TEXT_SIZE];
-    char relay[ISO_CONFIG_TEXT_SIZE], led_granted[ISO_CONFIG_TEXT_SIZE];
-    char led_refused[ISO_CONFIG_TEXT_SIZE], buzzer[ISO_CONFIG_TEXT_SIZE];
-    char projector[ISO_CONFIG_TEXT_SIZE];
-    char contact[ISO_CONFIG_TEXT_SIZE], exit_button[ISO_CONFIG_TEXT_SIZE];
-    char tamper[ISO_CONFIG_TEXT_SIZE], debounce_ms[ISO_CONFIG_TEXT_SIZE];
-    char wiegand_d0[ISO_CONFIG_TEXT_SIZE], wiegand_d1[ISO_CONFIG_TEXT_SIZE];
-    char wiegand_bits[ISO_CONFIG_TEXT_SIZE], cards[ISO_CONFIG_TEXT_SIZE];
+    struct iso_config_options options;
+    char cards[ISO_CONFIG_TEXT_SIZE];
     enum iso_door_fail fail;
     int unlock_ms, relay_pulse_ms, held_ms, refused_ms, poll_ms, retry_ms, retry_max_ms;
 };
@@ -170,7 +168,6 @@ enum iso_config_type {
 struct iso_config_key {
     const char *section, *name;
     enum iso_config_type type;
-    bool option;          /* handed on to the section's back end, if it is not empty */
     size_t offset;        /* in struct iso_config */
     double min, max;      /* numbers and counts */
     const char *choices;  /* "word|word" */
@@ -210,14 +207,23 @@ int iso_config_parse(const char *name, const char *text, struct iso_config *out,
 int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The options for the back end of [sensor], and of [door]: pointers into the configuration. Returns
- * how many. */
+/* The options for the back end of [sensor], and of [door], as the back end is opened with them:
+ * pointers into the configuration. Returns how many. */
 size_t iso_config_sensor_options(const struct iso_config *config,
                                  struct iso_option out[ISO_CONFIG_OPTIONS_MAX]);
 size_t iso_config_door_options(const struct iso_config *config,
                                struct iso_option out[ISO_CONFIG_OPTIONS_MAX]);
 
-/* Writes a configuration file that names, explains and comments out every key. */
+/* The value of an option of a back end, or "" if it is not set. */
+const char *iso_config_option(const struct iso_config_options *options, const char *name);
+
+/* Sets an option of the back end that `config->sensor.backend` names, as a line of a file would.
+ * -EINVAL with a fault that names the option: no such option, a bad value, too many of them. */
+int iso_config_set_sensor_option(struct iso_config *config, const char *name, const char *value,
+                                 struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Writes a configuration file that names, explains and comments out every key, and the options of
+ * every back end of this build. */
 void iso_config_print_sample(FILE *out);
 
 #endif

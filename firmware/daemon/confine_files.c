@@ -112,15 +112,26 @@ static int allow_libraries(const struct ruleset *ruleset)
     return loaded.error;
 }
 
+/* The files that options of a back end name. */
+static int allow_options(const struct ruleset *ruleset, const struct iso_config_options *options)
+{
+    int error = 0;
+    for (size_t i = 0; !error && i < options->n; i++) {
+        const struct iso_config_option *option = &options->list[i];
+        if (option->spec->kind == ISO_OPTION_PATH) {
+            error = allow_beside(ruleset, option->value, reading);
+        }
+    }
+    return error;
+}
+
 static int allow_configured(const struct ruleset *ruleset, const struct iso_config *config)
 {
     const char *const stores[] = {config->gallery.path, config->log.path, config->lockout.path,
                                   config->seal.key};
     const char *const named[] = {
-        config->model.head,          config->model.metric,  config->model.cohort,
-        config->recognition.cascade, config->door.cards,    config->door.inputs,
-        config->sensor.path,         config->sensor.camera, config->sensor.calibration,
-        ISOTHERM_DATA_DIR,           iso_shipped_model()};
+        config->model.head, config->model.metric, config->model.cohort, config->recognition.cascade,
+        config->door.cards, ISOTHERM_DATA_DIR,    iso_shipped_model()};
     int error = strcmp(config->sensor.backend, "replay") == 0 ? allow(ruleset, "/", reading) : 0;
     for (size_t i = 0; !error && i < sizeof stores / sizeof *stores; i++) {
         error = *stores[i] ? allow_beside(ruleset, stores[i], reading | writing) : 0;
@@ -131,7 +142,8 @@ static int allow_configured(const struct ruleset *ruleset, const struct iso_conf
     for (size_t i = 0; !error && i < sizeof named / sizeof *named; i++) {
         error = *named[i] ? allow_beside(ruleset, named[i], reading) : 0;
     }
-    return error;
+    error = error ? error : allow_options(ruleset, &config->sensor.options);
+    return error ? error : allow_options(ruleset, &config->door.options);
 }
 
 static int restrict_files(const struct iso_config *config, struct iso_fault *fault)

@@ -103,8 +103,9 @@ static int make_config(const struct sim_rehearsal_setup *setup, struct iso_confi
         char *to;
         const char *directory, *name;
     } paths[] = {
-        {c->sensor.path, setup->slot, ""},         {c->gallery.path, setup->state, "/gallery.db"},
-        {c->log.path, setup->state, "/audit.log"}, {c->model.head, setup->model, ""},
+        {c->gallery.path, setup->state, "/gallery.db"},
+        {c->log.path, setup->state, "/audit.log"},
+        {c->model.head, setup->model, ""},
         {c->model.metric, setup->metric, ""},
     };
     *c = iso_config_default();
@@ -118,10 +119,9 @@ static int make_config(const struct sim_rehearsal_setup *setup, struct iso_confi
     c->log.journal = false;  /* it is no visit of today's */
     c->lockout.failures = 0; /* a corpus has more strangers in a row than a door */
     c->lockout.attacks = 0;
-    (void)snprintf(c->sensor.pace, sizeof c->sensor.pace, "realtime");
     c->decision.level = setup->level;
     c->decision.threshold = isnan(setup->threshold) ? c->decision.threshold : setup->threshold;
-    return 0;
+    return iso_config_set_sensor_option(c, "path", setup->slot, fault);
 }
 
 static const struct iso_appliance_events all_events = {

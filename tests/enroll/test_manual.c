@@ -12,6 +12,8 @@
 #include <string.h>
 
 #include "core/base/capture.h"
+#include "drivers/door/door_io.h"
+#include "drivers/sensor/contract/sensor.h"
 #include "enroll/cli/arguments/arguments.h"
 #include "firmware/config/config.h"
 #include "firmware/visit/decision.h"
@@ -56,39 +58,195 @@ static char *section_of(const char *manual, const char *section)
     return strndup(start, (size_t)(end - start));
 }
 
-/* The text of a key, up to the next one, ends with its range. */
-static void expect_range(const char *text, const struct iso_config_key *key)
+/* The text of an item of a section, up to the next one, to be freed. Fails without one. */
+static char *item_of(const char *section_name, const char *section, const char *name,
+                     const char *standard)
+{
+    char item[256];
+
+    (void)snprintf(item, sizeof item, "\n.It Cm %s =%s%s\n", name, *standard ? " " : "", standard);
+    const char *start = strstr(section, item);
+    if (!start) {
+        fail_msg("isotherm.conf(5), [%s], does not have: %s", section_name, item + 1);
+    }
+    start += strlen(item) - 1;
+    const char *next = strstr(start, "\n.It ");
+    return next ? strndup(start, (size_t)(next + 1 - start)) : strdup(start);
+}
+
+/* The text of a key ends with its range. */
+static void expect_range(const char *text, const char *name, double min, double max)
 {
     char range[64];
-    const char *next = strstr(text, "\n.It ");
-    const size_t length = next ? (size_t)(next - text) : strlen(text);
 
-    (void)snprintf(range, sizeof range, "\n%s%.10g to %.10g.", key->min < 0 ? "\\" : "", key->min,
-                   key->max);
-    if (!memmem(text, length, range, strlen(range))) {
-        fail_msg("isotherm.conf(5): the range of %s is%s", key->name, range);
+    (void)snprintf(range, sizeof range, "\n%s%.10g to %.10g.", min < 0 ? "\\" : "", min, max);
+    if (!strstr(text, range)) {
+        fail_msg("isotherm.conf(5): the range of %s is%s", name, range);
     }
 }
 
 static void every_key_stands_in_the_manual_with_its_standard_value(void **state)
 {
-    char *manual = read_text(MANUAL "isotherm.conf.5"), item[256];
+    char *manual = read_text(MANUAL "isotherm.conf.5");
 
     (void)state;
     for (size_t i = 0; i < iso_config_n_keys; i++) {
         const struct iso_config_key *key = &iso_config_keys[i];
         char *section = section_of(manual, key->section);
-        (void)snprintf(item, sizeof item, "\n.It Cm %s =%s%s\n", key->name,
-                       key->standard[0] ? " " : "", key->standard);
-        if (!strstr(section, item)) {
-            fail_msg("isotherm.conf(5), [%s], does not have: %s", key->section, item + 1);
-        }
+        char *text = item_of(key->section, section, key->name, key->standard);
         if (key->min < key->max) {
-            expect_range(strstr(section, item) + strlen(item), key);
+            expect_range(text, key->name, key->min, key->max);
+        }
+        free(text);
+        free(section);
+    }
+    free(manual);
+}
+
+/* ---- the options of the back ends ---- */
+
+static bool is_word(const char *text, const char *found, size_t length)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_-";
+
+    return (found == text || !strchr(letters, found[-1])) &&
+           (!found[length] || !strchr(letters, found[length]));
+}
+
+static bool has_word(const char *text, const char *word, size_t length)
+{
+    for (const char *at = text; (at = memmem(at, strlen(at), word, length)); at++) {
+        if (is_word(text, at, length)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void expect_option(const char *section_name, const char *section, const char *back_end,
+                          const struct iso_option_spec *spec)
+{
+    char *text = item_of(section_name, section, spec->name, spec->required ? "" : spec->standard);
+
+    if (!has_word(text, back_end, strlen(back_end))) {
+        fail_msg("isotherm.conf(5): the text of %s does not name %s", spec->name, back_end);
+    }
+    if (spec->min < spec->max) {
+        expect_range(text, spec->name, spec->min, spec->max);
+    }
+    for (const char *word = spec->choices; word && *word; word += *word == '|') {
+        const size_t length = strcspn(word, "|");
+        if (!has_word(text, word, length)) {
+            fail_msg("isotherm.conf(5): the text of %s lacks %.*s", spec->name, (int)length, word);
+        }
+        word += length;
+    }
+    free(text);
+}
+
+/* A section and the registry of its back ends. */
+struct class
+{
+    const char *section;
+    const char *(*registered)(size_t i);
+    const struct iso_option_spec *(*options)(const char *back_end);
+};
+
+static const struct class classes[] = {
+    {"sensor", iso_sensor_registered, iso_sensor_options},
+    {"door", iso_door_io_registered, iso_door_io_options},
+};
+
+static void every_option_of_a_back_end_stands_in_the_manual(void **state)
+{
+    char *manual = read_text(MANUAL "isotherm.conf.5");
+    size_t n_options = 0;
+    const char *name;
+
+    (void)state;
+    for (size_t c = 0; c < sizeof classes / sizeof *classes; c++) {
+        char *section = section_of(manual, classes[c].section);
+        for (size_t i = 0; (name = classes[c].registered(i)); i++) {
+            const struct iso_option_spec *spec = classes[c].options(name);
+            for (; spec && spec->name; spec++) {
+                n_options++;
+                if (!spec->tools_only) {
+                    expect_option(classes[c].section, section, name, spec);
+                }
+            }
         }
         free(section);
     }
-    assert_int_equal(count_of(manual, "\n.It Cm "), iso_config_n_keys); /* and no others */
+    assert_true(n_options >= 5); /* those of replay and null are always there */
+    free(manual);
+}
+
+static bool is_option(const struct class *class, const char *key)
+{
+    const char *name;
+
+    for (size_t i = 0; (name = class->registered(i)); i++) {
+        const struct iso_option_spec *spec = iso_option_find_spec(class->options(name), key);
+        if (spec && !spec->tools_only) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_key(const char *section, const char *key)
+{
+    for (size_t i = 0; i < iso_config_n_keys; i++) {
+        if (strcmp(iso_config_keys[i].section, section) == 0 &&
+            strcmp(iso_config_keys[i].name, key) == 0) {
+            return true;
+        }
+    }
+    for (size_t c = 0; c < sizeof classes / sizeof *classes; c++) {
+        if (strcmp(classes[c].section, section) == 0) {
+            return is_option(&classes[c], key);
+        }
+    }
+    return false;
+}
+
+/* A build that lacks a back end does not know its options. */
+static bool has_every_back_end(void)
+{
+    return iso_sensor_options("v4l2") && iso_sensor_options("v4l2-stereo") &&
+           iso_sensor_options("openni2") && iso_door_io_options("gpiod");
+}
+
+static void the_manual_has_no_other_keys(void **state)
+{
+    static const char item[] = "\n.It Cm ";
+    char *manual = read_text(MANUAL "isotherm.conf.5");
+    const char *previous = "";
+
+    (void)state;
+    if (!has_every_back_end()) {
+        free(manual);
+        skip();
+    }
+    for (size_t i = 0; i < iso_config_n_keys; i++) {
+        const char *name = iso_config_keys[i].section;
+        if (strcmp(name, previous) == 0) {
+            continue;
+        }
+        char *section = section_of(manual, name);
+        for (char *at = section; (at = strstr(at, item));) {
+            char key[64], whole[96];
+            at += strlen(item);
+            (void)snprintf(key, sizeof key, "%.*s", (int)strcspn(at, " "), at);
+            (void)snprintf(whole, sizeof whole, "%s%s =", item, key);
+            if (!is_key(name, key)) {
+                fail_msg("isotherm.conf(5): [%s] has no key %s", name, key);
+            }
+            assert_int_equal(count_of(section, whole), 1);
+        }
+        free(section);
+        previous = name;
+    }
     free(manual);
 }
 
@@ -176,6 +334,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_key_stands_in_the_manual_with_its_standard_value),
+        cmocka_unit_test(every_option_of_a_back_end_stands_in_the_manual),
+        cmocka_unit_test(the_manual_has_no_other_keys),
         cmocka_unit_test(every_option_stands_in_the_manual_and_the_completion),
         cmocka_unit_test(every_word_of_a_frame_and_a_verdict_stands_in_the_manual),
     };

@@ -54,16 +54,25 @@ static int require(const struct iso_sensor *sensor, enum iso_sensor_state state,
 
 /* ---- opening and closing ---------------------------------------------------- */
 
+int iso_sensor_check_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,
+                         size_t n_options, struct iso_fault *fault)
+{
+    const struct iso_option_set set = {ops->options, options, n_options};
+    char owner[64];
+    (void)snprintf(owner, sizeof owner, "sensor %s", ops->name);
+    const int error = iso_options_check(owner, &set, fault);
+    return error || !ops->check ? error : ops->check(options, n_options, fault);
+}
+
 int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,
                         size_t n_options, const struct iso_clock *clock, struct iso_sensor **out,
                         struct iso_fault *fault)
 {
-    if (!ops->name || !ops->check || !ops->open || !ops->start || !ops->wait || !ops->stop ||
-        !ops->close) {
+    if (!ops->name || !ops->open || !ops->start || !ops->wait || !ops->stop || !ops->close) {
         return iso_fault_set(fault, -EINVAL, "sensor %s: a required operation is missing",
                              ops->name ? ops->name : "without a name");
     }
-    int error = ops->check(options, n_options, fault);
+    int error = iso_sensor_check_ops(ops, options, n_options, fault);
     if (error) {
         return error;
     }

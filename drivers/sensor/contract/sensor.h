@@ -53,6 +53,11 @@ struct iso_sensor_device_health {
 struct iso_sensor_ops {
     const char *name; /* as in the configuration */
 
+    /* OPTIONAL. The table of the options that [sensor] may have with this back end (option.h),
+     * ended by an entry without a name; NULL: there are none. `check` and `open` are called with
+     * options that agree with the table: known, given once, within their ranges, none missing. */
+    const struct iso_option_spec *options;
+
     /* OPTIONAL. Tells the visitor of every device there is, opening none. Needs no open sensor and
      * may be called while there are some. May block for a second. 0 also if there is no device;
      * -EIO the bus or the driver cannot be asked. */
@@ -66,9 +71,9 @@ struct iso_sensor_ops {
      * missing, -EBADMSG it cannot be used. */
     int (*load)(struct iso_fault *fault);
 
-    /* REQUIRED. Whether the options are sound: reads them and the files that they name, as open
-     * does, and touches no device. Unknown keys are refused (iso_options_check). -EINVAL a bad
-     * option or a damaged file, -ENOENT a file that is named does not exist, -ENOMEM. */
+    /* OPTIONAL. Whether the options are sound as far as the table cannot say: which of them go
+     * together, and what the files that they name hold. Touches no device. -EINVAL a bad option or
+     * a damaged file, -ENOENT a file that is named does not exist, -ENOMEM. */
     int (*check)(const struct iso_option *options, size_t n_options, struct iso_fault *fault);
 
     /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds.
@@ -123,8 +128,9 @@ struct iso_sensor;
 int iso_sensor_load(const char *name, struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Whether a sensor of this back end could be opened with these options, if its device is there:
- * asks the operation that iso_sensor_open asks first. -ENOENT unknown name (the fault lists those
- * there are), else the errors of ops->check. */
+ * asks the table of options and the operation that iso_sensor_open asks first. -ENOENT unknown name
+ * (the fault lists those there are), -EINVAL an option that is not in the table, is repeated, has a
+ * bad value or is missing, else the errors of ops->check. */
 int iso_sensor_check(const char *name, const struct iso_option *options, size_t n_options,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -140,6 +146,11 @@ int iso_sensor_open(const char *name, const struct iso_option *options, size_t n
 int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,
                         size_t n_options, const struct iso_clock *clock, struct iso_sensor **out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* As iso_sensor_check, with a back end that is not in the registry. */
+int iso_sensor_check_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,
+                         size_t n_options, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Stops if need be, and releases. NULL is fine. */
 void iso_sensor_close(struct iso_sensor *sensor);
@@ -189,6 +200,10 @@ const char *iso_sensor_name(const struct iso_sensor *sensor);
 
 /* The registered back ends: name number i, or NULL from the end on. */
 const char *iso_sensor_registered(size_t i);
+
+/* The table of the options of a registered back end, ended by an entry without a name; NULL: no
+ * such back end, or it has no options. */
+const struct iso_option_spec *iso_sensor_options(const char *name);
 
 /* Whether a registered back end can tell what devices there are in a moment. */
 bool iso_sensor_probes_at_once(const char *name);

@@ -239,6 +239,7 @@ static int pair_describe(void *self, struct iso_sensor_description *out)
 
 const struct iso_sensor_ops iso_sensor_libcamera_stereo_ops = {
     .name = "libcamera-stereo",
+    .options = iso_sensor_stereo_options,
     .probe = pair_probe,
     .load = pair_load,
     .check = pair_check,

@@ -43,93 +43,117 @@ struct openni2 {
 
 /* ---- options ---------------------------------------------------------------- */
 
-static int bad_option(const char *key, const char *value, const char *expected,
-                      struct iso_fault *fault)
+static int read_mode(const char *text, struct iso__openni2_wish *wish)
 {
-    return iso_fault_set(fault, -EINVAL, "%s: option '%s' is %s, not '%s'", owner, key, expected,
-                         value);
+    int end = -1;
+    const int n = sscanf(text, "%5dx%5d@%5d%n", &wish->width_px, &wish->height_px, &wish->fps,
+                         &end);
+    const bool whole = n == 3 && end >= 0 && !text[end];
+    return whole && wish->width_px >= 1 && wish->height_px >= 1 && wish->fps >= 1 ? 0 : -EINVAL;
 }
 
-/* The number of a value among words, or of the first word if there is no value; -1 for another. */
-static int choose(const char *value, const char *const *words)
+static int check_mode(const char *value, struct iso_fault *fault)
 {
-    for (int i = 0; words[i]; i++) {
-        if (!value || strcmp(value, words[i]) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
-static int parse_words(const struct iso_option *options, size_t n, struct openni2 *sensor,
-                       struct iso_fault *fault)
-{
-    static const char *const units[] = {"finest", "100um", "1mm", NULL};
-    static const char *const greys[] = {"no", "ir", "color", NULL};
-    static const char *const paces[] = {"realtime", "asap", NULL};
-    static const int unit_um[] = {0, 100, 1000};
-    const char *unit = iso_options_find(options, n, "unit");
-    const char *intensity = iso_options_find(options, n, "intensity");
-    const char *pace = iso_options_find(options, n, "pace");
-    const int u = choose(unit, units), g = choose(intensity, greys), p = choose(pace, paces);
-    if (u < 0) {
-        return bad_option("unit", unit, "finest, 100um or 1mm", fault);
-    }
-    if (g < 0) {
-        return bad_option("intensity", intensity, "no, ir or color", fault);
-    }
-    if (p < 0) {
-        return bad_option("pace", pace, "realtime or asap", fault);
-    }
-    sensor->wish.unit_um = unit_um[u];
-    sensor->wish.grey = (enum iso__openni2_grey)g;
-    sensor->realtime = p == 0;
-    return iso_options_bool(owner, options, n, "loop", false, &sensor->wish.loop, fault);
-}
-
-/* As far as that can be told before the size of the pictures is known. */
-static int check_intrinsics(const struct openni2 *sensor, struct iso_fault *fault)
-{
-    const struct iso_camera largest = {.projection = ISO_PINHOLE,
-                                       .width_px = 8192,
-                                       .height_px = 8192,
-                                       .fx_px = sensor->fx_px,
-                                       .fy_px = sensor->fy_px,
-                                       .cx_px = sensor->cx_px,
-                                       .cy_px = sensor->cy_px};
-    const char *what = NULL;
-    return iso_camera_check(&largest, &what)
-               ? iso_fault_set(fault, -EINVAL, "%s: option 'intrinsics': %s", owner, what)
+    struct iso__openni2_wish wish;
+    return read_mode(value, &wish)
+               ? iso_fault_set(fault, -EINVAL, "'%s' is not WIDTHxHEIGHT@HZ", value)
                : 0;
 }
 
-static int parse_numbers(const struct iso_option *options, size_t n, struct openni2 *sensor,
-                         struct iso_fault *fault)
+static int read_intrinsics(const char *text, struct iso_camera *camera)
 {
-    const char *mode = iso_options_find(options, n, "mode");
-    const char *intrinsics = iso_options_find(options, n, "intrinsics");
-    struct iso__openni2_wish *wish = &sensor->wish;
     int end = -1;
-    if (mode &&
-        (sscanf(mode, "%5dx%5d@%5d%n", &wish->width_px, &wish->height_px, &wish->fps, &end) != 3 ||
-         end < 0 || mode[end] || wish->width_px < 1 || wish->height_px < 1 || wish->fps < 1)) {
-        return bad_option("mode", mode, "WIDTHxHEIGHT@HZ", fault);
-    }
-    end = -1;
-    if (intrinsics && (sscanf(intrinsics, "%lf %lf %lf %lf%n", &sensor->fx_px, &sensor->fy_px,
-                              &sensor->cx_px, &sensor->cy_px, &end) != 4 ||
-                       end < 0 || intrinsics[end])) {
-        return bad_option("intrinsics", intrinsics, "FX FY CX CY", fault);
-    }
-    sensor->calibrated = intrinsics != NULL;
-    return sensor->calibrated ? check_intrinsics(sensor, fault) : 0;
+    const int n = sscanf(text, "%lf %lf %lf %lf%n", &camera->fx_px, &camera->fy_px, &camera->cx_px,
+                         &camera->cy_px, &end);
+    return n == 4 && end >= 0 && !text[end] ? 0 : -EINVAL;
 }
 
-static int parse_camera(const struct iso_option *options, size_t n, struct openni2 *sensor,
+/* As far as that can be told before the size of the pictures is known. */
+static int check_intrinsics(const char *value, struct iso_fault *fault)
+{
+    struct iso_camera largest = {.projection = ISO_PINHOLE, .width_px = 8192, .height_px = 8192};
+    const char *what = NULL;
+    if (read_intrinsics(value, &largest)) {
+        return iso_fault_set(fault, -EINVAL, "'%s' is not FX FY CX CY", value);
+    }
+    return iso_camera_check(&largest, &what) ? iso_fault_set(fault, -EINVAL, "%s", what) : 0;
+}
+
+static const struct iso_option_spec option_specs[] = {
+    {.name = "device",
+     .standard = "",
+     .help = "URI or serial number of the camera; the first camera if empty"},
+    {.name = "path",
+     .kind = ISO_OPTION_PATH,
+     .standard = "",
+     .help = "an .oni file to play instead of a camera"},
+    {.name = "mode",
+     .standard = "",
+     .check = check_mode,
+     .help = "WIDTHxHEIGHT@HZ; as the camera has it if empty"},
+    {.name = "unit",
+     .kind = ISO_OPTION_CHOICE,
+     .choices = "finest|100um|1mm",
+     .standard = "finest",
+     .help = "the length that a count of depth stands for"},
+    {.name = "intensity",
+     .kind = ISO_OPTION_CHOICE,
+     .choices = "no|ir|color",
+     .standard = "no",
+     .help = "which image comes with the depths"},
+    {.name = "intrinsics",
+     .standard = "",
+     .check = check_intrinsics,
+     .help = "FX FY CX CY in pixels, from a calibration, instead of a camera file"},
+    {.name = "camera",
+     .kind = ISO_OPTION_PATH,
+     .standard = "",
+     .help = "a file like recording.ini that describes the lens of the depth camera"},
+    {.name = "pace",
+     .kind = ISO_OPTION_CHOICE,
+     .choices = "realtime|asap",
+     .standard = "realtime",
+     .help = "of an .oni file: when frames are due, by their time stamps or at once"},
+    {.name = "loop",
+     .kind = ISO_OPTION_SWITCH,
+     .standard = "no",
+     .help = "of an .oni file: whether the first frame follows the last one"},
+    {.name = "record",
+     .kind = ISO_OPTION_PATH,
+     .standard = "",
+     .tools_only = true,
+     .help = "an .oni file that OpenNI 2 writes from start to stop"},
+    {.name = NULL},
+};
+
+static int parse_words(const struct iso_option_set *set, struct openni2 *sensor,
+                       struct iso_fault *fault)
+{
+    static const int unit_um[] = {0, 100, 1000};
+    struct iso__openni2_wish *wish = &sensor->wish;
+    struct iso_camera lens = {.fx_px = 0.0};
+    const char *mode = iso_option_text(set, "mode");
+    const char *intrinsics = iso_option_text(set, "intrinsics");
+    wish->unit_um = unit_um[iso_option_choice(set, "unit")];
+    wish->grey = (enum iso__openni2_grey)iso_option_choice(set, "intensity");
+    wish->loop = iso_option_switch(set, "loop");
+    sensor->realtime = iso_option_choice(set, "pace") == 0;
+    sensor->calibrated = *intrinsics;
+    if ((*mode && read_mode(mode, wish)) ||
+        (sensor->calibrated && read_intrinsics(intrinsics, &lens))) {
+        return iso_fault_set(fault, -EINVAL, "%s: bad mode or intrinsics", owner);
+    }
+    sensor->fx_px = lens.fx_px;
+    sensor->fy_px = lens.fy_px;
+    sensor->cx_px = lens.cx_px;
+    sensor->cy_px = lens.cy_px;
+    return 0;
+}
+
+static int parse_camera(const struct iso_option_set *set, struct openni2 *sensor,
                         struct iso_fault *fault)
 {
-    const char *path = iso_options_find(options, n, "camera");
-    if (!path) {
+    if (!iso_option_is_given(set, "camera")) {
         return 0;
     }
     if (sensor->calibrated) {
@@ -137,18 +161,17 @@ static int parse_camera(const struct iso_option *options, size_t n, struct openn
                              "%s: options 'camera' and 'intrinsics' exclude each other", owner);
     }
     sensor->has_camera = true;
-    return iso_camera_file_read(path, &sensor->camera, fault);
+    return iso_camera_file_read(iso_option_text(set, "camera"), &sensor->camera, fault);
 }
 
-static int copy_text(const struct iso_option *options, size_t n, const char *key, char **out,
+static int copy_text(const struct iso_option_set *set, const char *name, char **out,
                      struct iso_fault *fault)
 {
-    const char *value = iso_options_find(options, n, key);
-    if (value && !*value) {
-        return iso_fault_set(fault, -EINVAL, "%s: option '%s' is empty", owner, key);
+    if (!iso_option_is_given(set, name)) {
+        return 0;
     }
-    *out = value ? strdup(value) : NULL;
-    return value && !*out ? iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner) : 0;
+    *out = strdup(iso_option_text(set, name));
+    return *out ? 0 : iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
 }
 
 static void free_options(struct openni2 *sensor)
@@ -161,16 +184,12 @@ static void free_options(struct openni2 *sensor)
 static int parse_options(const struct iso_option *options, size_t n, struct openni2 *sensor,
                          struct iso_fault *fault)
 {
-    static const char *const known[] = {"device",    "path",       "mode",   "unit",
-                                        "intensity", "intrinsics", "camera", "record",
-                                        "pace",      "loop",       NULL};
-    int error = iso_options_check(owner, options, n, known, fault);
-    error = error ? error : parse_words(options, n, sensor, fault);
-    error = error ? error : parse_numbers(options, n, sensor, fault);
-    error = error ? error : parse_camera(options, n, sensor, fault);
-    error = error ? error : copy_text(options, n, "path", &sensor->path, fault);
-    error = error ? error : copy_text(options, n, "device", &sensor->device, fault);
-    error = error ? error : copy_text(options, n, "record", &sensor->record, fault);
+    const struct iso_option_set set = {option_specs, options, n};
+    int error = parse_words(&set, sensor, fault);
+    error = error ? error : parse_camera(&set, sensor, fault);
+    error = error ? error : copy_text(&set, "path", &sensor->path, fault);
+    error = error ? error : copy_text(&set, "device", &sensor->device, fault);
+    error = error ? error : copy_text(&set, "record", &sensor->record, fault);
     if (error) {
         return error;
     }
@@ -178,7 +197,7 @@ static int parse_options(const struct iso_option *options, size_t n, struct open
         return iso_fault_set(fault, -EINVAL, "%s: options 'path' and 'device' exclude each other",
                              owner);
     }
-    if (!sensor->path && (iso_options_find(options, n, "pace") || sensor->wish.loop)) {
+    if (!sensor->path && (!sensor->realtime || sensor->wish.loop)) {
         return iso_fault_set(fault, -EINVAL, "%s: options 'pace' and 'loop' are of a file ('path')",
                              owner);
     }
@@ -536,6 +555,7 @@ void iso_sensor_openni2_forget(void)
 
 const struct iso_sensor_ops iso_sensor_openni2_ops = {
     .name = "openni2",
+    .options = option_specs,
     .probe = iso__openni2_probe,
     .check = openni2_check,
     .open = openni2_open,

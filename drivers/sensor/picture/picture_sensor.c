@@ -1,20 +1,9 @@
 #include "drivers/sensor/picture/picture_sensor.h"
 
-int iso_picture_sensor_options(const char *owner, const struct iso_option *options,
-                               size_t n_options, int *fps, int64_t *tolerance_ns,
-                               struct iso_fault *fault)
+void iso_picture_sensor_options(const struct iso_option_set *set, int *fps, int64_t *tolerance_ns)
 {
-    double rate = 0.0, pair_ms = 0.0;
-    int error = iso_options_number(owner, options, n_options, "fps", 1.0, 1000.0, 0.0, &rate,
-                                   fault);
-    error = error ? error
-                  : iso_options_number(owner, options, n_options, "pair_ms", 0.1, 1000.0, 4.0,
-                                       &pair_ms, fault);
-    if (!error) {
-        *fps = (int)rate;
-        *tolerance_ns = (int64_t)(pair_ms * 1e6);
-    }
-    return error;
+    *fps = (int)iso_option_number(set, "fps");
+    *tolerance_ns = (int64_t)(iso_option_number(set, "pair_ms") * 1e6);
 }
 
 int iso_picture_sensor_start(void *self, struct iso_fault *fault)

@@ -13,11 +13,18 @@ struct iso_picture_sensor {
     struct iso_picture_stream *stream;
 };
 
-/* The options fps (1..1000; 0 if not given) and pair_ms (0.1..1000; 4 if not given). -EINVAL with
- * *fault naming the option. */
-int iso_picture_sensor_options(const char *owner, const struct iso_option *options,
-                               size_t n_options, int *fps, int64_t *tolerance_ns,
-                               struct iso_fault *fault) __attribute__((warn_unused_result));
+/* The options of the stream, for the tables of the back ends. */
+/* clang-format off */
+#define ISO_PICTURE_SENSOR_OPTIONS \
+    {.name = "fps", .kind = ISO_OPTION_NUMBER, .min = 1, .max = 1000, .standard = "", \
+     .help = "frames a second to ask for; the camera's own rate if empty"}, \
+    {.name = "pair_ms", .kind = ISO_OPTION_NUMBER, .min = 0.1, .max = 1000, .standard = "4", \
+     .help = "largest time between two pictures that belong together"}
+/* clang-format on */
+
+/* Reads them: frames a second (0 if not given), and the tolerance in nanoseconds. `set` has been
+ * checked. */
+void iso_picture_sensor_options(const struct iso_option_set *set, int *fps, int64_t *tolerance_ns);
 
 /* Of the ops table (sensor.h); `self` begins with a struct iso_picture_sensor. */
 int iso_picture_sensor_start(void *self, struct iso_fault *fault)

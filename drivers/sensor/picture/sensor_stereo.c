@@ -8,19 +8,40 @@
 #include "drivers/sensor/picture/picture_format.h"
 #include "drivers/stereo/stereo_module.h"
 
-static int read_cameras(const char *owner, const struct iso_option *options, size_t n_options,
-                        struct iso_sensor_stereo_cameras *out, struct iso_fault *fault)
+const struct iso_option_spec iso_sensor_stereo_options[] = {
+    {.name = "left", .required = true, .help = "the left camera, as one looks along with them"},
+    {.name = "right", .required = true, .help = "the right camera"},
+    {.name = "calibration",
+     .kind = ISO_OPTION_PATH,
+     .required = true,
+     .help = "the file of `isotherm-sim calibrate`"},
+    ISO_PICTURE_SENSOR_OPTIONS,
+    {.name = "near_mm",
+     .kind = ISO_OPTION_NUMBER,
+     .min = 100,
+     .max = 10000,
+     .standard = "300",
+     .help = "nothing nearer is looked for"},
+    {.name = "far_mm",
+     .kind = ISO_OPTION_NUMBER,
+     .min = 100,
+     .max = 10000,
+     .standard = "1200",
+     .help = "nothing farther is looked for"},
+    {.name = "confidence",
+     .kind = ISO_OPTION_NUMBER,
+     .min = 0,
+     .max = 1,
+     .standard = "0.75",
+     .help = "correlation of the two pictures that a depth needs"},
+    {.name = NULL},
+};
+
+static void read_cameras(const struct iso_option_set *set, struct iso_sensor_stereo_cameras *out)
 {
-    static const char *const known[] = {"left",    "right",  "calibration", "fps", "pair_ms",
-                                        "near_mm", "far_mm", "confidence",  NULL};
-    static const char *const eyes[ISO_EYES] = {"left", "right"};
-    int error = iso_options_check(owner, options, n_options, known, fault);
-    for (int eye = 0; !error && eye < ISO_EYES; eye++) {
-        error = iso_options_required(owner, options, n_options, eyes[eye], &out->ids[eye], fault);
-    }
-    return error ? error
-                 : iso_picture_sensor_options(owner, options, n_options, &out->fps,
-                                              &out->tolerance_ns, fault);
+    out->ids[ISO_EYE_LEFT] = iso_option_text(set, "left");
+    out->ids[ISO_EYE_RIGHT] = iso_option_text(set, "right");
+    iso_picture_sensor_options(set, &out->fps, &out->tolerance_ns);
 }
 
 /* "60.0 mm apart, 0.21 px rms of 24 pairs". */
@@ -36,27 +57,17 @@ static void describe_calibration(const struct iso_stereo_calibration *calibratio
     }
 }
 
-static int read_matching(const char *owner, const struct iso_option *options, size_t n_options,
+static int read_matching(const struct iso_option_set *set,
                          struct iso_stereo_calibration *calibration,
                          struct iso_stereo_options *stereo, struct iso_fault *fault)
 {
-    const char *path = NULL;
     *stereo = iso_stereo_options_default();
-    int error = iso_options_required(owner, options, n_options, "calibration", &path, fault);
-    error = error ? error
-                  : iso_options_number(owner, options, n_options, "near_mm", 100.0, 10000.0,
-                                       stereo->near_mm, &stereo->near_mm, fault);
-    error = error ? error
-                  : iso_options_number(owner, options, n_options, "far_mm", 100.0, 10000.0,
-                                       stereo->far_mm, &stereo->far_mm, fault);
-    error = error ? error
-                  : iso_options_number(owner, options, n_options, "confidence", 0.0, 1.0,
-                                       stereo->confidence_min, &stereo->confidence_min, fault);
-    if (!error) {
-        error = iso_stereo_calibration_read(path, calibration, fault);
-        error = error && error != -ENOMEM && error != -ENOENT ? -EINVAL : error;
-    }
-    return error;
+    stereo->near_mm = iso_option_number(set, "near_mm");
+    stereo->far_mm = iso_option_number(set, "far_mm");
+    stereo->confidence_min = iso_option_number(set, "confidence");
+    const int error = iso_stereo_calibration_read(iso_option_text(set, "calibration"), calibration,
+                                                  fault);
+    return error && error != -ENOMEM && error != -ENOENT ? -EINVAL : error;
 }
 
 int iso_sensor_stereo_load(const char *owner, struct iso_fault *fault)
@@ -74,10 +85,9 @@ int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, 
     struct iso_stereo_options stereo;
     struct iso_sensor_stereo_cameras eyes = {.fps = 0};
     struct iso_sensor_stereo made = {.owner = owner};
-    int error = read_cameras(owner, options, n_options, &eyes, fault);
-    if (!error) {
-        error = read_matching(owner, options, n_options, &calibration, &stereo, fault);
-    }
+    const struct iso_option_set set = {iso_sensor_stereo_options, options, n_options};
+    read_cameras(&set, &eyes);
+    int error = read_matching(&set, &calibration, &stereo, fault);
     if (!error) {
         error = iso_sensor_stereo_load(owner, fault);
     }

@@ -17,6 +17,10 @@ struct iso_sensor_stereo {
     char calibration[96]; /* as in the description */
 };
 
+/* The table of options of every stereo back end: left, right, calibration, fps, pair_ms, near_mm,
+ * far_mm and confidence. The texts of left and right are for the back end to understand. */
+extern const struct iso_option_spec iso_sensor_stereo_options[];
+
 /* What the options say of the cameras. */
 struct iso_sensor_stereo_cameras {
     const char *ids[ISO_EYES]; /* left, right: the options' texts */
@@ -29,10 +33,9 @@ struct iso_sensor_stereo_cameras {
 int iso_sensor_stereo_load(const char *owner, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* From the options left, right, fps, pair_ms, calibration, near_mm, far_mm and confidence; there
- * are no others. Opens no stream yet. -EINVAL with *fault naming the option or what is wrong with
- * the file; -ENOENT there is no such file; -ENOMEM; the errors of iso_sensor_stereo_load. `owner`
- * outlives the object. */
+/* From options that agree with the table. Opens no stream yet. -EINVAL with *fault naming what is
+ * wrong with the calibration; -ENOENT there is no such file; -ENOMEM; the errors of
+ * iso_sensor_stereo_load. `owner` outlives the object. */
 int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, size_t n_options,
                            struct iso_sensor_stereo *out, struct iso_sensor_stereo_cameras *cameras,
                            struct iso_fault *fault) __attribute__((warn_unused_result));

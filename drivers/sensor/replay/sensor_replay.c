@@ -12,6 +12,27 @@
 
 static const char owner[] = "sensor replay";
 
+static const struct iso_option_spec option_specs[] = {
+    {.name = "path",
+     .kind = ISO_OPTION_PATH,
+     .required = true,
+     .help = "the directory of a recording, or a symbolic link to one"},
+    {.name = "pace",
+     .kind = ISO_OPTION_CHOICE,
+     .choices = "realtime|asap",
+     .standard = "realtime",
+     .help = "when frames are due: by their time stamps, or at once"},
+    {.name = "loop",
+     .kind = ISO_OPTION_SWITCH,
+     .standard = "no",
+     .help = "whether the first frame follows the last one"},
+    {.name = "repeats",
+     .kind = ISO_OPTION_SWITCH,
+     .standard = "no",
+     .help = "whether a stored frame counts more than once within 10 minutes; for tests only"},
+    {.name = NULL},
+};
+
 enum { LONE_FRAME_INTERVAL_NS = 33333333 }; /* of a loop over one frame: 30 a second */
 
 /* What lay at the path when it was looked at; equal slots hold the same visitor. A link that was
@@ -41,34 +62,6 @@ struct replay {
 
 /* ---- opening and closing ---------------------------------------------------- */
 
-static int parse_options(const struct iso_option *options, size_t n_options, struct replay *replay,
-                         struct iso_fault *fault)
-{
-    static const char *const known[] = {"path", "pace", "loop", "repeats", NULL};
-    const char *pace = iso_options_find(options, n_options, "pace");
-    const char *path = iso_options_find(options, n_options, "path");
-    int error = iso_options_check(owner, options, n_options, known, fault);
-    if (error) {
-        return error;
-    }
-    if (!path || !*path) {
-        return iso_fault_set(fault, -EINVAL, "%s: option 'path' is missing", owner);
-    }
-    if (pace && strcmp(pace, "realtime") != 0 && strcmp(pace, "asap") != 0) {
-        return iso_fault_set(fault, -EINVAL, "%s: option 'pace' is realtime or asap, not '%s'",
-                             owner, pace);
-    }
-    replay->realtime = !pace || strcmp(pace, "realtime") == 0;
-    error = iso_options_bool(owner, options, n_options, "loop", false, &replay->loop, fault);
-    error = error ? error
-                  : iso_options_bool(owner, options, n_options, "repeats", false, &replay->repeats,
-                                     fault);
-    if (!error && !(replay->path = strdup(path))) {
-        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
-    }
-    return error;
-}
-
 static void empty(struct replay *replay)
 {
     iso_recording_close(replay->recording);
@@ -85,27 +78,23 @@ static void replay_close(void *self)
     free(replay);
 }
 
-static int replay_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
-{
-    struct replay replay = {.path = NULL};
-    const int error = parse_options(options, n_options, &replay, fault);
-    free(replay.path);
-    return error;
-}
-
 static int replay_open(const struct iso_option *options, size_t n_options,
                        const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
+    const struct iso_option_set set = {option_specs, options, n_options};
     struct replay *replay = calloc(1, sizeof *replay);
     if (!replay) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
     }
     replay->clock = *clock;
     replay->last_ns = INT64_MIN;
-    int error = parse_options(options, n_options, replay, fault);
-    if (error) {
+    replay->realtime = iso_option_choice(&set, "pace") == 0;
+    replay->loop = iso_option_switch(&set, "loop");
+    replay->repeats = iso_option_switch(&set, "repeats");
+    replay->path = strdup(iso_option_text(&set, "path"));
+    if (!replay->path) {
         replay_close(replay);
-        return error;
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
     }
     *self = replay;
     return 0;
@@ -312,7 +301,7 @@ static void replay_health(void *self, struct iso_sensor_device_health *out)
 
 const struct iso_sensor_ops iso_sensor_replay_ops = {
     .name = "replay",
-    .check = replay_check,
+    .options = option_specs,
     .open = replay_open,
     .start = replay_start,
     .wait = replay_wait,

@@ -23,33 +23,40 @@ struct v4l2 {
 
 /* ---- opening and closing ---------------------------------------------------- */
 
+static const struct iso_option_spec option_specs[] = {
+    {.name = "device",
+     .required = true,
+     .help = "the node that gives depths, such as /dev/video0 or a link in /dev/v4l/by-path"},
+    {.name = "camera",
+     .kind = ISO_OPTION_PATH,
+     .required = true,
+     .help = "a file like recording.ini that describes the depth camera"},
+    {.name = "ir_device",
+     .standard = "",
+     .help = "the node with the infrared picture beside the depths; none if empty"},
+    ISO_PICTURE_SENSOR_OPTIONS,
+    {.name = NULL},
+};
+
 /* The two wishes, and how near their pictures must be. */
 static int read_options(const struct iso_option *options, size_t n_options, struct v4l2 *v4l2,
                         struct iso_v4l2_wish wishes[2], struct iso_picture_stream_options *out,
                         struct iso_fault *fault)
 {
-    static const char *const known[] = {"device", "camera", "ir_device", "fps", "pair_ms", NULL};
-    const char *device = NULL, *camera = NULL, *ir = NULL;
+    const struct iso_option_set set = {option_specs, options, n_options};
+    const char *ir = iso_option_text(&set, "ir_device");
     int fps = 0;
-    int error = iso_options_check(owner, options, n_options, known, fault);
-    error = error ? error
-                  : iso_options_required(owner, options, n_options, "device", &device, fault);
-    error = error ? error
-                  : iso_options_required(owner, options, n_options, "camera", &camera, fault);
-    error = error ? error
-                  : iso_picture_sensor_options(owner, options, n_options, &fps, &out->tolerance_ns,
-                                               fault);
-    error = error ? error : iso_camera_file_read(camera, &v4l2->camera, fault);
+    const int error = iso_camera_file_read(iso_option_text(&set, "camera"), &v4l2->camera, fault);
     if (error) {
         return error;
     }
-    ir = iso_options_find(options, n_options, "ir_device");
-    v4l2->has_ir = ir && *ir;
+    iso_picture_sensor_options(&set, &fps, &out->tolerance_ns);
+    v4l2->has_ir = *ir;
     out->n_cameras = v4l2->has_ir ? 2 : 1;
     out->width_px = v4l2->camera.meta.camera.width_px;
     out->height_px = v4l2->camera.meta.camera.height_px;
     wishes[0] = (struct iso_v4l2_wish){.owner = owner,
-                                       .path = device,
+                                       .path = iso_option_text(&set, "device"),
                                        .width_px = v4l2->camera.meta.camera.width_px,
                                        .height_px = v4l2->camera.meta.camera.height_px,
                                        .fps = fps,
@@ -159,6 +166,7 @@ static int v4l2_describe(void *self, struct iso_sensor_description *out)
 
 const struct iso_sensor_ops iso_sensor_v4l2_ops = {
     .name = "v4l2",
+    .options = option_specs,
     .probe = iso_v4l2_probe_kernel,
     .probes_at_once = true,
     .check = v4l2_check,

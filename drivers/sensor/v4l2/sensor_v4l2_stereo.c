@@ -102,6 +102,7 @@ static int pair_describe(void *self, struct iso_sensor_description *out)
 
 const struct iso_sensor_ops iso_sensor_v4l2_stereo_ops = {
     .name = "v4l2-stereo",
+    .options = iso_sensor_stereo_options,
     .probe = iso_v4l2_probe_kernel,
     .probes_at_once = true,
     .load = pair_load,

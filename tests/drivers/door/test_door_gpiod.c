@@ -82,11 +82,11 @@ static void refuses_bad_options(void **state)
     (void)state;
     refuses(no_relay, 1, -EINVAL, "door gpiod: option 'relay' is missing");
     refuses(no_line, 2, -EINVAL, "door gpiod: tamper: 'high' in 'fake:7 high' is unknown");
-    refuses(no_time, 2, -EINVAL, "door gpiod: debounce_ms is 0 to 1000, not 'soon'");
-    refuses(too_long, 2, -EINVAL, "debounce_ms is 0 to 1000, not '1001'");
+    refuses(no_time, 2, -EINVAL, "door gpiod: bad value 'soon' for 'debounce_ms'");
+    refuses(too_long, 2, -EINVAL, "'1001' for 'debounce_ms' (a whole number, 0 to 1000)");
     refuses(no_d0, 2, -EINVAL, "door gpiod: option 'wiegand_d0' is missing");
     refuses(no_d1, 2, -EINVAL, "door gpiod: option 'wiegand_d1' is missing");
-    refuses(no_bits, 2, -EINVAL, "door gpiod: wiegand_bits is 26 or 34, not '37'");
+    refuses(no_bits, 2, -EINVAL, "door gpiod: bad value '37' for 'wiegand_bits' (26|34)");
     assert_int_equal(fake_gpio_changes(0), 0); /* a wrong file touches no line */
 }
 

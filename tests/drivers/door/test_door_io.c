@@ -124,17 +124,44 @@ static void refuses_a_back_end_with_holes(void **state)
     struct iso_clock clock = manual_clock(&now_ns);
     struct iso_door_io *io = NULL;
     (void)state;
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 5; i++) {
         struct iso_door_io_ops ops = puppet_ops;
         ops.name = i == 0 ? NULL : ops.name;
         ops.open = i == 1 ? NULL : ops.open;
         ops.set_output = i == 2 ? NULL : ops.set_output;
         ops.get_inputs = i == 3 ? NULL : ops.get_inputs;
         ops.close = i == 4 ? NULL : ops.close;
-        ops.check = i == 5 ? NULL : ops.check;
         assert_int_equal(iso_door_io_open_ops(&ops, NULL, 0, &clock, &initial, &io, NULL), -EINVAL);
     }
     assert_null(io);
+}
+
+/* What the table of options refuses does not come to the back end. */
+static void asks_the_table_of_options_first(void **state)
+{
+    static const struct iso_option_spec specs[] = {
+        {.name = "port", .standard = ""},
+        {.name = NULL},
+    };
+    const struct iso_option unknown = {"size", "3"}, good = {"port", "3"};
+    const struct iso_door_outputs initial = {{false}};
+    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_door_io_ops ops = puppet_ops;
+    struct iso_door_io *io = NULL;
+    struct iso_fault fault;
+    (void)state;
+    puppet = (struct puppet){.open_error = -ENODEV};
+    assert_int_equal(iso_door_io_open_ops(&ops, &good, 1, &clock, &initial, &io, &fault), -EINVAL);
+    assert_string_equal(fault.text, "door puppet: unknown option 'port'"); /* has no table */
+    ops.options = specs;
+    assert_int_equal(iso_door_io_open_ops(&ops, &unknown, 1, &clock, &initial, &io, &fault),
+                     -EINVAL);
+    assert_string_equal(fault.text, "door puppet: unknown option 'size'");
+    assert_int_equal(puppet.checks, 0);
+    assert_int_equal(iso_door_io_open_ops(&ops, &good, 1, &clock, &initial, &io, &fault), -ENODEV);
+    assert_int_equal(puppet.checks, 1);
+    assert_null(io);
+    puppet = (struct puppet){0};
 }
 
 /* The check comes before the device: with a wrong option and without a device, the option is named.
@@ -311,6 +338,7 @@ int main(void)
         cmocka_unit_test(knows_its_lines),
         cmocka_unit_test(refuses_a_back_end_with_holes),
         cmocka_unit_test(checks_options_before_it_opens),
+        cmocka_unit_test(asks_the_table_of_options_first),
         cmocka_unit_test(passes_on_why_it_does_not_open),
         cmocka_unit_test(passes_levels_both_ways),
         cmocka_unit_test(refuses_unknown_lines),

@@ -141,7 +141,7 @@ static void refuses_a_back_end_with_holes(void **state)
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault;
     (void)state;
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 6; i++) {
         struct iso_sensor_ops ops = puppet_ops;
         ops.name = i == 0 ? NULL : ops.name;
         ops.open = i == 1 ? NULL : ops.open;
@@ -149,7 +149,6 @@ static void refuses_a_back_end_with_holes(void **state)
         ops.wait = i == 3 ? NULL : ops.wait;
         ops.stop = i == 4 ? NULL : ops.stop;
         ops.close = i == 5 ? NULL : ops.close;
-        ops.check = i == 6 ? NULL : ops.check;
         assert_int_equal(iso_sensor_open_ops(&ops, NULL, 0, &clock, &sensor, &fault), -EINVAL);
         assert_non_null(strstr(fault.text, "a required operation is missing"));
     }
@@ -171,6 +170,33 @@ static void checks_options_before_it_opens(void **state)
     puppet.check_error = 0;
     assert_int_equal(iso_sensor_open_ops(&puppet_ops, NULL, 0, &clock, &sensor, &fault), -ENODEV);
     assert_int_equal(puppet.checks, 2);
+    puppet = (struct puppet){0};
+}
+
+/* What the table of options refuses does not come to the back end. */
+static void asks_the_table_of_options_first(void **state)
+{
+    static const struct iso_option_spec specs[] = {
+        {.name = "rate", .kind = ISO_OPTION_NUMBER, .min = 1, .max = 60, .standard = "30"},
+        {.name = NULL},
+    };
+    const struct iso_option unknown = {"size", "3"}, bad = {"rate", "61"}, good = {"rate", "60"};
+    struct iso_sensor_ops ops = puppet_ops;
+    struct iso_fault fault;
+    (void)state;
+    puppet = (struct puppet){0};
+    assert_int_equal(iso_sensor_check_ops(&ops, &good, 1, &fault), -EINVAL); /* has no table */
+    assert_string_equal(fault.text, "sensor puppet: unknown option 'rate'");
+    ops.options = specs;
+    assert_int_equal(iso_sensor_check_ops(&ops, &unknown, 1, &fault), -EINVAL);
+    assert_string_equal(fault.text, "sensor puppet: unknown option 'size'");
+    assert_int_equal(iso_sensor_check_ops(&ops, &bad, 1, &fault), -EINVAL);
+    assert_string_equal(fault.text, "sensor puppet: bad value '61' for 'rate' (a number, 1 to 60)");
+    assert_int_equal(puppet.checks, 0);
+    assert_int_equal(iso_sensor_check_ops(&ops, &good, 1, &fault), 0);
+    assert_int_equal(puppet.checks, 1);
+    ops.check = NULL;
+    assert_int_equal(iso_sensor_check_ops(&ops, &good, 1, &fault), 0);
     puppet = (struct puppet){0};
 }
 
@@ -352,6 +378,7 @@ int main(void)
         cmocka_unit_test(knows_its_back_ends),
         cmocka_unit_test(refuses_a_back_end_with_holes),
         cmocka_unit_test(checks_options_before_it_opens),
+        cmocka_unit_test(asks_the_table_of_options_first),
         cmocka_unit_test(passes_on_why_it_does_not_open),
         cmocka_unit_test(keeps_the_order_of_calls),
         cmocka_unit_test(closing_stops_first),

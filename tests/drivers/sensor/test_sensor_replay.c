@@ -103,8 +103,8 @@ static void refuses_bad_options(void **state)
     (void)state;
     assert_option_refused(unknown, 2, "sensor replay: unknown option 'fps'");
     assert_option_refused(twice, 2, "sensor replay: option 'path' is given twice");
-    assert_option_refused(pace, 2, "sensor replay: option 'pace' is realtime or asap, not 'fast'");
-    assert_option_refused(loop, 2, "sensor replay: option 'loop' is yes or no, not '1'");
+    assert_option_refused(pace, 2, "sensor replay: bad value 'fast' for 'pace' (realtime|asap)");
+    assert_option_refused(loop, 2, "sensor replay: bad value '1' for 'loop' (no|yes)");
     assert_option_refused(empty, 1, "sensor replay: option 'path' is missing");
     assert_option_refused(NULL, 0, "sensor replay: option 'path' is missing");
 }

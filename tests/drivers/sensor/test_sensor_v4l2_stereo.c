@@ -240,8 +240,8 @@ static void refuses_bad_options(void **state)
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {""};
     assert_int_equal(open_sensor("soon", &sensor, &fault), -EINVAL);
-    assert_string_equal(fault.text, "sensor v4l2-stereo: option 'pair_ms' is a number, 0.1 to "
-                                    "1000, not 'soon'");
+    assert_string_equal(fault.text, "sensor v4l2-stereo: bad value 'soon' for 'pair_ms' "
+                                    "(a number, 0.1 to 1000)");
     scratch_write_text(scratch_path(scratch, "rig.ini"), "[left]\nwidth_px = 3\n");
     assert_int_equal(open_sensor("4", &sensor, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "rig.ini: format is missing from [stereo]"));

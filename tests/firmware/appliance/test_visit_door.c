@@ -113,7 +113,8 @@ static void a_door_without_a_relay_does_what_its_controller_is_told(void **state
     scratch_write_text(path, "17 4711 bob\n");
     assert_int_equal(iso_cards_load(path, &cards, NULL), 0);
     rig->parts.cards = cards;
-    (void)snprintf(rig->config.door.wiegand_d0, sizeof rig->config.door.wiegand_d0, "D0");
+    static const struct iso_option_spec d0 = {.name = "wiegand_d0", .kind = ISO_OPTION_LINE};
+    rig->config.door.options = (struct iso_config_options){.n = 1, .list = {{&d0, "D0", 0}}};
     iso_appliance_free(rig->appliance);
     assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
     rig_start(rig);

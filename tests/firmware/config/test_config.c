@@ -9,6 +9,8 @@
 
 #include "core/extract/extract.h"
 #include "core/match/distance.h"
+#include "drivers/door/door_io.h"
+#include "drivers/sensor/contract/sensor.h"
 #include "firmware/config/config.h"
 #include "tests/support/scratch.h"
 
@@ -109,7 +111,8 @@ static void reads_every_type(void **state)
                                       "transform = affine",
                                       &config, NULL),
                      0);
-    assert_string_equal(config.sensor.path, "/srv/slot");
+    assert_string_equal(iso_config_option(&config.sensor.options, "path"), "/srv/slot");
+    assert_string_equal(iso_config_option(&config.sensor.options, "pace"), "");
     assert_true(config.sensor.distance_min_mm == 412.5);
     assert_int_equal(config.door.fail, ISO_DOOR_FAIL_SAFE);
     assert_int_equal(config.door.unlock_ms, 700);
@@ -135,6 +138,85 @@ static void refuses_what_it_does_not_know(void **state)
     refuses("[door]\n# color\ncolour = red\n", "door.conf:3: unknown key 'colour' in [door]");
     refuses("unlock_ms = 700\n", "door.conf:1: key 'unlock_ms' stands in no known section");
     refuses("[gallery]\nunlock_ms = 700\n", "door.conf:2: unknown key 'unlock_ms' in [gallery]");
+}
+
+/* Of every back end of this build, whichever stands first: `backend` or the option. */
+static void hands_options_to_the_back_end_that_is_named(void **state)
+{
+    struct iso_config config;
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    struct iso_fault fault = {""};
+    (void)state;
+    assert_int_equal(
+        iso_config_parse("c", "[door]\ninputs = /i\nbackend = null\n", &config, &fault), 0);
+    assert_int_equal(iso_config_door_options(&config, options), 1);
+    assert_string_equal(options[0].key, "inputs");
+    assert_string_equal(options[0].value, "/i");
+    assert_int_equal(config.door.options.list[0].line, 2);
+#ifdef ISOTHERM_WITH_GPIOD
+    refuses("[door]\ninputs = /i\nbackend = gpiod\n",
+            "door.conf:2: the door gpiod has no option 'inputs'; back ends that have it: null");
+    refuses("[door]\nbackend = null\nrelay = GPIO17\n",
+            "door.conf:3: the door null has no option 'relay'; back ends that have it: gpiod");
+    refuses("[door]\nrelay = foo:70000\nbackend = gpiod\n",
+            "door.conf:2: relay: 'foo:70000' is no line (CHIP:OFFSET or NAME)");
+#endif
+    refuses("[sensor]\n\nloop = maybe\npath = /p\n",
+            "door.conf:3: bad value 'maybe' for 'loop' (no|yes)");
+    refuses("[sensor]\npath = /p\nloop = no\npath = /q\n", "door.conf:4: 'path' is given twice");
+    refuses("[sensor]\nrecord = /r.oni\nbackend = openni2\n[door]\ncolour = 3\n",
+            iso_sensor_options("openni2") ? "door.conf:2: unknown key 'record' in [sensor]"
+                                          : "door.conf:5: unknown key 'colour' in [door]");
+    refuses("[door]\ncolour = 3\n[sensor]\ncolour = 3\n",
+            "door.conf:2: unknown key 'colour' in [door]");
+}
+
+/* As it was when all options stood in one table: what is empty is not set. */
+static void lets_pass_what_is_empty(void **state)
+{
+    struct iso_config config;
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    struct iso_fault fault = {""};
+    const char *name;
+    (void)state;
+    for (size_t b = 0; (name = iso_sensor_registered(b)); b++) {
+        for (const struct iso_option_spec *spec = iso_sensor_options(name); spec->name; spec++) {
+            char text[128];
+            (void)snprintf(text, sizeof text, "[sensor]\nbackend = replay\n%s =\n", spec->name);
+            if (iso_config_parse("c", text, &config, &fault) && !spec->tools_only) {
+                fail_msg("%s", fault.text);
+            }
+            assert_int_equal(iso_config_sensor_options(&config, options), 0);
+        }
+    }
+    refuses("[sensor]\ncolour =\n", "door.conf:2: unknown key 'colour' in [sensor]");
+}
+
+/* Whoever opens the back end says that there is none, and which there are. */
+static void leaves_unknown_back_ends_to_their_registry(void **state)
+{
+    struct iso_config config;
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    (void)state;
+    assert_int_equal(
+        iso_config_parse("c", "[sensor]\nbackend = kinect9\ngain = 3\n", &config, NULL), 0);
+    assert_string_equal(config.sensor.backend, "kinect9");
+    assert_int_equal(iso_config_sensor_options(&config, options), 0);
+}
+
+static void sets_an_option_as_a_line_does(void **state)
+{
+    struct iso_config config = iso_config_default();
+    struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
+    struct iso_fault fault = {""};
+    (void)state;
+    assert_int_equal(iso_config_set_sensor_option(&config, "path", "/p", &fault), 0);
+    assert_int_equal(iso_config_sensor_options(&config, options), 1);
+    assert_string_equal(options[0].value, "/p");
+    assert_int_equal(iso_config_set_sensor_option(&config, "pace", "slow", &fault), -EINVAL);
+    assert_string_equal(fault.text, "bad value 'slow' for 'pace' (realtime|asap)");
+    assert_int_equal(iso_config_set_sensor_option(&config, "colour", "1", &fault), -EINVAL);
+    assert_int_equal(iso_config_sensor_options(&config, options), 1);
 }
 
 static void refuses_bad_lines(void **state)
@@ -215,6 +297,17 @@ static char *sample(void)
     return text;
 }
 
+static bool has_every_back_end(void)
+{
+    static const char *const sensors[] = {"replay", "v4l2", "v4l2-stereo", "libcamera-stereo",
+                                          "openni2"};
+    bool all = iso_door_io_options("gpiod");
+    for (size_t i = 0; i < sizeof sensors / sizeof *sensors; i++) {
+        all = all && iso_sensor_options(sensors[i]);
+    }
+    return all;
+}
+
 static void the_sample_of_the_board_is_the_table(void **state)
 {
     size_t size = 0;
@@ -222,51 +315,88 @@ static void the_sample_of_the_board_is_the_table(void **state)
     char *committed = scratch_read(ISOTHERM_SOURCE_DIR "/board/generic/isotherm.conf", &size);
     (void)state;
     committed[size] = '\0';
-    assert_string_equal(committed, printed);
+    if (has_every_back_end()) {
+        assert_string_equal(committed, printed);
+    } else { /* what this build has stands there, paragraph by paragraph */
+        for (char *at = printed, *end; (end = strstr(at, "\n\n")); at = end + 2) {
+            *end = '\0';
+            if (!strstr(committed, at)) {
+                fail_msg("board/generic/isotherm.conf lacks: %s", at);
+            }
+        }
+    }
     free(committed);
     free(printed);
 }
 
-/* Also with every key taken out of its comment. */
 static void the_sample_is_sound(void **state)
 {
     struct iso_config config;
-    struct iso_fault fault = {""};
-    const struct iso_config otherwise = iso_config_default();
     char *text = sample();
     (void)state;
-    assert_int_equal(iso_config_parse("sample", text, &config, &fault), 0);
-    for (char *at = text; (at = strstr(at, "\n#")); at++) {
-        if (at[2] != ' ') {
-            at[1] = ' ';
+    assert_int_equal(iso_config_parse("sample", text, &config, NULL), 0);
+    free(text);
+}
+
+/* Takes a line "#NAME = VALUE" out of its comment, in the paragraph that begins at `text`. */
+static void uncomment(char *text)
+{
+    for (char *at = text; (at = strchr(at, '\n')) && at[1] && at[1] != '\n'; at++) {
+        if (at[1] == '#' && at[2] != ' ') {
             memmove(at + 1, at + 2, strlen(at + 2) + 1);
         }
+    }
+}
+
+static void expect_sound_with(const char *class, const char *back_end)
+{
+    struct iso_config config;
+    struct iso_fault fault = {""};
+    char *text = sample(), heading[96], line[96];
+    (void)snprintf(line, sizeof line, "backend = %s\n", back_end);
+    (void)snprintf(heading, sizeof heading, "\n# Options of [%s] with `backend = %s`:\n", class,
+                   back_end);
+    char *options = strstr(text, heading);
+    assert_non_null(options);
+    uncomment(options + 1);
+    /* The options have to stand in their section, and the back end's name before them. */
+    char *whole = NULL;
+    size_t size;
+    FILE *file = open_memstream(&whole, &size);
+    assert_non_null(file);
+    fprintf(file, "[%s]\n%s%s", class, line, options);
+    assert_int_equal(fclose(file), 0);
+    if (iso_config_parse("sample", whole, &config, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    free(whole);
+    free(text);
+}
+
+/* With the keys of the appliance, and with the options of each back end, out of their comments. */
+static void what_the_sample_shows_may_be_set(void **state)
+{
+    const struct iso_config otherwise = iso_config_default();
+    struct iso_config config;
+    struct iso_fault fault = {""};
+    const char *name;
+    char *text = sample();
+    (void)state;
+    for (char *at = text; (at = strstr(at, "\n\n["));) {
+        at += 2;
+        uncomment(at);
     }
     if (iso_config_parse("sample", text, &config, &fault)) {
         fail_msg("%s", fault.text);
     }
     assert_memory_equal(&config, &otherwise, sizeof config);
     free(text);
-}
-
-static void the_manual_names_every_key(void **state)
-{
-    size_t size = 0;
-    char *manual = scratch_read(ISOTHERM_SOURCE_DIR "/enroll/man/isotherm.conf.5", &size);
-    (void)state;
-    manual[size] = '\0';
-    for (size_t i = 0; i < iso_config_n_keys; i++) {
-        const struct iso_config_key *key = &iso_config_keys[i];
-        char heading[64], item[128];
-        (void)snprintf(heading, sizeof heading, ".Ss Section %s\n", key->section);
-        (void)snprintf(item, sizeof item, ".It Cm %s =%s%s\n", key->name, *key->standard ? " " : "",
-                       key->standard);
-        const char *section = strstr(manual, heading);
-        if (!section || !strstr(section, item)) {
-            fail_msg("isotherm.conf.5 lacks '%s' in [%s]", item, key->section);
-        }
+    for (size_t i = 0; (name = iso_sensor_registered(i)); i++) {
+        expect_sound_with("sensor", name);
     }
-    free(manual);
+    for (size_t i = 0; (name = iso_door_io_registered(i)); i++) {
+        expect_sound_with("door", name);
+    }
 }
 
 int main(void)
@@ -278,6 +408,10 @@ int main(void)
         cmocka_unit_test(every_default_is_sound),
         cmocka_unit_test(reads_every_type),
         cmocka_unit_test(refuses_what_it_does_not_know),
+        cmocka_unit_test(hands_options_to_the_back_end_that_is_named),
+        cmocka_unit_test(lets_pass_what_is_empty),
+        cmocka_unit_test(leaves_unknown_back_ends_to_their_registry),
+        cmocka_unit_test(sets_an_option_as_a_line_does),
         cmocka_unit_test(refuses_bad_lines),
         cmocka_unit_test(refuses_bad_values),
         cmocka_unit_test(refuses_what_does_not_fit_together),
@@ -285,7 +419,7 @@ int main(void)
         cmocka_unit_test(hands_on_the_options_that_are_given),
         cmocka_unit_test(the_sample_of_the_board_is_the_table),
         cmocka_unit_test(the_sample_is_sound),
-        cmocka_unit_test(the_manual_names_every_key),
+        cmocka_unit_test(what_the_sample_shows_may_be_set),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

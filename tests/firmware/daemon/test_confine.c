@@ -215,6 +215,23 @@ static void what_is_not_named_cannot_be_read(void **state)
     assert_int_equal(attempt(read_system), 0);
 }
 
+/* A file that an option of the back end names, by the kind that the back end's table gives it. */
+static void what_an_option_of_a_back_end_names_can_be_read(void **state)
+{
+    static const struct iso_option_spec file = {.name = "camera", .kind = ISO_OPTION_PATH};
+    static const struct iso_option_spec text = {.name = "device", .kind = ISO_OPTION_TEXT};
+    struct iso_config_options *const classes[] = {&config.sensor.options, &config.door.options};
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        *classes[i] = (struct iso_config_options){.n = 1, .list = {{&text, "/root/camera", 1}}};
+        assert_int_equal(attempt(read_outside), EACCES);
+        classes[i]->list[0].spec = &file;
+        assert_int_equal(attempt(read_outside), 0);
+        assert_int_equal(attempt(write_outside), EACCES);
+        classes[i]->n = 0;
+    }
+}
+
 static void a_replayed_recording_may_be_anywhere(void **state)
 {
     (void)state;
@@ -349,11 +366,17 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, scratch_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(its_stores_can_be_written),        TEST(nothing_else_can),
-        TEST(what_is_not_named_cannot_be_read), TEST(a_replayed_recording_may_be_anywhere),
-        TEST(it_cannot_become_another_program), TEST(it_has_no_network),
-        TEST(its_memory_stays_its_own),         TEST(what_lies_beside_a_library_can_be_read),
-        TEST(it_cannot_become_realtime),        TEST(a_realtime_thread_passes_its_priority_on),
+        TEST(its_stores_can_be_written),
+        TEST(nothing_else_can),
+        TEST(what_is_not_named_cannot_be_read),
+        TEST(what_an_option_of_a_back_end_names_can_be_read),
+        TEST(a_replayed_recording_may_be_anywhere),
+        TEST(it_cannot_become_another_program),
+        TEST(it_has_no_network),
+        TEST(its_memory_stays_its_own),
+        TEST(what_lies_beside_a_library_can_be_read),
+        TEST(it_cannot_become_realtime),
+        TEST(a_realtime_thread_passes_its_priority_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,11 +62,12 @@ static const char *configuration(const char *directory, const char *bus, const c
 {
     static char text[2048];
     const char *path = scratch_path(directory, "c.conf");
+    const char *path_of_replay = strstr(more, "[sensor]") ? "#" : "";
     (void)snprintf(text, sizeof text,
-                   "[sensor]\npath = %s/slot\n"
+                   "[sensor]\n%spath = %s/slot\n"
                    "[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\n[bus]\naddress = %s\n"
                    "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n%s\n",
-                   directory, directory, directory, bus, more);
+                   path_of_replay, directory, directory, directory, bus, more);
     scratch_write_text(path, text);
     return path;
 }

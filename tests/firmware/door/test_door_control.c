@@ -76,14 +76,8 @@ static void weak_close(void *self)
     iso_door_null_ops.close(self);
 }
 
-static int weak_check(const struct iso_option *o, size_t n, struct iso_fault *fault)
-{
-    return iso_door_null_ops.check(o, n, fault);
-}
-
 static const struct iso_door_io_ops weak_ops = {
     .name = "weak",
-    .check = weak_check,
     .open = weak_open,
     .set_output = weak_set_output,
     .get_inputs = weak_get_inputs,

@@ -1,0 +1,44 @@
+/* Inside firmware/config: the keys of [sensor] and [door] that are options of a back end. Which
+ * back end is known at the end of the file only, so that they are gathered first. */
+#ifndef ISO_FIRMWARE_CONFIG_CONFIG_OPTIONS_H
+#define ISO_FIRMWARE_CONFIG_CONFIG_OPTIONS_H
+
+#include "firmware/config/config.h"
+
+enum { ISO_CONFIG_PENDING_MAX = 48 };
+
+/* Keys of one section that are not the appliance's own. */
+struct iso__config_pending {
+    size_t n;
+    struct iso__config_line {
+        char name[64], value[ISO_CONFIG_TEXT_SIZE];
+        int line;
+    } list[ISO_CONFIG_PENDING_MAX];
+};
+
+/* A section whose key `backend` names a back end of a registry. */
+struct iso__config_class {
+    const char *section;
+    const char *(*registered)(size_t i);
+    const struct iso_option_spec *(*options)(const char *back_end);
+};
+
+extern const struct iso__config_class iso__config_sensor_class, iso__config_door_class;
+
+/* Notes a key. -EINVAL with a fault: it was noted before, or there are too many. */
+int iso__config_pending_add(struct iso__config_pending *pending, const char *name,
+                            const char *value, int line, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Hands what was gathered to the back end of a name. -EINVAL with a fault, and *line is the line
+ * that is at fault. A back end that is not in the registry is no fault here: whoever opens it names
+ * those there are. */
+int iso__config_pending_resolve(const struct iso__config_class *class, const char *back_end,
+                                const struct iso__config_pending *pending,
+                                struct iso_config_options *out, int *line, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Writes the options of every back end of the class as the sample file has them. */
+void iso__config_print_options(const struct iso__config_class *class, FILE *out);
+
+#endif
