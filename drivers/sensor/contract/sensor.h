@@ -134,7 +134,7 @@ int iso_sensor_load(const char *name, struct iso_fault *fault) __attribute__((wa
 int iso_sensor_check(const char *name, const struct iso_option *options, size_t n_options,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Opens a sensor by the name of its back end (sensor_registry.c has the table). The errors of
+/* Opens a sensor by the name of its back end (back_ends.def lists them). The errors of
  * iso_sensor_check and of ops->open. Options and clock need not
  * outlive the call; what the clock's context points to must outlive the sensor. */
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
