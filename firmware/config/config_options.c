@@ -132,11 +132,10 @@ int iso_config_set_sensor_option(struct iso_config *config, const char *name, co
                                  struct iso_fault *fault)
 {
     struct iso__config_pending one = {.n = 0};
-    int line = 0;
     const int error = iso__config_pending_add(&one, name, value, 0, fault);
     return error ? error
-                 : iso__config_pending_resolve(&iso__config_sensor_class, config->sensor.backend,
-                                               &one, &config->sensor.options, &line, fault);
+                 : set_option(&iso__config_sensor_class, config->sensor.backend,
+                              &config->sensor.options, &one.list[0], fault);
 }
 
 /* ---- reading ---- */

@@ -204,6 +204,32 @@ static void leaves_unknown_back_ends_to_their_registry(void **state)
     assert_int_equal(iso_config_sensor_options(&config, options), 0);
 }
 
+/* The appliance would take such a line for its own. */
+static void expect_no_key(const char *section, const char *back_end,
+                          const struct iso_option_spec *spec)
+{
+    for (; spec && spec->name; spec++) {
+        for (size_t i = 0; i < iso_config_n_keys; i++) {
+            if (strcmp(iso_config_keys[i].section, section) == 0 &&
+                strcmp(iso_config_keys[i].name, spec->name) == 0) {
+                fail_msg("the option %s of %s is a key of [%s]", spec->name, back_end, section);
+            }
+        }
+    }
+}
+
+static void no_option_has_the_name_of_a_key(void **state)
+{
+    const char *name;
+    (void)state;
+    for (size_t i = 0; (name = iso_sensor_registered(i)); i++) {
+        expect_no_key("sensor", name, iso_sensor_options(name));
+    }
+    for (size_t i = 0; (name = iso_door_io_registered(i)); i++) {
+        expect_no_key("door", name, iso_door_io_options(name));
+    }
+}
+
 static void sets_an_option_as_a_line_does(void **state)
 {
     struct iso_config config = iso_config_default();
@@ -217,6 +243,10 @@ static void sets_an_option_as_a_line_does(void **state)
     assert_string_equal(fault.text, "bad value 'slow' for 'pace' (realtime|asap)");
     assert_int_equal(iso_config_set_sensor_option(&config, "colour", "1", &fault), -EINVAL);
     assert_int_equal(iso_config_sensor_options(&config, options), 1);
+    (void)strcpy(config.sensor.backend, "kinect9");
+    assert_int_equal(iso_config_set_sensor_option(&config, "repeats", "yes", &fault), -EINVAL);
+    assert_string_equal(fault.text, "the sensor kinect9 has no option 'repeats'; back ends that "
+                                    "have it: replay");
 }
 
 static void refuses_bad_lines(void **state)
@@ -411,6 +441,7 @@ int main(void)
         cmocka_unit_test(hands_options_to_the_back_end_that_is_named),
         cmocka_unit_test(lets_pass_what_is_empty),
         cmocka_unit_test(leaves_unknown_back_ends_to_their_registry),
+        cmocka_unit_test(no_option_has_the_name_of_a_key),
         cmocka_unit_test(sets_an_option_as_a_line_does),
         cmocka_unit_test(refuses_bad_lines),
         cmocka_unit_test(refuses_bad_values),
