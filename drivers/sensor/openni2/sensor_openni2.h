@@ -1,17 +1,12 @@
 /* The sensor back end `openni2`: depth cameras behind OpenNI 2 (Orbbec Astra, PrimeSense Carmine,
  * Asus Xtion, whatever has a driver for it), and its recordings.
  *
- * Options, all optional:
- *   device      URI (as doctor and `isotherm-sim record --list` show it) or serial number; the
- *               first device if not given
- *   path        an .oni file instead of a device
- *   mode        WIDTHxHEIGHT@HZ, such as 640x480@30; as the device has it if not given
- *   unit        finest (default) | 100um | 1mm: what a count of depth is worth
- *   intensity   no (default) | ir: of the depth sensor itself, registered by nature | color: grey
- * of the colour camera, if the device can register depths to it intrinsics  FX FY CX CY in pixels,
- * from a calibration; from the field of view that the device tells if not given, with the principal
- * point in the middle record      an .oni file that the runtime writes from start to stop pace,
- * loop  of a file: as of the sensor replay
+ * The table of its options stands in sensor_openni2.c; all are optional. Without `device` and
+ * `path` it opens the first camera; `isotherm doctor` and `isotherm-sim record --list` show the
+ * URIs. `intensity = ir` is the image of the depth sensor itself, registered by nature; `color` is
+ * the grey of the colour camera, if the device can register depths to it. Without `intrinsics` and
+ * `camera` the lens follows from the field of view that the device tells, with the principal point
+ * in the middle. `record` is for tools: the runtime writes that .oni file from start to stop.
  *
  * A device is waited for in slices of a few milliseconds, so that an unplugged cable is noticed in
  * time. The runtime keeps the newest frame only: who is late loses the older ones, and finds a gap
