@@ -313,28 +313,40 @@ struct iso_config iso_config_default(void)
     return config;
 }
 
+/* What is wrong with a text that was parsed, of which the parser refused `line` (0: none). */
+static int judge(const struct parse *parse, const char *name, int line, struct iso_fault *fault)
+{
+    if (line > 0 && (!parse->fault_line || line < parse->fault_line)) {
+        return iso_fault_set(fault, -EINVAL, "%s:%d: not `key = value`", name, line);
+    }
+    if (parse->fault_line) {
+        return iso_fault_set(fault, -EINVAL, "%s:%d: %s", name, parse->fault_line,
+                             parse->reason.text);
+    }
+    const char *conflict = find_conflict(&parse->config);
+    return conflict ? iso_fault_set(fault, -EINVAL, "%s: %s", name, conflict) : 0;
+}
+
 int iso_config_parse(const char *name, const char *text, struct iso_config *out,
                      struct iso_fault *fault)
 {
-    struct parse parse = {.config = iso_config_default(), .rest = text};
-    const int line = ini_parse_stream(next_line, &parse, on_key, &parse);
-    if (line < 0) {
+    struct parse *parse = calloc(1, sizeof *parse);
+    if (!parse) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
     }
-    resolve_options(&parse);
-    if (line > 0 && (!parse.fault_line || line < parse.fault_line)) {
-        return iso_fault_set(fault, -EINVAL, "%s:%d: not `key = value`", name, line);
+    parse->config = iso_config_default();
+    parse->rest = text;
+    const int line = ini_parse_stream(next_line, parse, on_key, parse);
+    int error = line < 0 ? iso_fault_set(fault, -ENOMEM, "%s: out of memory", name) : 0;
+    if (!error) {
+        resolve_options(parse);
+        error = judge(parse, name, line, fault);
     }
-    if (parse.fault_line) {
-        return iso_fault_set(fault, -EINVAL, "%s:%d: %s", name, parse.fault_line,
-                             parse.reason.text);
+    if (!error) {
+        *out = parse->config;
     }
-    const char *conflict = find_conflict(&parse.config);
-    if (conflict) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s", name, conflict);
-    }
-    *out = parse.config;
-    return 0;
+    free(parse);
+    return error;
 }
 
 int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *fault)

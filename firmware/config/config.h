@@ -21,7 +21,7 @@
 #include "firmware/door/door.h"
 #include "firmware/recognise/pipeline.h"
 
-enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 24, ISO_CONFIG_KEYS_MAX = 128 };
+enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 16, ISO_CONFIG_KEYS_MAX = 128 };
 
 /* The options of a back end that the file sets, in the order of their lines. */
 struct iso_config_options {

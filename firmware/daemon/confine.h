@@ -30,8 +30,12 @@ int iso_confine_memory(struct iso_fault *fault) __attribute__((warn_unused_resul
 int iso_confine_files(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* What iso_confine_calls may need of memory: whoever is short of it keeps so much back for it,
+ * since that is done when everything else is open. */
+enum { ISO_CONFINE_CALLS_BYTES = 1 << 20 };
+
 /* Calls of all threads, for good; when everything is open and the real-time threads run. -ENOTSUP
- * the build confines nothing, or another errno; each with a fault. */
+ * the build confines nothing, -ENOMEM, or another errno; each with a fault. */
 int iso_confine_calls(struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <seccomp.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 
@@ -318,12 +319,20 @@ static int build(scmp_filter_ctx filter)
     return error ? error : seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
 }
 
+/* libseccomp 2.5 takes some 400 kB for a filter and ends by a signal if it gets less. */
+static bool has_room(void)
+{
+    void *volatile room = malloc(ISO_CONFINE_CALLS_BYTES);
+    free(room);
+    return room != NULL;
+}
+
 int iso_confine_calls(struct iso_fault *fault)
 {
 #ifdef ISOTHERM_INSTRUMENTED
     return iso_fault_set(fault, -ENOTSUP, "this build is watched, and confines nothing");
 #endif
-    scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
+    scmp_filter_ctx filter = has_room() ? seccomp_init(SCMP_ACT_ERRNO(EPERM)) : NULL;
     if (!filter) {
         return iso_fault_set(fault, -ENOMEM, "calls are not confined: out of memory");
     }

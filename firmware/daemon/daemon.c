@@ -36,6 +36,7 @@ struct daemon {
     struct iso_appliance *appliance;
     struct watched_fd sensor, door;
     bool quit;
+    void *room;                  /* kept back for iso_confine_calls; NULL behind it */
     struct iso_fault unlocked;   /* why memory is not locked; "" if it is */
     struct iso_fault unconfined; /* why the process is not confined; "" if it is */
     bool bus_lost;               /* as it was told */
@@ -119,6 +120,10 @@ static int fail(int error, const char *what, struct iso_fault *fault)
 /* SIGXFSZ ignored: a file at its limit is then a full disk (EFBIG) and not the end. */
 static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
 {
+    daemon->room = malloc(ISO_CONFINE_CALLS_BYTES);
+    if (!daemon->room) {
+        return fail(-ENOMEM, "start", fault);
+    }
     (void)signal(SIGPIPE, SIG_IGN);
     (void)signal(SIGXFSZ, SIG_IGN);
     if (iso_confine_memory(&daemon->unlocked) == 0) {
@@ -196,6 +201,8 @@ static int confine_calls(struct daemon *daemon, const struct iso_config *config,
     if (!config->process.confine) {
         return 0;
     }
+    free(daemon->room);
+    daemon->room = NULL;
     const int error = iso_confine_calls(&why);
     return confine(daemon, error, &why, fault);
 }
@@ -359,6 +366,7 @@ static void tear_down(struct daemon *daemon)
     iso_parts_close(daemon->parts);
     iso_life_sign_free(daemon->life);
     sd_event_unref(daemon->event);
+    free(daemon->room);
     release_signals();
 }
 
