@@ -85,7 +85,7 @@ int iso_option_check_value(const struct iso_option_spec *spec, const char *value
                            struct iso_fault *fault)
 {
     char expected[96];
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     if (!*value) {
         return 0;
     }
@@ -102,7 +102,7 @@ static int check_given(const char *owner, const struct iso_option_set *set,
                        const struct iso_option *option, struct iso_fault *fault)
 {
     const struct iso_option_spec *spec = iso_option_find_spec(set->specs, option->key);
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     if (!spec) {
         return iso_fault_set(fault, -EINVAL, "%s: unknown option '%s'", owner, option->key);
     }

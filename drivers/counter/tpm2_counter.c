@@ -223,7 +223,7 @@ static int read_counter(void *self, uint64_t *value, struct iso_fault *fault)
 
 static int define_counter(void *self, uint64_t *value, struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     int error = find_index(self, &why);
     if (error == -ENOENT) {
         error = make_index(self, fault);

@@ -173,7 +173,7 @@ static int claim_outputs(struct gpiod *gpiod, const struct wiring *wiring,
                          const struct iso_door_outputs *initial, struct iso_fault *fault)
 {
     for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
-        struct iso_fault reason = {""};
+        struct iso_fault reason = {.text = ""};
         int error = 0;
         if (wiring->has_output[i]) {
             error = iso_gpio_line_open_output(&wiring->outputs[i], initial->active[i],
@@ -220,7 +220,7 @@ static int claim_inputs(struct gpiod *gpiod, const struct wiring *wiring, struct
         return iso_fault_set(fault, errno == ENOMEM ? -ENOMEM : -EIO, "%s: %m", owner);
     }
     for (int i = 0; i < ISO_DOOR_INPUTS; i++) {
-        struct iso_fault reason = {""};
+        struct iso_fault reason = {.text = ""};
         const enum iso_door_input input = (enum iso_door_input)i;
         const int error = wiring->has_input[i] ? claim_input(gpiod, input, wiring, &reason) : 0;
         if (error) {
@@ -239,7 +239,7 @@ static int set_wiegand(void *context, int line, bool pulse)
 static int claim_wiegand(struct gpiod *gpiod, const struct wiring *wiring, struct iso_fault *fault)
 {
     const struct iso_wiegand_lines lines = {set_wiegand, gpiod};
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     if (!wiring->has_wiegand[0]) {
         return 0;
     }

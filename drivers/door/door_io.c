@@ -232,7 +232,7 @@ static int settle(struct iso_door_io *io, int error, const struct iso_fault *rea
 int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, bool active,
                            struct iso_fault *fault)
 {
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     if (io->lost) {
         return gone(io, fault);
     }
@@ -246,7 +246,7 @@ int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, 
 int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
                            struct iso_fault *fault)
 {
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     if (io->lost) {
         return gone(io, fault);
     }
@@ -257,7 +257,7 @@ int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
 int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card *card,
                           struct iso_fault *fault)
 {
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     if (io->lost) {
         return gone(io, fault);
     }

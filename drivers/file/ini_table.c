@@ -49,7 +49,7 @@ static int on_key(void *user, const char *section, const char *name, const char 
     struct reading *reading = user;
     const struct iso_ini_key *key = find_key(reading, section, name);
     const uint64_t bit = key ? UINT64_C(1) << (key - reading->keys) : 0;
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     if (!key) {
         (void)iso_fault_set(&reason, 0, "unknown key '%s' in [%s]", name, section);
     } else if (reading->seen & bit) {

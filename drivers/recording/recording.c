@@ -86,7 +86,7 @@ static int read_intensity_list(struct iso_recording *recording, struct iso_fault
 
 int iso_recording_open(const char *directory, struct iso_recording **out, struct iso_fault *fault)
 {
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     struct iso_recording *recording = calloc(1, sizeof *recording);
     int error = -ENOMEM;
     if (!recording || !(recording->directory = strdup(directory))) {

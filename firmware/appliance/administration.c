@@ -125,7 +125,7 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
 {
     char note[96];
     size_t count = 0;
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     (void)snprintf(note, sizeof note, "for %s%.16s", lock->address ? "" : "who has the passphrase",
                    lock->address ? lock->address : "");
     int error = announce(appliance, "export", note, fault);
@@ -167,7 +167,7 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
 {
     char note[96];
     size_t came = 0, n = 0;
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     (void)snprintf(note, sizeof note, "from %s%.16s",
                    request->sender ? "" : "who has the passphrase",
                    request->sender ? request->sender : "");
@@ -234,7 +234,7 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
     const struct iso_person *holder = iso_gallery_find(gallery, name);
     const char *flaw = iso_person_name_flaw(name);
     char before[ISO_PERSON_NAME_SIZE];
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     if (iso_gallery_state(gallery, fault)) {
         return -EIO;
     }
@@ -269,7 +269,7 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
     char flaw[ISO_VALIDITY_FLAW_SIZE];
     char before_text[ISO_VALIDITY_TEXT_SIZE], after_text[ISO_VALIDITY_TEXT_SIZE];
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     if (iso_gallery_state(appliance->parts.gallery, fault)) {
         return -EIO;
     }
@@ -315,7 +315,7 @@ static int may_test_door(const struct iso_appliance *appliance, struct iso_fault
 
 int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     const struct iso_audit_record record = iso_audit_record_of("door-test");
     int error = may_test_door(appliance, fault);
     error = error ? error : iso__appliance_record_grant(appliance, &record, fault);
@@ -359,7 +359,7 @@ int iso_appliance_rotate_keys(struct iso_appliance *appliance,
                               const struct iso_work_listener *listener, const char **remark,
                               struct iso_fault *fault)
 {
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     const char *said = "";
     int error = announce(appliance, "rotate-keys", NULL, fault);
     if (error) {

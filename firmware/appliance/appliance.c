@@ -43,7 +43,7 @@ int iso__appliance_say_fault(struct iso_appliance *appliance, int error,
 int iso__appliance_record_first(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault)
 {
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     const int error = iso_audit_writer_append(appliance->log, record, ISO_NEVER_NS, NULL, &own);
     iso__appliance_note_storage(appliance, error, &own);
     return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
@@ -51,7 +51,7 @@ int iso__appliance_record_first(struct iso_appliance *appliance,
 
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int error = iso__appliance_record_first(appliance, record, &fault);
     return iso__appliance_say_fault(appliance, error, &fault);
 }
@@ -72,7 +72,7 @@ int iso__appliance_record_grant(struct iso_appliance *appliance,
     static const int64_t wait_ns = ISO_GRANT_WAIT_MS * ISO_NS_PER_MS;
     const struct iso_times *times = &appliance->parts.times;
     const int64_t begin_ns = iso_times_boot_ns(times);
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     int error = iso_audit_writer_append(appliance->log, record, wait_ns, NULL, &own);
     iso__appliance_note_storage(appliance, error, &own);
     const int64_t took_ns = iso_times_boot_ns(times) - begin_ns;

@@ -331,7 +331,7 @@ static void finish_enrolment(struct iso_appliance *appliance)
     const char *result = results[state];
     bool has_quality = state == ISO_ENROLMENT_COMPLETED || state == ISO_ENROLMENT_DUPLICATE;
     const struct iso_person *duplicate = duplicate_of(appliance);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = 0;
     if (state == ISO_ENROLMENT_ACTIVE) {
         return;
@@ -449,7 +449,7 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of("delete");
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
     char name[ISO_PERSON_NAME_SIZE]; /* as it is spelt; the gallery's own goes with the person */
     if (iso_gallery_state(appliance->parts.gallery, fault)) {

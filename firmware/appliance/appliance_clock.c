@@ -30,7 +30,7 @@ int64_t iso__appliance_date_s(const struct iso_appliance *appliance)
 static bool record(struct iso_appliance *appliance, const char *reason, int64_t before_s,
                    bool first)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_audit_record record = iso_audit_record_of("clock");
     char before[ISO_VALIDITY_DATE_SIZE], after[ISO_VALIDITY_DATE_SIZE];
     record.reason = reason;

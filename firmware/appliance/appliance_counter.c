@@ -10,7 +10,7 @@ static const int64_t patience_ns = 2 * ISO_NS_PER_S;
 
 static void take_news(struct iso_appliance *appliance)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = 0;
     if (!iso_state_counter_take_news(appliance->parts.counter, &error, &fault)) {
         return;

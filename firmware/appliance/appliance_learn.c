@@ -36,7 +36,7 @@ static bool may_learn(const struct iso_appliance *appliance,
                       const struct iso_learning_options *options, int64_t person)
 {
     int n = 0;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_template *own = calloc(ISO_GALLERY_TEMPLATES_MAX, sizeof *own);
     if (!own) {
         return false;
@@ -57,7 +57,7 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
     struct iso_gallery *gallery = appliance->parts.gallery;
     const struct iso_person *known = iso_gallery_find_id(gallery, verdict->person);
     struct iso_audit_record record = iso_audit_record_of("learn");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!known || iso_gallery_room(gallery, known->name, NULL)) {
         return;
     }
@@ -97,7 +97,7 @@ void iso__appliance_unlearn(struct iso_appliance *appliance)
 {
     size_t n = 0;
     char note[64];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (appliance->parts.config->update.templates > 0) {
         return;
     }

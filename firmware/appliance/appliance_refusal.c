@@ -38,7 +38,7 @@ int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_faul
 static int save(struct iso_appliance *appliance, struct iso_fault *out)
 {
     const bool said = appliance->lockout_save_ns != ISO_NEVER_NS;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     appliance->lockout_save_ns = ISO_NEVER_NS;
     const int error = iso__appliance_keep_lockout(appliance, &fault);
     if (!error) {
@@ -166,7 +166,7 @@ static void read_file(struct iso_appliance *appliance)
 {
     const bool again = is_unread(appliance);
     struct iso_lockout_file file;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = load(appliance, &file, &fault);
     if (may_pass(error)) {
         try_again_later(appliance, &fault);
@@ -321,7 +321,7 @@ int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_faul
 static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const int error = record_act(appliance, "lockdown", "on", fault);
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     appliance->lockout.lockdown = true;
     iso_decision_reset(&appliance->decision);
     const int unkept = save(appliance, &own);

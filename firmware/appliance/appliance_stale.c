@@ -6,7 +6,7 @@
 /* The system's log is told once, until the sensor is opened anew. */
 static void judge(struct iso_appliance *appliance)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_stale_budget_is_tight(&appliance->stale_budget, &fault) && !appliance->stale_told) {
         iso__appliance_say(appliance, LOG_WARNING, "%s", fault.text);
         appliance->stale_told = true;

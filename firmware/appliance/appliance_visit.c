@@ -176,7 +176,7 @@ static enum iso_reason open_door(struct iso_appliance *appliance, struct iso_vis
 static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
 {
     char image[ISO_IMAGE_TALLY_TEXT_SIZE];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_audit_record record = record_of(appliance, "grant", visit->person, &visit->verdict,
                                                image);
     const int error = iso__appliance_record_grant(appliance, &record, &fault);

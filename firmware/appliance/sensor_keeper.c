@@ -44,7 +44,7 @@ static void close_sensor(struct iso_sensor_keeper *keeper, int64_t now_ns)
  * unplugged is no reason for the watchdog to kill a door that is in its safe state. */
 static enum iso_sensor_news try_to_open(struct iso_sensor_keeper *keeper, int64_t now_ns)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     keeper->progress++;
     int error = keeper->source.open(keeper->source.context, &keeper->sensor, &fault);
     if (error) {
@@ -135,7 +135,7 @@ static void note_sight(struct iso_sensor_keeper *keeper, int64_t t_ns, int64_t n
 enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, int64_t now_ns,
                                             const struct iso_frame **frame)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!keeper->sensor) {
         return now_ns >= keeper->try_ns ? try_to_open(keeper, now_ns) : ISO_SENSOR_QUIET;
     }

@@ -138,7 +138,7 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
     if (error) {
         return error;
     }
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     error = iso_file_open(path, O_RDWR, 2 * SLOT_BYTES, &anchor->fd, &why);
     if (error && error != -ENOENT) {
         (void)iso_fault_set(fault, error, "%s", why.text);

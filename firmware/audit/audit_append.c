@@ -284,7 +284,7 @@ static int write_record(struct iso_audit *audit, const struct iso_audit_record *
 
 static void write_entry(struct iso_audit *audit, struct iso_audit_entry *entry)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int error = write_record(audit, entry->record, &fault);
     explicit_bzero(audit->json.text, sizeof audit->json.text); /* it may name somebody */
     if (error) {
@@ -301,7 +301,7 @@ static void write_entry(struct iso_audit *audit, struct iso_audit_entry *entry)
 static void commit(struct iso_audit *audit, const struct end *before,
                    struct iso_audit_entry *entries, size_t n)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = 0;
     if (audit->last == before->last) {
         return; /* nothing was written */
@@ -325,7 +325,7 @@ static void commit(struct iso_audit *audit, const struct end *before,
 /* Writes as many of the entries as go into one group, one at least. Returns how many. */
 static size_t append_some(struct iso_audit *audit, struct iso_audit_entry *entries, size_t n)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t done = 0;
     const int error = prepare(audit, &fault);
     if (error) {

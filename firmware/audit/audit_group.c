@@ -71,7 +71,7 @@ static void note_awaited(struct iso_audit_writer *writer, const struct iso__audi
     writer->awaited.ticket = slot->ticket;
     writer->awaited.sequence = entry ? entry->sequence : 0;
     writer->awaited.error = entry ? entry->error : -ECANCELED;
-    writer->awaited.fault = entry ? entry->fault : (struct iso_fault){""};
+    writer->awaited.fault = entry ? entry->fault : (struct iso_fault){.text = ""};
 }
 
 /* Takes a record into the group. One that was cancelled is not written; an outcome of one that was

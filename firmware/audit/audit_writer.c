@@ -154,7 +154,7 @@ void iso_audit_writer_free(struct iso_audit_writer *writer)
 static int post(struct iso_audit_writer *writer, const struct iso_audit_record *record,
                 bool outcome, struct iso_fault *fault)
 {
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     struct iso__audit_slot *slot = NULL;
     (void)pthread_mutex_lock(&writer->mutex);
     int error = enqueue(writer, record, outcome ? PLACES_TO_TELL_OUTCOME : PLACES_TO_POST, &slot,

@@ -80,7 +80,7 @@ int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
     struct options options = {.to = NULL};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char **people = NULL;
     size_t n = 0;
     int fd = -1;
@@ -114,7 +114,7 @@ int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
     struct options options = {.to = NULL};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t added = 0, known = 0;
     int fd = -1;
     (void)sd_bus_message_sensitive(call);
@@ -139,7 +139,7 @@ int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out)
 int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *remark = "";
     struct iso__bus_progress progress;
     const struct iso_work_listener listener = iso__bus_report_progress(&progress, bus, call);
@@ -150,7 +150,7 @@ int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out)
 int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int r = iso_appliance_test_door(bus->appliance, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
@@ -169,7 +169,7 @@ int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out)
     const struct iso_bus *bus = context;
     struct iso_audit_writer *log = iso_appliance_log(bus->appliance);
     struct iso_audit_report report;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint64_t sequence;
     const char *head;
     struct iso__bus_progress progress;

@@ -144,7 +144,7 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
 {
     struct iso_bus *bus = context;
     struct iso_enroll_request request = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int r = iso__bus_require_claim(bus, call, out);
     r = r < 0 ? r : sd_bus_message_read(call, "s", &request.person);
     r = r < 0 ? r : read_options(call, &request, out);
@@ -164,7 +164,7 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
 static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *person;
     int r = iso__bus_require_claim(bus, call, out);
     r = r < 0 ? r : sd_bus_message_read(call, "s", &person);
@@ -178,7 +178,7 @@ static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *ou
 static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int r = iso__bus_require_claim(bus, call, out);
     if (r < 0) {
         return r;
@@ -243,7 +243,7 @@ static int on_list_people(sd_bus_message *call, void *context, sd_bus_error *out
 {
     const struct iso_bus *bus = context;
     sd_bus_message *reply = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int r = iso_gallery_state(bus->parts->gallery, &fault);
     if (r < 0) {
         return iso__bus_refuse(out, r, &fault);
@@ -255,7 +255,7 @@ static int on_list_people(sd_bus_message *call, void *context, sd_bus_error *out
 static int on_delete_person(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *person;
     int r = sd_bus_message_read(call, "s", &person);
     if (r < 0) {
@@ -279,7 +279,7 @@ static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
 static int on_clear_lockout(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int r = iso_appliance_clear_lockout(bus->appliance, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
@@ -287,7 +287,7 @@ static int on_clear_lockout(sd_bus_message *call, void *context, sd_bus_error *o
 static int on_set_lockdown(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int on = 0;
     int r = sd_bus_message_read(call, "b", &on);
     if (r < 0) {

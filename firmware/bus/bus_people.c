@@ -63,7 +63,7 @@ int iso__bus_set_validity(sd_bus_message *call, void *context, sd_bus_error *out
 {
     const struct iso_bus *bus = context;
     struct iso_validity_change change = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *person;
     int r = sd_bus_message_read(call, "s", &person);
     r = r < 0 ? r : read_changes(call, &change, out);
@@ -85,7 +85,7 @@ int iso__bus_set_validity(sd_bus_message *call, void *context, sd_bus_error *out
 int iso__bus_rename(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *person, *name, *remark = "";
     int r = sd_bus_message_read(call, "ss", &person, &name);
     if (r < 0) {

@@ -9,7 +9,7 @@
 int iso__bus_picture(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int r = iso__bus_require_claim(bus, call, out);
     if (r < 0) {
         return r;
@@ -35,7 +35,7 @@ static int reply_error(sd_bus_message *call, int error, const struct iso_fault *
 void iso__bus_on_picture(void *context, const struct iso_frame *frame)
 {
     struct iso_bus *bus = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int fd = frame
                        ? iso_relief_picture_file(frame, &fault)
                        : iso_fault_set(&fault, -ENODEV,

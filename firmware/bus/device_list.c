@@ -45,7 +45,7 @@ int iso_device_list_print(FILE *out, struct iso_fault *fault)
 
     for (size_t i = 0; (sensor = iso_sensor_registered(i)); i++) {
         struct listing listing = {.out = out, .sensor = sensor};
-        struct iso_fault why = {""};
+        struct iso_fault why = {.text = ""};
         const int error = iso_sensor_probe(sensor, print_device, &listing, &why);
         if (error && error != -ENOSYS) {
             print_fault(sensor, &why, out);

@@ -193,7 +193,7 @@ static char *next_line(char *line, int size, void *context)
 static int on_other_key(struct parse *parse, const char *section, const char *name,
                         const char *value)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     struct iso__config_pending *pending = NULL;
     if (strcmp(section, iso__config_sensor_class.section) == 0) {
         pending = &parse->sensor;
@@ -239,7 +239,7 @@ static int on_key(void *context, const char *section, const char *name, const ch
 static void resolve_options(struct parse *parse)
 {
     struct iso_config *config = &parse->config;
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     int line = 0;
     if (iso__config_pending_resolve(&iso__config_sensor_class, config->sensor.backend,
                                     &parse->sensor, &config->sensor.options, &line, &why)) {

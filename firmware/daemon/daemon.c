@@ -189,7 +189,7 @@ static int confine(struct daemon *daemon, int error, const struct iso_fault *why
 static int confine_files(struct daemon *daemon, const struct iso_config *config,
                          struct iso_fault *fault)
 {
-    struct iso_fault why = {"not confined, as [process] confine says"};
+    struct iso_fault why = {.text = "not confined, as [process] confine says"};
     const int error = config->process.confine ? iso_confine_files(config, &why) : -ENOTSUP;
     return confine(daemon, error, &why, fault);
 }
@@ -197,7 +197,7 @@ static int confine_files(struct daemon *daemon, const struct iso_config *config,
 static int confine_calls(struct daemon *daemon, const struct iso_config *config,
                          struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     if (!config->process.confine) {
         return 0;
     }
@@ -291,7 +291,7 @@ static void tell_service_manager(struct daemon *daemon, int64_t now_ns)
  * look again. */
 static int64_t mend_bus(struct daemon *daemon, int64_t now_ns)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!iso_bus_is_gone(daemon->bus)) {
         if (daemon->bus_lost && iso_bus_is_serving(daemon->bus)) {
             iso_daemon_say(LOG_NOTICE, "the bus is back");

@@ -146,7 +146,7 @@ static int run(const struct arguments *arguments)
 {
     const struct iso_times times = iso_times_system();
     struct iso_config config;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = iso_config_load(arguments->config, &config, &fault);
     error = error ? error : take_bus(arguments->bus, &config, &fault);
     if (!error) {
@@ -168,7 +168,7 @@ static int run(const struct arguments *arguments)
 
 static int list_devices(void)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     return say(iso_device_list_print(stdout, &fault), &fault);
 }
 

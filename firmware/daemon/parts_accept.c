@@ -40,7 +40,7 @@ static int renew(struct iso_parts *parts, const char *why, struct iso_fault *fau
 
 int iso_parts_accept_stores(struct iso_parts *parts, struct iso_fault *why, struct iso_fault *fault)
 {
-    *why = (struct iso_fault){""};
+    *why = (struct iso_fault){.text = ""};
     int error = iso_parts_open_each_store(parts, fault);
     if (error) {
         return error;

@@ -7,7 +7,7 @@
 
 int iso_parts_check_counter(const struct iso_config *config, struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     uint32_t index = 0;
     if (config->seal.counter == ISO_COUNTER_NONE) {
         return 0;
@@ -43,7 +43,7 @@ int iso_parts_open_counter(struct iso_parts *parts, struct iso_fault *fault)
 /* The increment that the anchor brought. */
 static int check_increment(struct iso_state_counter *counter, struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     int error = 0;
     return iso_state_counter_take_news(counter, &error, &why) && error
                ? iso_fault_set(fault, error, "%s", why.text)

@@ -122,7 +122,7 @@ static void wait_for_lines(struct iso_door_control *control, int64_t now_ns)
 /* True if the lines are open, or are open again. */
 static bool have_lines(struct iso_door_control *control, int64_t now_ns)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!iso_door_io_is_lost(control->io)) {
         return true;
     }
@@ -156,7 +156,7 @@ static void note_loss(struct iso_door_control *control, bool had_lines, int64_t 
 
 static void apply(struct iso_door_control *control, int64_t now_ns)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_door_io_is_lost(control->io)) {
         return; /* known, and a fault already */
     }
@@ -169,7 +169,7 @@ static void apply(struct iso_door_control *control, int64_t now_ns)
 /* Reads and switches; any failure is a fault of the door, and the end of all of them ends it. */
 static void exercise_lines(struct iso_door_control *control, int64_t now_ns)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_door_inputs inputs;
     const bool fine = read_inputs(control, &inputs, now_ns, &fault);
     if (fine) {
@@ -183,7 +183,7 @@ static void exercise_lines(struct iso_door_control *control, int64_t now_ns)
 
 void iso_door_control_start(struct iso_door_control *control, int64_t now_ns)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_door_inputs inputs = {{false}};
     control->open_ns = now_ns;
     const bool there = have_lines(control, now_ns);
@@ -228,7 +228,7 @@ static enum iso_door_answer answer_of(const struct iso_door_control *control)
 static enum iso_door_answer unlock(struct iso_door_control *control, enum iso_door_event event,
                                    int64_t now_ns)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const bool unlocks = iso_door_handle(&control->door, event, now_ns);
     const bool had_lines = !iso_door_io_is_lost(control->io);
     const bool fine = had_lines && switch_outputs(control, &fault);

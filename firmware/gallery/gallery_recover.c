@@ -14,7 +14,7 @@ bool iso__gallery_is_lost(const struct iso_gallery *gallery)
 int iso_gallery_recover(struct iso_gallery *gallery, struct iso_fault *fault)
 {
     struct iso_gallery_memory now = {0};
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     if (!iso__gallery_is_lost(gallery)) {
         return 0;
     }

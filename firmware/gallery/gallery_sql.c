@@ -133,7 +133,7 @@ static int check_files(const char *path, struct iso_fault *fault)
     static const char *const suffixes[] = {"", "-journal", "-wal"};
     for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++) {
         char file[PATH_MAX];
-        struct iso_fault why = {""};
+        struct iso_fault why = {.text = ""};
         if (snprintf(file, sizeof file, "%s%s", path, suffixes[i]) >= PATH_MAX) {
             return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", path);
         }

@@ -68,7 +68,7 @@ static bool is_same(const struct iso_gallery_head *a, const struct iso_gallery_h
 int iso__gallery_settle(struct iso_gallery_db *db, int error, struct iso_fault *fault)
 {
     const struct iso_gallery_head before = db->head, after = db->draft;
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     if (read_again(db, &why)) {
         return give_up(db, &why, fault);
     }
@@ -92,7 +92,7 @@ int iso_gallery_db_state(const struct iso_gallery_db *db, struct iso_fault *faul
 
 int iso_gallery_db_recover(struct iso_gallery_db *db, struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     int error = read_again(db, &why);
     error = error ? error : iso__gallery_check_anchor(db, &why);
     if (error) {

@@ -77,7 +77,7 @@ void iso_state_counter_found(struct iso_state_counter *counter, uint32_t number)
 static int ask(struct iso_state_counter *counter, bool *there, uint64_t *value,
                struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     const int error = counter->device.ops->read(counter->device.self, value, &why);
     *there = error == 0;
     if (error && error != -ENOENT) {
@@ -198,7 +198,7 @@ static int reach(const struct iso_counter *device, uint32_t number, uint64_t *va
 /* Increments the device; the mutex is held before and after, and not meanwhile. */
 static void increment(struct iso_state_counter *counter)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint64_t value = 0;
     const uint32_t number = counter->written;
     (void)pthread_mutex_unlock(&counter->mutex);

@@ -282,7 +282,7 @@ static int make_face_check(struct pipeline *pipeline, const struct iso_pipeline_
                            struct iso_fault *fault)
 {
     const char *path = options->cascade_path ? options->cascade_path : "";
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     if (options->image == ISO_IMAGE_OFF) {
         return 0;
     }

@@ -130,7 +130,7 @@ static int open_sealed(const uint8_t *bytes, size_t size, const struct iso_key_r
 int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
                      struct iso_lockout_file *out, struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     struct iso_lockout_file file = {.number = 0};
     void *bytes = NULL;
     size_t size = 0;
@@ -190,7 +190,7 @@ int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
     struct iso_heads_board *board = iso_key_ring_board(ring);
     const uint32_t key = iso_key_ring_newest(ring, ISO_KEY_ANCHOR);
     const struct iso_seal_label label = label_of(key);
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     struct iso_lockout_file file = {.record = *record, .known = iso_heads_now(board)};
     uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES], bytes[FILE_BYTES];
     file.number = file.known.count[ISO_HEAD_LOCKOUT] + 1;

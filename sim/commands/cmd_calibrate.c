@@ -280,7 +280,7 @@ int sim_cmd_calibrate(int argc, char **argv)
     struct arguments arguments = {
         .columns = 9, .rows = 6, .square_mm = 20.0, .unit_mm = 1.0, .pairs = 20, .seed = 1};
     const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim calibrate --pictures DIR --out FILE [OPTION...]\n"

@@ -75,7 +75,7 @@ static void print_device(const struct iso_sensor_device *device, void *context)
 
 static int list(const char *type)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t n = 0;
     const int error = iso_sensor_probe(type, print_device, &n, &fault);
     if (error) {
@@ -125,7 +125,7 @@ int sim_cmd_record(int argc, char **argv)
     struct arguments arguments = {.patience_ms = 5000};
     const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
     struct sim_sensor_word word = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
 
     switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
     case SIM_OPTIONS_HELP:

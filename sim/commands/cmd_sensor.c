@@ -149,7 +149,7 @@ int sim_cmd_sensor(int argc, char **argv)
                                   .seed = 1,
                                   .noise_scale = 1.0};
     const struct sim_option_set set = {options, sizeof options / sizeof *options, &arguments};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim sensor --ict DIR --sensor NAME [OPTION...]\n\n"

@@ -212,7 +212,7 @@ int sim_cmd_show(int argc, char **argv)
         sim_extract_option_set(&arguments.extract),
     };
     size_t n_sets = sizeof sets / sizeof *sets;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim show --recording DIR --frame N --out FILE [OPTION...]\n\n"

@@ -27,7 +27,7 @@ static void print_help(const struct sim_command *command, const struct sim_optio
 int sim_command_run(const struct sim_command *command, const struct sim_option_set *sets,
                     size_t n_sets, int argc, char **argv)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
     case SIM_OPTIONS_HELP:
         print_help(command, sets, n_sets);

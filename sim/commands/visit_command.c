@@ -62,7 +62,7 @@ static int complain(const struct sim_visit_command *command, const struct iso_fa
 int sim_visit_command_run(const struct sim_visit_command *command, int argc, char **argv)
 {
     struct sim_visit_summary summary = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
 
     switch (sim_options_parse(argc, argv, &command->set, 1, &fault)) {
     case SIM_OPTIONS_HELP:

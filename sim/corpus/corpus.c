@@ -268,7 +268,7 @@ static int check_ranges(const char *directory, const char *manifest,
     size_t frames = 0;
     for (size_t i = 0; i < corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &corpus->rows[i];
-        struct iso_fault reason = {""};
+        struct iso_fault reason = {.text = ""};
         if (!counted || strcmp(counted, row->recording) != 0) {
             int error = count_frames(directory, row->recording, &frames, &reason);
             if (error) {

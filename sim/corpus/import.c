@@ -135,7 +135,7 @@ static int record_scans(const struct sim_import_options *o, struct scans *scans,
         struct scan *scan = &scans->items[i];
         sim_progress_step(1);
         struct iso_frame *frame = NULL;
-        struct iso_fault damage = {""};
+        struct iso_fault damage = {.text = ""};
         if (o->database->read(scan->path, &o->database_options, &frame, &damage)) {
             sim_progress_pause();
             fprintf(stderr, "isotherm-sim: scan left out: %s\n", damage.text);

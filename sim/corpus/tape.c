@@ -32,7 +32,7 @@ static void *write_frames(void *context)
             break;
         }
         if (!tape->error) {
-            struct iso_fault fault = {""};
+            struct iso_fault fault = {.text = ""};
             const struct iso_frame *frame = tape->frames[tape->first];
             pthread_mutex_unlock(&tape->lock); /* its place is not free before it is counted out */
             const int error = sim_recording_writer_append(tape->writer, frame, &fault);

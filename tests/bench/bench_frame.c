@@ -384,7 +384,7 @@ int main(int argc, char **argv)
         sim_match_option_set(&bench.match),
     };
     size_t n_sets = sizeof sets / sizeof *sets;
-    struct iso_fault fault = {"--corpus is needed"};
+    struct iso_fault fault = {.text = "--corpus is needed"};
     enum sim_options_outcome outcome = sim_options_parse(argc, argv, sets, n_sets, &fault);
     if (outcome == SIM_OPTIONS_HELP) {
         puts("Usage: bench_frame --corpus DIR [OPTION...]\n");

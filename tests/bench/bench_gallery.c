@@ -252,7 +252,7 @@ int main(int argc, char **argv)
                           .times = iso_times_system()};
     const struct sim_option_set set = {own_options, sizeof own_options / sizeof *own_options,
                                        &bench};
-    struct iso_fault fault = {"--dir is needed, and people"};
+    struct iso_fault fault = {.text = "--dir is needed, and people"};
     const enum sim_options_outcome outcome = sim_options_parse(argc, argv, &set, 1, &fault);
     if (outcome == SIM_OPTIONS_HELP) {
         puts("Usage: bench_gallery --dir DIR [OPTION...]\n");

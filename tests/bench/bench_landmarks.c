@@ -108,7 +108,7 @@ int main(int argc, char **argv)
         return 2;
     }
     struct bench bench = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_head_model *model = NULL;
     struct sim_corpus *corpus = NULL;
     int error = sim_head_model_load(argv[2], &model, &fault);

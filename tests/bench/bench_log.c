@@ -136,7 +136,7 @@ static void grants_among_others(void)
 
 int main(int argc, char **argv)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     sync_ms = argc > 1 ? atoi(argv[1]) : sync_ms;
     if (!mkdtemp(directory)) {
         fail("no directory");

@@ -286,7 +286,7 @@ int main(int argc, char **argv)
     bench.metric_path = iso_shipped_metric();
     const struct sim_option_set set = {own_options, sizeof own_options / sizeof *own_options,
                                        &bench};
-    struct iso_fault fault = {"--probes: 2 to 200"};
+    struct iso_fault fault = {.text = "--probes: 2 to 200"};
     const enum sim_options_outcome outcome = sim_options_parse(argc, argv, &set, 1, &fault);
     if (outcome == SIM_OPTIONS_HELP) {
         puts("Usage: bench_search [OPTION...]\n");

@@ -267,7 +267,7 @@ int main(int argc, char **argv)
     struct bench bench = {.model_path = iso_shipped_model(), .interval_ms = 33, .pairs = 200};
     const struct sim_option_set set = {own_options, sizeof own_options / sizeof *own_options,
                                        &bench};
-    struct iso_fault fault = {"--corpus is needed"};
+    struct iso_fault fault = {.text = "--corpus is needed"};
     const enum sim_options_outcome outcome = sim_options_parse(argc, argv, &set, 1, &fault);
     if (outcome == SIM_OPTIONS_HELP) {
         puts("Usage: bench_threads --corpus DIR [OPTION...]\n");

@@ -61,7 +61,7 @@ static int open_lines(struct wire *wire, char **texts)
 #ifdef ISOTHERM_WITH_GPIOD
     for (int i = 0; i < 2; i++) {
         struct iso_gpio_spec spec;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         int error = iso_gpio_spec_parse("bench_wiegand", texts[i], &spec, &fault);
         if (!error) {
             error = iso_gpio_line_open_output(&spec, false, &wire->lines[i], &fault);
@@ -129,7 +129,7 @@ static int measure(struct wire *wire, size_t codes)
     const struct iso_wiegand_lines lines = {set_line, wire};
     struct iso_wiegand_out *out = NULL;
     struct iso_wiegand_report report;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = iso_wiegand_out_new(&lines, &out, &fault);
     for (size_t i = 0; !error && i < codes; i++) {
         error = iso_wiegand_out_send(out, CODE, BITS);

@@ -93,7 +93,7 @@ static void release(struct bench *bench)
 int main(int argc, char **argv)
 {
     struct bench bench = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (argc != 5) {
         (void)fprintf(stderr, "usage: one_frame CORPUS MODEL METRIC RECORDING\n");
         return 2;

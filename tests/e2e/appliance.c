@@ -200,7 +200,7 @@ int appliance_teardown(void **state)
 
 void appliance_show(const struct appliance *appliance, const char *recording)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int error = recording
                           ? sim_slot_point(appliance->slot, appliance->people, recording, &fault)
                           : sim_slot_clear(appliance->slot, &fault);

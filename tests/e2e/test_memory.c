@@ -73,7 +73,7 @@ static void read_template(const struct appliance *appliance, struct runs *runs)
     struct iso_config config = iso_config_default();
     const struct iso_times times = iso_times_system();
     struct iso_parts *parts = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct run copy;
     const char *stores = scratch_path(appliance->directory, "copy");
     char command[1024];

@@ -37,7 +37,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static const struct iso_seal_key key = {{3}};
     static struct iso_audit_opened opened;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     fuzz_check(iso_seal_start(&fault) == 0, fault.text);
     const struct iso_audit_seal seal = iso_audit_seal_of(1, &key);
     char *line = (char *)fuzz_copy(data, size);

@@ -169,7 +169,7 @@ static void tear_down_at_exit(void);
 
 static void set_up(void)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     void *state = NULL;
     if (listener < 0) {
         listen_somewhere();

@@ -17,7 +17,7 @@ static struct iso_frame *face, *frame;
 
 static void load_face(void)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_recording *recording = NULL;
     struct iso_frame *stored = NULL;
     int error = iso_recording_open(ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1", &recording, &fault);
@@ -46,7 +46,7 @@ static void load_face(void)
 
 static void load_extractor(void)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_extract_options options = iso_extract_options_default();
     struct iso_head_model *model = NULL;
     const char *what = NULL;

@@ -23,7 +23,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const struct iso_gallery_place place = {.number = 3, .person = 2, .algorithm = 9};
     const struct iso_gallery_place other = {.number = 3, .person = 4, .algorithm = 9};
     struct iso_gallery_head head;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     fuzz_check(iso_seal_start(&fault) == 0, fault.text);
     const struct iso_gallery_seal seal = iso_gallery_seal_of(gallery, 1, &key);
     try_person(data, size);

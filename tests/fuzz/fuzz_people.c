@@ -22,7 +22,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static const struct iso_seal_key key;
     struct iso_transfer *transfer = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     fuzz_check(iso_seal_start(&fault) == 0, fault.text);
     if (iso_transfer_parse(data, size, &transfer) == 0) {
         check_items(transfer);

@@ -178,7 +178,7 @@ static void look_at_stream(struct sim_virtual_camera *camera)
 {
     const bool streaming = atomic_load(&camera->streaming) && camera->plugged;
     const unsigned take = atomic_load(&camera->takes);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (streaming == camera->was_streaming && take == camera->take) {
         return;
     }
@@ -208,7 +208,7 @@ static bool see(struct sim_virtual_camera *camera)
     const struct iso_frame *scene = NULL;
     struct iso_frame *seen = camera->seen;
     const size_t pixels = (size_t)seen->width_px * (size_t)seen->height_px;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int error = iso_sensor_wait(camera->scene, 0, &scene, &fault);
     if (error && error != -ETIMEDOUT) {
         camera->events.fault(camera->events.context, fault.text);

@@ -87,7 +87,7 @@ OniStatus oniDriverInitialize(sim_oni_device_event *connected, sim_oni_device_ev
 {
     const struct sim_virtual_camera_events events = {on_plugged, on_frame, on_fault, NULL};
     const char *bench = getenv(bench_variable);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     driver.connected = connected;
     driver.disconnected = disconnected;
     driver.state_changed = state_changed;

@@ -54,7 +54,7 @@ static struct iso_sensor *opened(void)
                                          {"calibration", "rig.ini"}, {"pair_ms", "60"},
                                          {"near_mm", "400"},         {"far_mm", "1000"}};
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = iso_sensor_open("v4l2-stereo", options, 6, &clock_of_kernel, &sensor, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);
@@ -87,7 +87,7 @@ static struct iso_sensor *streaming(void)
 static void expect_failure(struct iso_sensor *sensor, int expected, const char *words)
 {
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = 0;
     for (int i = 0; !error && i < 20; i++) {
         error = next(sensor, &frame, &fault);
@@ -121,7 +121,7 @@ static void frames_come_in_order(void **state)
     for (int round = 0; round < 2; round++) {
         uint64_t sequence = 0;
         int64_t t_ns = 0;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         int error = iso_sensor_start(sensor, &fault);
         assert_string_equal(fault.text, "");
         assert_int_equal(error, 0);
@@ -157,7 +157,7 @@ static void one_camera_serves_one_sensor(void **state)
 {
     (void)state;
     struct iso_sensor *first = opened(), *second = opened();
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_sensor_start(first, NULL), 0);
     assert_int_equal(iso_sensor_start(second, &fault), -EBUSY);
     assert_non_null(strstr(fault.text, "/dev/video0: does not stream: Device or resource busy"));

@@ -106,7 +106,7 @@ void iso_sensor_close(struct iso_sensor *sensor)
 
 int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
 {
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     int error = require(sensor, ISO_SENSOR_OPEN, fault);
     if (error) {
         return error;
@@ -122,7 +122,7 @@ int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
 
 int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault)
 {
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     int error = require(sensor, ISO_SENSOR_STARTED, fault);
     if (error) {
         return error;
@@ -160,7 +160,7 @@ static void count_frame(struct iso_sensor *sensor, const struct iso_frame *frame
 int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct iso_frame **frame,
                     struct iso_fault *fault)
 {
-    struct iso_fault reason = {""};
+    struct iso_fault reason = {.text = ""};
     const struct iso_frame *fresh = NULL;
     int error = require(sensor, ISO_SENSOR_STARTED, fault);
     if (error) {

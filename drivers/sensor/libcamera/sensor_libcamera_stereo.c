@@ -115,7 +115,7 @@ static int eye_fd(void *self)
 
 static int load_libcamera(struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     const int error = iso_libcamera_module_load(&why);
     return error ? iso_fault_set(fault, error, "%s: %s", owner, why.text) : 0;
 }

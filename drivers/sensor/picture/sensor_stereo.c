@@ -72,7 +72,7 @@ static int read_matching(const struct iso_option_set *set,
 
 int iso_sensor_stereo_load(const char *owner, struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     const int error = iso_stereo_module_load(&why);
     return error ? iso_fault_set(fault, error, "%s: %s", owner, why.text) : 0;
 }

@@ -178,7 +178,7 @@ enum cli_exit cli_import(struct cli_door *door, const struct cli_arguments *argu
     if (exit) {
         return exit;
     }
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     int fd = -1;
     const int error = iso_file_open(arguments->word, O_RDONLY, ISO_FILE_ANY_SIZE, &fd, &why);
     if (error) {

@@ -103,7 +103,7 @@ static enum cli_exit read_board(const struct cli_setup_places *places,
     char path[PATH_MAX];
 
     (void)snprintf(path, sizeof path, "%s/%s/isotherm.conf", places->boards, choice->board.name);
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     choice->board_text = cli_text_file_read(path, &why);
     return choice->board_text ? CLI_EXIT_OK
                               : cli_fault_set(fault, CLI_EXIT_FAULT, "no-file", "%s", why.text);

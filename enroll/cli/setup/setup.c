@@ -36,7 +36,7 @@ static enum cli_exit make_plan(const struct cli_setup_places *places,
     if (exit) {
         return exit;
     }
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     plan->old_text = cli_text_file_read(places->config, &why);
     if (!plan->old_text && errno != ENOENT) {
         return cli_fault_set(fault, CLI_EXIT_FAULT, "no-file", "%s", why.text);

@@ -51,7 +51,7 @@ int sim_recording_open(const char *directory, const char *name, struct iso_recor
 static int capture_frame(const struct capturing *work, int worker, struct iso_recording *recording,
                          struct iso_frame *frame, struct sim_capture *capture)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_recording_read(recording, capture->frame, frame, &fault)) {
         fprintf(stderr, "isotherm-sim: frame left out: %s\n", fault.text);
         return 0;

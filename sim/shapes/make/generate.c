@@ -178,7 +178,7 @@ static int serve(void *context, int worker, size_t number)
     struct kitchen *kitchen = context;
     const char *file = kitchen->recipe[number].row.file;
     struct iso_coloured_mesh mesh = {NULL, NULL};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char path[PATH_MAX];
     (void)worker;
     int error = iso_path_join(kitchen->options->out, file, path, &fault);

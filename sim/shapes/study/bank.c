@@ -97,7 +97,7 @@ static int describe_one(void *context, int worker, size_t number)
     struct work *work = context;
     int32_t row = work->bank->row[number], n_vertices = 0;
     struct iso_shape *shape = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     double *seconds = calloc((size_t)work->options->n_methods, sizeof *seconds);
     double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
     (void)worker;

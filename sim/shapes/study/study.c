@@ -74,7 +74,7 @@ static int choose_methods(struct study *study, struct iso_fault *fault)
 static int add_if_there(struct study *study, const struct iso_classifier_ops *classifier,
                         struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     const int error = iso_learn_load(classifier, &why);
     if (error == -ENOENT) {
         fprintf(stderr, "isotherm-sim: %s left out: %s\n", classifier->name, why.text);
@@ -426,7 +426,7 @@ static int run(struct study *study, FILE *out, struct iso_fault *fault)
 int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
                      struct iso_fault *fault)
 {
-    struct iso_fault unread = {""};
+    struct iso_fault unread = {.text = ""};
     struct study *study = calloc(1, sizeof *study);
     fault = fault ? fault : &unread;
     fault->text[0] = '\0';

@@ -404,7 +404,7 @@ static int run(struct tables *tables, FILE *out, struct iso_fault *fault)
 
 int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struct iso_fault *fault)
 {
-    struct iso_fault unread = {""};
+    struct iso_fault unread = {.text = ""};
     struct tables *tables = calloc(1, sizeof *tables);
     fault = fault ? fault : &unread;
     fault->text[0] = '\0';

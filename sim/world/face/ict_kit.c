@@ -316,7 +316,7 @@ static int write_modes(const struct kit *kit, const char *file, char (*names)[NA
         }
         sim_obj_done(&obj);
     }
-    struct iso_fault own = {""};
+    struct iso_fault own = {.text = ""};
     const int closing = sim_npy_writer_close(writer, !error, &own);
     if (error || !closing) {
         return error;

@@ -29,7 +29,7 @@ const struct sim_sensor *sim_sensor_find(const char *name)
 
 int sim_sensor_load(const struct sim_sensor *sensor, struct iso_fault *fault)
 {
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     const int error = sensor->load ? sensor->load(&why) : 0;
     return error ? iso_fault_set(fault, error, "sensor %s: %s", sensor->name, why.text) : 0;
 }

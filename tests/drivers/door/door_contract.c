@@ -19,7 +19,7 @@ static size_t n_back_ends;
 static struct iso_door_io *open_back_end(const struct door_back_end *back_end)
 {
     struct iso_door_io *io = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_door_io_open(back_end->name, back_end->options, back_end->n_options, &back_end->clock,
                          &initial, &io, &fault)) {
         fail_msg("%s", fault.text);
@@ -137,7 +137,7 @@ static void refuses_unknown_options(void **state)
     for (size_t i = 0; i < n_back_ends; i++) {
         const struct iso_option option = {"no-such-option", "1"};
         struct iso_door_io *io = NULL;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         assert_int_equal(iso_door_io_open(back_ends[i].name, &option, 1, &back_ends[i].clock,
                                           &initial, &io, &fault),
                          -EINVAL);
@@ -151,7 +151,7 @@ static void refuses_unknown_options(void **state)
 static void open_again(const struct door_back_end *back_end, struct iso_door_io *io)
 {
     struct iso_door_inputs inputs;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     iso_door_io_close(io);
     back_end->prepare();
     io = open_back_end(back_end);

@@ -50,7 +50,7 @@ static struct iso_door_io *open_door(void)
 {
     const struct iso_clock clock = manual_clock(&now_ns);
     struct iso_door_io *io = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_door_io_open("gpiod", wiring, WIRED, &clock, &unpowered, &io, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -61,7 +61,7 @@ static void refuses(const struct iso_option *options, size_t n, int error, const
 {
     const struct iso_clock clock = manual_clock(&now_ns);
     struct iso_door_io *io = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_door_io_open("gpiod", options, n, &clock, &unpowered, &io, &fault), error);
     if (!strstr(fault.text, text)) {
         fail_msg("'%s' lacks '%s'", fault.text, text);
@@ -151,7 +151,7 @@ static void what_is_not_wired_is_quiet(void **state)
 static struct iso_door_inputs look(struct iso_door_io *io)
 {
     struct iso_door_inputs inputs;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_door_io_get_inputs(io, &inputs, &fault)) {
         fail_msg("%s", fault.text);
     }

@@ -13,7 +13,7 @@
 static struct iso_gpio_spec parse(const char *text)
 {
     struct iso_gpio_spec spec = {.offset = 4711};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_gpio_spec_parse("door: relay", text, &spec, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -76,7 +76,7 @@ static void refuses_what_is_no_line(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct iso_gpio_spec spec = {.offset = 4711};
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         assert_int_equal(iso_gpio_spec_parse("door: relay", bad[i][0], &spec, &fault), -EINVAL);
         assert_int_equal(spec.offset, 4711);
         if (!strstr(fault.text, bad[i][1])) {

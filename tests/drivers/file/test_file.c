@@ -20,7 +20,7 @@
 /* Each way to open answers with `error` and a line that has `words` in it. */
 static void expect_refusal(const char *path, int error, const char *words)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     FILE *stream = NULL;
     char *bytes = NULL;
     size_t size = 7;
@@ -83,7 +83,7 @@ static void refuses_a_device(void **state)
 static void refuses_a_longer_file(void **state)
 {
     const char *path = scratch_path(*state, "x");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *bytes = NULL;
     size_t size = 0;
     int fd = -1;
@@ -102,7 +102,7 @@ static void refuses_a_longer_file(void **state)
 
 static void says_what_open_says(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int fd = -1;
     const char *path = scratch_path(*state, "none");
     assert_int_equal(iso_file_check(path, 1, &fault), -ENOENT);

@@ -32,7 +32,7 @@ static void refuses(const char *key, const char *value, const char *text)
 {
     const struct iso_option options[] = {{"port", "ab"}, {key, value}};
     const struct iso_option_set set = {specs, options, 2};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_options_check("sensor x", &set, &fault), -EINVAL);
     assert_string_equal(fault.text, text);
 }
@@ -41,7 +41,7 @@ static void refuses_what_the_table_does_not_allow(void **state)
 {
     const struct iso_option without[] = {{"port", ""}, {"rate", "1"}};
     const struct iso_option odd[] = {{"port", "abc"}};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     refuses("size", "1", "sensor x: unknown option 'size'");
     refuses("port", "cd", "sensor x: option 'port' is given twice");
@@ -94,7 +94,7 @@ static void has_the_value_that_is_given_or_the_standard_one(void **state)
 static void expect_sound(const char *back_end, const struct iso_option_spec *table,
                          const struct iso_option_spec *spec)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *const name = spec->name;
     if (!*name || name[strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_")]) {
         fail_msg("%s: '%s' is no name of an option", back_end, name);

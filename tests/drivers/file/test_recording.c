@@ -35,7 +35,7 @@ static const char *in_recording(void **state, const char *file)
 static struct iso_recording *open_recording(void **state)
 {
     struct iso_recording *recording = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_recording_open(scratch_path(*state, "r"), &recording, &fault), 0);
     assert_string_equal(fault.text, "");
     return recording;
@@ -45,7 +45,7 @@ static struct iso_recording *open_recording(void **state)
 static void assert_refused(void **state, int error, const char *end)
 {
     struct iso_recording *recording = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_recording_open(scratch_path(*state, "r"), &recording, &fault), error);
     assert_null(recording);
     size_t length = strlen(fault.text);
@@ -149,7 +149,7 @@ static void refuses_a_bad_ini_by_name(void **state)
 static void assert_frame_lost(void **state, int error, const char *end)
 {
     struct iso_recording *recording = open_recording(state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_frame *frame;
     assert_int_equal(iso_recording_frame_new(recording, &frame), 0);
     assert_int_equal(iso_recording_read(recording, 0, frame, NULL), 0);
@@ -308,7 +308,7 @@ static void refuses_bad_landmarks(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct iso_recording_landmark *rows = NULL;
         size_t n = 0;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         scratch_write_text(in_recording(state, "landmarks.csv"), bad[i][0]);
         assert_int_equal(iso_recording_landmarks(recording, &rows, &n, &fault), -EBADMSG);
         const char *at = strstr(fault.text, "r/landmarks.csv");

@@ -59,7 +59,7 @@ static void assert_refused(const char *key, const char *line, const char *append
                            const char *expected)
 {
     struct iso_recording_meta meta, untouched;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *text = changed_ini(key, line, appended);
     memset(&meta, 0x5a, sizeof meta);
     untouched = meta;
@@ -138,7 +138,7 @@ static void refuses_absurd_cameras(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         struct iso_recording_meta meta;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         char *text = changed_ini(lines[i][0], lines[i][1], NULL);
         assert_int_equal(iso_recording_meta_parse("r.ini", text, &meta, &fault), -EBADMSG);
         assert_int_equal(strncmp(fault.text, "r.ini: ", 7), 0);

@@ -31,7 +31,7 @@ static int read_fake(const char *path, const struct iso_module **table, struct i
 static void expect_refusal(const char *path, int error, const char *what)
 {
     const struct iso_module *table = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int got = read_fake(path, &table, &fault);
     if (got != error || !strstr(fault.text, what) || !strstr(fault.text, path) ||
         strchr(fault.text, '\n')) {
@@ -54,7 +54,7 @@ static void copy(const char *from, const char *to)
 static void a_sound_module_is_used(void **state)
 {
     const struct iso_module *table = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     if (read_fake(built("sound"), &table, &fault)) {
         fail_msg("%s", fault.text);
@@ -119,7 +119,7 @@ static void the_disk_is_asked_once(void **state)
 {
     struct iso_module_slot slot = {.name = "fake", .size_bytes = sizeof(struct fake_module)};
     struct iso_module_slot next = slot;
-    struct iso_fault fault = {""}, again = {""};
+    struct iso_fault fault = {.text = ""}, again = {.text = ""};
     char path[PATH_MAX];
     (void)state;
     assert_int_equal(iso_module_path("fake", path, NULL), 0);

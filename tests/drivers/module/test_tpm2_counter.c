@@ -37,7 +37,7 @@ static int teardown(void **state)
 static struct iso_counter open_counter(void)
 {
     struct iso_counter counter = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_tpm2_counter_open(tpm.tcti, INDEX, &counter, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -48,7 +48,7 @@ typedef int operation(void *self, uint64_t *value, struct iso_fault *fault);
 
 static uint64_t value_of(operation *call, const struct iso_counter *counter)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint64_t value = 0;
     if (call(counter->self, &value, &fault)) {
         fail_msg("%s", fault.text);
@@ -60,7 +60,7 @@ static uint64_t value_of(operation *call, const struct iso_counter *counter)
 static void expect_fault(operation *call, const struct iso_counter *counter, int error,
                          const char *words)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint64_t value = 77;
     assert_int_equal(call(counter->self, &value, &fault), error);
     assert_int_equal(value, 77);
@@ -221,7 +221,7 @@ static void one_that_was_away_is_opened_again(void **state)
 static void one_that_is_not_there_is_told_of(void **state)
 {
     struct iso_counter counter = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_int_equal(iso_tpm2_counter_open("device:/nonexistent/tpm", INDEX, &counter, &fault),
                      -EIO);
@@ -238,7 +238,7 @@ static void an_index_is_one_of_the_owners(void **state)
 {
     static const char *const bad[] = {"",           "x",           "0x1", "0x017fffff",
                                       "0x01c00000", "0x01800000 ", "-1",  "99999999999999999999"};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint32_t index = 5;
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

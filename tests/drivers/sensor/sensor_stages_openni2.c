@@ -75,7 +75,7 @@ static void record(struct sensor_scene *scene, const char *path)
 {
     struct iso_clock clock = manual_clock(&scene->now_ns);
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     add_option(scene, "record", path);
     if (iso_sensor_open("openni2", scene->options, scene->n_options, &clock, &sensor, &fault) ||
         iso_sensor_start(sensor, &fault)) {

@@ -38,7 +38,7 @@ static double degrees_across(double size_px, double focal_px)
 static void check_camera(const char *path)
 {
     struct iso_recording_meta meta;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *text = read_text(path);
     if (iso_recording_meta_parse(path, text, &meta, &fault)) {
         fail_msg("%s", fault.text);

@@ -23,7 +23,7 @@ static const char *corpus(void)
 static struct iso_recording *open_person(int person)
 {
     struct iso_recording *recording = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char name[8];
     if (!scratch_exists(corpus())) {
         skip();

@@ -280,7 +280,7 @@ static void hands_up_frames(void **state)
 static void assert_frame_refused(struct iso_sensor *sensor, const char *expected)
 {
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_sensor_wait(sensor, 0, &frame, &fault), -EBADMSG);
     assert_null(frame);
     assert_non_null(strstr(fault.text, expected));
@@ -320,7 +320,7 @@ static void drops_frames_that_lie(void **state)
 static void a_time_out_is_no_fault(void **state)
 {
     struct iso_sensor *sensor = start_puppet();
-    struct iso_fault fault = {"untouched"};
+    struct iso_fault fault = {.text = "untouched"};
     const struct iso_frame *frame = NULL;
     (void)state;
     puppet.wait_error = -ETIMEDOUT;

@@ -40,7 +40,7 @@ static void ask_in_vain(const char *back_end, const struct iso_option *options, 
     const struct iso_clock clock = manual_clock(&now_ns);
     for (int i = 0; i < 3; i++) {
         struct iso_sensor *sensor = NULL;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         int n = 0;
         const int error = iso_sensor_open(back_end, options, n_options, &clock, &sensor, &fault);
         if (error != -ENODEV) {

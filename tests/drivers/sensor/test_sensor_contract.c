@@ -36,7 +36,7 @@ static int open_again(struct set *set, struct iso_fault *fault)
 
 static void start(struct set *set)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_sensor_start(set->sensor, &fault)) {
         fail_msg("%s: %s", set->stage->name, fault.text);
     }
@@ -67,7 +67,7 @@ static void on_every_stage(void (*test)(struct set *set),
 {
     int ran = 0, left_out = 0;
     for (int i = 0; sensor_stages[i]; i++) {
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         void *scratch = NULL;
         if (fits && !fits(sensor_stages[i])) {
             left_out++;
@@ -124,7 +124,7 @@ static int fetch(struct set *set, const struct iso_frame **frame, struct iso_fau
 static const struct iso_frame *next(struct set *set)
 {
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     offer(set);
     if (fetch(set, &frame, &fault)) {
         fail_msg("%s: %s", set->stage->name, fault.text);
@@ -380,7 +380,7 @@ static void lose_one(struct set *set)
         set->stage->lose(&set->scene, 2);
     }
     offer(set);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = fetch(set, &frame, &fault);
     if (error) { /* a back end may say that a frame is damaged, once */
         assert_int_equal(error, -EBADMSG);
@@ -417,7 +417,7 @@ static bool can_unplug(const struct sensor_stage *stage)
 static void expect_lost(struct set *set)
 {
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(fetch(set, &frame, &fault), -ENODEV);
     assert_true(strlen(fault.text) > 0);
     assert_null(frame);
@@ -431,7 +431,7 @@ static void expect_lost(struct set *set)
 static void open_when_there(struct set *set)
 {
     const int64_t end_ns = real_ns() + 10000 * MS;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = -ENODEV;
     while (error == -ENODEV && real_ns() < end_ns) {
         error = open_again(set, &fault);
@@ -443,7 +443,7 @@ static void open_when_there(struct set *set)
 
 static void pull_the_cable(struct set *set)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     start(set);
     expect_frame(set, next(set), 0);
     for (int i = 0; i < 3; i++) {
@@ -491,7 +491,7 @@ static void refuses_unknown_options(void **state)
         struct iso_clock clock = manual_clock(&now_ns);
         const struct iso_option option = {"no-such-option", "1"};
         struct iso_sensor *sensor = NULL;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         assert_int_equal(
             iso_sensor_open(sensor_stages[i]->back_end, &option, 1, &clock, &sensor, &fault),
             -EINVAL);

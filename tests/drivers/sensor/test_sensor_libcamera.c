@@ -30,7 +30,7 @@ static void no_such_camera(void **state)
 {
     const char *path = scratch_path(*state, "rig.ini");
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     stereo_wall_write_rig(path);
     for (int i = 0; i < 3; i++) { /* nothing is held that would keep it from starting again */
         assert_int_equal(open_sensor(path, &sensor, &fault), -ENODEV);
@@ -44,7 +44,7 @@ static void refuses_bad_options(void **state)
 {
     (void)state;
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(open_sensor(NULL, &sensor, &fault), -EINVAL);
     assert_string_equal(fault.text, "sensor libcamera-stereo: option 'calibration' is missing");
     assert_int_equal(open_sensor(scratch_path(*state, "none"), &sensor, &fault), -ENOENT);

@@ -56,7 +56,7 @@ static int open_with(const char *key, const char *value, struct iso_sensor **sen
 static void assert_refused(const char *key, const char *value, int error, const char *text)
 {
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(open_with(key, value, &sensor, &fault), error);
     if (!strstr(fault.text, text)) {
         fail_msg("'%s' is not in '%s'", text, fault.text);
@@ -114,7 +114,7 @@ static void note_device(const struct iso_sensor_device *device, void *context)
 static void sees_what_is_plugged_in(void **state)
 {
     struct iso_sensor_device seen = {.id = ""};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_sensor_probe("openni2", note_device, &seen, &fault), 0);
     assert_non_null(strstr(seen.id, "bench:/"));
     assert_string_equal(seen.label, "Isotherm astra");
@@ -130,7 +130,7 @@ static void sees_what_is_plugged_in(void **state)
 static const struct iso_frame *next(struct iso_sensor *sensor)
 {
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     now_ns += 33 * MS;
     camera_bench_press(shutter_fd);
     if (iso_sensor_wait(sensor, now_ns + 10000 * MS, &frame, &fault)) {
@@ -201,7 +201,7 @@ static void tells_of_a_camera_that_fails(void **state)
 {
     struct iso_sensor *sensor = NULL;
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(open_with(NULL, NULL, &sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
     (void)next(sensor);

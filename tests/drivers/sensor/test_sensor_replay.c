@@ -62,7 +62,7 @@ static void assert_frame(struct iso_sensor *sensor, int stored, uint64_t sequenc
 static void assert_damage(struct iso_sensor *sensor, const char *expected)
 {
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_sensor_wait(sensor, now_ns, &frame, &fault), -EBADMSG);
     assert_non_null(strstr(fault.text, expected));
     assert_null(frame);

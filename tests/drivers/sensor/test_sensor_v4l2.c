@@ -96,7 +96,7 @@ static int open_sensor(bool with_ir, struct iso_sensor **sensor, struct iso_faul
 static struct iso_sensor *started(bool with_ir)
 {
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(open_sensor(with_ir, &sensor, &fault), 0);
     assert_int_equal(iso_sensor_start(sensor, &fault), 0);
     return sensor;
@@ -199,7 +199,7 @@ static void lost_and_damaged_pictures_are_gaps(void **state)
     (void)state;
     struct iso_sensor *sensor = started(false);
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     static const enum fake_fate fates[] = {FAKE_GOOD, FAKE_LOST, FAKE_DAMAGED, FAKE_SHORT,
                                            FAKE_GOOD};
     static const int expected[] = {0, -ETIMEDOUT, -EBADMSG, -EBADMSG, 0};
@@ -222,7 +222,7 @@ static void late_pictures_are_dropped(void **state)
     (void)state;
     struct iso_sensor *sensor = started(false);
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     static const uint32_t numbers[] = {0, 4, 1, 2, 2, 4, 5};
     static const int expected[] = {0, 0, -EBADMSG, -EBADMSG, -EBADMSG, -EBADMSG, 0};
     for (int i = 0; i < 7; i++) {
@@ -295,7 +295,7 @@ static void an_unplugged_camera_is_lost(void **state)
     (void)state;
     struct iso_sensor *sensor = started(true);
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     fake_unplug(&fake.cameras[1]);
     assert_int_equal(look(sensor, &frame, &fault), -ENODEV);
     assert_non_null(strstr(fault.text, "/dev/ir: the device is gone"));
@@ -310,7 +310,7 @@ static void a_broken_stream_may_be_started_again(void **state)
     (void)state;
     struct iso_sensor *sensor = started(false);
     const struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     fake_break(&fake.cameras[0]);
     assert_int_equal(look(sensor, &frame, &fault), -EIO);
     assert_non_null(strstr(fault.text, "/dev/depth: the stream broke"));
@@ -357,7 +357,7 @@ static void infrared_finds_its_depth(void **state)
 static void refuses(int error, const char *words)
 {
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int got = open_sensor(true, &sensor, &fault);
     if (got != error || !strstr(fault.text, words)) {
         fail_msg("%d, '%s' is not %d, '%s'", got, fault.text, error, words);
@@ -397,7 +397,7 @@ static void a_camera_that_does_not_start_holds_nothing(void **state)
 {
     (void)state;
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     fake.cameras[1].start_error = -ENOSPC; /* what USB says when the bus is full */
     assert_int_equal(open_sensor(true, &sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, &fault), -EIO);
@@ -416,7 +416,7 @@ static void there_is_no_such_device_on_the_machine(void **state)
     struct iso_option options[] = {{"device", "/dev/no-such-camera"},
                                    {"camera", scratch_path(scratch, "camera.ini")}};
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_sensor_open("v4l2", options, 2, &clock, &sensor, &fault), -ENODEV);
     options[0].value = "/dev/null";
     assert_int_equal(iso_sensor_open("v4l2", options, 2, &clock, &sensor, &fault), -ENODEV);

@@ -238,7 +238,7 @@ static void refuses_bad_options(void **state)
 {
     (void)state;
     struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(open_sensor("soon", &sensor, &fault), -EINVAL);
     assert_string_equal(fault.text, "sensor v4l2-stereo: bad value 'soon' for 'pair_ms' "
                                     "(a number, 0.1 to 1000)");

@@ -82,7 +82,7 @@ static int forget_faces(void **state)
 static struct iso_face_check *new_check(void)
 {
     struct iso_face_check *check = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!*iso_face_detector_engine()) {
         skip();
     }
@@ -297,7 +297,7 @@ static void in_a_bad_light(void **state)
 static void a_cascade_that_is_none_is_refused(void **state)
 {
     struct iso_face_check *check = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     if (!*iso_face_detector_engine()) {
         assert_int_equal(iso_face_check_new("", &check, &fault), -ENOENT);

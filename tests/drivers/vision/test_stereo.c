@@ -222,7 +222,7 @@ static void refuses_what_cannot_work(void **state)
     (void)state;
     struct iso_stereo_calibration calibration = rig();
     struct iso_stereo *stereo = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_stereo_options good = iso_stereo_options_default(), bad[5];
     for (int i = 0; i < 5; i++) {
         bad[i] = good;

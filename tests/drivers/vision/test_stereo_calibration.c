@@ -111,7 +111,7 @@ static void refuses_what_it_does_not_understand(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char *text = with_line(*state, cases[i].line, cases[i].instead);
         struct iso_stereo_calibration out, before;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         memset(&out, 0x5a, sizeof out);
         before = out;
         int error = iso_stereo_calibration_parse("rig.ini", text, &out, &fault);
@@ -127,7 +127,7 @@ static void refuses_long_lines_and_missing_files(void **state)
 {
     char text[400];
     struct iso_stereo_calibration out;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     memset(text, ' ', sizeof text - 1);
     text[sizeof text - 1] = '\0';
     assert_int_equal(iso_stereo_calibration_parse("x", text, &out, &fault), -EBADMSG);
@@ -140,7 +140,7 @@ static void writes_no_nonsense(void **state)
 {
     const char *path = scratch_path(*state, "rig.ini");
     struct iso_stereo_calibration bad = sample();
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     bad.right_from_left.rotation.m[0][0] = 2.0;
     assert_int_equal(iso_stereo_calibration_write(path, &bad, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "the rotation is none"));

@@ -16,7 +16,7 @@ static void start_claimed(struct rig *rig)
 static void enroll(struct rig *rig, const char *person)
 {
     const struct iso_enroll_request request = {.person = person};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_appliance_enroll(rig->appliance, &request, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -68,7 +68,7 @@ static void an_idle_claim_runs_out(void **state)
 static void nothing_goes_without_a_claim(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_enroll_request request = {.person = "anna"};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
@@ -82,7 +82,7 @@ static void nothing_goes_without_a_claim(void **state)
 static void one_action_at_a_time(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     start_claimed(rig);
     assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
     assert_int_equal(iso_appliance_identify(rig->appliance, &fault), -EBUSY);
@@ -206,7 +206,7 @@ static void does_not_enrol_a_picture(void **state)
 static void enrols_within_limits(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_enroll_request request = {.person = "anna",
                                          .validity = {true, true, {1795250000, 1795250000}, false}};
     start_claimed(rig);
@@ -225,7 +225,7 @@ static void enroll_within(struct rig *rig, const char *name,
                           const struct iso_validity_change *validity)
 {
     const struct iso_enroll_request request = {.person = name, .validity = *validity};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_appliance_enroll(rig->appliance, &request, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -265,7 +265,7 @@ static void an_end_in_the_past_has_to_be_meant(void **state)
     struct rig *rig = *state;
     struct iso_enroll_request request = {.person = "anna",
                                          .validity = {false, true, {0, 1795249999}, false}};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     start_claimed(rig);
     assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "ended in the past, 2026-11-21T08:33:19Z"));
@@ -348,7 +348,7 @@ static void an_enrolment_that_cannot_be_kept_fails(void **state)
 static void refuses_names_and_numbers(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_enroll_request request = {.person = "an\tna"};
     rig_enrol(rig, "anna", 50);
     rig_enrol(rig, "bob", 70);
@@ -365,7 +365,7 @@ static void refuses_names_and_numbers(void **state)
 static void a_lost_sensor_ends_every_action(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     start_claimed(rig);
     for (int action = 0; action < 3; action++) {
@@ -415,7 +415,7 @@ static void verifies(void **state)
     rig_show(rig, 80, 6);
     rig_run(rig, 300);
     assert_string_equal(rig_news(rig), "verify no-match anna done");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_appliance_verify(rig->appliance, "zac", &fault), -ENOENT);
     assert_string_equal(fault.text, "zac: no such person");
 }
@@ -519,7 +519,7 @@ static void looks_for_a_time_only(void **state)
 static void deletes_on_record(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     assert_int_equal(iso_appliance_remove(rig->appliance, "zac", &fault), -ENOENT);

@@ -53,7 +53,7 @@ static void carries_people_on_record(void **state)
 static void refuses_what_is_no_fresh_file(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t n = 0, added = 0, known = 0;
     int fds[2];
     rig_start(rig);
@@ -80,7 +80,7 @@ static void waits_for_the_end_of_an_action(void **state)
     struct rig *rig = *state;
     const struct iso_enroll_request request = {.person = "eve"};
     const char *remark = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_start(rig);
     assert_int_equal(iso_appliance_claim(rig->appliance), 0);
     assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
@@ -136,7 +136,7 @@ static void what_cannot_be_put_on_record_is_not_done(void **state)
 static void renames_on_record(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *remark = NULL;
     rig_enrol(rig, "ada", 50);
     rig_enrol(rig, "bob", 80);
@@ -181,7 +181,7 @@ static void a_rename_reminds_of_the_cards(void **state)
 static void changes_limits_on_record(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_validity_change from = {true, false, {1795300000, 0}, false};
     const struct iso_validity_change until = {false, true, {0, 1798675199}, false};
     struct iso_validity_change past = {true, true, {0, 1795000000}, false};
@@ -291,7 +291,7 @@ static void tests_the_relay_on_record(void **state)
 
 static void expect_no_test(struct rig *rig, int error, const char *text)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_appliance_test_door(rig->appliance, &fault), error);
     assert_string_equal(fault.text, text);
     assert_false(rig_relay(rig));

@@ -403,7 +403,7 @@ static void starts_without_a_sensor(void **state)
 static void does_not_start_with_a_sensor_that_cannot_be(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig->sensor.open_error = -EINVAL;
     assert_int_equal(iso_appliance_start(rig->appliance, &fault), -EINVAL);
     assert_string_equal(fault.text, "puppet: will not open");

@@ -120,7 +120,7 @@ static void nor_does_a_new_segment_of_the_log(void **state)
 static void an_administrator_accepts_the_clock(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault why = {""};
+    struct iso_fault why = {.text = ""};
     rig->wall_ns += 1000 * hour_ns;
     (void)visit(rig, BOB);
     rig->wall_ns -= 1000 * hour_ns;

@@ -260,7 +260,7 @@ static void the_door_locks_after_a_suspension(void **state)
 static void a_test_of_the_door_does_not_wait_for_its_record(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     delays.record_ms = 251;
     assert_int_equal(iso_appliance_test_door(rig->appliance, &fault), -ETIMEDOUT);
     assert_non_null(strstr(fault.text, "the record took 251 ms to get to the disk"));

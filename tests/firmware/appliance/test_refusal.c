@@ -83,7 +83,7 @@ static void attacks_lock_the_door(void **state)
 static void an_administrator_clears_it(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     (void)visit(rig, 80);
@@ -96,7 +96,7 @@ static void an_administrator_clears_it(void **state)
 static void what_cannot_be_logged_clears_nothing(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_start(rig);
     assert_int_equal(iso_appliance_lockdown(rig->appliance, true, &fault), 0);
     rig_fill_disk();
@@ -128,7 +128,7 @@ static void a_lock_outlasts_a_restart(void **state)
 static void lockdown_outlasts_a_restart_until_it_is_ended(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     assert_int_equal(iso_appliance_lockdown(rig->appliance, true, &fault), 0);
@@ -142,7 +142,7 @@ static void lockdown_outlasts_a_restart_until_it_is_ended(void **state)
 static void lockdown_in_the_middle_of_a_visit(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     rig_show(rig, 50, 6);
@@ -158,7 +158,7 @@ static void lockdown_in_the_middle_of_a_visit(void **state)
 static void what_is_remembered_and_damaged_is_a_lockdown(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     scratch_write_text(path, "isotherm-lockout 1 0 0 0 0 open 12345678\n");
     rig_start(rig);
@@ -172,7 +172,7 @@ static void what_is_remembered_and_damaged_is_a_lockdown(void **state)
 static void what_was_remembered_and_is_gone_is_a_lockdown(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     assert_int_equal(unlink(path), 0);
@@ -187,7 +187,7 @@ static void what_was_remembered_and_is_gone_is_a_lockdown(void **state)
 static void a_client_learns_nothing_either(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     for (int i = 0; i < 2; i++) { /* failures of a client's count */

@@ -261,7 +261,7 @@ static void a_stuck_camera_is_on_record_once(void **state)
 static void a_client_is_not_told_who_known_frames_show(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     play(rig, 50, 1, 2);
     leave(rig);
     assert_int_equal(iso_appliance_claim(rig->appliance), 0);
@@ -277,7 +277,7 @@ static void nobody_is_enrolled_by_known_frames(void **state)
 {
     const struct iso_enroll_request bob = {.person = "bob"};
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     play(rig, 80, 1, 6); /* a stranger */
     leave(rig);
     assert_int_equal(iso_appliance_claim(rig->appliance), 0);

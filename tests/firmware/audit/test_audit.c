@@ -63,7 +63,7 @@ static void goes_on_counting(void **state)
 static void refuses_a_record_that_is_too_long(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_audit_record record = iso_audit_record_of("x");
     char note[4000];
     memset(note, 'n', sizeof note - 1);
@@ -121,7 +121,7 @@ static void reads_from_anywhere(void **state)
 static void refuses_where_it_cannot_write(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state), *second = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(audit_rig_try_open(*state, &second, &fault), -EBUSY);
     assert_non_null(strstr(fault.text, "/a.log: another process writes it"));
     iso_audit_close(audit);
@@ -139,7 +139,7 @@ static int fill_up(const char *directory)
 {
     const struct rlimit limit = {6000, 9000};
     const struct rlimit more = {9000, 9000};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_audit *audit = audit_rig_open(directory);
     if (signal(SIGXFSZ, SIG_IGN) == SIG_ERR || setrlimit(RLIMIT_FSIZE, &limit)) {
         return 99;

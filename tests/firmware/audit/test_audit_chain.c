@@ -75,7 +75,7 @@ static void takes_a_torn_line_away(void **state)
 static void expect_refusal(const char *directory, const char *text, int error, const char *message)
 {
     struct iso_audit *audit = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     scratch_write_text(scratch_path(directory, "a.log"), text);
     const int got = audit_rig_try_open(directory, &audit, &fault);
     if (got != error || !strstr(fault.text, message)) {
@@ -132,7 +132,7 @@ static void finds_a_flipped_bit_anywhere(void **state)
 static void refuses_an_old_log(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
     copy_file(*state, "a.log", "old.log");
     copy_file(*state, "a.log.anchor", "old.anchor");
@@ -163,7 +163,7 @@ static struct iso_audit *open_small(const char *directory)
 {
     struct iso_audit_options options = stores_audit(directory);
     struct iso_audit *audit = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     options.sync = false;
     options.segment_bytes = 2200;
     options.segments = 3;
@@ -351,7 +351,7 @@ static void goes_on_under_another_key(void **state)
 static void without_sync_the_anchor_follows_later(void **state)
 {
     struct iso_audit *audit = open_small(*state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
     iso_audit_close(audit);
     copy_file(*state, "a.log", "one.log");
@@ -445,7 +445,7 @@ static void a_damaged_log_in_plain_text_is_left_alone(void **state)
  * file of an earlier time in its place, with its anchor: only the running daemon knows better. */
 static void what_was_written_is_missed_when_the_log_is_opened_again(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_audit *audit = audit_rig_open(*state);
     assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
     copy_file(*state, "a.log", "log.one");

@@ -91,7 +91,7 @@ static void the_first_group_is_kept_without_its_anchor(void **state)
 /* One record behind a group proves that the group's anchor was on the disk. */
 static void an_anchor_from_before_a_group_is_an_old_one(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_audit *audit = audit_rig_open(*state);
     assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
     copy_file(*state, "a.log.anchor", "anchor.one");

@@ -212,7 +212,7 @@ static void an_outcome_belongs_to_its_record(void **state)
 
 static void a_full_queue_takes_nothing_and_says_what_was_lost(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *end;
     int posted = 1, error = 0;
     (void)state;
@@ -288,7 +288,7 @@ static void a_group_loses_only_what_cannot_be_written(void **state)
 
 static void a_disk_that_is_full_loses_records_and_says_so(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = 0;
     (void)state;
     assert_int_equal(append("fits", -1, NULL), 0);

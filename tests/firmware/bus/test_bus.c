@@ -324,7 +324,7 @@ static void one_service_has_the_name(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct iso_bus *second = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_bus_open(bus_rig_address(), &second, NULL), 0);
     assert_int_equal(iso_bus_serve(second, f->rig->appliance, &f->rig->parts, f->event, &fault),
                      -EEXIST);
@@ -336,7 +336,7 @@ static void one_service_has_the_name(void **state)
 static void says_that_there_is_no_bus(void **state)
 {
     struct iso_bus *bus = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_int_equal(iso_bus_open("unix:path=/nonexistent/bus", &bus, &fault), -ENOENT);
     assert_string_equal(fault.text, "bus 'unix:path=/nonexistent/bus': No such file or directory");
@@ -354,7 +354,7 @@ static void notices_the_end_of_the_bus(void **state)
     }
     assert_true(iso_bus_is_gone(f->service));
     rig_run(f->rig, 1000); /* and the appliance does not mind */
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_true(iso_bus_mend(f->service, &fault) < 0);
     assert_true(iso_bus_is_gone(f->service));
 }
@@ -362,7 +362,7 @@ static void notices_the_end_of_the_bus(void **state)
 static void comes_back_to_a_bus_that_does(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_CLAIM, NULL), "");
     bus_rig_restart_bus(f);
     for (int i = 0; i < BUS_RIG_ROUNDS && !iso_bus_is_gone(f->service); i++) {

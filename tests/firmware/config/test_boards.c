@@ -28,7 +28,7 @@ static const char *path_of(const char *board, const char *file)
 static struct iso_config load(const char *board)
 {
     struct iso_config config;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_config_load(path_of(board, "isotherm.conf"), &config, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -69,7 +69,7 @@ static void lines_are_lines(void **state)
         size_t n_specs = 0;
         const size_t n = iso_config_door_options(&config, options);
         for (size_t i = 0; i < n; i++) {
-            struct iso_fault fault = {""};
+            struct iso_fault fault = {.text = ""};
             if (!is_line(options[i].key)) {
                 continue;
             }
@@ -160,7 +160,7 @@ static void sensors_are_named_as_their_drivers_want(void **state)
         const struct iso_config config = load(boards[b]);
         struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
         struct iso_sensor *sensor = NULL;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         assert_string_equal(config.sensor.backend, back_ends[b]);
         const size_t n = iso_config_sensor_options(&config, options);
         assert_true(n > 0 || !iso_sensor_options(config.sensor.backend));

@@ -47,7 +47,7 @@ static void a_level_stands_for_a_threshold(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct iso_config config;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         assert_int_equal(iso_config_parse("level", cases[i].text, &config, &fault), 0);
         assert_true(iso_config_threshold(&config) == cases[i].threshold);
     }
@@ -56,7 +56,7 @@ static void a_level_stands_for_a_threshold(void **state)
 static double threshold_among(const char *text, size_t n_people)
 {
     struct iso_config config;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_config_parse("level", text, &config, &fault), 0);
     return iso_config_threshold_among(&config, n_people);
 }
@@ -81,7 +81,7 @@ static void every_default_is_sound(void **state)
     for (size_t i = 0; i < iso_config_n_keys; i++) {
         const struct iso_config_key *key = &iso_config_keys[i];
         struct iso_config config;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         char text[256];
         (void)snprintf(text, sizeof text, "[%s]\n%s = %s\n", key->section, key->name,
                        key->standard);
@@ -124,7 +124,7 @@ static void reads_every_type(void **state)
 static void refuses(const char *text, const char *message)
 {
     struct iso_config config = {.door.unlock_ms = 4711};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_config_parse("door.conf", text, &config, &fault), -EINVAL);
     assert_string_equal(fault.text, message);
     assert_int_equal(config.door.unlock_ms, 4711); /* untouched */
@@ -145,7 +145,7 @@ static void hands_options_to_the_back_end_that_is_named(void **state)
 {
     struct iso_config config;
     struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_int_equal(
         iso_config_parse("c", "[door]\ninputs = /i\nbackend = null\n", &config, &fault), 0);
@@ -176,7 +176,7 @@ static void lets_pass_what_is_empty(void **state)
 {
     struct iso_config config;
     struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *name;
     (void)state;
     for (size_t b = 0; (name = iso_sensor_registered(b)); b++) {
@@ -234,7 +234,7 @@ static void sets_an_option_as_a_line_does(void **state)
 {
     struct iso_config config = iso_config_default();
     struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_int_equal(iso_config_set_sensor_option(&config, "path", "/p", &fault), 0);
     assert_int_equal(iso_config_sensor_options(&config, options), 1);
@@ -294,7 +294,7 @@ static void refuses_what_does_not_fit_together(void **state)
 static void names_the_file_that_is_not_there(void **state)
 {
     struct iso_config config;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_int_equal(iso_config_load("/nonexistent/isotherm.conf", &config, &fault), -ENOENT);
     assert_string_equal(fault.text, "/nonexistent/isotherm.conf: No such file or directory");
@@ -381,7 +381,7 @@ static void uncomment(char *text)
 static void expect_sound_with(const char *class, const char *back_end)
 {
     struct iso_config config;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *text = sample(), heading[96], line[96];
     (void)snprintf(line, sizeof line, "backend = %s\n", back_end);
     (void)snprintf(heading, sizeof heading, "\n# Options of [%s] with `backend = %s`:\n", class,
@@ -408,7 +408,7 @@ static void what_the_sample_shows_may_be_set(void **state)
 {
     const struct iso_config otherwise = iso_config_default();
     struct iso_config config;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *name;
     char *text = sample();
     (void)state;

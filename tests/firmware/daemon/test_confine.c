@@ -52,7 +52,7 @@ static int attempt(int (*try)(void))
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         int error = iso_confine_files(&config, &fault);
         error = error ? error : iso_confine_calls(&fault);
         _exit(error == -ENOSYS || error == -ENOTSUP ? CANNOT : error ? CANNOT + 1 : try());
@@ -345,7 +345,7 @@ static void a_realtime_thread_passes_its_priority_on(void **state)
 /* By the limit that there is: locked, or a reason why not; and never a core file. */
 static void its_memory_stays_its_own(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct rlimit core, locked;
     struct child child;
     (void)state;

@@ -392,7 +392,7 @@ static void stops_without_lines(void **state)
 /* A test needs lines that work, and says what is wrong with them. */
 static void tests_the_relay(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     iso_door_control_start(&control, now_ns);
     assert_int_equal(iso_door_control_test(&control, now_ns, &fault), 0);

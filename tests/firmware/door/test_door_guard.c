@@ -127,7 +127,7 @@ static void an_old_grant_does_not_lock_out_the_exit_button(void **state)
 
 static void a_fault_locks_and_its_end_does_not_unlock(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     iso_door_guard_set_fault(guard, true);
     assert_int_equal(iso_door_guard_look(guard).state, ISO_DOOR_FAULT);
@@ -183,7 +183,7 @@ static void the_card_of_an_old_grant_is_not_sent(void **state)
 {
     const struct iso_wiegand_card card = {17, 4711};
     enum iso_door_answer answer = ISO_DOOR_NOT_ASKED;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     const int64_t until_ns = iso_times_boot_ns(&times) + 20 * ISO_NS_PER_MS;
     int error = iso_door_guard_grant(guard, until_ns, &answer);

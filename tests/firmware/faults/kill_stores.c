@@ -201,7 +201,7 @@ static void keep_in_mind(const struct message *message)
 __attribute__((noreturn)) static void write_for_ever(int report_fd)
 {
     struct stores stores;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (open_stores(&stores, &fault)) {
         give_up("the writer cannot open", fault.text);
     }
@@ -317,7 +317,7 @@ static void check_people(const struct stores *stores, const struct message *unde
 static void check_log(const struct stores *stores, const struct tally *tally)
 {
     struct iso_audit_report report;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_audit_verify(stores->audit, 0, NULL, NULL, &report, &fault)) {
         give_up("the log", fault.text);
     }
@@ -332,7 +332,7 @@ static void check_log(const struct stores *stores, const struct tally *tally)
 static void observe(const struct message *under_way, struct tally *tally)
 {
     struct stores stores;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int64_t start_ns = now_ns(NULL);
     if (open_stores(&stores, &fault)) {
         give_up("after a kill", fault.text);

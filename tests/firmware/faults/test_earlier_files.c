@@ -20,7 +20,7 @@ static size_t tried, refused;
 
 static int opens(const char *directory, const struct mix_state *state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     mix_put_back(directory, state);
     const int error = state_rig_try(directory, &fault);
     if (error) {
@@ -33,7 +33,7 @@ static int opens(const char *directory, const struct mix_state *state)
 static void expect_refusal(const char *directory, const struct mix_state *state, const char *what,
                            unsigned mask)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     mix_put_back(directory, state);
     const int error = state_rig_try(directory, &fault);
     tried++;
@@ -190,7 +190,7 @@ static void a_directory_of_the_version_before_is_upgraded(void **state)
 
 static void accept(const char *directory, const char *expected)
 {
-    struct iso_fault why, fault = {""};
+    struct iso_fault why, fault = {.text = ""};
     struct iso_parts *parts = state_rig_new(directory, &fault);
     if (iso_parts_accept_stores(parts, &why, &fault)) {
         fail_msg("%s", fault.text);
@@ -227,7 +227,7 @@ static void an_administrator_accepts_an_older_gallery(void **state)
     static const char *const older[] = {"gallery.db", "gallery.db.anchor", NULL};
     const struct world *world = *state;
     struct mix_state after;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int n = 0;
     mix_put_back(world->directory, &world->before);
     state_rig_play(world->directory, "enrolments", &after);
@@ -249,7 +249,7 @@ static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
                                        "audit.log.00000000000000000001", NULL};
     const struct world *world = *state;
     struct iso_lockout_file file;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     mix_put_back(world->directory, &world->before);
     replace(world, lost, false);
     assert_int_equal(state_rig_try(world->directory, &fault), -ESTALE);

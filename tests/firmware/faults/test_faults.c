@@ -127,7 +127,7 @@ static void end_appliance(struct world *w)
 static void begin_appliance(struct world *w)
 {
     struct rig *rig = w->rig;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_gallery_options gallery = stores_gallery(rig->directory);
     struct iso_audit_options audit = stores_audit(rig->directory);
     audit.sync = false;
@@ -195,7 +195,7 @@ static void claim(struct world *w)
 {
     const struct iso_enroll_request carl = {.person = "carl"};
     struct iso_appliance *appliance = w->rig->appliance;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_appliance_claim(appliance)) {
         return;
     }
@@ -223,7 +223,7 @@ static void claim(struct world *w)
 
 static void administer(struct world *w)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const bool on = !w->oracle.lockdown && sim_random_below(&w->random, 4) == 0;
     switch (sim_random_below(&w->random, 3)) {
     case 0:
@@ -315,7 +315,7 @@ static void step(struct world *w)
 /* All faults are over: what is shut is opened, and anna comes. */
 static void recover(struct world *w)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     w->step = w->plan.n_steps;
     w->actor = NOBODY;
     w->actor_steps = 1000;

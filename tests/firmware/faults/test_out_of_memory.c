@@ -49,7 +49,7 @@ static int open_log(void *context, struct iso_fault *fault)
 static void while_it_opens_a_log(void **state)
 {
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_audit_record record = iso_audit_record_of("x");
     struct iso_audit *audit = NULL;
     struct iso_audit_options options = stores_audit(rig->directory);

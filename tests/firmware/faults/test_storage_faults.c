@@ -79,7 +79,7 @@ static struct {
 static void go_on(struct storage_world *w)
 {
     struct rig *rig = w->rig;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_audit_record record = iso_audit_record_of("y");
     const struct iso_person zoe = {.name = "zoe", .enrolled_s = 1};
     const struct iso_template tmpl = puppet_template(170, PUPPET_ALGORITHM);

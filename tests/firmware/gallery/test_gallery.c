@@ -16,7 +16,7 @@
 static struct iso_gallery *open_gallery(const char *directory)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_gallery_options options = stores_gallery(directory);
     if (iso_gallery_open(&options, &gallery, &fault)) {
         fail_msg("%s", fault.text);
@@ -109,7 +109,7 @@ static void a_template_is_as_it_was(void **state)
 
 static void deletes_a_person_whole(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery *gallery = open_gallery(*state);
     assert_int_equal(add(gallery, "anna", 20, NULL), 0);
     assert_int_equal(add(gallery, "bob", 60, NULL), 0);
@@ -171,7 +171,7 @@ static void leaves_nothing_behind(void **state)
 
 static void refuses_more_than_its_capacity(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery *gallery = open_gallery(*state);
     assert_int_equal(add(gallery, "anna", 20, NULL), 0);
     assert_int_equal(add(gallery, "bob", 60, NULL), 0);
@@ -191,7 +191,7 @@ static void refuses_more_than_its_capacity(void **state)
 
 static void refuses_what_makes_no_sense(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery *gallery = open_gallery(*state);
     struct iso_person person = {.name = "anna"};
     struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM + 1);
@@ -347,7 +347,7 @@ static void templates_are_opened_one_person_at_a_time(void **state)
 {
     struct iso_gallery *gallery = open_gallery(*state);
     struct iso_template found[3];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int n = 77;
     assert_int_equal(add(gallery, "anna", 20, NULL), 0);
     assert_int_equal(add(gallery, "bob", 60, NULL), 0);

@@ -33,7 +33,7 @@ static int try_open(const char *directory, struct iso_gallery **out, struct iso_
 static struct iso_gallery *open_gallery(const char *directory)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (try_open(directory, &gallery, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -61,7 +61,7 @@ static void make_gallery(const char *directory, int people)
 static void expect_refusal(const char *directory, int error, const char *text)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t size_before = 0, size_after = 0;
     void *before = scratch_read(scratch_path(directory, "g.db"), &size_before);
     assert_int_equal(try_open(directory, &gallery, &fault), error);
@@ -103,7 +103,7 @@ static void text_is_no_gallery(void **state)
 static void a_directory_is_no_gallery(void **state)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     scratch_mkdir(scratch_path(*state, "g.db"));
     assert_int_equal(try_open(*state, &gallery, &fault), -EMEDIUMTYPE);
     assert_non_null(strstr(fault.text, "not a file"));
@@ -125,7 +125,7 @@ static void a_newer_gallery_is_left_alone(void **state)
 static void wants_its_directory(void **state)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery_options options = stores_gallery(*state);
     options.path = "/nonexistent/g.db";
     assert_int_equal(iso_gallery_open(&options, &gallery, &fault), -ENOENT);
@@ -141,7 +141,7 @@ static void cut_short_anywhere_it_is_refused(void **state)
     char *whole = scratch_read(scratch_path(*state, "g.db"), &size);
     for (size_t length = 100; length < size; length += 1500) {
         struct iso_gallery *gallery = NULL;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         scratch_write(scratch_path(*state, "g.db"), whole, length);
         const int error = try_open(*state, &gallery, &fault);
         if (error != -EBADMSG && error != -EMEDIUMTYPE) {
@@ -201,7 +201,7 @@ static void a_template_without_a_person_is_refused(void **state)
 static void one_process_has_it(void **state)
 {
     struct iso_gallery *gallery = open_gallery(*state), *second = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(try_open(*state, &second, &fault), -EBUSY);
     assert_non_null(strstr(fault.text, "another process uses it"));
     iso_gallery_close(gallery);
@@ -236,7 +236,7 @@ static int obey_modes(void)
 static int open_obediently(const char *directory)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (obey_modes()) {
         return 99;
     }
@@ -257,7 +257,7 @@ static void read_only_it_is_refused(void **state)
 /* Adds people until the file may not grow any more. */
 static int fill_up(const char *directory)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery *gallery = open_gallery(directory);
     const struct rlimit limit = {60000, 60000};
     int added = 0, error;
@@ -449,7 +449,7 @@ static void write_at(const char *directory, size_t offset, const void *bytes, si
 static void what_changed_behind_it_is_not_handed_out(void **state)
 {
     static struct iso_template found[2], untouched[2];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint8_t part[PART], flipped;
     int n = 77;
     add_whole_faces(*state);
@@ -492,7 +492,7 @@ static void take_out(const char *directory, int64_t person)
 static void what_is_missing_behind_it_is_noticed(void **state)
 {
     static struct iso_template found[2], untouched[2];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int n = 77;
     add_whole_faces(*state);
     struct iso_gallery *gallery = open_gallery(*state);

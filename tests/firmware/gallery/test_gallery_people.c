@@ -16,7 +16,7 @@
 static struct iso_gallery *open_gallery(const char *directory)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_gallery_options options = stores_gallery(directory);
     if (iso_gallery_open(&options, &gallery, &fault)) {
         fail_msg("%s", fault.text);
@@ -107,7 +107,7 @@ static void the_spelling_can_be_changed(void **state)
 
 static void refuses_names_that_cannot_be_given(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery *gallery = open_gallery(*state);
     assert_int_equal(add(gallery, "ada", 20, NULL), 0);
     assert_int_equal(add(gallery, "Bob", 60, NULL), 0);
@@ -181,7 +181,7 @@ static void an_unseen_character_of_before_stays(void **state)
     assert_int_equal(iso_gallery_db_end(db, 0, NULL), 0);
     iso_gallery_db_close(db);
     struct iso_gallery *gallery = open_gallery(*state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_gallery_same_names(gallery), 1);
     assert_int_equal(face_of(gallery, "A\u200bda"), 60);
     assert_int_equal(face_of(gallery, "Bob"), 80);      /* as it looks */
@@ -201,7 +201,7 @@ static void an_unseen_character_of_before_stays(void **state)
 static void unseen_characters_do_not_come_by_an_import(void **state)
 {
     struct iso_gallery *gallery = open_gallery(*state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     const struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM);
     const int size = iso_template_serialise(&tmpl, bytes, sizeof bytes);
@@ -250,7 +250,7 @@ static void two_spellings_of_before_forget_what_they_learned(void **state)
 static void two_spellings_do_not_come_by_an_import(void **state)
 {
     struct iso_gallery *gallery = open_gallery(*state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     const struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM);
     const int size = iso_template_serialise(&tmpl, bytes, sizeof bytes);
@@ -308,7 +308,7 @@ static void refuses_limits_that_make_no_sense(void **state)
 static void nothing_changes_on_a_full_disk(void **state)
 {
     const struct iso_validity fine = {1, 2};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery *gallery = open_gallery(*state);
     assert_int_equal(add(gallery, "ada", 20, NULL), 0);
     rig_fill_disk();

@@ -26,7 +26,7 @@ static int try_open(const char *directory, struct iso_gallery **out, struct iso_
 static struct iso_gallery *open_gallery(const char *directory)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (try_open(directory, &gallery, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -36,7 +36,7 @@ static struct iso_gallery *open_gallery(const char *directory)
 static void expect_refusal(const char *directory, int error, const char *text)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const int got = try_open(directory, &gallery, &fault);
     if (got != error || !strstr(fault.text, text)) {
         fail_msg("%d, '%s' does not say '%s'", got, fault.text, text);
@@ -360,7 +360,7 @@ static void an_unsealed_gallery_is_not_taken_later(void **state)
 static void an_unsealed_gallery_is_not_taken_against_the_configuration(void **state)
 {
     struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_gallery_options options = stores_gallery(*state);
     make_version_1(*state);
     options.migrate = false;

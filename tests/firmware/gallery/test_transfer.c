@@ -82,7 +82,7 @@ static uint8_t *write_file(struct door *door, const char *const *people,
 {
     uint8_t *bytes = NULL;
     size_t n = 99;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_transfer_write(door->gallery, people, door->ring, lock, NULL, &bytes, size, &n,
                            &fault)) {
         fail_msg("%s", fault.text);
@@ -147,7 +147,7 @@ static void carries_one_person_to_one_appliance(void **state)
 {
     static const char *const bob[] = {"bob", NULL}, *const eve[] = {"eve", NULL};
     struct doors *doors = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_transfer_lock lock = {.address = doors->there.address};
     size_t size = 0, added = 0, n = 0;
     uint8_t *file = NULL;
@@ -195,7 +195,7 @@ static void replaces_people_if_it_is_told_to(void **state)
 static void takes_all_or_none(void **state)
 {
     struct doors *doors = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t size = 0, added = 77, n = 0;
     add(&doors->here, "anna", 20);
     add(&doors->here, "bob", 60);
@@ -216,7 +216,7 @@ static void refuses_what_was_changed(void **state)
 {
     struct doors *doors = *state;
     size_t size = 0, added = 0;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_seal_key wrong = doors->lock.key;
     add(&doors->here, "anna", 20);
     uint8_t *file = write_file(&doors->here, NULL, &doors->lock, &size, 1);

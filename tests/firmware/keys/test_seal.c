@@ -99,7 +99,7 @@ static int open_ring(const char *directory, const char *credentials, struct iso_
 static struct iso_key_ring *ring_of(const char *directory, const char *credentials)
 {
     struct iso_key_ring *ring = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (open_ring(directory, credentials, &ring, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -109,7 +109,7 @@ static struct iso_key_ring *ring_of(const char *directory, const char *credentia
 static void expect_ring(const char *directory, const char *credentials, int error, const char *text)
 {
     struct iso_key_ring *ring = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(open_ring(directory, credentials, &ring, &fault), error);
     assert_null(ring);
     if (!strstr(fault.text, text)) {
@@ -167,7 +167,7 @@ static void no_key_stands_in_the_ring_as_it_is(void **state)
 static void holds_so_many_keys(void **state)
 {
     struct iso_key_ring *ring = ring_of(*state, NULL);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint32_t number;
     int added = 0, error;
     while ((error = iso_key_ring_add(ring, ISO_KEY_LOG, &number, &fault)) == 0) {
@@ -281,7 +281,7 @@ static struct iso_anchor_state state_of(uint64_t value)
 static void expect_anchor(const char *directory, const struct iso_key_ring *ring, uint64_t value)
 {
     struct iso_anchor *anchor = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_anchor_state wanted = state_of(value);
     if (iso_anchor_open(scratch_path(directory, "anchor"), "test", ring, true, &anchor, &fault)) {
         fail_msg("%s", fault.text);

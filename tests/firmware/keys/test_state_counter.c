@@ -67,7 +67,7 @@ static int open_device(struct iso_counter *out, struct iso_fault *fault)
 /* Nobody else has the device meanwhile. */
 static uint64_t value_of_device(void)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_counter counter = {0};
     uint64_t value = 0;
     assert_int_equal(open_device(&counter, &fault), 0);
@@ -138,7 +138,7 @@ static int teardown(void **state)
 
 static void expect_refusal(const struct world *world, int error, const char *words)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(state_rig_try(world->state, &fault), error);
     if (!strstr(fault.text, words) || strchr(fault.text, '\n')) {
         fail_msg("'%s' is not in one line: %s", words, fault.text);
@@ -147,7 +147,7 @@ static void expect_refusal(const struct world *world, int error, const char *wor
 
 static void expect_open(const struct world *world)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (state_rig_try(world->state, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -155,7 +155,7 @@ static void expect_open(const struct world *world)
 
 static void accept(const struct world *world, const char *expected)
 {
-    struct iso_fault why = {""}, fault = {""};
+    struct iso_fault why = {.text = ""}, fault = {.text = ""};
     struct iso_parts *parts = state_rig_new(world->state, &fault);
     assert_non_null(parts);
     if (iso_parts_accept_stores(parts, &why, &fault)) {
@@ -217,7 +217,7 @@ static void every_mixture_is_still_refused(void **state)
     assert_true(n >= 8);
     for (unsigned mask = 0; mask < (1u << n) - 1; mask++) { /* 0: all files are of before */
         mix_states(&world->before, &after, names, n, mask, &mixed);
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         mix_put_back(world->state, &mixed);
         if (!state_rig_try(world->state, &fault) || !strstr(fault.text, world->state)) {
             fail_msg("mixture %#x: %s", mask, fault.text);
@@ -426,7 +426,7 @@ static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
 static void a_failure_is_told_and_tried_again(void **state)
 {
     const struct world *world = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = 0;
     struct iso_parts *parts = state_rig_open(world->state);
     const uint64_t value = puppet.value;
@@ -503,7 +503,7 @@ static void wait_for_value(struct iso_state_counter *counter, uint32_t number)
 static void a_thread_counts(void **state)
 {
     const struct world *world = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_parts *parts = state_rig_new(world->state, &fault);
     assert_int_equal(iso_parts_open_stores(parts, &fault), 0);
     assert_int_equal(iso_parts_begin_counter(parts, true, &fault), 0);

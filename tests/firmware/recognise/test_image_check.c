@@ -83,7 +83,7 @@ static struct iso_pipeline open_with(enum iso_image_check image)
 {
     const struct iso_pipeline_options wanted = options(image);
     struct iso_pipeline pipeline = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_pipeline_open(&wanted, &pipeline, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -205,7 +205,7 @@ static void a_cascade_that_is_named_must_be_good(void **state)
 {
     struct iso_pipeline_options wanted = options(ISO_IMAGE_FLAG);
     struct iso_pipeline pipeline = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const bool built_in = *iso_face_detector_engine();
     (void)state;
     wanted.cascade_path = "/nonexistent/cascade.xml";

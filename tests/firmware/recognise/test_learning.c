@@ -63,7 +63,7 @@ static unsigned templates_of(const struct rig *rig, const char *name)
 static const struct iso_template *kept_of(struct rig *rig, const char *name, int *n)
 {
     static struct iso_template own[2];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_gallery_templates(rig->gallery, iso_gallery_find(rig->gallery, name)->id,
                                            own, 2, n, &fault),
                      0);
@@ -197,7 +197,7 @@ static void nothing_to_forget(void **state)
 {
     struct rig *rig = *state;
     size_t n = 99;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     const uint64_t changes = iso_gallery_version(rig->gallery).changes;
     assert_int_equal(iso_gallery_forget_learned(rig->gallery, &n, &fault), 0);
@@ -210,7 +210,7 @@ static void forgets_of_everybody(void **state)
 {
     enum { MANY = 3 };
     struct rig *rig = *state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t n = 0;
     for (int i = 0; i < MANY; i++) {
         struct iso_person person = {.enrolled_s = 1000 + i};

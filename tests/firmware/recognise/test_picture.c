@@ -91,7 +91,7 @@ static void what_is_not_measured_is_black_and_stays_in_its_place(void **state)
 
 static void read_picture(int fd, struct iso_image *image)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct stat status;
     assert_int_equal(fstat(fd, &status), 0);
     assert_true(S_ISREG(status.st_mode));
@@ -124,7 +124,7 @@ static void the_file_is_a_png_that_nobody_can_change(void **state)
 static void a_frame_that_is_too_large_is_refused(void **state)
 {
     (void)state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const struct iso_camera camera = {
         .projection = ISO_PINHOLE, .width_px = 8192, .height_px = 2, .fx_px = 500, .fy_px = 500};
     struct iso_frame *frame = NULL;

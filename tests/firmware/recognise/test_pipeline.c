@@ -30,7 +30,7 @@ static struct iso_pipeline_options options(void)
 static void expect_refusal(const struct iso_pipeline_options *wanted, int error, const char *text)
 {
     struct iso_pipeline pipeline = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_pipeline_open(wanted, &pipeline, &fault), error);
     if (!strstr(fault.text, text)) {
         fail_msg("'%s' does not say '%s'", fault.text, text);
@@ -160,7 +160,7 @@ static void recognise_a_stored_face(const char *metric_path)
 {
     struct iso_pipeline_options wanted = options();
     struct iso_pipeline pipeline = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_recording *recording = NULL;
     struct iso_frame *frame = NULL;
     struct iso_extraction extraction;

@@ -27,7 +27,7 @@ int audit_rig_try_open(const char *directory, struct iso_audit **out, struct iso
 struct iso_audit *audit_rig_open(const char *directory)
 {
     struct iso_audit *audit = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (audit_rig_try_open(directory, &audit, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -74,7 +74,7 @@ int audit_rig_see(void *context, const char *line)
 struct iso_audit_report audit_rig_verify(struct iso_audit *audit)
 {
     struct iso_audit_report report;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_audit_verify(audit, 0, NULL, NULL, &report, &fault)) {
         fail_msg("%s", fault.text);
     }

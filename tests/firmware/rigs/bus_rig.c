@@ -71,7 +71,7 @@ static void on_message(void *context, int priority, const char *text)
 int bus_rig_setup(void **state)
 {
     static struct bus_rig fixture;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     void *rig = NULL;
     *state = NULL;
     if (!there_is_a_bus) {

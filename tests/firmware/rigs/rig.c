@@ -177,7 +177,7 @@ int rig_teardown(void **state)
 
 void rig_start(struct rig *rig)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_appliance_start(rig->appliance, &fault)) {
         fail_msg("%s", fault.text);
     }

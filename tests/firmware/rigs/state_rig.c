@@ -68,7 +68,7 @@ int state_rig_try(const char *directory, struct iso_fault *fault)
 
 struct iso_parts *state_rig_open(const char *directory)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_parts *parts = state_rig_new(directory, &fault);
     if (!parts || iso_parts_open_stores(parts, &fault) ||
         iso_parts_begin_counter(parts, false, &fault)) {

@@ -15,7 +15,7 @@ struct iso_key_ring *stores_ring(const char *directory)
 {
     const struct iso_key_place place = {.ring = scratch_path(directory, "g.db.keys"),
                                         .file = scratch_path(directory, "g.db.key")};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!ring && iso_key_ring_open(&place, &ring, &fault)) {
         fail_msg("%s", fault.text);
     }

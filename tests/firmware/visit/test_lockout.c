@@ -182,7 +182,7 @@ static void outlasts_a_restart_with_a_clock_of_its_own(void **state)
     const char *path = scratch_path(*state, "lockout");
     struct iso_lockout_record record;
     struct iso_lockout_file file = {.number = 0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_lockout_load(path, stores_ring(*state), &file, &fault), -ENOENT);
     (void)lock_at(1000);
     (void)verdict(ISO_REASON_UNKNOWN, 6, 1004);
@@ -213,7 +213,7 @@ static void odd_numbers_are_taken_for_the_worst(void **state)
 static void expect_refused(void *directory, int error, const char *words)
 {
     struct iso_lockout_file file = {.number = 77};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *path = scratch_path(directory, "lockout");
     assert_int_equal(iso_lockout_load(path, stores_ring(directory), &file, &fault), error);
     assert_int_equal(file.number, 77);
@@ -342,7 +342,7 @@ static void a_file_that_is_gone_or_old_is_missed(void **state)
 static void a_file_that_cannot_be_written_stays_as_it_was(void **state)
 {
     const struct iso_lockout_record record = {.failures = 1};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *path = scratch_path(*state, "none/lockout");
     assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "cannot be written"));

@@ -28,7 +28,7 @@ static void the_parts_are_added(void **state)
 static void a_usual_camera_has_enough(void **state)
 {
     const struct iso_stale_budget budget = budget_of(30, 150);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_false(iso_stale_budget_is_tight(&budget, &fault));
     assert_string_equal(fault.text, "");
@@ -37,7 +37,7 @@ static void a_usual_camera_has_enough(void **state)
 static void a_slow_camera_has_not(void **state)
 {
     struct iso_stale_budget budget = budget_of(5, 0);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_false(iso_stale_budget_is_tight(&budget, &fault)); /* 650 ms */
     iso_stale_budget_measure(&budget, 180 * ISO_NS_PER_MS);

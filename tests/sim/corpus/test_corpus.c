@@ -62,7 +62,7 @@ static void the_first_word_of_a_note_is_the_origin(void **state)
 static void assert_refused(const char *text, const char *expected)
 {
     struct sim_corpus *corpus = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_corpus_parse("m.csv", text, &corpus, &fault), -EBADMSG);
     assert_string_equal(fault.text, expected);
     assert_null(corpus);
@@ -138,7 +138,7 @@ static int setup(void **state)
 static void assert_read_refused(void **state, const char *manifest, int error, const char *expected)
 {
     struct sim_corpus *corpus = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (manifest) {
         scratch_write_text(scratch_path(*state, "manifest.csv"), manifest);
     }
@@ -197,7 +197,7 @@ static void what_is_written_is_read_back(void **state)
 static void assert_write_refused(void **state, const struct sim_corpus_row *rows, size_t n,
                                  const char *expected)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t size;
     assert_int_equal(sim_corpus_write(*state, rows, n, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, expected));

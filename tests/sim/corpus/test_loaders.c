@@ -145,7 +145,7 @@ static void test_scans_are_seen(void **state)
         size_t size;
         char *bytes = written(kinds[k].write, &size);
         struct iso_mesh *mesh = NULL;
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         if (kinds[k].parse(kinds[k].name, bytes, size, &mesh, &fault)) {
             fail_msg("%s", fault.text);
         }
@@ -178,7 +178,7 @@ static void test_scans_are_seen(void **state)
 static void refused(parser *parse, const char *bytes, size_t size, const char *words)
 {
     struct iso_mesh *mesh = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(parse("file", bytes, size, &mesh, &fault), -EBADMSG);
     assert_null(mesh);
     if (!strstr(fault.text, words) || !strstr(fault.text, "file: ")) {
@@ -285,7 +285,7 @@ static void test_import(void **state)
     struct sim_import_options options = import_options("bosphorus", *state);
     struct sim_import_report report;
     struct sim_corpus *corpus = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     options.n_strangers = 1;
     assert_int_equal(sim_import(&options, &report, &fault), 0);
     assert_int_equal(report.scans, 4);
@@ -314,7 +314,7 @@ static void test_import(void **state)
 static void test_import_refusals(void **state)
 {
     struct sim_import_report report;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct sim_import_options options = import_options("frgc", *state);
     assert_int_equal(sim_import(&options, &report, &fault), -ENOENT);
     scratch_mkdir(scratch_path(*state, "from"));
@@ -395,7 +395,7 @@ static void test_range_images(void **state)
     const struct sim_database *texas = sim_database_find("texas");
     const struct sim_database_options options = {0.32};
     struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     write_grey(range, 16, 100);
     assert_int_equal(texas->read(range, &options, &frame, &fault), 0);
     assert_null(frame->intensity);

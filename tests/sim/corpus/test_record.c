@@ -90,7 +90,7 @@ static size_t count_made(void **state)
 static void records_what_is_seen(void **state)
 {
     struct sim_record_result result;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (record(state, 4, &result, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -106,7 +106,7 @@ static void records_what_is_seen(void **state)
 static void keeps_what_it_has_when_no_more_comes(void **state)
 {
     struct sim_record_result result;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(record(state, 99, &result, &fault), -ETIMEDOUT);
     assert_string_equal(fault.text, "sensor replay: no frame for 400 ms");
     assert_int_equal(result.frames, FRAMES);
@@ -127,7 +127,7 @@ static void counts_damaged_frames(void **state)
 static void writes_over_nothing(void **state)
 {
     struct sim_record_result result;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     scratch_mkdir(scratch_path(*state, "made"));
     scratch_write_text(scratch_path(*state, "made/precious"), "x");
     assert_int_equal(record(state, 1, &result, &fault), -EEXIST);
@@ -149,7 +149,7 @@ static void a_tape_tells_of_what_cannot_be_written(void **state)
     struct sim_recording_writer *writer = NULL;
     struct sim_tape *tape = NULL;
     struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_frame_new(&camera, 4, 3, false, &frame), 0);
     assert_int_equal(
         sim_recording_writer_create(scratch_path(*state, "made"), &meta, 1, &writer, NULL), 0);
@@ -196,7 +196,7 @@ static void refuses_words_that_name_none(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         struct sim_sensor_word word = {0};
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         assert_int_equal(sim_sensor_word_parse(words[i], &word, &fault), -EINVAL);
         assert_true(strlen(fault.text) > 0);
         assert_null(word.text);

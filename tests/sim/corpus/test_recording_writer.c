@@ -57,7 +57,7 @@ static struct iso_frame *new_frame(bool with_intensity)
 static struct sim_recording_writer *create(void **state, const struct iso_recording_meta *meta)
 {
     struct sim_recording_writer *writer = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = sim_recording_writer_create(scratch_path(*state, "r"), meta, 9, &writer, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);
@@ -73,7 +73,7 @@ static void finish(struct sim_recording_writer *writer)
 static struct iso_recording *open_recording(void **state)
 {
     struct iso_recording *recording = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = iso_recording_open(scratch_path(*state, "r"), &recording, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);
@@ -286,7 +286,7 @@ static void refuses_bad_landmarks(void **state)
 static void assert_refused(struct sim_recording_writer *writer, const struct iso_frame *frame,
                            int error, const char *expected)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_recording_writer_append(writer, frame, &fault), error);
     assert_non_null(strstr(fault.text, expected));
 }
@@ -382,7 +382,7 @@ static void a_full_disk_is_reported(void **state)
     struct iso_recording_meta meta = pinhole();
     struct sim_recording_writer *writer = create(state, &meta);
     struct iso_frame *frame = new_frame(false);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct rlimit unlimited, limit;
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &unlimited), 0);
     limit = unlimited;

@@ -28,7 +28,7 @@ static int add_size(const char *path, const struct stat *status, int type)
 static struct sim_corpus *open_corpus(void)
 {
     struct sim_corpus *corpus = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = sim_corpus_read(stored, &corpus, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);

@@ -102,7 +102,7 @@ static void the_file_has_a_line_for_each(void **state)
         {{6, 1000}, {1, 1000}, {0, 0}},
         {{7, 1000}, {0, 1000}, {1, 2}},
     };
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_level_write_csv(*state, counts, &fault), 0);
     size_t size = 0;
     char *bytes = scratch_read(scratch_path(*state, "levels.csv"), &size);

@@ -23,7 +23,7 @@ static void pass(const struct sim_visit *visit, void *context)
 static void who_stands_in_front_is_the_visitor(void **state)
 {
     struct sim_generate_options pairs = generated_options("pairs", scratch_path(*state, "corpus"));
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct sim_visit visits[8];
     size_t n = 0;
     pairs.n_people = 1;

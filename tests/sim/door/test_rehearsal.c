@@ -56,7 +56,7 @@ static int rehearse(const char *directory, const char *state, double threshold,
         .metric = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
         .threshold = threshold,
     };
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t n_visits = 0, told = 0;
     scratch_mkdir(options.state);
     assert_int_equal(sim_corpus_read(directory, corpus, &fault), 0);
@@ -91,7 +91,7 @@ static char *log_of(const char *directory, const char *run)
 {
     struct iso_config config = iso_config_default();
     const struct iso_times times = iso_times_system();
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -159,7 +159,7 @@ static void rehearse_levels(const char *directory, const char *state, const enum
         .level = level,
         .all_levels = level == NULL,
     };
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t n_visits = 0, told = 0;
     scratch_mkdir(options.state);
     if (sim_rehearse(&options, corpus, count_visit, &told, visits, &n_visits, &fault)) {

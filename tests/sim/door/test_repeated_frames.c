@@ -221,7 +221,7 @@ static void view_corpus(const char *directory, int faces_min)
 {
     struct viewing v = viewing_begin();
     struct sim_corpus *corpus = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *last = "";
     assert_int_equal(sim_corpus_read(directory, &corpus, &fault), 0);
     for (size_t i = 0; i < corpus->n_rows; i++) {

@@ -31,7 +31,7 @@ static void assert_names(const char *slot, const char *corpus, const char *recor
 static void the_slot_is_pointed_and_cleared(void **state)
 {
     const char *corpus = *state, *slot = scratch_path(corpus, "slot");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
 
     assert_int_equal(sim_slot_clear(slot, &fault), 0); /* nothing there: nothing to do */
     assert_int_equal(sim_slot_point(slot, corpus, "anna-v1", &fault), 0);
@@ -46,7 +46,7 @@ static void the_slot_is_pointed_and_cleared(void **state)
 static void a_relative_corpus_is_made_absolute(void **state)
 {
     const char *corpus = *state, *slot = scratch_path(corpus, "slot");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
 
     assert_int_equal(chdir(corpus), 0);
     assert_int_equal(sim_slot_point(slot, ".", "anna-v1", &fault), 0);
@@ -57,7 +57,7 @@ static void a_relative_corpus_is_made_absolute(void **state)
 static void a_killed_run_does_not_stand_in_the_way(void **state)
 {
     const char *corpus = *state, *slot = scratch_path(corpus, "slot");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
 
     scratch_write_text(scratch_path(corpus, "slot.next"), "left over");
     assert_int_equal(sim_slot_point(slot, corpus, "anna-v1", &fault), 0);
@@ -67,7 +67,7 @@ static void a_killed_run_does_not_stand_in_the_way(void **state)
 static void what_is_no_link_is_left_alone(void **state)
 {
     const char *corpus = *state, *slot = scratch_path(corpus, "slot");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
 
     scratch_write_text(slot, "precious");
     assert_int_equal(sim_slot_point(slot, corpus, "anna-v1", &fault), -EINVAL);
@@ -78,7 +78,7 @@ static void what_is_no_link_is_left_alone(void **state)
 
 static void a_slot_that_cannot_be_made_is_named(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *slot = scratch_path(*state, "missing/slot");
 
     assert_int_equal(sim_slot_point(slot, *state, "anna-v1", &fault), -ENOENT);
@@ -201,7 +201,7 @@ static void visits_are_written_as_csv(void **state)
 {
     struct sim_visit visits[] = {
         visit(&anna_1, true, "anna"), visit(&stranger, false, ""), {.row = &nobody}};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t size;
 
     visits[1].verdict.score = NAN;

@@ -112,7 +112,7 @@ static void test_the_diagram_has_the_stages(void **state)
 static void read_picture(const char *path, struct iso_image *image)
 {
     const struct iso_png_expectation colours = {.pixels = ISO_PIXEL_RGB8};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (iso_png_read(path, &colours, image, &fault) != 0) {
         fail_msg("%s", fault.text);
     }

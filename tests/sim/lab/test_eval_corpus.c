@@ -54,7 +54,7 @@ static struct sim_eval_options options_for(const char *directory)
 static struct sim_eval *evaluate(const struct sim_eval_options *options)
 {
     struct sim_eval *eval = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (sim_eval_run(options, &eval, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -125,7 +125,7 @@ static void test_reports(void **state)
 {
     struct sim_eval_options options = options_for(*state);
     struct sim_eval *eval = evaluate(&options);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_report_csv(eval, *state, &fault), 0);
     assert_int_equal(sim_report_json(eval, *state, &fault), 0);
     assert_int_equal(sim_report_plots(eval, *state, &fault), 0);
@@ -208,7 +208,7 @@ static void test_damaged_frame_is_counted(void **state)
 static void expect_refusal(const struct sim_eval_options *options, int error, const char *words)
 {
     struct sim_eval *eval = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_eval_run(options, &eval, &fault), error);
     assert_null(eval);
     if (!strstr(fault.text, words)) {
@@ -260,7 +260,7 @@ static void write_manifest(const char *directory, const char *origin)
  * refusal names the corpus and its origin. */
 static void test_nobody_the_metric_learned_from_is_tested(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_metric *metric = NULL;
     struct sim_eval_options options = options_for(*state);
     options.metric = METRIC;

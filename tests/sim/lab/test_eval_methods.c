@@ -64,7 +64,7 @@ static struct sim_training_set *choose(const char *methods, const char *train,
 {
     struct sim_method_choice choice;
     struct sim_training_set *training = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_option_methods(methods, &choice), 0);
     if (sim_method_choice_apply(&choice, train, options, &training, &fault)) {
         fail_msg("%s", fault.text);
@@ -75,7 +75,7 @@ static struct sim_training_set *choose(const char *methods, const char *train,
 static struct sim_eval *evaluate(const struct sim_eval_options *options)
 {
     struct sim_eval *eval = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (sim_eval_run(options, &eval, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -85,7 +85,7 @@ static struct sim_eval *evaluate(const struct sim_eval_options *options)
 static void expect_refusal(const struct sim_eval_options *options, const char *words)
 {
     struct sim_eval *eval = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_eval_run(options, &eval, &fault), -EINVAL);
     assert_null(eval);
     if (!strstr(fault.text, words)) {
@@ -161,7 +161,7 @@ static void test_all_methods(void **state)
     assert_int_equal(count_fields(rows), count_fields(csv));
     assert_non_null(strstr(csv, ",seconds,fnmr_1e-2,"));
     free(csv);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_report_plots(eval, *state, &fault), 0);
     assert_true(scratch_exists(scratch_path(*state, "det.png")));
     sim_eval_free(eval);

@@ -137,7 +137,7 @@ static void report(struct bench *bench)
 static void set_up(struct bench *bench, const char *directory)
 {
     const struct iso_extract_options options = iso_extract_options_default();
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t size = 0;
     void *bytes = scratch_read(ISOTHERM_SOURCE_DIR "/core/data/head.model", &size);
     assert_int_equal(iso_head_model_parse(bytes, size, &bench->head, NULL), 0);

@@ -133,7 +133,7 @@ static void test_truth(void **state)
                        "frame,name,x_mm,y_mm,z_mm\n0,nasion,4,5,6\n1,left_ear,7,8,9\n"
                        "2,nose_tip,1,2,3\n");
     struct sim_truth *truth = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (sim_truth_read(directory, &corpus, &truth, &fault)) {
         fail_msg("%s", fault.text);
     }

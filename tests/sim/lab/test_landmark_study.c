@@ -45,7 +45,7 @@ static struct sim_study *study_of(const char *directory)
         .extract = iso_extract_options_default(),
     };
     struct sim_study *study = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (sim_study_run(&options, &study, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -99,7 +99,7 @@ static int count_words(const char *text, const char *word)
 static void test_files(void **state)
 {
     struct sim_study *study = study_of(*state);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_study_csv(study, *state, &fault), 0);
     assert_int_equal(sim_study_json(study, *state, &fault), 0);
 
@@ -204,7 +204,7 @@ static void test_real_faces(void **state)
 static void expect_refusal(const struct sim_study_options *options, int error, const char *words)
 {
     struct sim_study *study = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_study_run(options, &study, &fault), error);
     assert_null(study);
     if (!strstr(fault.text, words)) {

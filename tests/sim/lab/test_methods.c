@@ -141,7 +141,7 @@ static struct sim_training training_of(const struct lesson *lesson)
 static void *learn(const struct sim_method *method, const struct lesson *lesson)
 {
     struct sim_training training = training_of(lesson);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     void *knowledge = NULL;
     if (method->train && method->train(&training, &knowledge, &fault)) {
         fail_msg("%s", fault.text);
@@ -420,7 +420,7 @@ static void test_contours_need_a_surface(void **state)
 static void expect_untaught(const struct sim_method *method, const struct sim_training *training,
                             const char *words)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     void *knowledge = NULL;
     assert_int_equal(method->train(training, &knowledge, &fault), -EINVAL);
     assert_null(knowledge);

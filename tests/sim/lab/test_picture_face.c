@@ -93,7 +93,7 @@ static void test_pictures(void **state)
         face.heat[l] = heat;
     }
     const struct sim_face_angle angle = {0.0, 0.0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *path = scratch_path(*state, "isotherms.png");
     assert_int_equal(sim_picture_isotherms(&face, angle, path, &fault), 0);
     struct iso_image image = {0};

@@ -70,7 +70,7 @@ static bool is_colour(struct pixel p, uint32_t rgb)
 static struct iso_image draw(const struct sim_fit_view *view, const char *directory)
 {
     struct iso_image image = {0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *path = scratch_path(directory, "fit.png");
     make_depth();
     assert_int_equal(sim_picture_fit(view, path, &fault), 0);
@@ -178,7 +178,7 @@ static void test_no_head(void **state)
     assert_int_equal(wall.r, wall.b);
     assert_true(wall.r > 100);
     iso_image_done(&image);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_picture_fit(&view, scratch_path(*state, "nowhere/fit.png"), &fault), -EIO);
     assert_non_null(strstr(fault.text, "nowhere/fit.png"));
 }

@@ -196,7 +196,7 @@ static void test_plot_file(void **state)
                                   1,
                                   &series};
     const char *path = scratch_path(*state, "plot.png");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_plot_write(&plot, path, &fault), 0);
     struct iso_image image = {0};
     assert_int_equal(iso_png_read(path, NULL, &image, &fault), 0);
@@ -218,7 +218,7 @@ static void test_depth_file(void **state)
                                       .cx_px = 4,
                                       .cy_px = 120};
     struct iso_frame *frame = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_frame_new(&camera, 8, 240, false, &frame), 0);
     const char *path = scratch_path(*state, "depth.png");
     assert_int_equal(sim_picture_depth(frame, path, &fault), 0); /* nothing measured */

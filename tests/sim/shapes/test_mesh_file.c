@@ -36,7 +36,7 @@ static struct iso_coloured_mesh parsed(enum iso_mesh_format format, const void *
                                        const char *tri)
 {
     struct iso_coloured_mesh mesh = {NULL, NULL};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (parse(format, bytes, size, tri, &mesh, &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -256,7 +256,7 @@ static void refuses_damage(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof damaged / sizeof *damaged; i++) {
         struct iso_coloured_mesh mesh = {NULL, NULL};
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         int error = parse(damaged[i].format, damaged[i].text, strlen(damaged[i].text),
                           damaged[i].tri, &mesh, &fault);
         if (error != -EBADMSG || !strstr(fault.text, damaged[i].words)) {
@@ -298,7 +298,7 @@ static void mends(void **state)
 static void reads_files(void **state)
 {
     struct iso_coloured_mesh mesh = {NULL, NULL};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     scratch_write_text(scratch_path(*state, "a.vert"), "1 2 3\n5 2.5 3.25\n1.5 7 3.5\n2 3 9\n");
     assert_int_equal(iso_mesh_file_read(scratch_path(*state, "a.vert"), &mesh, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "a.tri"));

@@ -39,7 +39,7 @@ static void cut(const char *directory, size_t n_rows, int32_t expected)
         .out = scratch_path(directory, "crops"),
         .rows = n_rows,
     };
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int32_t n = -1, n_empty = -1;
     if (sim_crops_write(&options, &n, &n_empty, &fault)) {
         fail_msg("%s", fault.text);
@@ -52,7 +52,7 @@ static void cut(const char *directory, size_t n_rows, int32_t expected)
 static void check_crop(const char *path)
 {
     struct iso_coloured_mesh crop;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
     assert_int_equal(iso_mesh_file_read(path, &crop, &fault), 0);
     for (int32_t i = 0; i < crop.mesh->n_vertices; i++) {
@@ -72,7 +72,7 @@ static void check_crop(const char *path)
 static void crops_are_a_corpus_of_shapes(void **state)
 {
     struct sim_shape_manifest *manifest = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     cut(*state, 0, 3);
     const char *crops = scratch_path(*state, "crops");
     assert_int_equal(sim_shape_manifest_read(crops, &manifest, &fault), 0);
@@ -92,7 +92,7 @@ static void crops_are_a_corpus_of_shapes(void **state)
 static void what_is_missing_is_said(void **state)
 {
     struct sim_crops_options options = {.out = scratch_path(*state, "none")};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int32_t n = -1, n_empty = -1;
     assert_int_equal(sim_crops_write(&options, &n, &n_empty, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "corpora"));

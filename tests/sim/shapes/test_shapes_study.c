@@ -33,7 +33,7 @@ static void generate(const char *out, const char *preset, const char *format, si
         .vertices = 400,
         .threads = threads,
     };
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int32_t n = 0;
     if (sim_shapes_generate(&options, &n, &fault)) {
         fail_msg("%s", fault.text);
@@ -65,7 +65,7 @@ static int run_study(const struct sim_shapes_study_options *options, char **prin
 static void reads_manifests(void **state)
 {
     struct sim_shape_manifest *manifest = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     assert_int_equal(sim_shape_manifest_parse("m",
                                               "file,class\na/b.off,dog/spots\nc.off,cat\n"
@@ -102,7 +102,7 @@ static void reads_manifests(void **state)
 
 static void writes_what_is_read(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     static const char *const names[] = {"a.off", "a.ply", "a.vert"};
     struct iso_coloured_mesh mesh = {NULL, NULL}, back = {NULL, NULL};
     scratch_write_text(scratch_path(*state, "in.off"),
@@ -145,7 +145,7 @@ static void generates_the_same_whatever_the_threads(void **state)
 static void refuses_bad_requests(void **state)
 {
     struct sim_shapes_options options = {.preset = "round", .out = *state, .threads = 1};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int32_t n = 77;
     assert_int_equal(sim_shapes_generate(&options, &n, &fault), -EINVAL);
     options.preset = "textured";
@@ -166,7 +166,7 @@ static void refuses_bad_requests(void **state)
 static void retrieves_from_tosca_files(void **state)
 {
     const char *corpus = scratch_path(*state, "tosca"), *out = scratch_path(*state, "out");
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *printed = NULL;
     generate(corpus, "plain", "vert", 3, 2);
     char *tri = read_text(corpus, "dog-01.tri"), *vert = read_text(corpus, "dog-01.vert");
@@ -209,7 +209,7 @@ static void distances_leave_nothing_out(void **state)
                                                .classifier = "nn-l2",
                                                .seed = 1,
                                                .distortion = {SIM_DISTORTION_SCALE, 3}};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *printed = NULL;
     generate(corpus, "plain", NULL, 3, 2);
     assert_int_equal(run_study(&options, &printed, &fault), 0);
@@ -262,7 +262,7 @@ static void tables_have_both_sides(void **state)
     const char *out = scratch_path(*state, "tables");
     const struct sim_tables_options options = {
         .corpus = plain, .textured = textured, .out = out, .queries = 3, .seed = 1, .threads = 2};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     char *printed = NULL;
     size_t size;
     generate(plain, "plain", NULL, 3, 2);

@@ -175,7 +175,7 @@ static void a_fused_score_says_how_rare_it_is_among_strangers(void **state)
 static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
 {
     (void)state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_metric *metric = NULL;
     struct sim_corpus *stored = NULL;
     assert_int_equal(sim_metric_load(ISOTHERM_SOURCE_DIR "/core/data/face.metric", &metric, &fault),
@@ -196,7 +196,7 @@ static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
 static void the_shipped_metric_fits_the_shipped_head_model(void **state)
 {
     (void)state;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct iso_metric *metric = NULL;
     struct iso_head_model *model = NULL;
     struct iso_extractor *extractor = NULL;

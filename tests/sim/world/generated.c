@@ -29,7 +29,7 @@ struct sim_generate_options generated_options(const char *preset, const char *di
 
 struct sim_corpus *generated_corpus(const struct sim_generate_options *options)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct sim_corpus *corpus = NULL;
     int error = sim_generate(options, &fault);
     assert_string_equal(fault.text, "");

@@ -369,7 +369,7 @@ static void masks_have_the_wrong_size(void **state)
 static void what_makes_no_sense_is_refused(void **state)
 {
     struct sim_generate_options options = small(scratch_path(*state, "bad"));
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     options.sensor = &sim_sensor_texas;
     assert_int_equal(sim_generate(&options, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "texas"));

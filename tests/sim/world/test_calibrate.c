@@ -98,7 +98,7 @@ static void pictures_of_a_board_give_the_cameras(void **state)
     uint8_t *left = malloc(n), *right = malloc(n);
     struct iso_board_views *views = NULL;
     struct iso_stereo_calibration found;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     struct sim_lens *lens[ISO_EYES];
     assert_true(left && right);
     for (int eye = 0; eye < ISO_EYES; eye++) {

@@ -41,7 +41,7 @@ static struct sim_generate_options small(const char *directory)
 
 static void generate(const struct sim_generate_options *options)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     int error = sim_generate(options, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);
@@ -229,7 +229,7 @@ static void bad_options_are_refused(void **state)
 {
     struct sim_generate_options options = small(scratch_path(*state, "bad"));
     struct sim_generate_options bad = options;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     bad.preset = "wild";
     assert_int_equal(sim_generate(&bad, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "wild"));
@@ -268,7 +268,7 @@ static void bad_options_are_refused(void **state)
 static void recordings_are_not_overwritten(void **state)
 {
     struct sim_generate_options options = small(scratch_path(*state, "twice"));
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     options.n_people = 1;
     options.n_probes = options.n_strangers = 0;
     generate(&options);

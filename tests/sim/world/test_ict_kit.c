@@ -89,7 +89,7 @@ static int import(const char *kit, struct sim_ict_kit_report *report, struct iso
 static float *floats(const char *kit, const char *file, int n_dimensions)
 {
     struct sim_npy_shape shape = {.n_dimensions = 0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     float *values = NULL;
     if (sim_npy_read_floats(scratch_path(kit, file), &shape, &values, &fault)) {
         fail_msg("%s", fault.text);
@@ -137,7 +137,7 @@ static void a_kit_becomes_a_head_model(void **state)
     const char *kit = *state;
     struct sim_ict_kit_report report;
     struct sim_npy_shape shape;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     uint32_t *triangles = NULL;
     write_kit(kit);
     if (import(kit, &report, &fault)) {
@@ -166,7 +166,7 @@ static void a_kit_becomes_a_head_model(void **state)
 static void expect_fault(const char *kit, int error, const char *file, const char *what)
 {
     struct sim_ict_kit_report report;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(import(kit, &report, &fault), error);
     if (!strstr(fault.text, file) || !strstr(fault.text, what)) {
         fail_msg("'%s' does not say '%s' and '%s'", fault.text, file, what);
@@ -287,7 +287,7 @@ static void the_real_files_give_the_known_model(void **state)
                *known = shared_path("data/ict-face");
     struct sim_ict_layout layout = sim_ict_kit_layout;
     struct sim_ict_kit_report report;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!scratch_exists(sample) || !scratch_exists(known)) {
         print_message("no sample of ICT-FaceKit, or no head model: %s, %s\n", sample, known);
         skip();

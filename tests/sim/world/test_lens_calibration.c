@@ -95,7 +95,7 @@ static int calibrate(const char *directory, const char *pictures, struct iso_fau
 static struct iso_recording_meta read_result(const char *directory)
 {
     struct iso_recording_meta meta;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     size_t size = 0;
     char *bytes = scratch_read(scratch_path(directory, "camera.ini"), &size);
     char *text = calloc(size + 1, 1);
@@ -126,7 +126,7 @@ static double worst_px(const struct iso_camera *found)
 
 static void a_known_lens_is_found_again(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (calibrate(*state, take(*state, ALL_OVER, 24, false), &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -151,7 +151,7 @@ static void a_known_lens_is_found_again(void **state)
 
 static void colour_pictures_do_too(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (calibrate(*state, take(*state, ALL_OVER, 12, true), &fault)) {
         fail_msg("%s", fault.text);
     }
@@ -161,7 +161,7 @@ static void colour_pictures_do_too(void **state)
 
 static void expect_refusal(const char *directory, enum movement movement, int n, const char *why)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(calibrate(directory, take(directory, movement, n, false), &fault), -ENODATA);
     if (!strstr(fault.text, why)) {
         fail_msg("'%s' does not say '%s'", fault.text, why);
@@ -191,7 +191,7 @@ static void a_board_that_is_never_turned_is_refused(void **state)
 
 static void what_is_no_picture_is_named(void **state)
 {
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(calibrate(*state, scratch_path(*state, "nowhere"), &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "nowhere"));
     const char *folder = take(*state, ALL_OVER, 0, false);

@@ -50,7 +50,7 @@ static int read_floats(const char *directory, const struct bytes *b, struct sim_
 static void refused(const char *directory, const struct bytes *b)
 {
     struct sim_npy_shape shape = {.n_dimensions = -7};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     float *values = NULL;
     assert_int_equal(read_floats(directory, b, &shape, &values, &fault), -EBADMSG);
     assert_non_null(strstr(fault.text, "a.npy: "));
@@ -166,7 +166,7 @@ static void other_files_are_refused(void **state)
     struct bytes magic = good(), version = good();
     struct sim_npy_shape shape;
     float *values = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     magic.data[1] = 'n';
     refused(*state, &magic);
     version.data[6] = 3;

@@ -25,7 +25,7 @@ static const char *model_directory(void)
 static struct sim_ict *load_model(void)
 {
     struct sim_ict *ict = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (!scratch_exists(model_directory())) {
         skip();
     }
@@ -186,7 +186,7 @@ static void surfaces_are_sums_of_modes(void **state)
 static void a_missing_model_is_named(void **state)
 {
     struct sim_ict *ict = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_ict_load(scratch_path(*state, "nothing"), &ict, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "nothing/mean.npy"));
     assert_null(ict);

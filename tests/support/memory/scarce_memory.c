@@ -58,7 +58,7 @@ int scarce_memory_exhaust(int (*action)(void *context, struct iso_fault *fault),
                           int most)
 {
     for (int n = 0; n < most; n++) {
-        struct iso_fault fault = {""};
+        struct iso_fault fault = {.text = ""};
         scarce_memory_left = n;
         const int error = action(context, &fault);
         const bool all_went_well = scarce_memory_left >= 0;

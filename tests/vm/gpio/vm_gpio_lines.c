@@ -35,7 +35,7 @@ static struct iso_gpio_line *open_line(const char *text, bool output)
 {
     const struct iso_gpio_spec spec = spec_of(text);
     struct iso_gpio_line *line = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (output ? iso_gpio_line_open_output(&spec, false, &line, &fault)
                : iso_gpio_line_open_input(&spec, &line, &fault)) {
         fail_msg("%s", fault.text);
@@ -47,7 +47,7 @@ static void does_not_open(const char *text, int error, const char *why)
 {
     const struct iso_gpio_spec spec = spec_of(text);
     struct iso_gpio_line *line = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_gpio_line_open_input(&spec, &line, &fault), error);
     if (!strstr(fault.text, why)) {
         fail_msg("'%s' lacks '%s'", fault.text, why);
@@ -219,7 +219,7 @@ static int count_descriptors(void)
 static void lose_and_find(struct iso_door_io *io, int round)
 {
     struct iso_door_inputs inputs;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const bool by_output = round % 2 == 0;
     assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
     gpio_sim_plug("door", false);

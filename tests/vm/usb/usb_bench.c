@@ -54,7 +54,7 @@ static void on_fault(void *context, const char *text)
 static void on_plug(void *context, bool in)
 {
     struct usb_bench *bench = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     if (usb_camera_plug(bench->camera, in, &fault)) {
         on_fault(bench, fault.text);
     }

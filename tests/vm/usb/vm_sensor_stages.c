@@ -56,7 +56,7 @@ static void free_nodes(struct sensor_scene *scene, size_t n)
 static void set_up_bench(struct sensor_scene *scene, double unit_mm, bool intensity)
 {
     struct usb_bench *bench = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *recording = scratch_path(scene->scratch, "recording");
     const char *directory = scratch_path(scene->scratch, "bench");
     stored_frames_write_plain(recording, SENSOR_STAGE_FRAMES, unit_mm, intensity);
@@ -180,7 +180,7 @@ static void plug_eyes(struct sensor_scene *scene, bool in)
 static struct eyes *set_up_eyes(struct sensor_scene *scene)
 {
     struct eyes *eyes = test_calloc(1, sizeof *eyes);
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     const char *rig = scratch_path(scene->scratch, "rig.ini");
     stereo_wall_write_rig(rig);
     prepare_matcher(eyes, rig);

@@ -10,7 +10,7 @@ int main(int argc, char **argv)
 {
     const bool intensity = argc == 3 && strcmp(argv[2], "--intensity") == 0;
     struct usb_bench *bench = NULL;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     sigset_t signals;
     int number = 0;
     if (argc != 2 && !intensity) {

@@ -159,7 +159,7 @@ static void twenty_times_the_lines(void **state)
 static int set_up(void **state)
 {
     char recording[300];
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     (void)state;
     (void)snprintf(directory, sizeof directory, "%s/bench", getenv("VM_DIRECTORY"));
     (void)snprintf(recording, sizeof recording, "%s/wall", getenv("VM_DIRECTORY"));

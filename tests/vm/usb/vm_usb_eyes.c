@@ -44,7 +44,7 @@ static void on_fault(void *context, const char *text)
 static void on_plug(void *context, bool in)
 {
     struct eyes *eyes = context;
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     for (int eye = 0; eye < ISO_EYES; eye++) {
         if (usb_camera_plug(eyes->cameras[eye], in, &fault)) {
             on_fault(context, fault.text);
@@ -119,7 +119,7 @@ static void clear_away(struct eyes *eyes)
 int main(int argc, char **argv)
 {
     struct eyes eyes = {.started = 0};
-    struct iso_fault fault = {""};
+    struct iso_fault fault = {.text = ""};
     sigset_t signals;
     int number = 0;
     if (argc != 2) {
