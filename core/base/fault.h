@@ -1,15 +1,33 @@
-/* One line that names a thing and what is wrong with it, for people: filled in by functions that
- * read what comes from outside (files, configuration, devices), beside their negative errno. */
+/* One line that names a thing and what is wrong with it, for people, and a code that says what kind
+ * of fault it is, for programs: filled in by functions that read what comes from outside (files,
+ * configuration, devices), beside their negative errno. */
 #ifndef ISO_CORE_BASE_FAULT_H
 #define ISO_CORE_BASE_FAULT_H
 
+#include "core/base/fault_code.h"
+
 struct iso_fault {
-    char text[256]; /* no newline; "" if nothing was said */
+    char text[256];           /* no newline; "" if nothing was said */
+    enum iso_fault_code code; /* of what the text says; ISO_FAULT_NONE if it has no code */
 };
 
 /* Writes the text (cut to fit) if fault is not NULL, and returns `error` (a negative errno) so that
- * a caller can `return iso_fault_set(fault, -EBADMSG, "%s: truncated", path);`. */
+ * a caller can `return iso_fault_set(fault, -EBADMSG, "%s: truncated", path);`. The code becomes
+ * ISO_FAULT_OUT_OF_MEMORY for -ENOMEM, which always means the same, and ISO_FAULT_NONE for all
+ * other errors. */
 int iso_fault_set(struct iso_fault *fault, int error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* The same with a code. A function that passes on what another one has said passes its code on as
+ * well: iso_fault_set_code(fault, why.code, error, "%s: %s", owner, why.text). */
+int iso_fault_set_code(struct iso_fault *fault, enum iso_fault_code code, int error,
+                       const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* Gives a code to a fault that another function has described, whatever code it has (NULL:
+ * nothing), and returns `error`. For a caller that knows more than the function that it called. */
+int iso_fault_recode(struct iso_fault *fault, enum iso_fault_code code, int error);
+
+/* The same only if the fault has no code yet. */
+int iso_fault_code_default(struct iso_fault *fault, enum iso_fault_code code, int error);
 
 #endif
