@@ -36,16 +36,19 @@ static int check_file(const char *path, const char *name, struct iso_fault *faul
     struct stat file;
     if (lstat(path, &file)) {
         return errno == ENOENT || errno == ENOTDIR
-                   ? iso_fault_set(fault, -ENOENT,
-                                   "the module %s is missing: install the package isotherm-%s",
-                                   path, name)
-                   : iso_fault_set(fault, -EBADMSG, "the module %s: %s", path, strerror(errno));
+                   ? iso_fault_set_code(fault, ISO_FAULT_MODULE_MISSING, -ENOENT,
+                                        "the module %s is missing: install the package isotherm-%s",
+                                        path, name)
+                   : iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                        "the module %s: %s", path, strerror(errno));
     }
     if (!S_ISREG(file.st_mode)) {
-        return iso_fault_set(fault, -EBADMSG, "the module %s is not a regular file", path);
+        return iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                  "the module %s is not a regular file", path);
     }
     if (file.st_mode & S_IWOTH) {
-        return iso_fault_set(fault, -EBADMSG, "the module %s may be written by anybody", path);
+        return iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                  "the module %s may be written by anybody", path);
     }
     return 0;
 }
@@ -60,7 +63,8 @@ static void *open_file(const char *path, struct iso_fault *fault)
         const size_t length = strlen(path);
         why = why ? why : "no reason is known";
         why = strncmp(why, path, length) == 0 && why[length] == ':' ? why + length + 2 : why;
-        (void)iso_fault_set(fault, -EBADMSG, "the module %s cannot be loaded: %s", path, why);
+        (void)iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                 "the module %s cannot be loaded: %s", path, why);
     }
     return handle;
 }
@@ -69,25 +73,28 @@ static int check_table(const struct iso_module *table, const char *path, const c
                        size_t size_bytes, struct iso_fault *fault)
 {
     if (!table) {
-        return iso_fault_set(fault, -EBADMSG, "%s is not a module of Isotherm", path);
+        return iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                  "%s is not a module of Isotherm", path);
     }
     if (table->abi != ISO_MODULE_ABI) {
-        return iso_fault_set(fault, -EBADMSG, "the module %s has interface %u, not %d", path,
-                             (unsigned)table->abi, ISO_MODULE_ABI);
+        return iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                  "the module %s has interface %u, not %d", path,
+                                  (unsigned)table->abi, ISO_MODULE_ABI);
     }
     if (strcmp(table->name, name) != 0) {
-        return iso_fault_set(fault, -EBADMSG, "the module %s is '%s', not '%s'", path, table->name,
-                             name);
+        return iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                  "the module %s is '%s', not '%s'", path, table->name, name);
     }
     if (strcmp(table->version, ISOTHERM_VERSION) != 0) {
-        return iso_fault_set(fault, -EBADMSG,
-                             "the module %s has version %s, not %s as this program", path,
-                             table->version, ISOTHERM_VERSION);
+        return iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                  "the module %s has version %s, not %s as this program", path,
+                                  table->version, ISOTHERM_VERSION);
     }
     return table->size_bytes == size_bytes
                ? 0
-               : iso_fault_set(fault, -EBADMSG, "the module %s has a table of %u bytes, not %zu",
-                               path, (unsigned)table->size_bytes, size_bytes);
+               : iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
+                                    "the module %s has a table of %u bytes, not %zu", path,
+                                    (unsigned)table->size_bytes, size_bytes);
 }
 
 int iso_module_read(const char *path, const char *name, size_t size_bytes,
@@ -128,5 +135,5 @@ int iso_module_load(struct iso_module_slot *slot, struct iso_fault *fault)
     }
     const int error = slot->error;
     (void)pthread_mutex_unlock(&lock);
-    return error ? iso_fault_set(fault, error, "%s", slot->fault.text) : 0;
+    return error ? iso_fault_set_code(fault, slot->fault.code, error, "%s", slot->fault.text) : 0;
 }

@@ -91,11 +91,13 @@ int iso_option_check_value(const struct iso_option_spec *spec, const char *value
     }
     if (!is_in_range(spec, value)) {
         iso_option_describe(spec, expected, sizeof expected);
-        return iso_fault_set(fault, -EINVAL, "bad value '%s' for '%s' (%s)", value, spec->name,
-                             expected);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "bad value '%s' for '%s' (%s)", value, spec->name, expected);
     }
     const int error = spec->check ? spec->check(value, &why) : 0;
-    return error ? iso_fault_set(fault, -EINVAL, "%s: %s", spec->name, why.text) : 0;
+    return error ? iso_fault_set_code(fault, why.code ? why.code : ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                      "%s: %s", spec->name, why.text)
+                 : 0;
 }
 
 static int check_given(const char *owner, const struct iso_option_set *set,
@@ -104,13 +106,15 @@ static int check_given(const char *owner, const struct iso_option_set *set,
     const struct iso_option_spec *spec = iso_option_find_spec(set->specs, option->key);
     struct iso_fault why = {.text = ""};
     if (!spec) {
-        return iso_fault_set(fault, -EINVAL, "%s: unknown option '%s'", owner, option->key);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL, "%s: unknown option '%s'",
+                                  owner, option->key);
     }
     if (iso_options_find(set->options, set->n_options, option->key) != option->value) {
-        return iso_fault_set(fault, -EINVAL, "%s: option '%s' is given twice", owner, option->key);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: option '%s' is given twice", owner, option->key);
     }
     const int error = iso_option_check_value(spec, option->value, &why);
-    return error ? iso_fault_set(fault, error, "%s: %s", owner, why.text) : 0;
+    return error ? iso_fault_set_code(fault, why.code, error, "%s: %s", owner, why.text) : 0;
 }
 
 int iso_options_check(const char *owner, const struct iso_option_set *set, struct iso_fault *fault)
@@ -123,7 +127,8 @@ int iso_options_check(const char *owner, const struct iso_option_set *set, struc
     }
     for (const struct iso_option_spec *spec = set->specs; spec && spec->name; spec++) {
         if (spec->required && !iso_option_is_given(set, spec->name)) {
-            return iso_fault_set(fault, -EINVAL, "%s: option '%s' is missing", owner, spec->name);
+            return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                      "%s: option '%s' is missing", owner, spec->name);
         }
     }
     return 0;

@@ -105,8 +105,9 @@ static int parse_wiegand(const struct iso_option_set *set, struct wiring *wiring
                            fault);
     }
     if (!error && wiring->has_wiegand[0] != wiring->has_wiegand[1]) {
-        return iso_fault_set(fault, -EINVAL, "%s: option '%s' is missing", owner,
-                             wiegand_names[wiring->has_wiegand[0]]);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: option '%s' is missing", owner,
+                                  wiegand_names[wiring->has_wiegand[0]]);
     }
     return error;
 }
@@ -127,7 +128,8 @@ static int parse_options(const struct iso_option *options, size_t n_options, str
     wiring->debounce_ns = (int64_t)iso_option_number(&set, "debounce_ms") * NS_PER_MS;
     error = error ? error : parse_wiegand(&set, wiring, fault);
     if (!error && !wiring->has_output[ISO_DOOR_RELAY] && !wiring->has_wiegand[0]) {
-        return iso_fault_set(fault, -EINVAL, "%s: option 'relay' is missing", owner);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: option 'relay' is missing", owner);
     }
     return error;
 }
@@ -166,7 +168,8 @@ static void gpiod_close(void *self)
 static int blame(const char *name, int error, const struct iso_fault *reason,
                  struct iso_fault *fault)
 {
-    return iso_fault_set(fault, error, "%s: %s: %.200s", owner, name, reason->text);
+    return iso_fault_set_code(fault, reason->code, error, "%s: %s: %.200s", owner, name,
+                              reason->text);
 }
 
 static int claim_outputs(struct gpiod *gpiod, const struct wiring *wiring,
@@ -202,7 +205,7 @@ static int claim_input(struct gpiod *gpiod, enum iso_door_input input, const str
     }
     if (error) {
         iso_gpio_line_close(line);
-        return iso_fault_set(reason, error, "%s", strerror(-error));
+        return iso_fault_set_code(reason, ISO_FAULT_LINE_FAILED, error, "%s", strerror(-error));
     }
     gpiod->inputs[input].line = line;
     iso_debounce_init(&gpiod->inputs[input].debounce, wiring->debounce_ns, level,
@@ -292,8 +295,8 @@ static int gpiod_set_output(void *self, enum iso_door_output output, bool active
     struct gpiod *gpiod = self;
     struct iso_gpio_line *line = gpiod->outputs[output];
     const int error = line ? iso_gpio_line_set(line, active) : 0;
-    return error ? iso_fault_set(fault, error, "%s: %s: %s", owner, iso_door_output_name(output),
-                                 strerror(-error))
+    return error ? iso_fault_set_code(fault, iso_gpio_fault_code(error), error, "%s: %s: %s", owner,
+                                      iso_door_output_name(output), strerror(-error))
                  : 0;
 }
 
@@ -309,7 +312,9 @@ static int gpiod_send_card(void *self, const struct iso_wiegand_card *card, stru
                              card->facility, card->number, gpiod->wiegand_bits);
     }
     const int error = iso_wiegand_out_send(gpiod->wiegand_out, code, gpiod->wiegand_bits);
-    return error ? iso_fault_set(fault, error, "%s: wiegand: %s", owner, strerror(-error)) : 0;
+    return error ? iso_fault_set_code(fault, iso_gpio_fault_code(error), error, "%s: wiegand: %s",
+                                      owner, strerror(-error))
+                 : 0;
 }
 
 /* ---- inputs ---- */
@@ -359,8 +364,9 @@ static int follow_all(struct gpiod *gpiod, struct iso_fault *fault)
         const int64_t now_ns = iso_clock_now_ns(&gpiod->clock);
         const int error = line ? follow(line, &gpiod->inputs[i].debounce, now_ns) : 0;
         if (error) {
-            return iso_fault_set(fault, error, "%s: %s: %s", owner,
-                                 iso_door_input_name((enum iso_door_input)i), strerror(-error));
+            return iso_fault_set_code(fault, iso_gpio_fault_code(error), error, "%s: %s: %s", owner,
+                                      iso_door_input_name((enum iso_door_input)i),
+                                      strerror(-error));
         }
     }
     return 0;
@@ -373,7 +379,9 @@ static int look_at_relay(struct gpiod *gpiod, struct iso_fault *fault)
     bool active;
     struct iso_gpio_line *relay = gpiod->outputs[ISO_DOOR_RELAY];
     const int error = relay ? iso_gpio_line_get(relay, &active) : 0;
-    return error ? iso_fault_set(fault, error, "%s: relay: %s", owner, strerror(-error)) : 0;
+    return error ? iso_fault_set_code(fault, iso_gpio_fault_code(error), error, "%s: relay: %s",
+                                      owner, strerror(-error))
+                 : 0;
 }
 
 static int gpiod_get_inputs(void *self, struct iso_door_inputs *out, struct iso_fault *fault)

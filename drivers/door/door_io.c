@@ -52,7 +52,8 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
         int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
         used += length > 0 ? (size_t)length : 0;
     }
-    return iso_fault_set(fault, -ENOENT, "no door '%s'; there are:%s", name, known);
+    return iso_fault_set_code(fault, ISO_FAULT_DRIVER_UNKNOWN, -ENOENT,
+                              "no door '%s'; there are:%s", name, known);
 }
 
 /* ---- open, open anew, close ---- */
@@ -211,7 +212,8 @@ void iso_door_io_close(struct iso_door_io *io)
 
 static int gone(const struct iso_door_io *io, struct iso_fault *fault)
 {
-    return iso_fault_set(fault, -ENODEV, "door %s: the device is gone", io->ops->name);
+    return iso_fault_set_code(fault, ISO_FAULT_CHIP_GONE, -ENODEV, "door %s: the device is gone",
+                              io->ops->name);
 }
 
 /* Remembers that the device is gone, and never leaves a failure without a text. */
@@ -221,10 +223,14 @@ static int settle(struct iso_door_io *io, int error, const struct iso_fault *rea
     if (error == -ENODEV) {
         io->lost = true;
     }
-    if (error && reason->text[0]) {
-        (void)iso_fault_set(fault, error, "%s", reason->text);
-    } else if (error) {
-        (void)iso_fault_set(fault, error, "door %s: %s", io->ops->name, strerror(-error));
+    if (error) {
+        const enum iso_fault_code code = error == -ENODEV ? ISO_FAULT_CHIP_GONE
+                                                          : ISO_FAULT_LINE_FAILED;
+        (void)iso_fault_set_code(fault, reason->code, error, "%s", reason->text);
+        if (!reason->text[0]) {
+            (void)iso_fault_set(fault, error, "door %s: %s", io->ops->name, strerror(-error));
+        }
+        (void)iso_fault_code_default(fault, code, error);
     }
     return error;
 }

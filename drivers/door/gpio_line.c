@@ -49,11 +49,17 @@ static const char *where(const struct iso_gpio_spec *spec, char *text, size_t si
     return text;
 }
 
-static int fail(const struct iso_gpio_spec *spec, int error, const char *what,
-                struct iso_fault *fault)
+static int fail(const struct iso_gpio_spec *spec, enum iso_fault_code code, int error,
+                const char *what, struct iso_fault *fault)
 {
     char text[ISO_GPIO_NAME_SIZE + 32];
-    return iso_fault_set(fault, error, "%s: %s", where(spec, text, sizeof text), what);
+    return iso_fault_set_code(fault, code, error, "%s: %s", where(spec, text, sizeof text), what);
+}
+
+/* What a call of the system says of the line. */
+static int fail_call(const struct iso_gpio_spec *spec, int error, struct iso_fault *fault)
+{
+    return fail(spec, iso_gpio_fault_code(error), error, strerror(-error), fault);
 }
 
 /* ---- finding a line ---- */
@@ -64,13 +70,15 @@ static int find_by_offset(const struct iso_gpio_spec *spec, struct iso_gpio_line
     line->chip = gpiod_chip_open_lookup(spec->chip);
     if (!line->chip) {
         const int error = error_of(errno);
-        return fail(spec, error, error == -ENODEV ? "no such GPIO chip" : strerror(-error), fault);
+        return error == -ENODEV
+                   ? fail(spec, ISO_FAULT_CHIP_MISSING, error, "no such GPIO chip", fault)
+                   : fail_call(spec, error, fault);
     }
     if (spec->offset >= gpiod_chip_num_lines(line->chip)) {
-        return fail(spec, -ENODEV, "the chip has no such line", fault);
+        return fail(spec, ISO_FAULT_LINE_MISSING, -ENODEV, "the chip has no such line", fault);
     }
     line->line = gpiod_chip_get_line(line->chip, spec->offset);
-    return line->line ? 0 : fail(spec, error_of(errno), strerror(errno), fault);
+    return line->line ? 0 : fail_call(spec, error_of(errno), fault);
 }
 
 static struct gpiod_line *find_in_chip(struct gpiod_chip *chip, const char *name, size_t *n)
@@ -128,15 +136,19 @@ static int find_by_name(const struct iso_gpio_spec *spec, struct iso_gpio_line *
     }
     free(entries);
     if (n < 0) {
-        return fail(spec, error_of(errno), strerror(errno), fault);
+        return fail_call(spec, error_of(errno), fault);
     }
     if (found > 1) {
-        return fail(spec, -EINVAL, "more than one line has this name: use CHIP:OFFSET", fault);
+        return fail(spec, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                    "more than one line has this name: use CHIP:OFFSET", fault);
     }
     if (found == 0 && denied) {
-        return fail(spec, -EACCES, "not found, and not all GPIO chips may be opened", fault);
+        return fail(spec, ISO_FAULT_LINE_DENIED, -EACCES,
+                    "not found, and not all GPIO chips may be opened", fault);
     }
-    return found ? 0 : fail(spec, -ENODEV, "no GPIO chip has such a line", fault);
+    return found
+               ? 0
+               : fail(spec, ISO_FAULT_LINE_MISSING, -ENODEV, "no GPIO chip has such a line", fault);
 }
 
 /* ---- claiming it ---- */
@@ -177,7 +189,7 @@ static int claim(const struct iso_gpio_spec *spec, int type, bool active,
     } else {
         (void)snprintf(what, sizeof what, "%s", strerror(-error));
     }
-    return fail(spec, error, what, fault);
+    return fail(spec, iso_gpio_fault_code(error), error, what, fault);
 }
 
 static int open_line(const struct iso_gpio_spec *spec, int type, bool active,
@@ -185,7 +197,7 @@ static int open_line(const struct iso_gpio_spec *spec, int type, bool active,
 {
     struct iso_gpio_line *line = calloc(1, sizeof *line);
     if (!line) {
-        return fail(spec, -ENOMEM, "out of memory", fault);
+        return fail(spec, ISO_FAULT_OUT_OF_MEMORY, -ENOMEM, "out of memory", fault);
     }
     line->fd = -1;
     int error = *spec->chip ? find_by_offset(spec, line, fault) : find_by_name(spec, line, fault);
@@ -194,7 +206,7 @@ static int open_line(const struct iso_gpio_spec *spec, int type, bool active,
     }
     if (!error && type == GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES) {
         line->fd = gpiod_line_event_get_fd(line->line);
-        error = line->fd >= 0 ? 0 : fail(spec, error_of(errno), strerror(errno), fault);
+        error = line->fd >= 0 ? 0 : fail_call(spec, error_of(errno), fault);
     }
     if (error) {
         iso_gpio_line_close(line);

@@ -49,6 +49,10 @@ int iso_gpio_spec_parse(const char *owner, const char *text, struct iso_gpio_spe
 
 struct iso_gpio_line;
 
+/* The code of a fault of a line, by the negative errno of one of the functions below: LINE_DENIED,
+ * LINE_BUSY, CHIP_GONE, OUT_OF_MEMORY, else LINE_FAILED. */
+enum iso_fault_code iso_gpio_fault_code(int error);
+
 /* Claims a line as an output that takes the level `active` first and no other before it, or as an
  * input that reports its edges. The spec need not outlive the call.
  *

@@ -67,22 +67,40 @@ int iso_gpio_spec_parse(const char *owner, const char *text, struct iso_gpio_spe
     char copy[TEXT_SIZE];
     char *words[WORDS_MAX];
     if (strlen(text) >= sizeof copy) {
-        return iso_fault_set(fault, -EINVAL, "%s%stoo long for a line", begin, colon);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL, "%s%stoo long for a line",
+                                  begin, colon);
     }
     (void)strcpy(copy, text);
     const size_t n = iso_text_split(copy, ' ', words, WORDS_MAX);
     if (n > WORDS_MAX || parse_line(words[0], &spec)) {
-        return iso_fault_set(fault, -EINVAL, "%s%s'%s' is no line (CHIP:OFFSET or NAME)", begin,
-                             colon, text);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s%s'%s' is no line (CHIP:OFFSET or NAME)", begin, colon, text);
     }
     for (size_t i = 1; i < n; i++) {
         if (parse_word(words[i], &spec)) {
-            return iso_fault_set(fault, -EINVAL,
-                                 "%s%s'%s' in '%s' is unknown, or one word too many (active-low; "
-                                 "pull-up, pull-down or no-pull; open-drain or open-source)",
-                                 begin, colon, words[i], text);
+            return iso_fault_set_code(
+                fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                "%s%s'%s' in '%s' is unknown, or one word too many (active-low; "
+                "pull-up, pull-down or no-pull; open-drain or open-source)",
+                begin, colon, words[i], text);
         }
     }
     *out = spec;
     return 0;
+}
+
+enum iso_fault_code iso_gpio_fault_code(int error)
+{
+    switch (error) {
+    case -EACCES:
+        return ISO_FAULT_LINE_DENIED;
+    case -EBUSY:
+        return ISO_FAULT_LINE_BUSY;
+    case -ENODEV:
+        return ISO_FAULT_CHIP_GONE;
+    case -ENOMEM:
+        return ISO_FAULT_OUT_OF_MEMORY;
+    default:
+        return ISO_FAULT_LINE_FAILED;
+    }
 }

@@ -12,9 +12,41 @@ enum { OPEN_FLAGS = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC };
 
 /* ---- what it is ---- */
 
+static enum iso_fault_code code_of(int error)
+{
+    switch (error) {
+    case -ENOENT:
+    case -ENOTDIR:
+        return ISO_FAULT_FILE_MISSING;
+    case -EACCES:
+    case -EPERM:
+        return ISO_FAULT_FILE_DENIED;
+    case -ELOOP:
+    case -EISDIR:
+    case -ENAMETOOLONG:
+        return ISO_FAULT_FILE_UNFIT;
+    case -ENOSPC:
+    case -EDQUOT:
+        return ISO_FAULT_DISK_FULL;
+    case -EROFS:
+        return ISO_FAULT_DISK_READ_ONLY;
+    case -EIO:
+        return ISO_FAULT_DISK_FAILED;
+    default:
+        return ISO_FAULT_NONE;
+    }
+}
+
+/* What a call of the system says of the file. */
+static int refuse_call(const char *path, int error, struct iso_fault *fault)
+{
+    return iso_fault_set_code(fault, code_of(error), error, "%s: %s", path, strerror(-error));
+}
+
 static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
 {
-    return iso_fault_set(fault, error, "%s: is %s, not a file", path, what);
+    return iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, error, "%s: is %s, not a file", path,
+                              what);
 }
 
 static int check_status(const char *path, const struct stat *status, uint64_t max_bytes,
@@ -35,15 +67,16 @@ static int check_status(const char *path, const struct stat *status, uint64_t ma
         return refuse(path, -EMEDIUMTYPE, "a device", fault);
     }
     return (uint64_t)status->st_size > max_bytes
-               ? iso_fault_set(fault, -EFBIG, "%s: longer than %llu bytes", path,
-                               (unsigned long long)max_bytes)
+               ? iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, -EFBIG,
+                                    "%s: longer than %llu bytes", path,
+                                    (unsigned long long)max_bytes)
                : 0;
 }
 
 int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault)
 {
     struct stat status;
-    return lstat(path, &status) ? iso_fault_set(fault, -errno, "%s: %m", path)
+    return lstat(path, &status) ? refuse_call(path, -errno, fault)
                                 : check_status(path, &status, max_bytes, fault);
 }
 
@@ -79,9 +112,9 @@ int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, stru
     }
     const int opened = open(path, flags | OPEN_FLAGS, 0600);
     if (opened < 0) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
+        return refuse_call(path, -errno, fault);
     }
-    const int error = fstat(opened, &status) ? iso_fault_set(fault, -errno, "%s: %m", path)
+    const int error = fstat(opened, &status) ? refuse_call(path, -errno, fault)
                                              : check_status(path, &status, max_bytes, fault);
     if (error) {
         (void)close(opened);
@@ -158,10 +191,10 @@ int iso_file_read(const char *path, size_t max_bytes, char **bytes, size_t *size
     (void)close(fd);
     if (error) {
         free(buffer);
-        return error == -EFBIG
-                   ? iso_fault_set(fault, error, "%s: longer than %zu bytes", path, max_bytes)
+        return error == -EFBIG    ? iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, error,
+                                                       "%s: longer than %zu bytes", path, max_bytes)
                : error == -ENOMEM ? iso_fault_set(fault, error, "%s: out of memory", path)
-                                  : iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+                                  : refuse_call(path, error, fault);
     }
     *bytes = buffer;
     *size = n;

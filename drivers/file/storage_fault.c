@@ -7,12 +7,16 @@
 int iso_storage_refused(const char *path, int error, struct iso_fault *fault)
 {
     const bool full = error == -ENOSPC || error == -EDQUOT || error == -EFBIG;
-    return iso_fault_set(fault,
-                         full              ? -ENOSPC
-                         : error == -EROFS ? -EROFS
-                                           : -EIO,
-                         "%s: the disk refused: %s", path,
-                         strerror(error == -EFBIG ? ENOSPC : -error));
+    const bool read_only = error == -EROFS;
+    return iso_fault_set_code(fault,
+                              full        ? ISO_FAULT_DISK_FULL
+                              : read_only ? ISO_FAULT_DISK_READ_ONLY
+                                          : ISO_FAULT_DISK_FAILED,
+                              full        ? -ENOSPC
+                              : read_only ? -EROFS
+                                          : -EIO,
+                              "%s: the disk refused: %s", path,
+                              strerror(error == -EFBIG ? ENOSPC : -error));
 }
 
 int iso_storage_reword(const char *path, int error, struct iso_fault *fault)

@@ -106,7 +106,7 @@ int iso_recording_open(const char *directory, struct iso_recording **out, struct
     }
 out:
     iso_recording_close(recording);
-    return error ? iso_fault_set(fault, error, "%s", reason.text) : 0;
+    return error ? iso_fault_set_code(fault, reason.code, error, "%s", reason.text) : 0;
 }
 
 void iso_recording_close(struct iso_recording *recording)

@@ -46,7 +46,8 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
         int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
         used += length > 0 ? (size_t)length : 0;
     }
-    return iso_fault_set(fault, -ENOENT, "no sensor '%s'; there are:%s", name, known);
+    return iso_fault_set_code(fault, ISO_FAULT_DRIVER_UNKNOWN, -ENOENT,
+                              "no sensor '%s'; there are:%s", name, known);
 }
 
 int iso_sensor_load(const char *name, struct iso_fault *fault)

@@ -146,18 +146,20 @@ static int finish(const char *name, uint64_t seen, struct parse *parse, struct i
     const char *what = "";
     for (int i = 0; i < KEYS; i++) {
         if (keys[i].mark != OPTIONAL && !(seen & UINT64_C(1) << i)) {
-            return iso_fault_set(fault, -EBADMSG, "%s: %s is missing from [%s]", name, keys[i].name,
-                                 keys[i].section);
+            return iso_fault_set_code(fault, ISO_FAULT_CALIBRATION_WRONG, -EBADMSG,
+                                      "%s: %s is missing from [%s]", name, keys[i].name,
+                                      keys[i].section);
         }
     }
     if (parse->format != 1) {
-        return iso_fault_set(fault, -EBADMSG, "%s: format %d is not supported", name,
-                             parse->format);
+        return iso_fault_set_code(fault, ISO_FAULT_CALIBRATION_WRONG, -EBADMSG,
+                                  "%s: format %d is not supported", name, parse->format);
     }
     c->camera[ISO_EYE_LEFT].projection = c->camera[ISO_EYE_RIGHT].projection = ISO_PINHOLE;
     c->right_from_left.rotation = iso_mat3_rotation(parse->turn_rad);
     if (iso_stereo_calibration_check(c, &what)) {
-        return iso_fault_set(fault, -EBADMSG, "%s: %s", name, what);
+        return iso_fault_set_code(fault, ISO_FAULT_CALIBRATION_WRONG, -EBADMSG, "%s: %s", name,
+                                  what);
     }
     return 0;
 }

@@ -54,7 +54,8 @@ int iso_face_check_new(const char *cascade_path, struct iso_face_check **out,
     }
     const char *path = *cascade_path ? cascade_path : iso_face_detector_cascade();
     if (!*path) {
-        return iso_fault_set(fault, -ENOENT, "face check: built without a cascade; name one");
+        return iso_fault_set_code(fault, ISO_FAULT_FILE_MISSING, -ENOENT,
+                                  "face check: built without a cascade; name one");
     }
     error = iso_file_check(path, CASCADE_BYTES_MAX, fault);
     if (error) {

@@ -50,8 +50,8 @@ int iso_face_detector_new(const char *cascade_path, struct iso_face_detector **o
     }
     if (!loaded) {
         delete detector;
-        return iso_fault_set(fault, -EBADMSG, "%s: not a cascade that OpenCV can read",
-                             cascade_path);
+        return iso_fault_set_code(fault, ISO_FAULT_MODEL_DAMAGED, -EBADMSG,
+                                  "%s: not a cascade that OpenCV can read", cascade_path);
     }
     *out = detector;
     return 0;

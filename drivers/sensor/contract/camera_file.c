@@ -18,7 +18,8 @@ int iso_camera_file_read(const char *path, struct iso_camera_file *out, struct i
     }
     free(text);
     if (error) {
-        return error == -ENOENT || error == -ENOMEM ? error : -EINVAL;
+        return iso_fault_code_default(fault, ISO_FAULT_CALIBRATION_WRONG,
+                                      error == -ENOENT || error == -ENOMEM ? error : -EINVAL);
     }
     out->meta = meta;
     iso_text_copy_end(path, out->name, sizeof out->name);

@@ -31,11 +31,13 @@ static int fail(struct iso_sensor *sensor, int error, const struct iso_fault *re
     if (!text.text[0]) {
         (void)iso_fault_set(&text, error, "sensor %s: %s", sensor->ops->name, strerror(-error));
     }
+    (void)iso_fault_code_default(
+        &text, error == -ENODEV ? ISO_FAULT_SENSOR_GONE : ISO_FAULT_SENSOR_FAILED, error);
     if (error == -ENODEV) {
         sensor->health.state = ISO_SENSOR_LOST;
     }
     (void)snprintf(sensor->health.last_fault, sizeof sensor->health.last_fault, "%s", text.text);
-    return iso_fault_set(fault, error, "%s", text.text);
+    return iso_fault_set_code(fault, text.code, error, "%s", text.text);
 }
 
 /* Whether a call that wants `state` is legal now: 0, or -ENODEV, -EBADFD. */
@@ -46,10 +48,28 @@ static int require(const struct iso_sensor *sensor, enum iso_sensor_state state,
         return 0;
     }
     if (sensor->health.state == ISO_SENSOR_LOST) {
-        return iso_fault_set(fault, -ENODEV, "sensor %s: the device is gone", sensor->ops->name);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_GONE, -ENODEV,
+                                  "sensor %s: the device is gone", sensor->ops->name);
     }
     return iso_fault_set(fault, -EBADFD, "sensor %s: is %s, not %s", sensor->ops->name,
                          iso_sensor_state_name(sensor->health.state), iso_sensor_state_name(state));
+}
+
+/* What a back end has said that gave its fault no code. */
+static enum iso_fault_code code_of_opening(int error)
+{
+    switch (error) {
+    case -ENODEV:
+        return ISO_FAULT_SENSOR_MISSING;
+    case -EACCES:
+        return ISO_FAULT_SENSOR_DENIED;
+    case -EBUSY:
+        return ISO_FAULT_SENSOR_BUSY;
+    case -EIO:
+        return ISO_FAULT_SENSOR_FAILED;
+    default:
+        return ISO_FAULT_NONE;
+    }
 }
 
 /* ---- opening and closing ---------------------------------------------------- */
@@ -85,7 +105,7 @@ int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_optio
     error = ops->open(options, n_options, clock, &sensor->self, fault);
     if (error) {
         free(sensor);
-        return error;
+        return iso_fault_code_default(fault, code_of_opening(error), error);
     }
     *out = sensor;
     return 0;
@@ -177,8 +197,9 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
     const char *flaw = find_flaw(sensor, fresh);
     if (flaw) {
         sensor->health.refused++;
-        (void)iso_fault_set(&reason, -EBADMSG, "sensor %s: frame %llu refused: %s",
-                            sensor->ops->name, (unsigned long long)fresh->sequence, flaw);
+        (void)iso_fault_set_code(&reason, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
+                                 "sensor %s: frame %llu refused: %s", sensor->ops->name,
+                                 (unsigned long long)fresh->sequence, flaw);
         return fail(sensor, -EBADMSG, &reason, fault);
     }
     count_frame(sensor, fresh);

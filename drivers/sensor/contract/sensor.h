@@ -30,13 +30,17 @@ struct iso_sensor_description {
     double unit_mm;          /* depths are whole multiples of this; 0 if they are not */
     double rate_hz;          /* frames a second when all is well; 0 if that is not fixed */
     char calibration[96];    /* what it measures by, in words; "" if the device knows itself */
+    enum iso_fault_code
+        calibration_code; /* why that is not to be relied on; ISO_FAULT_NONE: it is */
     bool repeats; /* its frames are stored ones that may count again: of a replay, on demand */
 };
 
 /* A device that a back end could open. */
 struct iso_sensor_device {
-    char id[256];    /* what the back end's options call it */
-    char label[128]; /* maker and model, for people */
+    char id[256];             /* what the back end's options call it */
+    char label[128];          /* maker and model, or why it cannot be opened, for people */
+    bool depth;               /* it delivers depth by itself, by the pixel formats that it offers */
+    enum iso_fault_code code; /* ISO_FAULT_NONE, or why it cannot be opened */
 };
 
 /* Is told of one device; what it points to is valid during the call. */
@@ -47,6 +51,7 @@ struct iso_sensor_device_health {
     uint64_t dropped; /* frames that arrived and were given up: nobody fetched them in time, or a
                          part of them was missing. They are gaps in the sequence as well */
     char state[64];   /* "" well, else in words */
+    enum iso_fault_code code; /* of what `state` says */
 };
 
 /* What an operation of a back end may and must do. `self` is the back end's own object. */

@@ -34,7 +34,9 @@ static int complain(const struct eye *eye, int error, struct iso_fault *fault)
                                            : "the stream broke";
     return error == 0 || error == -EAGAIN
                ? error
-               : iso_fault_set(fault, error, "%s: %s: %s", owner, eye_names[eye->index], what);
+               : iso_fault_set_code(
+                     fault, error == -ENODEV ? ISO_FAULT_SENSOR_GONE : ISO_FAULT_SENSOR_FAILED,
+                     error, "%s: %s: %s", owner, eye_names[eye->index], what);
 }
 
 static int eye_start(void *self, struct iso_fault *fault)
@@ -117,7 +119,7 @@ static int load_libcamera(struct iso_fault *fault)
 {
     struct iso_fault why = {.text = ""};
     const int error = iso_libcamera_module_load(&why);
-    return error ? iso_fault_set(fault, error, "%s: %s", owner, why.text) : 0;
+    return error ? iso_fault_set_code(fault, why.code, error, "%s: %s", owner, why.text) : 0;
 }
 
 static int pair_load(struct iso_fault *fault)
@@ -143,6 +145,22 @@ static void pair_close(void *self)
     free(pair);
 }
 
+static enum iso_fault_code code_of(int error)
+{
+    switch (error) {
+    case -ENODEV:
+        return ISO_FAULT_SENSOR_MISSING;
+    case -EBUSY:
+        return ISO_FAULT_SENSOR_BUSY;
+    case -EINVAL:
+        return ISO_FAULT_SENSOR_FORMAT;
+    case -ENOMEM:
+        return ISO_FAULT_OUT_OF_MEMORY;
+    default:
+        return ISO_FAULT_SENSOR_FAILED;
+    }
+}
+
 static int open_cameras(struct pair *pair, const struct iso_sensor_stereo_cameras *cameras,
                         struct iso_picture_stream_options *stream, struct iso_fault *fault)
 {
@@ -157,7 +175,7 @@ static int open_cameras(struct pair *pair, const struct iso_sensor_stereo_camera
     stream->tolerance_ns = cameras->tolerance_ns;
     int error = iso_libcamera_pair_open(&options, &pair->cameras, text);
     if (error) {
-        return iso_fault_set(fault, error, "%s: libcamera: %s", owner, text);
+        return iso_fault_set_code(fault, code_of(error), error, "%s: libcamera: %s", owner, text);
     }
     for (int i = 0; i < ISO_EYES; i++) {
         pair->eyes[i] = (struct eye){pair->cameras, i};
@@ -212,7 +230,7 @@ struct visit {
 static void tell(const char *id, const char *model, void *context)
 {
     const struct visit *visit = context;
-    struct iso_sensor_device device;
+    struct iso_sensor_device device = {.depth = false};
     (void)snprintf(device.id, sizeof device.id, "%s", id);
     (void)snprintf(device.label, sizeof device.label, "%s", model);
     visit->visit(&device, visit->context);

@@ -25,8 +25,9 @@ int iso__openni2_refuse(OniStatus status, const char *what, struct iso_fault *fa
     for (size_t n = strlen(words); n > 0 && words[n - 1] == ' '; n--) {
         words[n - 1] = '\0';
     }
-    return iso_fault_set(fault, error, "%s: %s: %s", owner, what,
-                         words[0] ? words : "no reason given");
+    return iso_fault_set_code(
+        fault, error == -ENODEV ? ISO_FAULT_SENSOR_GONE : ISO_FAULT_SENSOR_FAILED, error,
+        "%s: %s: %s", owner, what, words[0] ? words : "no reason given");
 }
 
 int iso__openni2_start_runtime(struct iso_fault *fault)
@@ -103,8 +104,9 @@ static int none_such(const OniDeviceInfo *devices, int n, const char *wanted,
         const int length = snprintf(seen + used, sizeof seen - used, " %s", devices[i].uri);
         used += length > 0 ? (size_t)length : 0;
     }
-    return iso_fault_set(fault, -ENODEV, "%s: no device%s%s; OpenNI2 sees:%s", owner,
-                         wanted ? " " : "", wanted ? wanted : "", n > 0 ? seen : " none");
+    return iso_fault_set_code(fault, ISO_FAULT_SENSOR_MISSING, -ENODEV,
+                              "%s: no device%s%s; OpenNI2 sees:%s", owner, wanted ? " " : "",
+                              wanted ? wanted : "", n > 0 ? seen : " none");
 }
 
 int iso__openni2_find_device(const char *wanted, OniDeviceInfo *out, struct iso_fault *fault)
@@ -132,7 +134,9 @@ int iso__openni2_find_file(const char *path, OniDeviceInfo *out, struct iso_faul
         return error;
     }
     if (!realpath(path, full)) {
-        return iso_fault_set(fault, errno == EACCES ? -EACCES : -ENODEV, "%s: %s: %m", owner, path);
+        return iso_fault_set_code(fault,
+                                  errno == EACCES ? ISO_FAULT_FILE_DENIED : ISO_FAULT_FILE_MISSING,
+                                  errno == EACCES ? -EACCES : -ENODEV, "%s: %s: %m", owner, path);
     }
     if (strlen(full) >= sizeof out->uri) {
         return iso_fault_set(fault, -EINVAL, "%s: %s: name too long for OpenNI2", owner, path);
@@ -156,7 +160,7 @@ int iso__openni2_probe(iso_sensor_visitor *visit, void *context, struct iso_faul
         error = iso__openni2_refuse(status, "devices cannot be listed", fault);
     }
     for (int i = 0; !error && i < n; i++) {
-        struct iso_sensor_device device;
+        struct iso_sensor_device device = {.depth = true};
         (void)snprintf(device.id, sizeof device.id, "%s", devices[i].uri);
         (void)snprintf(device.label, sizeof device.label, "%.60s %.60s", devices[i].vendor,
                        devices[i].name);

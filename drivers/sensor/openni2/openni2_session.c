@@ -105,8 +105,8 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
     OniStatus status = oniDeviceCreateStream(session->device, type, &stream->handle);
     if (status != ONI_STATUS_OK) {
         stream->handle = NULL;
-        return iso_fault_set(fault, -EINVAL, "%s: %s: has no %s stream", owner, session->info.uri,
-                             name);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
+                                  "%s: %s: has no %s stream", owner, session->info.uri, name);
     }
     const OniSensorInfo *sensor = oniStreamGetSensorInfo(stream->handle);
     if (!sensor || get(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &now, sizeof now)) {
@@ -120,10 +120,10 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
         }
     }
     if (best_rank == 0) {
-        return iso_fault_set(fault, -EINVAL,
-                             "%s: %s: no %s mode of %d fits; now it is %dx%d@%d, format %d", owner,
-                             session->info.uri, name, sensor->numSupportedVideoModes,
-                             now.resolutionX, now.resolutionY, now.fps, now.pixelFormat);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
+                                  "%s: %s: no %s mode of %d fits; now it is %dx%d@%d, format %d",
+                                  owner, session->info.uri, name, sensor->numSupportedVideoModes,
+                                  now.resolutionX, now.resolutionY, now.fps, now.pixelFormat);
     }
     if (!modes_equal(&best, &now)) {
         status = oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &best,
@@ -225,8 +225,9 @@ static int find_camera(struct iso__openni2_session *session, enum iso__openni2_g
     float x_rad = 0, y_rad = 0;
     if (get(eye, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &x_rad, sizeof x_rad) ||
         get(eye, ONI_STREAM_PROPERTY_VERTICAL_FOV, &y_rad, sizeof y_rad)) {
-        return iso_fault_set(fault, -EIO, "%s: %s: does not tell its field of view", owner,
-                             session->info.uri);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EIO,
+                                  "%s: %s: does not tell its field of view", owner,
+                                  session->info.uri);
     }
     session->camera = iso__openni2_camera(mode->resolutionX, mode->resolutionY, (double)x_rad,
                                           (double)y_rad);
@@ -388,8 +389,8 @@ int iso__openni2_session_start(struct iso__openni2_session *session, const char 
         error = start_recorder(session, record, fault);
     }
     if (atomic_load(&session->gone)) { /* the runtime starts what is not there without a word */
-        error = iso_fault_set(fault, -ENODEV, "%s: %s: the device is gone", owner,
-                              session->info.uri);
+        error = iso_fault_set_code(fault, ISO_FAULT_SENSOR_GONE, -ENODEV,
+                                   "%s: %s: the device is gone", owner, session->info.uri);
     }
     if (error) {
         iso__openni2_session_stop(session);
@@ -440,8 +441,8 @@ int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_
     OniStreamHandle handles[] = {session->depth.handle, session->grey.handle};
     int which = 0;
     if (atomic_load(&session->gone)) {
-        return iso_fault_set(fault, -ENODEV, "%s: %s: the device is gone", owner,
-                             session->info.uri);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_GONE, -ENODEV,
+                                  "%s: %s: the device is gone", owner, session->info.uri);
     }
     if (iso__openni2_session_ended(session)) {
         return -ETIMEDOUT;
@@ -452,8 +453,9 @@ int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_
     OniStatus status = oniWaitForAnyStream(handles, session->grey.handle ? 2 : 1, &which,
                                            session->file ? PLAYER_MS : timeout_ms);
     if (status == ONI_STATUS_TIME_OUT) {
-        return session->file ? iso_fault_set(fault, -EIO, "%s: %s: neither a frame nor the end",
-                                             owner, session->info.uri)
+        return session->file ? iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EIO,
+                                                  "%s: %s: neither a frame nor the end", owner,
+                                                  session->info.uri)
                              : -ETIMEDOUT;
     }
     if (status == ONI_STATUS_OK) {

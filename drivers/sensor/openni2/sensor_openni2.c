@@ -55,9 +55,9 @@ static int read_mode(const char *text, struct iso__openni2_wish *wish)
 static int check_mode(const char *value, struct iso_fault *fault)
 {
     struct iso__openni2_wish wish;
-    return read_mode(value, &wish)
-               ? iso_fault_set(fault, -EINVAL, "'%s' is not WIDTHxHEIGHT@HZ", value)
-               : 0;
+    return read_mode(value, &wish) ? iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                                        "'%s' is not WIDTHxHEIGHT@HZ", value)
+                                   : 0;
 }
 
 static int read_intrinsics(const char *text, struct iso_camera *camera)
@@ -74,9 +74,12 @@ static int check_intrinsics(const char *value, struct iso_fault *fault)
     struct iso_camera largest = {.projection = ISO_PINHOLE, .width_px = 8192, .height_px = 8192};
     const char *what = NULL;
     if (read_intrinsics(value, &largest)) {
-        return iso_fault_set(fault, -EINVAL, "'%s' is not FX FY CX CY", value);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL, "'%s' is not FX FY CX CY",
+                                  value);
     }
-    return iso_camera_check(&largest, &what) ? iso_fault_set(fault, -EINVAL, "%s", what) : 0;
+    return iso_camera_check(&largest, &what)
+               ? iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL, "%s", what)
+               : 0;
 }
 
 static const struct iso_option_spec option_specs[] = {
@@ -141,7 +144,8 @@ static int parse_words(const struct iso_option_set *set, struct openni2 *sensor,
     sensor->calibrated = *intrinsics;
     if ((*mode && read_mode(mode, wish)) ||
         (sensor->calibrated && read_intrinsics(intrinsics, &lens))) {
-        return iso_fault_set(fault, -EINVAL, "%s: bad mode or intrinsics", owner);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: bad mode or intrinsics", owner);
     }
     sensor->fx_px = lens.fx_px;
     sensor->fy_px = lens.fy_px;
@@ -157,8 +161,9 @@ static int parse_camera(const struct iso_option_set *set, struct openni2 *sensor
         return 0;
     }
     if (sensor->calibrated) {
-        return iso_fault_set(fault, -EINVAL,
-                             "%s: options 'camera' and 'intrinsics' exclude each other", owner);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: options 'camera' and 'intrinsics' exclude each other",
+                                  owner);
     }
     sensor->has_camera = true;
     return iso_camera_file_read(iso_option_text(set, "camera"), &sensor->camera, fault);
@@ -194,12 +199,12 @@ static int parse_options(const struct iso_option *options, size_t n, struct open
         return error;
     }
     if (sensor->path && sensor->device) {
-        return iso_fault_set(fault, -EINVAL, "%s: options 'path' and 'device' exclude each other",
-                             owner);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: options 'path' and 'device' exclude each other", owner);
     }
     if (!sensor->path && (!sensor->realtime || sensor->wish.loop)) {
-        return iso_fault_set(fault, -EINVAL, "%s: options 'pace' and 'loop' are of a file ('path')",
-                             owner);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: options 'pace' and 'loop' are of a file ('path')", owner);
     }
     sensor->wish.path = sensor->path;
     sensor->wish.device = sensor->device;
@@ -223,9 +228,10 @@ static int make_frame(struct openni2 *sensor, struct iso_fault *fault)
     const char *what = NULL;
     if (sensor->has_camera &&
         (measured->width_px != camera.width_px || measured->height_px != camera.height_px)) {
-        return iso_fault_set(fault, -EINVAL, "%s: the camera gives %d x %d, %s is for %d x %d",
-                             owner, camera.width_px, camera.height_px, sensor->camera.name,
-                             measured->width_px, measured->height_px);
+        return iso_fault_set_code(fault, ISO_FAULT_CALIBRATION_WRONG, -EINVAL,
+                                  "%s: the camera gives %d x %d, %s is for %d x %d", owner,
+                                  camera.width_px, camera.height_px, sensor->camera.name,
+                                  measured->width_px, measured->height_px);
     }
     camera = sensor->has_camera ? *measured : camera;
     if (sensor->calibrated) {
@@ -235,7 +241,8 @@ static int make_frame(struct openni2 *sensor, struct iso_fault *fault)
         camera.cy_px = sensor->cy_px;
     }
     if (iso_camera_check(&camera, &what)) {
-        return iso_fault_set(fault, -EINVAL, "%s: option 'intrinsics': %s", owner, what);
+        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                                  "%s: option 'intrinsics': %s", owner, what);
     }
     const int error = iso_frame_new(&camera, camera.width_px, camera.height_px,
                                     sensor->session.grey.handle != NULL, &sensor->frame);
@@ -380,8 +387,9 @@ static int fetch_live(struct openni2 *sensor, int64_t deadline_ns, struct iso_fa
             return error;
         }
         if (atomic_load(&sensor->session.state) == ONI_DEVICE_STATE_ERROR) {
-            return iso_fault_set(fault, -EIO, "%s: %s: the device reports an error", owner,
-                                 sensor->session.info.uri);
+            return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EIO,
+                                      "%s: %s: the device reports an error", owner,
+                                      sensor->session.info.uri);
         }
         if (error) {
             left_ms -= slice_ms;
@@ -430,8 +438,9 @@ static int convert(struct openni2 *sensor, struct iso_fault *fault)
         error = iso__openni2_read_intensity(sensor->grey, session->grey.mirrored,
                                             session->grey.full_scale, sensor->frame, &what);
     }
-    return error ? iso_fault_set(fault, error, "%s: %s: frame %d: %s %s", owner, session->info.uri,
-                                 sensor->depth->frameIndex, part, what)
+    return error ? iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, error,
+                                      "%s: %s: frame %d: %s %s", owner, session->info.uri,
+                                      sensor->depth->frameIndex, part, what)
                  : 0;
 }
 
@@ -531,6 +540,8 @@ static int openni2_describe(void *self, struct iso_sensor_description *out)
     (void)snprintf(out->serial, sizeof out->serial, "%s", session->serial);
     if (sensor->has_camera) {
         iso_camera_file_describe(&sensor->camera, out->calibration, sizeof out->calibration);
+        out->calibration_code = sensor->camera.meta.nominal ? ISO_FAULT_CALIBRATION_NOMINAL
+                                                            : ISO_FAULT_NONE;
     }
     return 0;
 }
@@ -546,6 +557,9 @@ static void openni2_health(void *self, struct iso_sensor_device_health *out)
     out->dropped = sensor->dropped;
     (void)snprintf(out->state, sizeof out->state, "%s",
                    known && !atomic_load(&sensor->session.gone) ? words[state] : word);
+    out->code = atomic_load(&sensor->session.gone) ? ISO_FAULT_SENSOR_GONE
+                : out->state[0]                    ? ISO_FAULT_SENSOR_FAILED
+                                                   : ISO_FAULT_NONE;
 }
 
 void iso_sensor_openni2_forget(void)

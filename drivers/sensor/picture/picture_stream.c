@@ -120,7 +120,8 @@ static int start_camera(struct iso_picture_stream *s, int index, struct iso_faul
     s->started[index] = true;
     if (epoll_ctl(s->epoll_fd, EPOLL_CTL_ADD, camera->source.fd(camera->source.self), &event) !=
         0) {
-        return iso_fault_set(fault, -EIO, "%s: a camera cannot be polled: %m", s->owner);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EIO,
+                                  "%s: a camera cannot be polled: %m", s->owner);
     }
     return 0;
 }
@@ -193,10 +194,11 @@ static int refuse_late(struct iso_picture_stream *s, const struct camera *camera
 {
     int error = camera->source.give_back(camera->source.self, fault);
     s->dropped++;
-    return error
-               ? error
-               : iso_fault_set(fault, -EBADMSG, "%s: picture %lu comes after picture %lu", s->owner,
-                               (unsigned long)picture->sequence, (unsigned long)camera->newest);
+    return error ? error
+                 : iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
+                                      "%s: picture %lu comes after picture %lu", s->owner,
+                                      (unsigned long)picture->sequence,
+                                      (unsigned long)camera->newest);
 }
 
 /* Takes what the kernel has of a camera's pictures. */
@@ -311,7 +313,8 @@ int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_
             return -ETIMEDOUT;
         }
         if (n < 0) {
-            return iso_fault_set(fault, -EIO, "video devices cannot be polled: %m");
+            return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EIO,
+                                      "video devices cannot be polled: %m");
         }
     }
 }

@@ -44,6 +44,15 @@ static void read_cameras(const struct iso_option_set *set, struct iso_sensor_ste
     iso_picture_sensor_options(set, &out->fps, &out->tolerance_ns);
 }
 
+/* Pictures that are worse than half a pixel off their model are matched wrongly. */
+static enum iso_fault_code judge_calibration(const struct iso_stereo_calibration *calibration)
+{
+    static const double rms_max_px = 0.5;
+    return calibration->pairs == 0            ? ISO_FAULT_CALIBRATION_NOMINAL
+           : calibration->rms_px > rms_max_px ? ISO_FAULT_CALIBRATION_POOR
+                                              : ISO_FAULT_NONE;
+}
+
 /* "60.0 mm apart, 0.21 px rms of 24 pairs". */
 static void describe_calibration(const struct iso_stereo_calibration *calibration, char *text,
                                  size_t size)
@@ -67,14 +76,19 @@ static int read_matching(const struct iso_option_set *set,
     stereo->confidence_min = iso_option_number(set, "confidence");
     const int error = iso_stereo_calibration_read(iso_option_text(set, "calibration"), calibration,
                                                   fault);
-    return error && error != -ENOMEM && error != -ENOENT ? -EINVAL : error;
+    if (error == -ENOENT) {
+        return iso_fault_recode(fault, ISO_FAULT_CALIBRATION_MISSING, error);
+    }
+    return error ? iso_fault_code_default(fault, ISO_FAULT_CALIBRATION_WRONG,
+                                          error == -ENOMEM ? error : -EINVAL)
+                 : 0;
 }
 
 int iso_sensor_stereo_load(const char *owner, struct iso_fault *fault)
 {
     struct iso_fault why = {.text = ""};
     const int error = iso_stereo_module_load(&why);
-    return error ? iso_fault_set(fault, error, "%s: %s", owner, why.text) : 0;
+    return error ? iso_fault_set_code(fault, why.code, error, "%s: %s", owner, why.text) : 0;
 }
 
 int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, size_t n_options,
@@ -100,6 +114,7 @@ int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, 
     const struct iso_camera *camera = &iso_stereo_rectification(made.stereo)->camera;
     size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
     describe_calibration(&calibration, made.calibration, sizeof made.calibration);
+    made.calibration_code = judge_calibration(&calibration);
     made.width_px = camera->width_px;
     made.height_px = camera->height_px;
     made.pictures[ISO_EYE_LEFT] = calloc(1, n);
@@ -151,8 +166,9 @@ int iso_sensor_stereo_wait(void *self, int64_t deadline_ns, const struct iso_fra
                                stereo->pictures[ISO_EYE_RIGHT], NULL, stereo->frame);
     if (error) {
         /* This pair is lost; the next may be good. */
-        return iso_fault_set(fault, -EBADMSG, "%s: the pictures cannot be matched: %s",
-                             stereo->owner, strerror(-error));
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
+                                  "%s: the pictures cannot be matched: %s", stereo->owner,
+                                  strerror(-error));
     }
     stereo->frame->t_ns = set.t_ns;
     stereo->frame->sequence = set.sequence;
@@ -169,4 +185,5 @@ void iso_sensor_stereo_describe(const struct iso_sensor_stereo *stereo, const ch
                                            .intensity = true};
     (void)snprintf(out->serial, sizeof out->serial, "%s", serial);
     (void)snprintf(out->calibration, sizeof out->calibration, "%s", stereo->calibration);
+    out->calibration_code = stereo->calibration_code;
 }

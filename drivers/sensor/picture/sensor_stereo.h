@@ -14,7 +14,8 @@ struct iso_sensor_stereo {
     struct iso_frame *frame;
     uint8_t *pictures[ISO_EYES]; /* [height_px * width_px] each, to be filled in */
     int width_px, height_px;
-    char calibration[96]; /* as in the description */
+    char calibration[96];                 /* as in the description */
+    enum iso_fault_code calibration_code; /* the same */
 };
 
 /* The table of options of every stereo back end: left, right, calibration, fps, pair_ms, near_mm,

@@ -125,7 +125,7 @@ static int look(const char *path, struct slot *slot, struct iso_fault *fault)
         if (errno == ENOENT || errno == ENOTDIR) {
             return 0;
         }
-        return iso_fault_set(fault, -EIO, "%s: %m", path);
+        return iso_fault_set_code(fault, ISO_FAULT_RECORDING_DAMAGED, -EIO, "%s: %m", path);
     }
     if (S_ISLNK(status.st_mode)) {
         ssize_t length = readlink(path, slot->target, sizeof slot->target - 1);
@@ -153,7 +153,8 @@ static int load(struct replay *replay, struct iso_fault *fault)
 {
     char resolved[PATH_MAX];
     if (!realpath(replay->path, resolved)) {
-        return iso_fault_set(fault, -EBADMSG, "%s: %m", replay->path);
+        return iso_fault_set_code(fault, ISO_FAULT_RECORDING_DAMAGED, -EBADMSG, "%s: %m",
+                                  replay->path);
     }
     int error = iso_recording_open(resolved, &replay->recording, fault);
     if (!error) {
@@ -161,8 +162,9 @@ static int load(struct replay *replay, struct iso_fault *fault)
     }
     if (error) {
         empty(replay);
-        return error == -ENOMEM ? iso_fault_set(fault, error, "%s: out of memory", resolved)
-                                : -EBADMSG;
+        return error == -ENOMEM
+                   ? iso_fault_set(fault, error, "%s: out of memory", resolved)
+                   : iso_fault_code_default(fault, ISO_FAULT_RECORDING_DAMAGED, -EBADMSG);
     }
     replay->next = 0;
     replay->origin_ns = iso_clock_now_ns(&replay->clock) - iso_recording_t_ns(replay->recording, 0);
@@ -232,7 +234,9 @@ static int read_next(struct replay *replay, int64_t t_ns, struct iso_fault *faul
     if (replay->loop && !has_next(replay)) {
         rewind_loop(replay);
     }
-    return error && error != -ENOMEM ? -EBADMSG : error;
+    return error && error != -ENOMEM
+               ? iso_fault_code_default(fault, ISO_FAULT_RECORDING_DAMAGED, -EBADMSG)
+               : error;
 }
 
 static int replay_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
@@ -293,9 +297,11 @@ static void replay_health(void *self, struct iso_sensor_device_health *out)
     const struct replay *replay = self;
     if (!replay->slot.there) {
         (void)snprintf(out->state, sizeof out->state, "there is no recording at its path");
+        out->code = ISO_FAULT_RECORDING_MISSING;
     } else if (replay->repeats) {
         (void)snprintf(out->state, sizeof out->state,
                        "stored frames may count more than once (repeats = yes)");
+        out->code = ISO_FAULT_RECORDING_REPEATS;
     }
 }
 

@@ -158,6 +158,8 @@ static int v4l2_describe(void *self, struct iso_sensor_description *out)
     (void)snprintf(out->model, sizeof out->model, "%s", v4l2->camera.meta.sensor);
     char camera[64];
     iso_camera_file_describe(&v4l2->camera, camera, sizeof camera);
+    out->calibration_code = v4l2->camera.meta.nominal ? ISO_FAULT_CALIBRATION_NOMINAL
+                                                      : ISO_FAULT_NONE;
     (void)snprintf(out->calibration, sizeof out->calibration, "%s, %g mm a count", camera,
                    v4l2->camera.meta.unit_mm);
     (void)snprintf(out->serial, sizeof out->serial, "%s", iso_v4l2_node_bus(v4l2->nodes[0]));

@@ -30,6 +30,27 @@ static int call(const struct iso_v4l2_node *node, unsigned long request, void *a
     return node->system->ioctl(node->system->context, node->fd, request, argument);
 }
 
+enum iso_fault_code iso_v4l2_fault_code(int error)
+{
+    switch (error) {
+    case -ENODEV:
+    case -ENXIO:
+    case -ENOENT:
+        return ISO_FAULT_SENSOR_MISSING;
+    case -EACCES:
+    case -EPERM:
+        return ISO_FAULT_SENSOR_DENIED;
+    case -EBUSY:
+        return ISO_FAULT_SENSOR_BUSY;
+    case -ENOSPC: /* of a USB bus: bandwidth */
+        return ISO_FAULT_USB_FULL;
+    case -ENOMEM:
+        return ISO_FAULT_OUT_OF_MEMORY;
+    default:
+        return ISO_FAULT_SENSOR_FAILED;
+    }
+}
+
 /* One line, and an errno of the class: what a device may not answer becomes -EIO. */
 static int complain(const struct iso_v4l2_node *node, int error, const char *what,
                     struct iso_fault *fault)
@@ -37,8 +58,8 @@ static int complain(const struct iso_v4l2_node *node, int error, const char *wha
     bool known = error == -ENODEV || error == -EBUSY || error == -EACCES || error == -ENOMEM ||
                  error == -EINVAL;
     int said = error == -ENXIO || error == -ENOENT ? -ENODEV : known ? error : -EIO;
-    return iso_fault_set(fault, said, "%s: %s: %s: %s", node->owner, node->path, what,
-                         strerror(-error));
+    return iso_fault_set_code(fault, iso_v4l2_fault_code(error), said, "%s: %s: %s: %s",
+                              node->owner, node->path, what, strerror(-error));
 }
 
 static int node_stop(void *self);
@@ -51,7 +72,8 @@ static int identify(struct iso_v4l2_node *node, struct iso_fault *fault)
     struct v4l2_capability capability = {0};
     int error = call(node, VIDIOC_QUERYCAP, &capability);
     if (error == -ENOTTY || error == -EINVAL) {
-        return iso_fault_set(fault, -ENODEV, "%s: %s: is no video device", node->owner, node->path);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_UNFIT, -ENODEV,
+                                  "%s: %s: is no video device", node->owner, node->path);
     }
     if (error) {
         return complain(node, error, "cannot be asked what it is", fault);
@@ -59,8 +81,8 @@ static int identify(struct iso_v4l2_node *node, struct iso_fault *fault)
     uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
                                                                   : capability.capabilities;
     if (!(can & V4L2_CAP_VIDEO_CAPTURE) || !(can & V4L2_CAP_STREAMING)) {
-        return iso_fault_set(fault, -ENODEV, "%s: %s: is no camera that streams", node->owner,
-                             node->path);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_UNFIT, -ENODEV,
+                                  "%s: %s: is no camera that streams", node->owner, node->path);
     }
     (void)snprintf(node->card, sizeof node->card, "%.32s", (const char *)capability.card);
     (void)snprintf(node->bus, sizeof node->bus, "%.32s", (const char *)capability.bus_info);
@@ -107,8 +129,9 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
         wanted++;
     }
     if (!*wanted) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s (%s): has none of the pixel formats wanted",
-                             node->owner, node->path, node->card);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
+                                  "%s: %s (%s): has none of the pixel formats wanted", node->owner,
+                                  node->path, node->card);
     }
     struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
     format.fmt.pix.width = (uint32_t)wish->width_px;
@@ -122,9 +145,10 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
     const struct v4l2_pix_format *got = &format.fmt.pix;
     if (got->pixelformat != *wanted || got->width != (uint32_t)wish->width_px ||
         got->height != (uint32_t)wish->height_px) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s (%s): gives %u x %u, not %d x %d", node->owner,
-                             node->path, node->card, got->width, got->height, wish->width_px,
-                             wish->height_px);
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
+                                  "%s: %s (%s): gives %u x %u, not %d x %d", node->owner,
+                                  node->path, node->card, got->width, got->height, wish->width_px,
+                                  wish->height_px);
     }
     node->format = *got;
     if (node->format.bytesperline < row_bytes(*wanted, wish->width_px)) {
@@ -241,8 +265,11 @@ static int node_start(void *self, struct iso_fault *fault)
     }
     if (error) {
         (void)node_stop(node);
-        error = is_gone(node) ? -ENODEV : error == -EINVAL ? -EIO : error;
-        return complain(node, error, "does not stream", fault);
+        if (is_gone(node)) {
+            (void)complain(node, -ENODEV, "does not stream", fault);
+            return iso_fault_recode(fault, ISO_FAULT_SENSOR_GONE, -ENODEV);
+        }
+        return complain(node, error == -EINVAL ? -EIO : error, "does not stream", fault);
     }
     return 0;
 }
@@ -270,8 +297,10 @@ static int node_stop(void *self)
 static int explain(struct iso_v4l2_node *node, int error, struct iso_fault *fault)
 {
     error = error == -ENODEV || is_gone(node) ? -ENODEV : -EIO;
-    return iso_fault_set(fault, error, "%s: %s: %s", node->owner, node->path,
-                         error == -ENODEV ? "the device is gone" : "the stream broke");
+    return iso_fault_set_code(fault,
+                              error == -ENODEV ? ISO_FAULT_SENSOR_GONE : ISO_FAULT_SENSOR_FAILED,
+                              error, "%s: %s: %s", node->owner, node->path,
+                              error == -ENODEV ? "the device is gone" : "the stream broke");
 }
 
 /* When the picture was taken; when it arrived, if the driver keeps another clock. */
@@ -304,10 +333,10 @@ static int node_take(void *self, struct iso_picture *out, struct iso_fault *faul
     if (buffer.flags & V4L2_BUF_FLAG_ERROR || used < needed) {
         error = node_give_back(node, fault);
         return error ? error
-                     : iso_fault_set(fault, -EBADMSG,
-                                     "%s: %s: picture %u came damaged (%zu of %zu "
-                                     "bytes)",
-                                     node->owner, node->path, buffer.sequence, used, needed);
+                     : iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
+                                          "%s: %s: picture %u came damaged (%zu of %zu "
+                                          "bytes)",
+                                          node->owner, node->path, buffer.sequence, used, needed);
     }
     *out = (struct iso_picture){.bytes = mapped->at,
                                 .stride_bytes = format->bytesperline,

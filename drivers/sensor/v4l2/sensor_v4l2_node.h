@@ -25,6 +25,10 @@ struct iso_v4l2_wish {
 
 struct iso_v4l2_node;
 
+/* The code of a fault, by the negative errno of a call on a node: SENSOR_MISSING, SENSOR_DENIED,
+ * SENSOR_BUSY, USB_FULL, OUT_OF_MEMORY, else SENSOR_FAILED. */
+enum iso_fault_code iso_v4l2_fault_code(int error);
+
 /* Opens and sets up a node; streams nothing. -ENODEV there is no such device, or it is no camera;
  * -EINVAL it has none of the formats, or not in this size; -EBUSY, -EACCES, -ENOMEM, -EIO. */
 int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4l2_wish *wish,
@@ -40,7 +44,7 @@ const char *iso_v4l2_node_card(const struct iso_v4l2_node *node);
 const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node);
 
 /* Tells of every node /dev/video0 to 63 that takes pictures (label: card, bus and pixel formats),
- * or that may not be opened (label: why). Always 0. */
+ * or that may not be opened (label and code: why). Always 0. */
 int iso_v4l2_probe(const struct iso_v4l2_system *system, iso_sensor_visitor *visit, void *context);
 
 /* The same as an operation of the sensor class, on the kernel. */

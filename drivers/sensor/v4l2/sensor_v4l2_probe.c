@@ -13,9 +13,10 @@ static int call(const struct iso_v4l2_system *system, int fd, unsigned long requ
     return system->ioctl(system->context, fd, request, argument);
 }
 
-/* " Z16 GREY ...", each format once. */
-static void list_formats(const struct iso_v4l2_system *system, int fd, char *text, size_t size)
+/* " Z16 GREY ...", each format once. Returns whether depth is among them. */
+static bool list_formats(const struct iso_v4l2_system *system, int fd, char *text, size_t size)
 {
+    bool depth = false;
     size_t used = 0;
     for (uint32_t i = 0; i < 16 && used < size; i++) {
         struct v4l2_fmtdesc format = {.index = i, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
@@ -23,11 +24,13 @@ static void list_formats(const struct iso_v4l2_system *system, int fd, char *tex
             break;
         }
         const uint32_t code = format.pixelformat;
+        depth |= code == V4L2_PIX_FMT_Z16;
         const int n = snprintf(text + used, size - used, " %c%c%c%c", (int)(code & 0x7f),
                                (int)(code >> 8 & 0x7f), (int)(code >> 16 & 0x7f),
                                (int)(code >> 24 & 0x7f));
         used += n > 0 ? (size_t)n : 0;
     }
+    return depth;
 }
 
 /* Whether it is a camera, and how it is labelled: "CARD at BUS: FORMATS", or why it is closed. */
@@ -38,12 +41,13 @@ static bool look_at(const struct iso_v4l2_system *system, struct iso_sensor_devi
     const int fd = system->open(system->context, device->id);
     if (fd < 0) {
         (void)snprintf(device->label, sizeof device->label, "cannot be opened: %s", strerror(-fd));
+        device->code = iso_v4l2_fault_code(fd);
         return fd != -ENOENT && fd != -ENXIO && fd != -ENODEV;
     }
     const bool known = call(system, fd, VIDIOC_QUERYCAP, &capability) == 0;
     const uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
                                                                         : capability.capabilities;
-    list_formats(system, fd, formats, sizeof formats);
+    device->depth = list_formats(system, fd, formats, sizeof formats);
     system->close(system->context, fd);
     (void)snprintf(device->label, sizeof device->label, "%.32s at %.32s:%s",
                    (const char *)capability.card, (const char *)capability.bus_info, formats);
