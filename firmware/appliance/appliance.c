@@ -34,10 +34,19 @@ void iso__appliance_say(struct iso_appliance *appliance, int priority, const cha
 int iso__appliance_say_fault(struct iso_appliance *appliance, int error,
                              const struct iso_fault *fault)
 {
+    char tag[ISO_FAULT_TAG_SIZE];
     if (error) {
-        iso__appliance_say(appliance, LOG_ERR, "%s", fault->text);
+        iso__appliance_say(appliance, LOG_ERR, "%s%s", fault->text,
+                           iso_fault_tag(fault->code, tag));
     }
     return error;
+}
+
+void iso__appliance_warn(struct iso_appliance *appliance, const struct iso_fault *fault)
+{
+    char tag[ISO_FAULT_TAG_SIZE];
+    iso__appliance_say(appliance, LOG_WARNING, "%s%s", fault->text,
+                       iso_fault_tag(fault->code, tag));
 }
 
 int iso__appliance_record_first(struct iso_appliance *appliance,
@@ -46,7 +55,7 @@ int iso__appliance_record_first(struct iso_appliance *appliance,
     struct iso_fault own = {.text = ""};
     const int error = iso_audit_writer_append(appliance->log, record, ISO_NEVER_NS, NULL, &own);
     iso__appliance_note_storage(appliance, error, &own);
-    return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
+    return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record)
@@ -77,11 +86,12 @@ int iso__appliance_record_grant(struct iso_appliance *appliance,
     iso__appliance_note_storage(appliance, error, &own);
     const int64_t took_ns = iso_times_boot_ns(times) - begin_ns;
     if (!error && took_ns > wait_ns) {
-        error = iso_fault_set(&own, -ETIMEDOUT, "the record took %lld ms to get to the disk",
-                              (long long)(took_ns / ISO_NS_PER_MS));
+        error = iso_fault_set_code(&own, ISO_FAULT_LOG_LATE, -ETIMEDOUT,
+                                   "the record took %lld ms to get to the disk",
+                                   (long long)(took_ns / ISO_NS_PER_MS));
     }
     if (error) {
-        (void)iso_fault_set(fault, error, "%s", own.text);
+        (void)iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
     return iso__appliance_say_fault(appliance, error, &own);
 }
@@ -118,8 +128,8 @@ static void on_sensor_gone(struct iso_appliance *appliance)
 {
     struct iso_audit_record record = iso_audit_record_of("sensor");
     record.reason = "lost";
-    record.note = appliance->keeper.fault;
-    iso__appliance_say(appliance, LOG_ERR, "%s", appliance->keeper.fault);
+    record.note = appliance->keeper.fault.text;
+    (void)iso__appliance_say_fault(appliance, appliance->keeper.error, &appliance->keeper.fault);
     (void)iso__appliance_note(appliance, &record);
     iso__appliance_action_disconnect(appliance);
 }
@@ -150,8 +160,8 @@ static void follow_sight(struct iso_appliance *appliance)
         if (keeper->sensor) {
             struct iso_audit_record record = iso_audit_record_of("sensor");
             record.reason = "silent";
-            record.note = keeper->fault;
-            iso__appliance_say(appliance, LOG_WARNING, "%s", keeper->fault);
+            record.note = keeper->fault.text;
+            iso__appliance_warn(appliance, &keeper->fault);
             (void)iso__appliance_note(appliance, &record);
         }
     }
@@ -283,7 +293,8 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
         return 0;
     }
     if (keeper->error == -EINVAL || keeper->error == -ENOENT) {
-        return iso_fault_set(fault, keeper->error, "%s", keeper->fault);
+        return iso_fault_set_code(fault, keeper->fault.code, keeper->error, "%s",
+                                  keeper->fault.text);
     }
     on_sensor_gone(appliance);
     follow_sight(appliance);
@@ -370,7 +381,7 @@ static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
         iso__appliance_time(appliance, now_ns);
         break;
     case ISO_SENSOR_FLAW:
-        iso__appliance_complain(appliance, appliance->keeper.fault);
+        iso__appliance_complain(appliance, &appliance->keeper.fault);
         break;
     case ISO_SENSOR_BACK:
         on_sensor_back(appliance);
@@ -465,10 +476,14 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .sensor_state = iso__appliance_sensor_state(appliance),
         .sensor_model = appliance->keeper.model,
         .sensor_calibration = appliance->keeper.calibration,
-        .sensor_fault = appliance->keeper.fault,
+        .sensor_fault = appliance->keeper.fault.text,
+        .sensor_fault_code = appliance->keeper.fault.code,
+        .sensor_calibration_code = appliance->keeper.calibration_code,
         .clock_fault = appliance->clock_fault.text,
+        .clock_fault_code = iso__appliance_clock_code(appliance),
         .stale_fault = appliance->stale_fault.text,
-        .storage_fault = iso__appliance_storage_fault(appliance),
+        .storage_fault = iso__appliance_storage_fault(appliance)->text,
+        .storage_fault_code = iso__appliance_storage_fault(appliance)->code,
         .counter_fault = appliance->counter_fault.text,
         .last_outcome = appliance->last_outcome,
         .view = appliance->has_view ? &appliance->view : NULL,
@@ -484,11 +499,13 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .people_valid = iso__appliance_count_valid(appliance),
         .uptime_ns = iso_times_now_ns(&appliance->parts.times) - appliance->start_ns,
     };
-    (void)snprintf(status.door_fault, sizeof status.door_fault, "%s", door.fault);
+    (void)snprintf(status.door_fault, sizeof status.door_fault, "%s", door.fault.text);
+    status.door_fault_code = door.fault.code;
     if (sensor) {
         const struct iso_sensor_health health = iso_sensor_health(sensor);
         (void)snprintf(status.sensor_health, sizeof status.sensor_health, "%s",
                        health.device.state);
+        status.sensor_health_code = health.device.code;
     }
     return status;
 }

@@ -207,22 +207,29 @@ struct iso_appliance_counts {
 struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
-    char door_fault[256];           /* why its lines do not work; "" while they do */
-    bool door_ordinary;             /* its thread has no real-time priority */
-    const char *sensor_state;       /* "started", "silent", "repeats", "lost" */
-    const char *sensor_model;       /* "" while unknown */
-    const char *sensor_calibration; /* "" while unknown, or if it has none */
-    const char *sensor_fault;       /* the last one; "" */
-    const char *clock_fault;        /* that the clock was set back; "" while it is right */
-    const char *stale_fault;        /* that grants have hardly enough time (stale_budget.h); "" */
-    const char *storage_fault;      /* what the disk refused last; "" since it works again */
-    const char *counter_fault;      /* of the counter of the state; "" while it works */
-    char sensor_health[64];         /* what its driver says of it; "" while all is well */
-    size_t people_valid;            /* who may come in at this time */
-    const char *last_outcome;       /* of a visit: "allow anna", "deny", ""; behind the name
-                                       ", door not-unlocked" if that is what it did */
-    const char *image_check;        /* "off", "flag", "veto", "absent" (pipeline.h) */
-    const struct iso_view *view;    /* of the last frame that was looked at; NULL: there was none */
+    /* A code is ISO_FAULT_NONE while there is no fault, or if it has no code. */
+    char door_fault[256]; /* why its lines do not work; "" while they do */
+    enum iso_fault_code door_fault_code;
+    bool door_ordinary;                          /* its thread has no real-time priority */
+    const char *sensor_state;                    /* "started", "silent", "repeats", "lost" */
+    const char *sensor_model;                    /* "" while unknown */
+    const char *sensor_calibration;              /* "" while unknown, or if it has none */
+    enum iso_fault_code sensor_calibration_code; /* why that is not to be relied on */
+    const char *sensor_fault;                    /* the last one; "" */
+    enum iso_fault_code sensor_fault_code;
+    const char *clock_fault;              /* that the clock was set back; "" while it is right */
+    enum iso_fault_code clock_fault_code; /* also that it is not set, which has no text */
+    const char *stale_fault;   /* that grants have hardly enough time (stale_budget.h); "" */
+    const char *storage_fault; /* what the disk refused last; "" since it works again */
+    enum iso_fault_code storage_fault_code;
+    const char *counter_fault; /* of the counter of the state; "" while it works */
+    char sensor_health[64];    /* what its driver says of it; "" while all is well */
+    enum iso_fault_code sensor_health_code;
+    size_t people_valid;         /* who may come in at this time */
+    const char *last_outcome;    /* of a visit: "allow anna", "deny", ""; behind the name
+                                    ", door not-unlocked" if that is what it did */
+    const char *image_check;     /* "off", "flag", "veto", "absent" (pipeline.h) */
+    const struct iso_view *view; /* of the last frame that was looked at; NULL: there was none */
     struct iso_appliance_counts counts;
     bool lockdown;
     int64_t lockout_ns; /* how long nobody is let in yet; 0: not locked out */

@@ -64,7 +64,8 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
                              iso_appliance_mode_name(appliance->mode));
     }
     if (!appliance->keeper.sensor) {
-        return iso_fault_set(fault, -ENODEV, "%s", appliance->keeper.fault);
+        return iso_fault_set_code(fault, appliance->keeper.fault.code, -ENODEV, "%s",
+                                  appliance->keeper.fault.text);
     }
     return iso_gallery_state(appliance->parts.gallery, fault);
 }
@@ -373,7 +374,9 @@ void iso__appliance_enroll_face(struct iso_appliance *appliance)
     const int error = iso_enrolment_frame(&appliance->enrolment, tmpl, &appliance->parts.pipeline,
                                           &gallery, &passed);
     if (error) {
-        iso__appliance_complain(appliance, strerror(-error));
+        struct iso_fault fault;
+        (void)iso_fault_set(&fault, error, "%s", strerror(-error));
+        iso__appliance_complain(appliance, &fault);
     }
     if (passed) {
         iso_hint_filter_forget(&appliance->hints);
@@ -470,7 +473,7 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
         record.note = own.text;
         (void)iso__appliance_record(appliance, &record);
         iso__appliance_note_storage(appliance, error, &own);
-        return iso_fault_set(fault, error, "%s", own.text);
+        return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
     iso__appliance_record_gallery(appliance, "gallery", NULL);
     iso__appliance_forget(appliance, name);

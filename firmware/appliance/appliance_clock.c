@@ -44,11 +44,11 @@ static void tell_behind(struct iso_appliance *appliance)
 {
     const int64_t latest_s = iso_audit_latest_s(appliance->parts.audit);
     char date[ISO_VALIDITY_DATE_SIZE];
-    (void)iso_fault_set(&appliance->clock_fault, -ERANGE,
-                        "the clock was set back: the log has a record of %s; people with time "
-                        "limits are not let in",
-                        iso_validity_date(latest_s, date));
-    iso__appliance_say(appliance, LOG_WARNING, "%s", appliance->clock_fault.text);
+    (void)iso_fault_set_code(&appliance->clock_fault, ISO_FAULT_CLOCK_BEHIND, -ERANGE,
+                             "the clock was set back: the log has a record of %s; people with time "
+                             "limits are not let in",
+                             iso_validity_date(latest_s, date));
+    iso__appliance_warn(appliance, &appliance->clock_fault);
     (void)record(appliance, "behind", latest_s, false);
 }
 
@@ -57,6 +57,14 @@ static void tell_right(struct iso_appliance *appliance)
     appliance->clock_fault.text[0] = '\0';
     iso__appliance_say(appliance, LOG_NOTICE, "the clock is right again");
     (void)record(appliance, "right", iso_audit_latest_s(appliance->parts.audit), false);
+}
+
+/* A clock that is not set keeps nobody out, but those with time limits. */
+enum iso_fault_code iso__appliance_clock_code(const struct iso_appliance *appliance)
+{
+    return appliance->clock_fault.text[0]       ? appliance->clock_fault.code
+           : iso_wall_is_set(wall_s(appliance)) ? ISO_FAULT_NONE
+                                                : ISO_FAULT_CLOCK_UNSET;
 }
 
 void iso__appliance_clock_time(struct iso_appliance *appliance)

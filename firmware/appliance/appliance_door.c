@@ -63,8 +63,10 @@ static void tell_change(struct iso_appliance *appliance, const struct iso_door_n
     const struct iso_appliance_events *events = &appliance->parts.events;
     const char *state = iso_door_state_name(news->state);
     const char *cause = iso_door_event_name(news->cause);
-    iso__appliance_say(appliance, is_alarm(news) ? LOG_WARNING : LOG_INFO, "door %s (%s)%s%s",
-                       state, cause, *news->fault ? ": " : "", news->fault);
+    char tag[ISO_FAULT_TAG_SIZE];
+    iso__appliance_say(appliance, is_alarm(news) ? LOG_WARNING : LOG_INFO, "door %s (%s)%s%s%s",
+                       state, cause, news->fault.text[0] ? ": " : "", news->fault.text,
+                       iso_fault_tag(news->fault.code, tag));
     events->door_changed(events->context, state, cause);
 }
 

@@ -6,11 +6,10 @@
 /* The last visit's text ends before the name. */
 static void forget_outcome(struct iso_appliance *appliance, const char *name)
 {
-    char *text = appliance->last_outcome;
-    char *at = strstr(text, name);
-    if (at) {
-        at -= at > text && at[-1] == ' ';
-        explicit_bzero(at, sizeof appliance->last_outcome - (size_t)(at - text));
+    if (*name && strcmp(appliance->outcome_person, name) == 0) {
+        const size_t verdict = strcspn(appliance->last_outcome, " ");
+        explicit_bzero(appliance->last_outcome + verdict, sizeof appliance->last_outcome - verdict);
+        explicit_bzero(appliance->outcome_person, sizeof appliance->outcome_person);
     }
 }
 

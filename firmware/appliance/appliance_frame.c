@@ -11,10 +11,10 @@
 /* As often as somebody who turns a camera can follow. */
 static const int64_t view_interval_ns = 100 * ISO_NS_PER_MS;
 
-void iso__appliance_complain(struct iso_appliance *appliance, const char *text)
+void iso__appliance_complain(struct iso_appliance *appliance, const struct iso_fault *fault)
 {
     if (!appliance->complaining) {
-        iso__appliance_say(appliance, LOG_WARNING, "%s", text);
+        iso__appliance_warn(appliance, fault);
     }
     appliance->complaining = true;
 }
@@ -108,7 +108,9 @@ static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns,
     const int error = iso__appliance_is_shut(appliance) ? 0 : compare(appliance, &face);
     if (error) {
         if (error != -ENODATA) {
-            iso__appliance_complain(appliance, strerror(-error));
+            struct iso_fault fault;
+            (void)iso_fault_set(&fault, error, "%s", strerror(-error));
+            iso__appliance_complain(appliance, &fault);
         }
         return ISO_CAPTURE_TOO_FEW_POINTS;
     }
@@ -165,7 +167,7 @@ static int extract(struct iso_appliance *appliance, const struct iso_frame *fram
         struct iso_fault fault;
         (void)iso_fault_set(&fault, error, "frame %llu: no template: %s",
                             (unsigned long long)frame->sequence, strerror(-error));
-        iso__appliance_complain(appliance, fault.text);
+        iso__appliance_complain(appliance, &fault);
     }
     return error;
 }
@@ -293,7 +295,7 @@ static bool is_stale(struct iso_appliance *appliance, const struct iso_frame *fr
     (void)iso_fault_set(&fault, -ESTALE, "frame %llu is %lld ms late",
                         (unsigned long long)frame->sequence,
                         (long long)((arrival_ns - frame->t_ns) / ISO_NS_PER_MS));
-    iso__appliance_complain(appliance, fault.text);
+    iso__appliance_complain(appliance, &fault);
     return true;
 }
 

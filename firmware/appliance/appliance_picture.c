@@ -19,7 +19,8 @@ static int may_ask(const struct iso_appliance *appliance, struct iso_fault *faul
         return iso_fault_set(fault, -EBUSY, "the picture asked for before has still to come");
     }
     if (!appliance->keeper.sensor) {
-        return iso_fault_set(fault, -ENODEV, "%s", appliance->keeper.fault);
+        return iso_fault_set_code(fault, appliance->keeper.fault.code, -ENODEV, "%s",
+                                  appliance->keeper.fault.text);
     }
     return 0;
 }

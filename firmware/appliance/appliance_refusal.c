@@ -46,10 +46,10 @@ static int save(struct iso_appliance *appliance, struct iso_fault *out)
     }
     appliance->lockout_save_ns = now_ns(appliance) + save_again_ns;
     if (!said) {
-        iso__appliance_say(appliance, LOG_ERR, "%s", fault.text);
+        (void)iso__appliance_say_fault(appliance, error, &fault);
     }
     iso__appliance_note_storage(appliance, error, &fault);
-    return iso_fault_set(out, error, "%s", fault.text);
+    return iso_fault_set_code(out, fault.code, error, "%s", fault.text);
 }
 
 /* Whether the file has come to say what is to be kept, although the disk reported an error. */
@@ -88,9 +88,10 @@ static void suspect(struct iso_appliance *appliance, int error, const struct iso
     struct iso_audit_record record = iso_audit_record_of("lockdown");
     record.reason = error == -ESTALE ? "stale" : "damaged";
     record.note = fault->text;
+    char tag[ISO_FAULT_TAG_SIZE];
     appliance->lockout.lockdown = true;
-    iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until `isotherm lockdown off`",
-                       fault->text);
+    iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until `isotherm lockdown off`%s",
+                       fault->text, iso_fault_tag(fault->code, tag));
     (void)iso__appliance_record(appliance, &record);
 }
 
@@ -109,9 +110,9 @@ static int load(const struct iso_appliance *appliance, struct iso_lockout_file *
         return error;
     }
     if (!error && file.number == 0 && !parts->config->seal.migrate) {
-        return iso_fault_set(fault, -ESTALE,
-                             "%s: not sealed, which [seal] migrate = no does not take",
-                             parts->lockout_path);
+        return iso_fault_set_code(fault, ISO_FAULT_STORE_UNSEALED, -ESTALE,
+                                  "%s: not sealed, which [seal] migrate = no does not take",
+                                  parts->lockout_path);
     }
     *out = file;
     return 0;
@@ -329,7 +330,7 @@ static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fau
         return error;
     }
     iso_storage_add(&own, "nobody is let in from now on, but a restart may forget that");
-    return iso_fault_set(fault, unkept, "%s", own.text);
+    return iso_fault_set_code(fault, own.code, unkept, "%s", own.text);
 }
 
 /* This replaces a file that cannot be read, too. */

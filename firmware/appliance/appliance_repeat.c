@@ -1,4 +1,5 @@
 /* Frames that come again: a camera that is stuck, or fed with stored ones. */
+#include <errno.h>
 #include <stdio.h>
 #include <syslog.h>
 
@@ -15,11 +16,11 @@ static void record(struct iso_appliance *appliance, const char *reason, const ch
 static void tell_stuck(struct iso_appliance *appliance)
 {
     struct iso_sensor_keeper *keeper = &appliance->keeper;
-    (void)snprintf(keeper->fault, sizeof keeper->fault,
-                   "sensor %s: its frames repeat earlier ones, they count for nothing",
-                   keeper->model);
-    iso__appliance_say(appliance, LOG_WARNING, "%s", keeper->fault);
-    record(appliance, "repeats", keeper->fault);
+    (void)iso_fault_set_code(&keeper->fault, ISO_FAULT_SENSOR_REPEATS, -EBADMSG,
+                             "sensor %s: its frames repeat earlier ones, they count for nothing",
+                             keeper->model);
+    iso__appliance_warn(appliance, &keeper->fault);
+    record(appliance, "repeats", keeper->fault.text);
 }
 
 static void tell_free(struct iso_appliance *appliance)

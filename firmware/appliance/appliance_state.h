@@ -9,6 +9,7 @@
 #include "core/presentation/liveness.h"
 #include "firmware/appliance/appliance.h"
 #include "firmware/audit/audit_writer.h"
+#include "firmware/contract/fault_tag.h"
 #include "firmware/door/door_events.h"
 #include "firmware/door/door_guard.h"
 #include "firmware/recognise/enrolment.h"
@@ -59,6 +60,7 @@ struct iso_appliance {
     struct iso_fault card_fault;    /* why the last card number was not sent */
     struct iso_door_look door_look; /* the door behind the last grant */
     char last_outcome[48 + ISO_PERSON_NAME_SIZE];
+    char outcome_person[ISO_PERSON_NAME_SIZE]; /* whom last_outcome names; "" */
     struct iso_appliance_counts counts;
     struct iso_lockout lockout;
     struct iso_fault clock_fault;   /* the clock was set back; "": it was not */
@@ -98,8 +100,11 @@ __attribute__((format(printf, 3, 4))) void iso__appliance_say(struct iso_applian
 int iso__appliance_say_fault(struct iso_appliance *appliance, int error,
                              const struct iso_fault *fault);
 
+/* Tells the system's log of a fault as a warning. */
+void iso__appliance_warn(struct iso_appliance *appliance, const struct iso_fault *fault);
+
 /* A warning, but only for the first of a row of frames that fail. */
-void iso__appliance_complain(struct iso_appliance *appliance, const char *text);
+void iso__appliance_complain(struct iso_appliance *appliance, const struct iso_fault *fault);
 
 /* Writes a record and waits for the disk: for what must not happen without it. A failure is told to
  * the system's log, and returned. */
@@ -132,7 +137,7 @@ void iso__appliance_note_storage(struct iso_appliance *appliance, int error,
 void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns);
 
 /* What the disk refuses now or refused last; "" since it works again. */
-const char *iso__appliance_storage_fault(const struct iso_appliance *appliance);
+const struct iso_fault *iso__appliance_storage_fault(const struct iso_appliance *appliance);
 
 /* "started", "silent" (it runs, but nothing is seen), "repeats" (it delivers old frames again),
  * "lost". */
@@ -201,6 +206,10 @@ void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct is
 
 /* Whether the date is more than a minute before the latest one in the log. */
 bool iso__appliance_clock_is_behind(const struct iso_appliance *appliance);
+
+/* CLOCK_BEHIND, CLOCK_UNSET (the clock shows a date before this program was written), or
+ * ISO_FAULT_NONE. */
+enum iso_fault_code iso__appliance_clock_code(const struct iso_appliance *appliance);
 
 /* The date by which limits are judged while the clock is not behind, seconds since 1970: it does
  * not go back by the minute that is tolerated. */

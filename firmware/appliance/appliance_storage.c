@@ -13,14 +13,14 @@ void iso__appliance_note_storage(struct iso_appliance *appliance, int error,
     if (iso_storage_is_refusal(error)) {
         appliance->storage_fault = *fault;
     } else if (!error) {
-        appliance->storage_fault.text[0] = '\0';
+        appliance->storage_fault = (struct iso_fault){.text = ""};
     }
 }
 
-const char *iso__appliance_storage_fault(const struct iso_appliance *appliance)
+const struct iso_fault *iso__appliance_storage_fault(const struct iso_appliance *appliance)
 {
     const bool unread = appliance->lockout_read_ns != ISO_NEVER_NS;
-    return unread ? appliance->lockout_fault.text : appliance->storage_fault.text;
+    return unread ? &appliance->lockout_fault : &appliance->storage_fault;
 }
 
 void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)
@@ -32,7 +32,9 @@ void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)
         return;
     }
     if (appliance->gallery_retry_ns == ISO_NEVER_NS) {
-        iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in", fault.text);
+        char tag[ISO_FAULT_TAG_SIZE];
+        iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in%s", fault.text,
+                           iso_fault_tag(fault.code, tag));
     } else if (t_ns < appliance->gallery_retry_ns) {
         return;
     }

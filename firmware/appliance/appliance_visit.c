@@ -117,7 +117,7 @@ static void note_answer(struct iso_appliance *appliance, struct iso_visit *visit
 {
     appliance->door_look = iso_door_guard_look(appliance->door);
     visit->door_fault = visit->door != ISO_DOOR_DID_NOT_UNLOCK ? ""
-                        : *appliance->door_look.fault          ? appliance->door_look.fault
+                        : appliance->door_look.fault.text[0]   ? appliance->door_look.fault.text
                                                                : "the door is at fault";
 }
 
@@ -149,7 +149,11 @@ static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
     if (!error) {
         return;
     }
-    iso__appliance_say(appliance, card ? LOG_ERR : LOG_WARNING, "%s", fault->text);
+    if (card) {
+        (void)iso__appliance_say_fault(appliance, error, fault);
+    } else {
+        iso__appliance_warn(appliance, fault);
+    }
     if (!iso_config_has_relay(appliance->parts.config)) {
         visit->door = ISO_DOOR_DID_NOT_UNLOCK;
         visit->door_fault = fault->text;
@@ -211,6 +215,8 @@ static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *
     (void)snprintf(appliance->last_outcome, sizeof appliance->last_outcome, "%s%s%s%s",
                    verdict_word(verdict), *visit->person ? " " : "", visit->person,
                    stuck ? ", door not-unlocked" : "");
+    (void)snprintf(appliance->outcome_person, sizeof appliance->outcome_person, "%s",
+                   visit->person);
     iso__appliance_say(appliance, stuck ? LOG_WARNING : LOG_INFO,
                        "visit: %s (%s, %d %s, %lld ms)%s%s%s%s", verdict_word(verdict),
                        iso_reason_name(verdict->reason), verdict->frames,

@@ -24,8 +24,11 @@ void iso_sensor_keeper_init(struct iso_sensor_keeper *keeper,
 static void note_fault(struct iso_sensor_keeper *keeper, int error, const struct iso_fault *fault)
 {
     keeper->error = error;
-    (void)snprintf(keeper->fault, sizeof keeper->fault, "%s",
-                   fault->text[0] ? fault->text : "sensor: failed without a reason");
+    keeper->fault = *fault;
+    if (!fault->text[0]) {
+        (void)iso_fault_set_code(&keeper->fault, ISO_FAULT_SENSOR_FAILED, error,
+                                 "sensor: failed without a reason");
+    }
 }
 
 static void close_sensor(struct iso_sensor_keeper *keeper, int64_t now_ns)
@@ -84,9 +87,10 @@ static void doubt_sight(struct iso_sensor_keeper *keeper, int64_t now_ns)
     struct iso_fault fault;
     if (loses_sight(keeper, now_ns)) {
         note_fault(keeper,
-                   iso_fault_set(&fault, -ETIMEDOUT, "sensor %s: nothing seen for %lld ms",
-                                 iso_sensor_name(keeper->sensor),
-                                 (long long)((now_ns - keeper->seen_ns) / ISO_NS_PER_MS)),
+                   iso_fault_set_code(&fault, ISO_FAULT_SENSOR_SILENT, -ETIMEDOUT,
+                                      "sensor %s: nothing seen for %lld ms",
+                                      iso_sensor_name(keeper->sensor),
+                                      (long long)((now_ns - keeper->seen_ns) / ISO_NS_PER_MS)),
                    &fault);
     }
 }
@@ -113,9 +117,10 @@ static enum iso_sensor_news note_nothing(struct iso_sensor_keeper *keeper, int64
     }
     struct iso_fault fault;
     note_fault(keeper,
-               iso_fault_set(&fault, -EIO, "sensor %s: no frame for %lld ms",
-                             iso_sensor_name(keeper->sensor),
-                             (long long)((now_ns - keeper->heard_ns) / ISO_NS_PER_MS)),
+               iso_fault_set_code(&fault, ISO_FAULT_SENSOR_SILENT, -EIO,
+                                  "sensor %s: no frame for %lld ms",
+                                  iso_sensor_name(keeper->sensor),
+                                  (long long)((now_ns - keeper->heard_ns) / ISO_NS_PER_MS)),
                &fault);
     close_sensor(keeper, now_ns);
     return ISO_SENSOR_GONE;
@@ -152,6 +157,7 @@ enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, in
             (void)snprintf(keeper->model, sizeof keeper->model, "%s", description.model);
             (void)snprintf(keeper->calibration, sizeof keeper->calibration, "%s",
                            description.calibration);
+            keeper->calibration_code = description.calibration_code;
             keeper->repeats = description.repeats;
         }
         return ISO_SENSOR_FRAME;

@@ -49,11 +49,12 @@ struct iso_sensor_keeper {
     bool sees;                 /* what is before the camera now is known */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;
-    char model[32];       /* of the sensor; "" while unknown */
-    char calibration[96]; /* the same */
-    bool repeats;         /* its frames may count again: iso_sensor_description.repeats */
-    int error;            /* the last one, negative errno; 0 if there was none */
-    char fault[256];      /* what it was, in words */
+    char model[32];                       /* of the sensor; "" while unknown */
+    char calibration[96];                 /* the same */
+    enum iso_fault_code calibration_code; /* iso_sensor_description.calibration_code */
+    bool repeats;           /* its frames may count again: iso_sensor_description.repeats */
+    int error;              /* the last one, negative errno; 0 if there was none */
+    struct iso_fault fault; /* what it was */
 };
 
 enum iso_sensor_news {

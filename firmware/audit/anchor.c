@@ -110,8 +110,8 @@ static int read_slots(struct iso_anchor *anchor, struct iso_fault *fault)
         }
     }
     return found ? 0
-                 : iso_fault_set(fault, -EBADMSG, "%s: damaged, or the anchor of another store",
-                                 anchor->path);
+                 : iso_fault_set_code(fault, ISO_FAULT_ANCHOR_DAMAGED, -EBADMSG,
+                                      "%s: damaged, or the anchor of another store", anchor->path);
 }
 
 static int new_anchor(const char *path, const char *kind, const struct iso_key_ring *ring,
@@ -141,7 +141,7 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
     struct iso_fault why = {.text = ""};
     error = iso_file_open(path, O_RDWR, 2 * SLOT_BYTES, &anchor->fd, &why);
     if (error && error != -ENOENT) {
-        (void)iso_fault_set(fault, error, "%s", why.text);
+        (void)iso_fault_set_code(fault, why.code, error, "%s", why.text);
         error = iso_storage_reword(path, error, fault);
     }
     error = error ? error : read_slots(anchor, fault);

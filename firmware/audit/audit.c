@@ -59,7 +59,7 @@ static int begin(struct iso_audit *audit, struct iso_fault *fault)
         return iso_storage_refused(audit->path, -errno, fault);
     }
     if (!audit->anchor && audit->closed.n > 0) {
-        return iso__audit_stale(audit, "its anchor is gone", fault);
+        return iso__audit_stale(audit, ISO_FAULT_ANCHOR_DAMAGED, "its anchor is gone", fault);
     }
     if (audit->anchor && audit->closed.n > 0) {
         char path[PATH_MAX];
@@ -76,7 +76,7 @@ static int begin(struct iso_audit *audit, struct iso_fault *fault)
 static int go_on(struct iso_audit *audit, size_t *torn, struct iso_fault *fault)
 {
     if (!audit->anchor) {
-        return iso__audit_stale(audit, "its anchor is gone", fault);
+        return iso__audit_stale(audit, ISO_FAULT_ANCHOR_DAMAGED, "its anchor is gone", fault);
     }
     const int error = iso__audit_scan(audit, audit->path, torn, fault);
     return error ? error : iso__audit_check_end(audit, false, fault);
@@ -110,8 +110,9 @@ int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault 
     if (flock(opened, LOCK_EX | LOCK_NB)) {
         const int error = errno == EWOULDBLOCK ? -EBUSY : -errno;
         (void)close(opened);
-        return iso_fault_set(fault, error, "%s: %s", path,
-                             error == -EBUSY ? "another process writes it" : strerror(-error));
+        return iso_fault_set_code(fault, error == -EBUSY ? ISO_FAULT_STORE_BUSY : ISO_FAULT_NONE,
+                                  error, "%s: %s", path,
+                                  error == -EBUSY ? "another process writes it" : strerror(-error));
     }
     *fd = opened;
     return 0;

@@ -132,26 +132,27 @@ int iso__audit_check_closed(const struct iso_audit *audit, bool closed, struct i
     const uint64_t segment = iso_get_u64(extra + EXTRA_SEGMENT);
     const uint16_t n = iso_get_u16(extra + EXTRA_CLOSED);
     if (count_closed(audit, audit->segment_first + closed, UINT64_MAX) > 0) {
-        return iso_fault_set(fault, -ESTALE,
-                             "%s: an old segment: there are closed ones of later records",
-                             audit->path);
+        return iso_fault_set_code(fault, ISO_FAULT_LOG_OLD, -ESTALE,
+                                  "%s: an old segment: there are closed ones of later records",
+                                  audit->path);
     }
     if (segment == 0) { /* of an anchor that did not say */
         return 0;
     }
     if (audit->segment_first < segment) {
-        return iso_fault_set(fault, -ESTALE,
-                             "%s: an old segment: the newest begins with record %" PRIu64,
-                             audit->path, segment);
+        return iso_fault_set_code(fault, ISO_FAULT_LOG_OLD, -ESTALE,
+                                  "%s: an old segment: the newest begins with record %" PRIu64,
+                                  audit->path, segment);
     }
     if (audit->segment_first > segment && segment >= audit->first && !is_closed(audit, segment)) {
-        return iso_fault_set(fault, -ESTALE, "%s: the segment of record %" PRIu64 " is missing",
-                             audit->path, segment);
+        return iso_fault_set_code(fault, ISO_FAULT_LOG_OLD, -ESTALE,
+                                  "%s: the segment of record %" PRIu64 " is missing", audit->path,
+                                  segment);
     }
     const uint16_t found = count_closed(audit, audit->first, segment);
     return found == n ? 0
-                      : iso_fault_set(fault, -ESTALE,
-                                      "%s: %u closed segments, there have to be %u; put back "
-                                      "what is missing",
-                                      audit->path, found, n);
+                      : iso_fault_set_code(fault, ISO_FAULT_LOG_OLD, -ESTALE,
+                                           "%s: %u closed segments, there have to be %u; put back "
+                                           "what is missing",
+                                           audit->path, found, n);
 }

@@ -25,9 +25,10 @@ static int may_migrate(const struct iso_audit *audit, struct iso_fault *fault)
     if (audit->options.migrate && (first || iso__audit_anchor_is_sealing(audit))) {
         return 0;
     }
-    return iso_fault_set(fault, -ESTALE, "%s: a log in plain text, %s", audit->path,
-                         audit->options.migrate ? "where there was a sealed one"
-                                                : "which [seal] migrate = no does not take");
+    return iso_fault_set_code(fault, ISO_FAULT_STORE_UNSEALED, -ESTALE,
+                              "%s: a log in plain text, %s", audit->path,
+                              audit->options.migrate ? "where there was a sealed one"
+                                                     : "which [seal] migrate = no does not take");
 }
 
 static int set_anchor(struct iso_audit *audit, struct iso_fault *fault)
@@ -54,10 +55,10 @@ static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_
                      struct iso_fault *fault)
 {
     if (!is_next(audit, line, length)) {
-        return iso_fault_set(fault, -EBADMSG,
-                             "%s:%" PRIu64 ": damaged, or not record %" PRIu64
-                             "; move the file away to begin a new log",
-                             audit->path, audit->last + 1, audit->last + 1);
+        return iso_fault_set_code(fault, ISO_FAULT_LOG_DAMAGED, -EBADMSG,
+                                  "%s:%" PRIu64 ": damaged, or not record %" PRIu64
+                                  "; move the file away to begin a new log",
+                                  audit->path, audit->last + 1, audit->last + 1);
     }
     if (iso__audit_reserve_mark(audit)) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
@@ -67,7 +68,7 @@ static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_
     const size_t sealed = iso_audit_line_close(&audit->seal, audit->last + 1, &known, line,
                                                length - 1, audit->line, &audit->link);
     if (fwrite(audit->line, 1, sealed, out) != sealed) {
-        return iso_fault_set(fault, -ENOSPC, "%s: %m", audit->path);
+        return iso_fault_set_code(fault, ISO_FAULT_DISK_FULL, -ENOSPC, "%s: %m", audit->path);
     }
     iso__audit_count_line(audit, sealed);
     return 0;
@@ -85,7 +86,8 @@ static int seal_lines(struct iso_audit *audit, FILE *in, FILE *out, struct iso_f
         error = seal_line(audit, out, line, length, fault);
     }
     if (!error && ferror(in)) {
-        error = iso_fault_set(fault, -EIO, "%s: cannot be read", audit->path);
+        error = iso_fault_set_code(fault, ISO_FAULT_DISK_FAILED, -EIO, "%s: cannot be read",
+                                   audit->path);
     }
     return error;
 }
@@ -102,8 +104,9 @@ static int seal_file(struct iso_audit *audit, int fd, struct iso_fault *fault)
     }
     error = error ? error : seal_lines(audit, in, out, fault);
     if (out && (fflush(out) || iso_disk_wait_fsync(fd)) && !error) {
-        error = iso_fault_set(fault, errno == ENOSPC || errno == EFBIG ? -ENOSPC : -EIO, "%s: %m",
-                              audit->path);
+        error = iso_fault_set_code(
+            fault, errno == ENOSPC || errno == EFBIG ? ISO_FAULT_DISK_FULL : ISO_FAULT_DISK_FAILED,
+            errno == ENOSPC || errno == EFBIG ? -ENOSPC : -EIO, "%s: %m", audit->path);
     }
     if (out) {
         (void)fclose(out);

@@ -12,31 +12,32 @@
 
 #include "drivers/file/storage_fault.h"
 #include "firmware/audit/audit_state.h"
+#include "firmware/contract/json_member.h"
 
 static int refuse(const struct iso_audit *audit, int error, uint64_t sequence, const char *flaw,
                   struct iso_fault *fault)
 {
-    return iso_fault_set(fault, error,
-                         "%s: record %" PRIu64
-                         " %s; move the log and its anchor away (see --accept-state)",
-                         audit->path, sequence, flaw);
+    return iso_fault_set_code(
+        fault, error == -ESTALE ? ISO_FAULT_LOG_OLD : ISO_FAULT_LOG_DAMAGED, error,
+        "%s: record %" PRIu64 " %s; move the log and its anchor away (see --accept-state)",
+        audit->path, sequence, flaw);
 }
 
-int iso__audit_stale(const struct iso_audit *audit, const char *what, struct iso_fault *fault)
+int iso__audit_stale(const struct iso_audit *audit, enum iso_fault_code code, const char *what,
+                     struct iso_fault *fault)
 {
-    return iso_fault_set(fault, -ESTALE,
-                         "%s: %s; move the log and its anchor away (see --accept-state)",
-                         audit->path, what);
+    return iso_fault_set_code(fault, code, -ESTALE,
+                              "%s: %s; move the log and its anchor away (see --accept-state)",
+                              audit->path, what);
 }
 
 /* Remembers what a record says of the gallery: "gallery":"ID:CHANGES". */
 static void note_gallery(struct iso_audit *audit, const char *text)
 {
-    static const char key[] = "\"gallery\":\"";
-    const char *found = strstr(text, key);
-    char gallery[20];
+    char value[48], gallery[20];
     uint64_t changes;
-    if (found && sscanf(found + sizeof key - 1, "%16[0-9a-f]:%" SCNu64, gallery, &changes) == 2) {
+    if (iso_json_member(text, "gallery", value, sizeof value) &&
+        sscanf(value, "%16[0-9a-f]:%" SCNu64, gallery, &changes) == 2) {
         memcpy(audit->gallery, gallery, sizeof gallery);
         audit->gallery_changes = changes;
     }
@@ -102,10 +103,10 @@ int iso__audit_scan(struct iso_audit *audit, const char *path, size_t *torn,
     }
     int error = iso_audit_reader_open(reader, path, audit->options.ring);
     if (error == -EBADMSG) {
-        error = iso_fault_set(fault, error,
-                              "%s: %s; move the log and its anchor away (see "
-                              "--accept-state)",
-                              path, reader->flaw);
+        error = iso_fault_set_code(fault, ISO_FAULT_LOG_DAMAGED, error,
+                                   "%s: %s; move the log and its anchor away (see "
+                                   "--accept-state)",
+                                   path, reader->flaw);
     } else if (error) {
         error = iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
         error = iso_storage_reword(path, error, fault);
@@ -118,7 +119,8 @@ int iso__audit_scan(struct iso_audit *audit, const char *path, size_t *torn,
     }
     if (!error && more < 0) {
         error = more == -EBADMSG ? refuse(audit, more, reader->next, reader->flaw, fault)
-                                 : iso_fault_set(fault, more, "%s: cannot be read", path);
+                                 : iso_fault_set_code(fault, ISO_FAULT_DISK_FAILED, more,
+                                                      "%s: cannot be read", path);
     }
     *torn = reader->torn;
     iso_audit_reader_close(reader);
@@ -135,7 +137,7 @@ int iso__audit_check_end(struct iso_audit *audit, bool closed, struct iso_fault 
     }
     const bool lax = iso__audit_anchor_is_lax(audit);
     if (!lax && audit->proved > anchor->value) {
-        return iso__audit_stale(audit, "its anchor is an old one", fault);
+        return iso__audit_stale(audit, ISO_FAULT_LOG_OLD, "its anchor is an old one", fault);
     }
     const int error = iso__audit_check_closed(audit, closed, fault);
     if (error) {

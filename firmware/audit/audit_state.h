@@ -89,8 +89,9 @@ int iso__audit_scan(struct iso_audit *audit, const char *path, size_t *torn,
  * or an error of writing the anchor. (audit_scan.c) */
 int iso__audit_check_end(struct iso_audit *audit, bool closed, struct iso_fault *fault);
 
-/* Describes that the log is not of this time: returns -ESTALE. (audit_scan.c) */
-int iso__audit_stale(const struct iso_audit *audit, const char *what, struct iso_fault *fault);
+/* Describes that the log is not of this time, with that code: returns -ESTALE. (audit_scan.c) */
+int iso__audit_stale(const struct iso_audit *audit, enum iso_fault_code code, const char *what,
+                     struct iso_fault *fault);
 
 /* A segment that begins behind the present head, under the newest key, in the open file `fd`; 0
  * with it on the disk. */

@@ -33,8 +33,8 @@ int iso__audit_recover(struct iso_audit *audit, struct iso_fault *fault)
         return error;
     }
     if (!has_all(found, audit)) {
-        error = iso_fault_set(fault, -ESTALE, "%s: records are missing that were written",
-                              audit->path);
+        error = iso_fault_set_code(fault, ISO_FAULT_LOG_OLD, -ESTALE,
+                                   "%s: records are missing that were written", audit->path);
     } else {
         const struct iso_audit given_up = *audit;
         if (found->latest_s < audit->latest_s) { /* it stands in a segment that was not read */

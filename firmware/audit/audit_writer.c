@@ -55,8 +55,9 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
                    size_t places, struct iso__audit_slot **out, struct iso_fault *fault)
 {
     if (ISO_AUDIT_WRITER_RECORDS - writer->n < places) {
-        return iso_fault_set(fault, -ENOBUFS,
-                             "the log's queue is full: %zu records wait for the disk", writer->n);
+        return iso_fault_set_code(fault, ISO_FAULT_LOG_LATE, -ENOBUFS,
+                                  "the log's queue is full: %zu records wait for the disk",
+                                  writer->n);
     }
     struct iso__audit_slot *slot = iso__audit_writer_slot(writer, writer->n);
     if (!fill(slot, record)) {
@@ -166,7 +167,7 @@ static int post(struct iso_audit_writer *writer, const struct iso_audit_record *
         error = writer->threaded ? 0 : write_now(writer, &own);
     }
     (void)pthread_mutex_unlock(&writer->mutex);
-    return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
+    return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 
 int iso_audit_writer_post(struct iso_audit_writer *writer, const struct iso_audit_record *record,
@@ -227,11 +228,13 @@ static int append(struct iso_audit_writer *writer, const struct iso_audit_record
     }
     if (!wait_for(writer, ticket, wait_ns)) {
         give_up(writer, ticket);
-        return iso_fault_set(fault, -ETIMEDOUT, "the record did not get to the disk within %d ms",
-                             (int)(wait_ns / ISO_NS_PER_MS));
+        return iso_fault_set_code(fault, ISO_FAULT_LOG_LATE, -ETIMEDOUT,
+                                  "the record did not get to the disk within %d ms",
+                                  (int)(wait_ns / ISO_NS_PER_MS));
     }
     return writer->awaited.error
-               ? iso_fault_set(fault, writer->awaited.error, "%s", writer->awaited.fault.text)
+               ? iso_fault_set_code(fault, writer->awaited.fault.code, writer->awaited.error, "%s",
+                                    writer->awaited.fault.text)
                : 0;
 }
 

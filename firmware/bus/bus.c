@@ -81,9 +81,9 @@ int iso_bus_check_address(const char *address, struct iso_fault *fault)
         (colon && colon > address)) {
         return 0;
     }
-    return iso_fault_set(fault, -EINVAL,
-                         "bus '%s': not system, session or an address such as unix:path=/run/bus",
-                         address);
+    return iso_fault_set_code(
+        fault, ISO_FAULT_CONFIG_WRONG, -EINVAL,
+        "bus '%s': not system, session or an address such as unix:path=/run/bus", address);
 }
 
 int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fault)
@@ -98,7 +98,8 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
     r = r < 0 ? r : sd_bus_get_unique_name(bus->bus, &unique); /* waits for the handshake */
     if (r < 0) {
         iso_bus_close(bus);
-        return iso_fault_set(fault, r, "bus '%s': %s", address, strerror(-r));
+        return iso_fault_set_code(fault, ISO_FAULT_BUS_MISSING, r, "bus '%s': %s", address,
+                                  strerror(-r));
     }
     *out = bus;
     return 0;
@@ -151,12 +152,13 @@ int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
     iso_call_rate_init(&bus->rate, iso_times_now_ns(&parts->times));
     int r = attach(bus);
     if (r < 0) {
-        return iso_fault_set(fault, r, "bus: %s", strerror(-r));
+        return iso_fault_set_code(fault, ISO_FAULT_BUS_REFUSED, r, "bus: %s", strerror(-r));
     }
     r = sd_bus_request_name(bus->bus, ISO_CONTRACT_NAME, 0);
     if (r < 0) {
-        return iso_fault_set(fault, r, "bus: the name %s: %s", ISO_CONTRACT_NAME,
-                             r == -EEXIST ? "another isothermd has it" : strerror(-r));
+        return iso_fault_set_code(fault, ISO_FAULT_BUS_REFUSED, r, "bus: the name %s: %s",
+                                  ISO_CONTRACT_NAME,
+                                  r == -EEXIST ? "another isothermd has it" : strerror(-r));
     }
     bus->serving = true;
     return 0;
@@ -194,7 +196,8 @@ int iso_bus_mend(struct iso_bus *bus, struct iso_fault *fault)
                                           bus);
     if (r < 0) {
         drop(bus);
-        return iso_fault_set(fault, r, "bus '%s': %s", bus->address, strerror(-r));
+        return iso_fault_set_code(fault, ISO_FAULT_BUS_MISSING, r, "bus '%s': %s", bus->address,
+                                  strerror(-r));
     }
     bus->gone = false;
     return 0;

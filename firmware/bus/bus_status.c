@@ -7,6 +7,7 @@
 #include "drivers/base/utf8.h"
 #include "drivers/sensor/contract/sensor.h"
 #include "firmware/bus/bus_state.h"
+#include "firmware/contract/fault_tag.h"
 
 void iso__bus_clean_text(char *to, size_t size, const char *from)
 {
@@ -50,22 +51,30 @@ static void add_words(struct word_list *list, const char *format, const char *fi
     list->used += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
 }
 
+struct device_list {
+    struct word_list words;
+    enum iso_fault_code code; /* of the first device that has one */
+};
+
 static void list_device(const struct iso_sensor_device *device, void *context)
 {
-    add_words(context, "%.200s (%.90s)", device->id, device->label);
+    struct device_list *list = context;
+    add_words(&list->words, "%.200s (%.90s)", device->id, device->label);
+    list->code = list->code == ISO_FAULT_NONE ? device->code : list->code;
 }
 
 /* What the sensor's driver sees. While the sensor is lost, only of a driver that looks in a moment:
  * others would keep the door waiting, and the fault then says what there is. */
 static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool sensor_runs)
 {
-    struct word_list list = {.text = ""};
+    struct device_list list = {.code = ISO_FAULT_NONE};
     const char *back_end = bus->parts->config->sensor.backend;
     if ((sensor_runs || iso_sensor_probes_at_once(back_end)) &&
         iso_sensor_probe(back_end, list_device, &list, NULL)) {
-        list.text[0] = '\0'; /* it cannot tell */
+        list = (struct device_list){.code = ISO_FAULT_NONE}; /* it cannot tell */
     }
-    return append_text(reply, "sensor-devices", list.text);
+    const int r = append_text(reply, "sensor-devices", list.words.text);
+    return r < 0 ? r : append_text(reply, "sensor-devices-code", iso_fault_word(list.code));
 }
 
 /* Which lines the configuration names. */
@@ -140,6 +149,26 @@ static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
     return r;
 }
 
+static int append_codes(sd_bus_message *reply, const struct iso_appliance_status *status)
+{
+    const struct {
+        const char *key;
+        enum iso_fault_code code;
+    } codes[] = {
+        {"sensor-calibration-code", status->sensor_calibration_code},
+        {"sensor-fault-code", status->sensor_fault_code},
+        {"sensor-health-code", status->sensor_health_code},
+        {"clock-fault-code", status->clock_fault_code},
+        {"storage-fault-code", status->storage_fault_code},
+        {"door-fault-code", status->door_fault_code},
+    };
+    int r = 0;
+    for (size_t i = 0; r >= 0 && i < sizeof codes / sizeof *codes; i++) {
+        r = append_text(reply, codes[i].key, iso_fault_word(codes[i].code));
+    }
+    return r;
+}
+
 static int append_counts(sd_bus_message *reply, const struct iso_appliance_counts *counts)
 {
     const struct {
@@ -163,6 +192,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     const struct iso_appliance_status status = iso_appliance_status(bus->appliance);
     int r = sd_bus_message_open_container(reply, 'a', "{sv}");
     r = r < 0 ? r : append_texts(reply, bus, &status);
+    r = r < 0 ? r : append_codes(reply, &status);
     r = r < 0 ? r : append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
     r = r < 0 ? r : append_lines(reply, &bus->parts->config->door.options);
     r = r < 0 ? r : append_gallery(reply, bus, status.people_valid);

@@ -26,6 +26,12 @@ static void print_device(const struct iso_sensor_device *device, void *context)
     iso_json_line_string(&line, "sensor", listing->sensor);
     iso_json_line_string(&line, "id", device->id);
     iso_json_line_string(&line, "label", device->label);
+    if (device->depth) {
+        iso_json_line_string(&line, "kind", "depth");
+    }
+    if (device->code != ISO_FAULT_NONE) {
+        iso_json_line_string(&line, "code", iso_fault_code_name(device->code));
+    }
     print_line(&line, listing->out);
 }
 
@@ -36,6 +42,9 @@ static void print_fault(const char *sensor, const struct iso_fault *fault, FILE 
     iso_json_line_begin(&line);
     iso_json_line_string(&line, "sensor", sensor);
     iso_json_line_string(&line, "fault", fault->text);
+    if (fault->code != ISO_FAULT_NONE) {
+        iso_json_line_string(&line, "code", iso_fault_code_name(fault->code));
+    }
     print_line(&line, out);
 }
 

@@ -317,14 +317,17 @@ struct iso_config iso_config_default(void)
 static int judge(const struct parse *parse, const char *name, int line, struct iso_fault *fault)
 {
     if (line > 0 && (!parse->fault_line || line < parse->fault_line)) {
-        return iso_fault_set(fault, -EINVAL, "%s:%d: not `key = value`", name, line);
+        return iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL,
+                                  "%s:%d: not `key = value`", name, line);
     }
     if (parse->fault_line) {
-        return iso_fault_set(fault, -EINVAL, "%s:%d: %s", name, parse->fault_line,
-                             parse->reason.text);
+        return iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL, "%s:%d: %s", name,
+                                  parse->fault_line, parse->reason.text);
     }
     const char *conflict = find_conflict(&parse->config);
-    return conflict ? iso_fault_set(fault, -EINVAL, "%s: %s", name, conflict) : 0;
+    return conflict ? iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL, "%s: %s", name,
+                                         conflict)
+                    : 0;
 }
 
 int iso_config_parse(const char *name, const char *text, struct iso_config *out,
@@ -353,6 +356,9 @@ int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *
 {
     char *text = NULL;
     int error = iso_text_read(path, FILE_MAX_BYTES, &text, fault);
+    if (error == -ENOENT) {
+        return iso_fault_recode(fault, ISO_FAULT_NOT_CONFIGURED, error);
+    }
     if (!error) {
         error = iso_config_parse(path, text, out, fault);
         free(text);

@@ -22,14 +22,17 @@ int iso_confine_memory(struct iso_fault *fault)
     const struct rlimit none = {0, 0};
     (void)setrlimit(RLIMIT_CORE, &none);
     if (prctl(PR_SET_DUMPABLE, 0)) {
-        return iso_fault_set(fault, -errno, "the process stays dumpable: %m");
+        return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -errno,
+                                  "the process stays dumpable: %m");
     }
     if (!may_lock_all()) {
-        return iso_fault_set(fault, -EPERM,
-                             "memory is not locked: the limit of locked memory is not infinite");
+        return iso_fault_set_code(
+            fault, ISO_FAULT_NOT_CONFINED, -EPERM,
+            "memory is not locked: the limit of locked memory is not infinite");
     }
     if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT)) {
-        return iso_fault_set(fault, -errno, "memory is not locked: %m");
+        return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -errno,
+                                  "memory is not locked: %m");
     }
     return 0;
 }

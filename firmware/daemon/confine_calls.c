@@ -330,7 +330,8 @@ static bool has_room(void)
 int iso_confine_calls(struct iso_fault *fault)
 {
 #ifdef ISOTHERM_INSTRUMENTED
-    return iso_fault_set(fault, -ENOTSUP, "this build is watched, and confines nothing");
+    return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -ENOTSUP,
+                              "this build is watched, and confines nothing");
 #endif
     scmp_filter_ctx filter = has_room() ? seccomp_init(SCMP_ACT_ERRNO(EPERM)) : NULL;
     if (!filter) {
@@ -339,5 +340,7 @@ int iso_confine_calls(struct iso_fault *fault)
     int error = build(filter);
     error = error ? error : seccomp_load(filter);
     seccomp_release(filter);
-    return error ? iso_fault_set(fault, error, "calls are not confined: %s", strerror(-error)) : 0;
+    return error ? iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, error,
+                                      "calls are not confined: %s", strerror(-error))
+                 : 0;
 }

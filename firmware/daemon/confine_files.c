@@ -151,7 +151,8 @@ static int restrict_files(const struct iso_config *config, struct iso_fault *fau
     const long version = syscall(SYS_landlock_create_ruleset, NULL, 0,
                                  LANDLOCK_CREATE_RULESET_VERSION);
     if (version < 1) {
-        return iso_fault_set(fault, -ENOSYS, "files are not confined: the kernel has no Landlock");
+        return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -ENOSYS,
+                                  "files are not confined: the kernel has no Landlock");
     }
     struct landlock_ruleset_attr attributes = {.handled_access_fs = rights_of(version)};
     const struct ruleset ruleset = {
@@ -160,7 +161,8 @@ static int restrict_files(const struct iso_config *config, struct iso_fault *fau
         .handled = attributes.handled_access_fs,
     };
     if (ruleset.fd < 0) {
-        return iso_fault_set(fault, -errno, "files are not confined: %m");
+        return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -errno,
+                                  "files are not confined: %m");
     }
     int error = allow_system(&ruleset);
     error = error ? error : allow_libraries(&ruleset);
@@ -169,17 +171,20 @@ static int restrict_files(const struct iso_config *config, struct iso_fault *fau
         error = -errno;
     }
     (void)close(ruleset.fd);
-    return error ? iso_fault_set(fault, error, "files are not confined: %s", strerror(-error)) : 0;
+    return error ? iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, error,
+                                      "files are not confined: %s", strerror(-error))
+                 : 0;
 }
 
 int iso_confine_files(const struct iso_config *config, struct iso_fault *fault)
 {
 #ifdef ISOTHERM_INSTRUMENTED
     (void)config;
-    return iso_fault_set(fault, -ENOTSUP, "this build is watched, and confines nothing");
+    return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -ENOTSUP,
+                              "this build is watched, and confines nothing");
 #endif
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)) {
-        return iso_fault_set(fault, -errno, "new privileges: %m");
+        return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -errno, "new privileges: %m");
     }
     return restrict_files(config, fault);
 }

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "firmware/bus/bus.h"
+#include "firmware/contract/fault_tag.h"
 #include "firmware/daemon/confine.h"
 #include "firmware/daemon/life_sign.h"
 #include "firmware/daemon/parts.h"
@@ -183,13 +184,14 @@ static int confine(struct daemon *daemon, int error, const struct iso_fault *why
         daemon->unconfined = *why;
         return 0;
     }
-    return error ? iso_fault_set(fault, error, "%s", why->text) : 0;
+    return error ? iso_fault_set_code(fault, why->code, error, "%s", why->text) : 0;
 }
 
 static int confine_files(struct daemon *daemon, const struct iso_config *config,
                          struct iso_fault *fault)
 {
-    struct iso_fault why = {.text = "not confined, as [process] confine says"};
+    struct iso_fault why = {.text = "not confined, as [process] confine says",
+                            .code = ISO_FAULT_NOT_CONFINED};
     const int error = config->process.confine ? iso_confine_files(config, &why) : -ENOTSUP;
     return confine(daemon, error, &why, fault);
 }
@@ -207,14 +209,19 @@ static int confine_calls(struct daemon *daemon, const struct iso_config *config,
     return confine(daemon, error, &why, fault);
 }
 
+static void say_fault(const struct iso_fault *fault)
+{
+    char line[sizeof fault->text + ISO_FAULT_TAG_SIZE], tag[ISO_FAULT_TAG_SIZE];
+    if (fault->text[0]) {
+        (void)snprintf(line, sizeof line, "%s%s", fault->text, iso_fault_tag(fault->code, tag));
+        iso_daemon_say(LOG_WARNING, line);
+    }
+}
+
 static void say_what_is_open(const struct daemon *daemon)
 {
-    if (daemon->unlocked.text[0]) {
-        iso_daemon_say(LOG_WARNING, daemon->unlocked.text);
-    }
-    if (daemon->unconfined.text[0]) {
-        iso_daemon_say(LOG_WARNING, daemon->unconfined.text);
-    }
+    say_fault(&daemon->unlocked);
+    say_fault(&daemon->unconfined);
 }
 
 static int set_up(struct daemon *daemon, const struct iso_config *config, struct iso_fault *fault)

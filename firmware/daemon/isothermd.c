@@ -13,6 +13,7 @@
 #include "drivers/vision/face_detector.h"
 #include "firmware/bus/device_list.h"
 #include "firmware/config/config.h"
+#include "firmware/contract/fault_tag.h"
 #include "firmware/daemon/daemon.h"
 #include "firmware/daemon/parts.h"
 
@@ -105,7 +106,10 @@ static int exit_code(int error)
 static int say(int error, const struct iso_fault *fault)
 {
     if (error) {
-        iso_daemon_say(LOG_ERR, fault->text[0] ? fault->text : strerror(-error));
+        char line[sizeof fault->text + ISO_FAULT_TAG_SIZE], tag[ISO_FAULT_TAG_SIZE];
+        (void)snprintf(line, sizeof line, "%s%s", fault->text[0] ? fault->text : strerror(-error),
+                       iso_fault_tag(fault->code, tag));
+        iso_daemon_say(LOG_ERR, line);
     }
     return exit_code(error);
 }
@@ -117,8 +121,9 @@ static int take_bus(const char *address, struct iso_config *config, struct iso_f
         return 0;
     }
     if (!*address || strlen(address) >= sizeof config->bus.address) {
-        return iso_fault_set(fault, -EINVAL, "--bus: an address has 1 to %zu bytes",
-                             sizeof config->bus.address - 1);
+        return iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL,
+                                  "--bus: an address has 1 to %zu bytes",
+                                  sizeof config->bus.address - 1);
     }
     (void)snprintf(config->bus.address, sizeof config->bus.address, "%s", address);
     return 0;

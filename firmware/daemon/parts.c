@@ -100,8 +100,9 @@ static int check_place(const char *key, const char *path, struct iso_fault *faul
         return 0;
     }
     const int error = errno == ENOTDIR ? -ENOENT : -errno;
-    return iso_fault_set(fault, error, "%s %s: the directory %s: %s", key, path, directory,
-                         strerror(-error));
+    return iso_fault_set_code(
+        fault, error == -EACCES ? ISO_FAULT_FILE_DENIED : ISO_FAULT_FILE_MISSING, error,
+        "%s %s: the directory %s: %s", key, path, directory, strerror(-error));
 }
 
 static int check_places(const struct iso_config *config, struct iso_fault *fault)
@@ -257,8 +258,8 @@ int iso_parts_compare_stores(const struct iso_parts *parts, struct iso_fault *fa
     const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
     const uint64_t known = iso_audit_gallery_changes(parts->audit, version.gallery);
     if (version.changes < known) {
-        return iso_fault_set(
-            fault, -ESTALE,
+        return iso_fault_set_code(
+            fault, ISO_FAULT_GALLERY_OLD, -ESTALE,
             "%s: an old gallery, the log knows %llu changes more; put the newest in its place",
             parts->config.gallery.path, (unsigned long long)(known - version.changes));
     }
@@ -385,7 +386,8 @@ static int print_log(struct iso_parts *parts, FILE *out, struct iso_fault *fault
     struct iso_audit_report report;
     int error = iso_audit_verify(parts->audit, 0, NULL, NULL, &report, fault);
     if (!error && !report.sound) {
-        error = iso_fault_set(fault, -EBADMSG, "%s: %s", parts->config.log.path, report.flaw);
+        error = iso_fault_set_code(fault, ISO_FAULT_LOG_DAMAGED, -EBADMSG, "%s: %s",
+                                   parts->config.log.path, report.flaw);
     }
     if (!error && iso_audit_read(parts->audit, 1, UINT32_MAX, print_line, out)) {
         error = iso_fault_set(fault, -EIO, "%s: cannot be read", parts->config.log.path);

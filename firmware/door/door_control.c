@@ -53,7 +53,7 @@ static void note_lines(struct iso_door_control *control, const struct iso_fault 
                        int64_t now_ns)
 {
     if (broken) {
-        (void)snprintf(control->fault, sizeof control->fault, "%s", fault->text);
+        control->fault = *fault;
     }
     if (broken == control->broken) {
         return;
@@ -269,7 +269,8 @@ void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns)
 
 static int lines_at_fault(const struct iso_door_control *control, struct iso_fault *fault)
 {
-    return iso_fault_set(fault, -ENODEV, "the door's lines are at fault: %.200s", control->fault);
+    return iso_fault_set_code(fault, control->fault.code, -ENODEV,
+                              "the door's lines are at fault: %.200s", control->fault.text);
 }
 
 int iso_door_control_may_test(const struct iso_door_control *control, struct iso_fault *fault)

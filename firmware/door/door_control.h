@@ -46,7 +46,7 @@ struct iso_door_control {
     /* Called after each event that changed the state or is about the housing. */
     void (*changed)(void *context, enum iso_door_event cause);
     void *context;
-    char fault[256]; /* the last one of the lines; "" if there was none */
+    struct iso_fault fault; /* the last one of the lines; "" if there was none */
 };
 
 /* A stopped door. io (which may be lost), and what `context` points to, must outlive it. */

@@ -64,7 +64,9 @@ static void on_changed(void *context, enum iso_door_event cause)
         .state = control->door.state,
         .tamper = control->door.tamper,
     };
-    (void)snprintf(news->fault, sizeof news->fault, "%s", control->broken ? control->fault : "");
+    if (control->broken) {
+        news->fault = control->fault;
+    }
     guard->n++;
     if (guard->options.record) {
         guard->options.record(guard->options.context, news);
@@ -339,12 +341,14 @@ int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wieg
 
 struct iso_door_look iso_door_guard_look(struct iso_door_guard *guard)
 {
-    struct iso_door_look look;
+    struct iso_door_look look = {.fault = {.text = ""}};
     (void)pthread_mutex_lock(&guard->mutex);
     const struct iso_door_control *control = &guard->control;
     look.state = control->door.state;
     look.ordinary = guard->ordinary;
-    (void)snprintf(look.fault, sizeof look.fault, "%s", control->broken ? control->fault : "");
+    if (control->broken) {
+        look.fault = control->fault;
+    }
     (void)pthread_mutex_unlock(&guard->mutex);
     return look;
 }

@@ -29,7 +29,7 @@ struct iso_door_news {
     enum iso_door_event cause;
     enum iso_door_state state;
     bool tamper;
-    char fault[256]; /* of the lines; "" while they work */
+    struct iso_fault fault; /* of the lines; "" while they work */
 };
 
 struct iso_door_guard_options {
@@ -89,8 +89,8 @@ int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wieg
 /* What the door is now. */
 struct iso_door_look {
     enum iso_door_state state;
-    char fault[256]; /* of the lines; "" while they work */
-    bool ordinary;   /* its thread has no real-time priority, as the process may not have one */
+    struct iso_fault fault; /* of the lines; "" while they work */
+    bool ordinary; /* its thread has no real-time priority, as the process may not have one */
 };
 
 struct iso_door_look iso_door_guard_look(struct iso_door_guard *guard);

@@ -73,7 +73,8 @@ static int parse(const char *path, struct iso_cards *cards, struct iso_fault *fa
         const char *what = parse_row(line, &row);
         what = what ? what : find_double(cards, &row);
         if (what) {
-            return iso_fault_set(fault, -EBADMSG, "%s:%u: %s", path, lines.number, what);
+            return iso_fault_set_code(fault, ISO_FAULT_CARDS_WRONG, -EBADMSG, "%s:%u: %s", path,
+                                      lines.number, what);
         }
         cards->rows[cards->n++] = row;
     }

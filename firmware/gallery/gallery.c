@@ -47,14 +47,14 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     if (!person && gallery->memory.n_people >= gallery->capacity) {
-        return iso_fault_set(fault, -EDQUOT, "the gallery is full: %zu %s",
-                             gallery->memory.n_people,
-                             iso_plural(gallery->memory.n_people, "person", "people"));
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_FULL, -EDQUOT,
+                                  "the gallery is full: %zu %s", gallery->memory.n_people,
+                                  iso_plural(gallery->memory.n_people, "person", "people"));
     }
     if (person && person->templates >= ISO_GALLERY_TEMPLATES_MAX) {
-        return iso_fault_set(fault, -EDQUOT,
-                             "%s has %u templates, the most that one person can have", person->name,
-                             person->templates);
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_FULL, -EDQUOT,
+                                  "%s has %u templates, the most that one person can have",
+                                  person->name, person->templates);
     }
     return 0;
 }
@@ -240,8 +240,9 @@ static int reread(const struct iso_gallery *gallery, struct importing *importing
     const int error = iso_gallery_memory_load(gallery->db, gallery->memory.algorithm,
                                               gallery->memory.metric, &listener, out, fault);
     return !error && out->n_people > gallery->capacity
-               ? iso_fault_set(fault, -EDQUOT, "the gallery is full: it holds %zu people, not %zu",
-                               gallery->capacity, out->n_people)
+               ? iso_fault_set_code(fault, ISO_FAULT_GALLERY_FULL, -EDQUOT,
+                                    "the gallery is full: it holds %zu people, not %zu",
+                                    gallery->capacity, out->n_people)
                : error;
 }
 

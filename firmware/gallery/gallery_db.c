@@ -69,24 +69,27 @@ static int write_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     if (!db->anchor) {
-        return iso_fault_set(fault, -ESTALE,
-                             "%s: its anchor %s is gone; it cannot be told whether this is the "
-                             "newest gallery",
-                             db->path, db->anchor_path);
+        return iso_fault_set_code(
+            fault, ISO_FAULT_ANCHOR_DAMAGED, -ESTALE,
+            "%s: its anchor %s is gone; it cannot be told whether this is the "
+            "newest gallery",
+            db->path, db->anchor_path);
     }
     const struct iso_anchor_state *anchor = iso_anchor_state(db->anchor);
     if (memcmp(anchor->extra, db->seal.gallery, ISO_GALLERY_ID_BYTES) != 0) {
-        return iso_fault_set(fault, -ESTALE, "%s: another gallery than that of %s", db->path,
-                             db->anchor_path);
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_OLD, -ESTALE,
+                                  "%s: another gallery than that of %s", db->path, db->anchor_path);
     }
     if (db->head.changes < anchor->value) {
-        return iso_fault_set(fault, -ESTALE,
-                             "%s: an old gallery, %llu changes behind; put the newest in its place",
-                             db->path, (unsigned long long)(anchor->value - db->head.changes));
+        return iso_fault_set_code(
+            fault, ISO_FAULT_GALLERY_OLD, -ESTALE,
+            "%s: an old gallery, %llu changes behind; put the newest in its place", db->path,
+            (unsigned long long)(anchor->value - db->head.changes));
     }
     if (db->head.changes > anchor->value + 1) {
-        return iso_fault_set(fault, -ESTALE, "%s: an old anchor; put the newest in its place",
-                             db->anchor_path);
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_OLD, -ESTALE,
+                                  "%s: an old anchor; put the newest in its place",
+                                  db->anchor_path);
     }
     return iso__gallery_anchor_is_sealing(db) ? write_anchor(db, fault) : 0;
 }
@@ -234,9 +237,10 @@ static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
             return iso_fault_set(fault, -errno, "%s: %m", db->path);
         }
         return db->anchor && iso_anchor_state(db->anchor)->value > 0
-                   ? iso_fault_set(fault, -ESTALE,
-                                   "%s: is gone; put it back, or move %s away (see --accept-state)",
-                                   db->path, db->anchor_path)
+                   ? iso_fault_set_code(
+                         fault, ISO_FAULT_GALLERY_MISSING, -ESTALE,
+                         "%s: is gone; put it back, or move %s away (see --accept-state)", db->path,
+                         db->anchor_path)
                    : make(db, fault);
     }
     return S_ISREG(status.st_mode) && status.st_size == 0
@@ -255,14 +259,14 @@ static int check_kind(const struct iso_gallery_db *db, int *version, struct iso_
         return error;
     }
     if (atoll(answer) != ISO_GALLERY_APPLICATION_ID) {
-        return iso_fault_set(fault, -EMEDIUMTYPE, "%s: a database of another application",
-                             db->path);
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_DAMAGED, -EMEDIUMTYPE,
+                                  "%s: a database of another application", db->path);
     }
     error = iso__gallery_ask(db, "PRAGMA user_version", answer, sizeof answer, fault);
     *version = atoi(answer);
     if (!error && *version != 1 && *version != ISO_GALLERY_SCHEMA) {
-        error = iso_fault_set(
-            fault, -EPROTONOSUPPORT,
+        error = iso_fault_set_code(
+            fault, ISO_FAULT_STORE_NEWER, -EPROTONOSUPPORT,
             "%s: of version %s, this program knows version %d; install a newer one", db->path,
             answer, ISO_GALLERY_SCHEMA);
     }
@@ -295,9 +299,9 @@ static int take_head(struct iso_gallery_db *db, sqlite3_stmt *row, struct iso_fa
         return iso_gallery_db_damaged(db, "the gallery has no name", fault);
     }
     if (!key) {
-        return iso_fault_set(fault, -EKEYREJECTED,
-                             "%s: the key ring has no key %u; an old gallery, or another ring",
-                             db->path, number);
+        return iso_fault_set_code(fault, ISO_FAULT_KEY_WRONG, -EKEYREJECTED,
+                                  "%s: the key ring has no key %u; an old gallery, or another ring",
+                                  db->path, number);
     }
     db->seal = iso_gallery_seal_of(id, number, key);
     if (!record ||
@@ -330,7 +334,8 @@ int iso__gallery_read_head(struct iso_gallery_db *db, struct iso_fault *fault)
 static int check(struct iso_gallery_db *db, int *version, struct iso_fault *fault)
 {
     if (sqlite3_db_readonly(db->sqlite, "main") == 1) {
-        return iso_fault_set(fault, -EROFS, "%s: cannot be written", db->path);
+        return iso_fault_set_code(fault, ISO_FAULT_DISK_READ_ONLY, -EROFS, "%s: cannot be written",
+                                  db->path);
     }
     int error = iso__gallery_execute(db, "BEGIN EXCLUSIVE", fault);
     error = error ? error : check_kind(db, version, fault);
@@ -351,9 +356,9 @@ static int may_migrate(const struct iso_gallery_db *db, bool wanted, struct iso_
     if (wanted && (first || iso__gallery_anchor_is_sealing(db))) {
         return 0;
     }
-    return iso_fault_set(fault, -ESTALE, "%s: an unsealed gallery, %s", db->path,
-                         wanted ? "where there was a sealed one"
-                                : "which [seal] migrate = no does not take");
+    return iso_fault_set_code(
+        fault, ISO_FAULT_STORE_UNSEALED, -ESTALE, "%s: an unsealed gallery, %s", db->path,
+        wanted ? "where there was a sealed one" : "which [seal] migrate = no does not take");
 }
 
 static int connect_and_check(struct iso_gallery_db *db, bool migrate, struct iso_fault *fault)

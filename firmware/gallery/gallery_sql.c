@@ -30,10 +30,11 @@ static const char settings[] = "PRAGMA locking_mode = EXCLUSIVE;"
 int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
                            struct iso_fault *fault)
 {
-    return iso_fault_set(fault, -EBADMSG,
-                         "%s: damaged (%s); put a copy in its place, or move it and its anchor "
-                         "away (see --accept-state)",
-                         db->path, what);
+    return iso_fault_set_code(
+        fault, ISO_FAULT_GALLERY_DAMAGED, -EBADMSG,
+        "%s: damaged (%s); put a copy in its place, or move it and its anchor "
+        "away (see --accept-state)",
+        db->path, what);
 }
 
 /* The errno behind an error of SQLite, as far as SQLite knows it: of the database, of its journal,
@@ -61,13 +62,15 @@ int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault)
     case SQLITE_CORRUPT:
         return iso_gallery_db_damaged(db, said, fault);
     case SQLITE_NOTADB:
-        return iso_fault_set(fault, -EMEDIUMTYPE, "%s: no gallery, or its beginning is damaged",
-                             db->path);
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_DAMAGED, -EMEDIUMTYPE,
+                                  "%s: no gallery, or its beginning is damaged", db->path);
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-        return iso_fault_set(fault, -EBUSY, "%s: another process uses it", db->path);
+        return iso_fault_set_code(fault, ISO_FAULT_STORE_BUSY, -EBUSY,
+                                  "%s: another process uses it", db->path);
     case SQLITE_READONLY:
-        return iso_fault_set(fault, -EROFS, "%s: cannot be written", db->path);
+        return iso_fault_set_code(fault, ISO_FAULT_DISK_READ_ONLY, -EROFS, "%s: cannot be written",
+                                  db->path);
     case SQLITE_NOMEM:
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
     case SQLITE_FULL:
@@ -75,7 +78,7 @@ int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault)
     case SQLITE_CANTOPEN:
         return iso_storage_refused(db->path, system_error(db), fault);
     default:
-        return iso_fault_set(fault, -EIO, "%s: %s", db->path, said);
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_DAMAGED, -EIO, "%s: %s", db->path, said);
     }
 }
 
@@ -139,8 +142,9 @@ static int check_files(const char *path, struct iso_fault *fault)
         }
         const int error = iso_file_check(file, bytes_max, &why);
         if (error && (error != -ENOENT || i == 0)) {
-            return iso_fault_set(fault, error == -EISDIR || error == -ELOOP ? -EMEDIUMTYPE : error,
-                                 "%s", why.text);
+            return iso_fault_set_code(fault, why.code,
+                                      error == -EISDIR || error == -ELOOP ? -EMEDIUMTYPE : error,
+                                      "%s", why.text);
         }
     }
     return 0;

@@ -48,14 +48,15 @@ static int give_up(struct iso_gallery_db *db, const struct iso_fault *why, struc
 {
     iso__gallery_disconnect(db);
     db->lost = true;
-    (void)iso_fault_set(&db->lost_fault, -EIO, "%.*s", (int)(sizeof why->text - 64), why->text);
+    (void)iso_fault_set_code(&db->lost_fault, why->code, -EIO, "%.*s", (int)(sizeof why->text - 64),
+                             why->text);
     return iso__gallery_in_service(db, fault);
 }
 
 int iso__gallery_in_service(const struct iso_gallery_db *db, struct iso_fault *fault)
 {
-    return db->lost ? iso_fault_set(fault, -EIO, "the gallery is out of service: %s",
-                                    db->lost_fault.text)
+    return db->lost ? iso_fault_set_code(fault, db->lost_fault.code, -EIO,
+                                         "the gallery is out of service: %s", db->lost_fault.text)
                     : 0;
 }
 

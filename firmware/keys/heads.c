@@ -159,26 +159,35 @@ void iso_heads_record(struct iso_heads_board *board, uint64_t sequence,
     (void)pthread_mutex_unlock(&board->lock);
 }
 
+/* Which store is old. */
+static const enum iso_fault_code codes[ISO_HEADS] = {
+    [ISO_HEAD_GALLERY] = ISO_FAULT_GALLERY_OLD,
+    [ISO_HEAD_LOG] = ISO_FAULT_LOG_OLD,
+    [ISO_HEAD_LOCKOUT] = ISO_FAULT_LOCKOUT_OLD,
+    [ISO_HEAD_RING] = ISO_FAULT_KEY_RING_OLD,
+};
+
 static int check_claim(const struct iso_heads_board *board, const struct claim *claim,
                        struct iso_fault *fault)
 {
     for (int i = 0; i < ISO_HEADS; i++) {
         const struct store *store = &board->stores[i];
         if (store->found && store->count < claim->known.count[i]) {
-            return iso_fault_set(fault, -ESTALE,
-                                 "%s: from an earlier time: it is at %" PRIu64
-                                 ", and %s knows of %" PRIu64
-                                 "; put the newest in its place (or see --accept-state)",
-                                 store->path, store->count, claim->witness, claim->known.count[i]);
+            return iso_fault_set_code(
+                fault, codes[i], -ESTALE,
+                "%s: from an earlier time: it is at %" PRIu64 ", and %s knows of %" PRIu64
+                "; put the newest in its place (or see --accept-state)",
+                store->path, store->count, claim->witness, claim->known.count[i]);
         }
     }
     return claim->other_link
-               ? iso_fault_set(fault, -ESTALE,
-                               "%s: record %" PRIu64
-                               " is not the one that %s knows; put the newest in its place (or see "
-                               "--accept-state)",
-                               board->stores[ISO_HEAD_LOG].path, claim->known.count[ISO_HEAD_LOG],
-                               claim->witness)
+               ? iso_fault_set_code(
+                     fault, ISO_FAULT_LOG_OLD, -ESTALE,
+                     "%s: record %" PRIu64
+                     " is not the one that %s knows; put the newest in its place (or see "
+                     "--accept-state)",
+                     board->stores[ISO_HEAD_LOG].path, claim->known.count[ISO_HEAD_LOG],
+                     claim->witness)
                : 0;
 }
 

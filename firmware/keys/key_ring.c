@@ -174,7 +174,8 @@ static int check_private(const char *path, struct iso_fault *fault)
         return iso_fault_set(fault, -errno, "%s: %m", path);
     }
     return status.st_mode & 077
-               ? iso_fault_set(fault, -EACCES, "%s: others can read this key: chmod 600", path)
+               ? iso_fault_set_code(fault, ISO_FAULT_KEY_EXPOSED, -EACCES,
+                                    "%s: others can read this key: chmod 600", path)
                : 0;
 }
 
@@ -192,8 +193,9 @@ static int read_key(const char *path, struct iso_seal_key *out, bool *have, stru
         memcpy(out->bytes, bytes, size);
         *have = true;
     } else {
-        error = iso_fault_set(fault, -EINVAL, "%s: a key has %zu bytes, this has %zu", path,
-                              sizeof out->bytes, size);
+        error = iso_fault_set_code(fault, ISO_FAULT_KEY_WRONG, -EINVAL,
+                                   "%s: a key has %zu bytes, this has %zu", path, sizeof out->bytes,
+                                   size);
     }
     sodium_memzero(bytes, size);
     free(bytes);
@@ -299,9 +301,9 @@ static int open_ring(struct iso_key_ring *ring, const struct masters *masters, c
                      size_t size, struct iso_fault *fault)
 {
     if (!masters->have[0] && !masters->have[1]) {
-        return iso_fault_set(fault, -ENOKEY,
-                             "%s: the key %s is gone; without it nothing sealed can be read",
-                             ring->path, ring->file);
+        return iso_fault_set_code(fault, ISO_FAULT_KEY_MISSING, -ENOKEY,
+                                  "%s: the key %s is gone; without it nothing sealed can be read",
+                                  ring->path, ring->file);
     }
     if (masters->have[0] && open_with(ring, &masters->keys[0], bytes, size) == 0) {
         ring->master = masters->keys[0];
@@ -311,8 +313,8 @@ static int open_ring(struct iso_key_ring *ring, const struct masters *masters, c
     if (masters->have[1] && open_with(ring, &masters->keys[1], bytes, size) == 0) {
         return end_change(ring, masters, fault);
     }
-    return iso_fault_set(fault, -EKEYREJECTED, "%s: damaged, or sealed with another key",
-                         ring->path);
+    return iso_fault_set_code(fault, ISO_FAULT_KEY_WRONG, -EKEYREJECTED,
+                              "%s: damaged, or sealed with another key", ring->path);
 }
 
 static int find_keys(struct iso_key_ring *ring, const char *credentials, struct iso_fault *fault)
@@ -404,8 +406,9 @@ static int add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *number
 {
     const uint32_t made = ring->draft.next;
     if (ring->draft.n == ISO_KEY_RING_MOST) {
-        return iso_fault_set(fault, -ENOSPC, "%s: holds %u keys, there is no room for more",
-                             ring->path, ring->draft.n);
+        return iso_fault_set_code(fault, ISO_FAULT_KEY_RING_FULL, -ENOSPC,
+                                  "%s: holds %u keys, there is no room for more", ring->path,
+                                  ring->draft.n);
     }
     draft_key(ring, use);
     const int error = commit(ring, &ring->master, fault);

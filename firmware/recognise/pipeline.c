@@ -191,10 +191,12 @@ static const struct iso_pipeline_ops ops = {
 
 static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
 {
-    return iso_fault_set(fault, error, "%s: %s", path,
-                         error == -ENOMEM ? "out of memory"
-                         : what           ? what
-                                          : "damaged");
+    return iso_fault_set_code(fault,
+                              error == -ENOMEM ? ISO_FAULT_OUT_OF_MEMORY : ISO_FAULT_MODEL_DAMAGED,
+                              error, "%s: %s", path,
+                              error == -ENOMEM ? "out of memory"
+                              : what           ? what
+                                               : "damaged");
 }
 
 static int load_head(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
@@ -218,9 +220,10 @@ static int check_algorithm(const struct pipeline *pipeline, const char *path, ui
     const uint32_t own = iso_extractor_algorithm(pipeline->extractor);
     return algorithm == own
                ? 0
-               : iso_fault_set(fault, -EINVAL,
-                               "%s: made with another head model or other options (%08x, not %08x)",
-                               path, algorithm, own);
+               : iso_fault_set_code(
+                     fault, ISO_FAULT_MODEL_MISFIT, -EINVAL,
+                     "%s: made with another head model or other options (%08x, not %08x)", path,
+                     algorithm, own);
 }
 
 static int load_metric(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
@@ -288,8 +291,9 @@ static int make_face_check(struct pipeline *pipeline, const struct iso_pipeline_
     }
     const int error = iso_face_check_new(path, &pipeline->face_check, &reason);
     pipeline->image_lacks = reason;
-    return !error || (error == -ENOENT && !*path) ? 0
-                                                  : iso_fault_set(fault, error, "%s", reason.text);
+    return !error || (error == -ENOENT && !*path)
+               ? 0
+               : iso_fault_set_code(fault, reason.code, error, "%s", reason.text);
 }
 
 int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,

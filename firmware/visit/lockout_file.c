@@ -136,7 +136,8 @@ int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
     size_t size = 0;
     int error = iso_data_file_read(path, FILE_MAX_BYTES, &bytes, &size, &why);
     if (error) {
-        return error == -ENOENT ? error : iso_fault_set(fault, error, "%s", why.text);
+        return error == -ENOENT ? error
+                                : iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
     char text[TEXT_SIZE + 1] = "";
     if (size >= sizeof magic && memcmp(bytes, magic, sizeof magic) == 0) {
@@ -149,7 +150,7 @@ int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
     }
     free(bytes);
     if (error) {
-        return iso_fault_set(fault, error, "%s: damaged", path);
+        return iso_fault_set_code(fault, ISO_FAULT_LOCKOUT_DAMAGED, error, "%s: damaged", path);
     }
     *out = file;
     return 0;
@@ -173,12 +174,14 @@ int iso_lockout_load(const char *path, const struct iso_key_ring *ring,
     }
     const uint64_t needed = iso_heads_now(board).count[ISO_HEAD_LOCKOUT];
     if (error) {
-        return needed == 0 ? error
-                           : iso_fault_set(fault, -ESTALE,
-                                           "%s: is gone, and the other stores know of it", path);
+        return needed == 0
+                   ? error
+                   : iso_fault_set_code(fault, ISO_FAULT_LOCKOUT_MISSING, -ESTALE,
+                                        "%s: is gone, and the other stores know of it", path);
     }
     if (file.number < needed) {
-        return iso_fault_set(fault, -ESTALE, "%s: from an earlier time", path);
+        return iso_fault_set_code(fault, ISO_FAULT_LOCKOUT_OLD, -ESTALE, "%s: from an earlier time",
+                                  path);
     }
     *out = file;
     return 0;
@@ -205,8 +208,8 @@ int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
     } else if (error) {
         error = iso_storage_is_refusal(error)
                     ? iso_storage_refused(path, error, fault)
-                    : iso_fault_set(fault, error, "%s: cannot be written: %s", path,
-                                    why.text[0] ? why.text : strerror(-error));
+                    : iso_fault_set_code(fault, why.code, error, "%s: cannot be written: %s", path,
+                                         why.text[0] ? why.text : strerror(-error));
     }
     if (error) {
         return error;

@@ -37,6 +37,11 @@ static const char *visit(struct rig *rig, int face)
     return rig_news(rig);
 }
 
+static enum iso_fault_code code(const struct rig *rig)
+{
+    return iso_appliance_status(rig->appliance).clock_fault_code;
+}
+
 static const char *fault(const struct rig *rig)
 {
     return iso_appliance_status(rig->appliance).clock_fault;
@@ -77,9 +82,11 @@ static void who_has_expired_stays_out_when_the_clock_is_set_back(void **state)
     assert_non_null(strstr(fault(rig), "the clock was set back"));
     assert_int_equal(iso_appliance_status(rig->appliance).people_valid, 1);
     assert_non_null(strstr(rig_record(rig, "clock"), "\"reason\":\"behind\""));
+    assert_int_equal(code(rig), ISO_FAULT_CLOCK_BEHIND);
 
     rig->wall_ns += 3 * hour_ns;
     assert_non_null(strstr(visit(rig, BOB), "visit allow bob"));
+    assert_int_equal(code(rig), ISO_FAULT_NONE);
     assert_string_equal(fault(rig), "");
     assert_non_null(strstr(rig_record(rig, "clock"), "\"reason\":\"right\""));
     assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
@@ -173,10 +180,22 @@ static void jumps_by_months_during_a_visit_prolong_nobodys_limit(void **state)
     assert_non_null(strstr(visit_with_jump(rig, ANNA, 0), "visit deny anna not-valid 2"));
 }
 
+/* An administrator took the date of a board without a battery for right. */
+static void a_clock_that_is_not_set_is_a_fault_of_its_own(void **state)
+{
+    struct rig *rig = *state;
+    rig->wall_ns = 1000 * ISO_NS_PER_S;
+    assert_int_equal(iso_appliance_clear_lockout(rig->appliance, NULL), 0);
+    assert_string_equal(fault(rig), "");
+    assert_int_equal(code(rig), ISO_FAULT_CLOCK_UNSET);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(who_has_expired_stays_out_when_the_clock_is_set_back, setup,
+                                        rig_teardown),
+        cmocka_unit_test_setup_teardown(a_clock_that_is_not_set_is_a_fault_of_its_own, setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(a_restart_forgets_nothing_of_it, setup, rig_teardown),
         cmocka_unit_test_setup_teardown(nor_does_a_new_segment_of_the_log, setup, rig_teardown),

@@ -73,7 +73,7 @@ static void waits_longer_after_each_failure(void **state)
         }
         now_ns = tries_ms[i] * MS;
         assert_int_equal(look(), ISO_SENSOR_FLAW);
-        assert_string_equal(keeper.fault, "puppet: will not open");
+        assert_string_equal(keeper.fault.text, "puppet: will not open");
         assert_int_equal(keeper.error, -ENODEV);
         assert_int_equal(keeper.progress, i + 1); /* the program lives, all the same */
     }
@@ -87,7 +87,7 @@ static void a_sensor_that_does_not_start_is_closed(void **state)
     (void)state;
     sensor.start_error = -EIO;
     assert_int_equal(look(), ISO_SENSOR_FLAW);
-    assert_string_equal(keeper.fault, "puppet: will not start");
+    assert_string_equal(keeper.fault.text, "puppet: will not start");
     assert_int_equal(sensor.closed, 1);
     assert_null(keeper.sensor);
 }
@@ -99,7 +99,7 @@ static void opens_again_what_was_lost(void **state)
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     sensor.wait_error = -ENODEV;
     assert_int_equal(look(), ISO_SENSOR_GONE);
-    assert_string_equal(keeper.fault, "puppet: will not wait");
+    assert_string_equal(keeper.fault.text, "puppet: will not wait");
     assert_int_equal(sensor.closed, 1);
     sensor.wait_error = 0;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
@@ -167,7 +167,7 @@ static void a_silent_stream_is_broken(void **state)
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     now_ns = 2500 * MS;
     assert_int_equal(look(), ISO_SENSOR_GONE);
-    assert_string_equal(keeper.fault, "sensor puppet: no frame for 1000 ms");
+    assert_string_equal(keeper.fault.text, "sensor puppet: no frame for 1000 ms");
 }
 
 static void a_pause_is_told_before_the_silence_is_over(void **state)
@@ -182,7 +182,7 @@ static void a_pause_is_told_before_the_silence_is_over(void **state)
     now_ns = 1400 * MS;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     assert_false(keeper.sees);
-    assert_string_equal(keeper.fault, "sensor puppet: nothing seen for 400 ms");
+    assert_string_equal(keeper.fault.text, "sensor puppet: nothing seen for 400 ms");
     assert_int_equal(sensor.closed, 0);
     now_ns = 1800 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);
@@ -218,7 +218,7 @@ static void damaged_frames_are_no_sight(void **state)
     now_ns = 1400 * MS;
     assert_int_equal(look(), ISO_SENSOR_FLAW);
     assert_false(keeper.sees);
-    assert_string_equal(keeper.fault, "puppet: will not wait");
+    assert_string_equal(keeper.fault.text, "puppet: will not wait");
 }
 
 static void opening_again_what_was_lost_is_no_sight_yet(void **state)

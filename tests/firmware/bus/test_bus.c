@@ -290,6 +290,18 @@ static void tells_its_state(void **state)
     assert_memory_equal(status_of(f, "log-sequence"), "t ", 2);
 }
 
+/* While all is well they are there, and empty. */
+static void tells_the_codes_of_its_faults(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    static const char *const keys[] = {"sensor-fault-code",       "sensor-health-code",
+                                       "sensor-calibration-code", "sensor-devices-code",
+                                       "door-fault-code",         "storage-fault-code"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        assert_string_equal(status_of(f, keys[i]), "s ");
+    }
+}
+
 static void carries_faults_that_are_no_utf8(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
@@ -298,6 +310,7 @@ static void carries_faults_that_are_no_utf8(void **state)
     bus_rig_run(f, 100);
     f->rig->sensor.open_error = f->rig->sensor.wait_error = 0;
     assert_string_equal(status_of(f, "sensor-fault"), "s /srv/?\?: gone");
+    assert_string_equal(status_of(f, "sensor-fault-code"), "s sensor-gone");
 }
 
 static void reads_the_log(void **state)
@@ -427,6 +440,7 @@ int main(void)
         TEST(tells_everybody_of_visits),
         TEST(lists_and_deletes),
         TEST(tells_its_state),
+        TEST(tells_the_codes_of_its_faults),
         TEST(carries_faults_that_are_no_utf8),
         TEST(reads_the_log),
         TEST(one_service_has_the_name),

@@ -227,7 +227,7 @@ static void broken_lines_are_a_fault(void **state)
     failing = -EIO;
     step_at(1050);
     assert_string_equal(news(), "locked(start) fault(fault) ");
-    assert_string_equal(control.fault, "the wire is cut");
+    assert_string_equal(control.fault.text, "the wire is cut");
     assert_int_equal(iso_door_control_grant(&control, now_ns), ISO_DOOR_DID_NOT_UNLOCK);
     assert_string_equal(news(), ""); /* nobody is let in */
     failing = 0;
@@ -293,7 +293,7 @@ static void says_when_the_lines_are_gone(void **state)
     step_at(1050);
     assert_true(iso_door_io_is_lost(io));
     assert_string_equal(news(), "locked(start) fault(fault) ");
-    assert_string_equal(control.fault, "the wire is cut");
+    assert_string_equal(control.fault.text, "the wire is cut");
 }
 
 /* The first try after 500 ms, then after 1000 and 1200, which is the longest wait; in between
@@ -308,9 +308,9 @@ static void opens_lost_lines_anew(void **state)
     (void)news();
     assert_int_equal(iso_door_control_due_ns(&control), 1550 * MS);
     step_at(1549);
-    assert_string_equal(control.fault, "the wire is cut");
+    assert_string_equal(control.fault.text, "the wire is cut");
     step_at(1550);
-    assert_string_equal(control.fault, "the wire is taken");
+    assert_string_equal(control.fault.text, "the wire is taken");
     assert_int_equal(iso_door_control_due_ns(&control), 2550 * MS);
     step_at(2550);
     assert_int_equal(iso_door_control_due_ns(&control), 3750 * MS);
@@ -371,7 +371,7 @@ static void starts_at_fault_without_lines(void **state)
     assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), -ENODEV); /* now it is lost */
     iso_door_control_start(&control, now_ns);
     assert_string_equal(news(), "fault(start) ");
-    assert_string_equal(control.fault, "the wire is taken");
+    assert_string_equal(control.fault.text, "the wire is taken");
     failing = 0;
     step_at(1500);
     assert_string_equal(news(), "locked(recovered) ");
