@@ -7,14 +7,17 @@
 
 #include <cmocka.h>
 
+#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/base/capture.h"
+#include "core/base/fault_code.h"
 #include "drivers/door/door_io.h"
 #include "drivers/sensor/contract/sensor.h"
 #include "enroll/cli/arguments/arguments.h"
+#include "enroll/cli/doctor/remedy.h"
 #include "firmware/config/config.h"
 #include "firmware/visit/decision.h"
 #include "tests/support/scratch.h"
@@ -330,6 +333,139 @@ static void every_word_of_a_frame_and_a_verdict_stands_in_the_manual(void **stat
     free(client);
 }
 
+/* ---- faults ---- */
+
+/* Appends words with single blanks between them. */
+static void add_words(char *to, size_t size, const char *from)
+{
+    size_t used = strlen(to);
+    for (; *from && used + 2 < size; from++) {
+        const bool blank = *from == ' ' || *from == '\n';
+        if (!blank || (used > 0 && to[used - 1] != ' ')) {
+            to[used++] = blank ? ' ' : *from;
+        }
+    }
+    to[used] = '\0';
+}
+
+/* The table of section FAULTS has every code in the order of the list, what it means and its
+ * remedy, and no others. */
+static void every_fault_stands_in_the_manual_with_its_remedy(void **state)
+{
+    char *manual = read_text(MANUAL "isothermd.8");
+    char *begin = strstr(manual, "\n.Sh FAULTS\n"), *at = begin;
+    char *end = begin ? strstr(begin, "\n.El\n") : NULL;
+
+    (void)state;
+    assert_non_null(end);
+    end[1] = '\0';
+    for (enum iso_fault_code code = ISO_FAULT_NONE + 1; code < ISO_FAULT_CODES; code++) {
+        char expected[640] = "", found[640] = "";
+        at = strstr(at + 1, "\n.It Li ");
+        if (!at) {
+            fail_msg("isothermd(8), FAULTS, does not have %s", iso_fault_code_name(code));
+        }
+        char *next = strstr(at + 1, "\n.It Li ");
+        (void)snprintf(expected, sizeof expected,
+                       ".It Li %s %s Remedy: ", iso_fault_code_name(code),
+                       iso_fault_code_meaning(code));
+        add_words(expected, sizeof expected, cli_remedy(code));
+        char *part = strndup(at + 1, next ? (size_t)(next - at - 1) : strlen(at + 1));
+        assert_non_null(part);
+        add_words(found, sizeof found, part);
+        free(part);
+        found[strlen(found) - (found[strlen(found) - 1] == ' ')] = '\0';
+        const size_t length = strlen(expected);
+        const char *rest = found + length;
+        if (strncmp(found, expected, length) != 0 || (*rest && strcmp(rest, ".") != 0)) {
+            fail_msg("isothermd(8), FAULTS, has '%s' instead of '%s'", found, expected);
+        }
+    }
+    assert_null(strstr(at + 1, "\n.It Li "));
+    free(manual);
+}
+
+/* ---- JSON ---- */
+
+static char *json_section; /* of isotherm(1) */
+static size_t n_codes;
+
+static void expect_in_json_section(const char *word, size_t length, const char *source)
+{
+    char item[64];
+    (void)snprintf(item, sizeof item, "\n.Li %.*s", (int)length, word);
+    for (const char *at = json_section; (at = strstr(at, item)); at++) {
+        if (strchr(" \n", at[strlen(item)])) {
+            n_codes++;
+            return;
+        }
+    }
+    (void)snprintf(item, sizeof item, "\"%.*s\":", (int)length, word); /* in the example */
+    if (strstr(json_section, item)) {
+        return;
+    }
+    fail_msg("isotherm(1), JSON, does not have '%.*s' of %s", (int)length, word, source);
+}
+
+/* The code of every fault that a source sets: the first text in the call. */
+static void look_for_codes(const char *text, const char *source)
+{
+    for (const char *at = text; (at = strstr(at, "cli_fault_set(")); at++) {
+        const char *end = strchr(at, ';'), *code = strchr(at, '"');
+        if (end && code && code < end && code[1] != '%') { /* else it comes from a table */
+            expect_in_json_section(code + 1, strcspn(code + 1, "\""), source);
+        }
+    }
+    for (const char *at = text; (at = strstr(at, "CLI_EXIT_")); at++) {
+        const char *code = at + strcspn(at, ", ;)\n");
+        if (strncmp(code, ", \"", 3) == 0) {
+            const size_t length = strcspn(code + 3, "\"");
+            if (strspn(code + 3, "abcdefghijklmnopqrstuvwxyz-") == length) {
+                expect_in_json_section(code + 3, length, source);
+            }
+        }
+    }
+    /* The keys of the documents: json_pack("{s:s, ...}", "person", ...). */
+    for (const char *at = text; (at = strstr(at, "json_pack(")); at++) {
+        const char *end = strstr(at, ";\n"), *key = strchr(at, '"');
+        bool format = true;
+        while (key && key < end) {
+            const size_t length = strcspn(key + 1, "\"");
+            if (!format && length > 0) {
+                expect_in_json_section(key + 1, length, source);
+            }
+            format = false;
+            key = strchr(key + length + 2, '"');
+        }
+    }
+}
+
+static int look_into(const char *path, const struct stat *status, int kind, struct FTW *walk)
+{
+    const char *ending = strrchr(path + walk->base, '.');
+    (void)status;
+    if (kind == FTW_F && ending && strcmp(ending, ".c") == 0) {
+        char *text = read_text(path);
+        look_for_codes(text, path + walk->base);
+        free(text);
+    }
+    return 0;
+}
+
+static void every_code_and_member_of_a_document_stands_in_the_manual(void **state)
+{
+    char *manual = read_text(MANUAL "isotherm.1");
+
+    (void)state;
+    json_section = strstr(manual, "\n.Sh JSON\n");
+    assert_non_null(json_section);
+    *strstr(json_section, "\n.Sh EXAMPLES\n") = '\0';
+    n_codes = 0;
+    assert_int_equal(nftw(ISOTHERM_SOURCE_DIR "/enroll/cli", look_into, 16, FTW_PHYS), 0);
+    assert_true(n_codes > 100);
+    free(manual);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -338,6 +474,8 @@ int main(void)
         cmocka_unit_test(the_manual_has_no_other_keys),
         cmocka_unit_test(every_option_stands_in_the_manual_and_the_completion),
         cmocka_unit_test(every_word_of_a_frame_and_a_verdict_stands_in_the_manual),
+        cmocka_unit_test(every_fault_stands_in_the_manual_with_its_remedy),
+        cmocka_unit_test(every_code_and_member_of_a_document_stands_in_the_manual),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -385,16 +385,17 @@ static void only_depth_cameras_are_candidates(void **state)
     static struct cli_candidates candidates;
     char lines[1024];
 
-    (void)snprintf(lines, sizeof lines,
-                   "{\"sensor\":\"v4l2\",\"id\":\"%s\",\"label\":\"D435 at usb: Z16\"}\n"
-                   "{\"sensor\":\"v4l2\",\"id\":\"/dev/video7\",\"label\":\"Webcam at usb: YUYV\"}"
-                   "\n[0:1] a log line {\n"
-                   "{\"sensor\":\"v4l2-stereo\",\"id\":\"/dev/video7\",\"label\":\"Webcam\"}\n"
-                   "{\"sensor\":\"libcamera-stereo\",\"id\":\"/base/a\",\"label\":\"imx296\"}\n"
-                   "{\"sensor\":\"libcamera-stereo\",\"id\":\"/base/b\",\"label\":\"imx296\"}\n"
-                   "{\"sensor\":\"openni2\",\"id\":\"2bc5/0401@1/5\",\"label\":\"Orbbec Astra\"}\n"
-                   "{\"sensor\":\"libcamera\",\"fault\":\"it cannot\"}\n",
-                   scratch_path(*state, "dev/video4"));
+    (void)snprintf(
+        lines, sizeof lines,
+        "{\"sensor\":\"v4l2\",\"id\":\"%s\",\"label\":\"D435 at usb: Z16\",\"kind\":\"depth\"}\n"
+        "{\"sensor\":\"v4l2\",\"id\":\"/dev/video7\",\"label\":\"Webcam at usb: YUYV\"}"
+        "\n[0:1] a log line {\n"
+        "{\"sensor\":\"v4l2-stereo\",\"id\":\"/dev/video7\",\"label\":\"Webcam\"}\n"
+        "{\"sensor\":\"libcamera-stereo\",\"id\":\"/base/a\",\"label\":\"imx296\"}\n"
+        "{\"sensor\":\"libcamera-stereo\",\"id\":\"/base/b\",\"label\":\"imx296\"}\n"
+        "{\"sensor\":\"openni2\",\"id\":\"2bc5/0401@1/5\",\"label\":\"Orbbec Astra\"}\n"
+        "{\"sensor\":\"libcamera\",\"fault\":\"it cannot\"}\n",
+        scratch_path(*state, "dev/video4"));
     devices = (struct cli_devices){0};
     cli_devices_parse(lines, &devices);
     assert_int_equal(devices.n, 6);

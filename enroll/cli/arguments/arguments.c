@@ -67,56 +67,82 @@ enum option_id {
     OPTION_FULL,
 };
 
+/* What an option does for one command. */
+struct help_part {
+    enum cli_verb verb;
+    const char *text;
+};
+
+static const struct help_part timeout_help[] = {
+    {CLI_ENROLL, "give up after S seconds (60)"},
+    {CLI_IDENTIFY, "give up after S seconds (30)"},
+    {CLI_VERIFY, "give up after S seconds (30)"},
+    {CLI_AIM, "end after S seconds (never)"},
+    {CLI_VERBS, NULL},
+};
+static const struct help_part from_help[] = {
+    {CLI_LOG, "begin at record N"},
+    {CLI_VALIDITY, "the door opens from T on, or none"},
+    {CLI_VERBS, NULL},
+};
+static const struct help_part address_help[] = {
+    {CLI_EXPORT, "who can open it"},
+    {CLI_IMPORT, "who has to have signed it"},
+    {CLI_VERBS, NULL},
+};
+static const struct help_part picture_help[] = {
+    {CLI_AIM, "write one picture of what the camera sees, as PNG, and end"},
+    {CLI_SETUP, "write one picture of what the camera sees, as PNG"},
+    {CLI_VERBS, NULL},
+};
+
 static const struct choice {
     const char *name;
     const char *argument; /* NULL: it takes none */
     enum option_id id;
-    unsigned verbs;   /* of FOR(); 0: common to all, and to none */
-    const char *help; /* "log: ...; validity: ..." where it differs between commands */
+    unsigned verbs;                /* of FOR(); 0: common to all, and to none */
+    const char *help;              /* NULL: it differs between commands */
+    const struct help_part *parts; /* then these, one a command; ended by a NULL text */
 } choices[] = {
     {"timeout", "S", OPTION_TIMEOUT,
-     FOR(CLI_ENROLL) | FOR(CLI_IDENTIFY) | FOR(CLI_VERIFY) | FOR(CLI_AIM),
-     "enroll: give up after S seconds (60); identify: give up after S seconds (30); "
-     "verify: give up after S seconds (30); aim: end after S seconds (never)"},
+     FOR(CLI_ENROLL) | FOR(CLI_IDENTIFY) | FOR(CLI_VERIFY) | FOR(CLI_AIM), NULL, timeout_help},
     {"allow-duplicate", NULL, OPTION_ALLOW_DUPLICATE, FOR(CLI_ENROLL),
-     "enrol even if this face is known under another name"},
-    {"valid-from", "T", OPTION_VALID_FROM, FOR(CLI_ENROLL), "the door opens to NAME from T on"},
+     "enrol even if this face is known under another name", NULL},
+    {"valid-from", "T", OPTION_VALID_FROM, FOR(CLI_ENROLL), "the door opens to NAME from T on",
+     NULL},
     {"valid-until", "T", OPTION_VALID_UNTIL, FOR(CLI_ENROLL),
-     "... and until T: 2026-12-31, 2026-12-31T18:00 or none"},
-    {"from", "N|T", OPTION_FROM, FOR(CLI_LOG) | FOR(CLI_VALIDITY),
-     "log: begin at record N; validity: the door opens from T on, or none"},
-    {"until", "T", OPTION_UNTIL, FOR(CLI_VALIDITY), "... and until T: 2026-12-31, or none"},
-    {"none", NULL, OPTION_NONE, FOR(CLI_VALIDITY), "the door opens at all times"},
+     "... and until T: 2026-12-31, 2026-12-31T18:00 or none", NULL},
+    {"from", "N|T", OPTION_FROM, FOR(CLI_LOG) | FOR(CLI_VALIDITY), NULL, from_help},
+    {"until", "T", OPTION_UNTIL, FOR(CLI_VALIDITY), "... and until T: 2026-12-31, or none", NULL},
+    {"none", NULL, OPTION_NONE, FOR(CLI_VALIDITY), "the door opens at all times", NULL},
     {"expired", NULL, OPTION_EXPIRED, FOR(CLI_ENROLL) | FOR(CLI_VALIDITY),
-     "an end in the past is meant: the door does not open any more"},
-    {"count", "N", OPTION_COUNT, FOR(CLI_LOG), "also -n N: at most N records (20; the last ones)"},
-    {"follow", NULL, OPTION_FOLLOW, FOR(CLI_LOG), "go on with new records until interrupted"},
+     "an end in the past is meant: the door does not open any more", NULL},
+    {"count", "N", OPTION_COUNT, FOR(CLI_LOG), "also -n N: at most N records (20; the last ones)",
+     NULL},
+    {"follow", NULL, OPTION_FOLLOW, FOR(CLI_LOG), "go on with new records until interrupted", NULL},
     {"head", "N:HEX", OPTION_HEAD, FOR(CLI_LOG),
-     "verify: what an earlier verify gave, to find a log that was put back"},
-    {"address", "A", OPTION_ADDRESS, FOR(CLI_EXPORT) | FOR(CLI_IMPORT),
-     "export: who can open it; import: who has to have signed it"},
+     "verify: what an earlier verify gave, to find a log that was put back", NULL},
+    {"address", "A", OPTION_ADDRESS, FOR(CLI_EXPORT) | FOR(CLI_IMPORT), NULL, address_help},
     {"passphrase-file", "F", OPTION_PASSPHRASE_FILE, FOR(CLI_EXPORT) | FOR(CLI_IMPORT),
-     "take the passphrase from the first line of F"},
+     "take the passphrase from the first line of F", NULL},
     {"person", "NAME", OPTION_PERSON, FOR(CLI_EXPORT) | FOR(CLI_LOG),
-     "only this one; may be repeated"},
-    {"day", "D", OPTION_DAY, FOR(CLI_LOG), "only that day: 2026-12-31, today or yesterday"},
-    {"event", "E,E,...", OPTION_EVENT, FOR(CLI_LOG), "only such events: visit,door"},
-    {"csv", NULL, OPTION_CSV, FOR(CLI_LOG), "comma-separated values, with a head"},
-    {"full", NULL, OPTION_FULL, FOR(CLI_LOG), "every member of a record, and every digit"},
-    {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here"},
-    {"picture", "FILE", OPTION_PICTURE, FOR(CLI_AIM) | FOR(CLI_SETUP),
-     "aim: write one picture of what the camera sees, as PNG, and end; "
-     "setup: write one picture of what the camera sees, as PNG"},
+     "only this one; may be repeated", NULL},
+    {"day", "D", OPTION_DAY, FOR(CLI_LOG), "only that day: 2026-12-31, today or yesterday", NULL},
+    {"event", "E,E,...", OPTION_EVENT, FOR(CLI_LOG), "only such events: visit,door", NULL},
+    {"csv", NULL, OPTION_CSV, FOR(CLI_LOG), "comma-separated values, with a head", NULL},
+    {"full", NULL, OPTION_FULL, FOR(CLI_LOG), "every member of a record, and every digit", NULL},
+    {"replace", NULL, OPTION_REPLACE, FOR(CLI_IMPORT), "replace people who are known here", NULL},
+    {"picture", "FILE", OPTION_PICTURE, FOR(CLI_AIM) | FOR(CLI_SETUP), NULL, picture_help},
     {"sensor", "WORD", OPTION_SENSOR, FOR(CLI_SETUP),
-     "the sensor: openni2, v4l2:/dev/video0, replay:/DIRECTORY, ..."},
-    {"board", "NAME", OPTION_BOARD, FOR(CLI_SETUP), "the board that has the door's lines"},
-    {"yes", NULL, OPTION_YES, FOR(CLI_SETUP) | FOR(CLI_DOOR), "ask nothing"},
-    {"dry-run", NULL, OPTION_DRY_RUN, FOR(CLI_SETUP), "show the file and change nothing"},
-    {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr"},
-    {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus"},
-    {"session", NULL, OPTION_SESSION, 0, "use the session bus"},
-    {"help", NULL, OPTION_HELP, 0, "also -h: show this help (after a command: its own)"},
-    {"version", NULL, OPTION_VERSION, 0, "show the version"},
+     "the sensor: openni2, v4l2:/dev/video0, replay:/DIRECTORY, ...", NULL},
+    {"board", "NAME", OPTION_BOARD, FOR(CLI_SETUP), "the board that has the door's lines", NULL},
+    {"yes", NULL, OPTION_YES, FOR(CLI_SETUP) | FOR(CLI_DOOR), "ask nothing", NULL},
+    {"dry-run", NULL, OPTION_DRY_RUN, FOR(CLI_SETUP), "show the file and change nothing", NULL},
+    {"json", NULL, OPTION_JSON, 0, "one JSON document on stdout, remarks on stderr", NULL},
+    {"bus", "ADDRESS", OPTION_BUS, 0, "the message bus to use, not the system bus", NULL},
+    {"session", NULL, OPTION_SESSION, 0, "use the session bus", NULL},
+    {"help", NULL, OPTION_HELP, 0, "also -h: show this help (after a command: its own)", NULL},
+    {"version", NULL, OPTION_VERSION, 0, "show the version", NULL},
 };
 
 enum { HELP_SIZE = 256 };
@@ -504,20 +530,21 @@ enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *o
     return exit ? exit : check_limits(out, fault);
 }
 
-/* The part of an option's help that is about this command; all of it if none is. */
-static void choose_part(const char *help, enum cli_verb verb, char *part, size_t size)
+/* What an option does for this command; for CLI_VERBS "log: ...; validity: ...". */
+static void write_help(const struct choice *choice, enum cli_verb verb, char *text, size_t size)
 {
-    char prefix[16];
+    size_t used = 0;
 
-    (void)snprintf(prefix, sizeof prefix, "%s: ", verb < CLI_VERBS ? verbs[verb].name : "");
-    (void)snprintf(part, size, "%s", help);
-    for (const char *at = help; verb < CLI_VERBS && at; at = strstr(at, "; ")) {
-        at += at > help ? 2 : 0;
-        if (strncmp(at, prefix, strlen(prefix)) == 0) {
-            at += strlen(prefix);
-            const char *end = strstr(at, "; ");
-            (void)snprintf(part, size, "%.*s", (int)(end ? end - at : (long)strlen(at)), at);
+    (void)snprintf(text, size, "%s", choice->help ? choice->help : "");
+    for (const struct help_part *part = choice->parts; part && part->text; part++) {
+        if (part->verb == verb) {
+            (void)snprintf(text, size, "%s", part->text);
             return;
+        }
+        if (verb == CLI_VERBS && used < size) {
+            const int n = snprintf(text + used, size - used, "%s%s: %s", used ? "; " : "",
+                                   verbs[part->verb].name, part->text);
+            used += n > 0 ? (size_t)n : 0;
         }
     }
 }
@@ -529,7 +556,7 @@ static void help_option(const struct choice *choice, enum cli_verb verb, FILE *o
     (void)snprintf(left, sizeof left, "--%s%s%s", choice->name, choice->argument ? " " : "",
                    choice->argument ? choice->argument : "");
     const int column = fprintf(out, "  %-19s ", left);
-    choose_part(choice->help, verb, part, sizeof part);
+    write_help(choice, verb, part, sizeof part);
     cli_wrap(part, column, out);
 }
 

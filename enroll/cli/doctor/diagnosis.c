@@ -1,11 +1,11 @@
 #include "enroll/cli/doctor/diagnosis.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "drivers/terminal/terminal.h"
 #include "drivers/terminal/words.h"
 #include "enroll/cli/client/state.h"
+#include "enroll/cli/doctor/remedy.h"
 
 static const char *const check_names[] = {
     [CLI_CHECK_GOOD] = "ok",
@@ -15,7 +15,7 @@ static const char *const check_names[] = {
 };
 
 void cli_diagnosis_add(struct cli_diagnosis *diagnosis, const char *subject, enum cli_check check,
-                       const char *found, const char *remedy)
+                       enum iso_fault_code code, const char *found)
 {
     if (diagnosis->n_findings == CLI_FINDINGS_MAX) {
         return;
@@ -23,68 +23,39 @@ void cli_diagnosis_add(struct cli_diagnosis *diagnosis, const char *subject, enu
     struct cli_finding *finding = &diagnosis->findings[diagnosis->n_findings++];
     finding->subject = subject;
     finding->check = check;
-    (void)snprintf(finding->found, sizeof finding->found, "%s", found);
-    finding->remedy = remedy;
+    finding->code = code;
+    (void)snprintf(finding->found, sizeof finding->found, "%s",
+                   *found ? found : iso_fault_code_meaning(code));
+}
+
+static void add_good(struct cli_diagnosis *diagnosis, const char *subject, const char *found)
+{
+    cli_diagnosis_add(diagnosis, subject, CLI_CHECK_GOOD, ISO_FAULT_NONE, found);
+}
+
+/* The code that the daemon tells. One of a newer daemon, which this client does not know, is none:
+ * its sentence is shown without a remedy. */
+static enum iso_fault_code code_of(const json_t *state, const char *key)
+{
+    const char *name = cli_state_text(state, key);
+    enum iso_fault_code code = ISO_FAULT_NONE;
+
+    return name && iso_fault_code_find(name, &code) ? code : ISO_FAULT_NONE;
 }
 
 static void judge_version(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *version = cli_state_text(state, "version");
     const bool same = version && strcmp(version, ISOTHERM_VERSION) == 0;
+    char found[128];
 
-    cli_diagnosis_add(diagnosis, "version", same ? CLI_CHECK_GOOD : CLI_CHECK_ODD,
-                      version ? version : "not told",
-                      same ? NULL
-                           : "daemon and client differ (this client: " ISOTHERM_VERSION
-                             "); install both from one release and restart isothermd");
-}
-
-/* What to do about a fault is in what the daemon says of it: the first words that occur decide. */
-struct remedy {
-    const char *words, *remedy;
-};
-
-static const char *find_remedy(const struct remedy *remedies, size_t n, const char *fault,
-                               const char *otherwise)
-{
-    for (size_t i = 0; i < n; i++) {
-        if (strstr(fault, remedies[i].words)) {
-            return remedies[i].remedy;
-        }
+    if (same) {
+        add_good(diagnosis, "version", version);
+        return;
     }
-    return otherwise;
-}
-
-static const char *remedy_for_sensor(const char *fault)
-{
-    static const struct remedy remedies[] = {
-        {"Permission denied", "install the board's udev rule; the daemon's user has to be in the "
-                              "group of the device: video for /dev/video*"},
-        {"option 'calibration'", "calibrate the cameras: isotherm-sim calibrate, and name its file "
-                                 "in [sensor] of isotherm.conf(5)"},
-        {"rms", "calibrate the cameras anew: isotherm-sim calibrate"},
-        {"No such file", "name a file that is there in [sensor] of isotherm.conf(5)"},
-        {"option '", "mend [sensor] in isotherm.conf(5)"},
-        {"no sensor '",
-         "that driver is not in this build: mend [sensor], or build with its library"},
-        {"busy", "end the other program that has the camera: fuser -v /dev/video*"},
-        {"in use", "end the other program that has the camera"},
-        {"none of the pixel formats", "this node gives no such pictures: v4l2-ctl --list-formats; "
-                                      "a camera has several nodes"},
-        {"is no camera", "name a node that takes pictures: v4l2-ctl --list-devices"},
-        {"gives ", "its calibration or camera file is for another size: calibrate, or mend it"},
-        {"No space left", "the USB bus is full: put the cameras on two buses, or lower fps"},
-        {"repeat earlier ones",
-         "the camera is stuck, or is fed with stored pictures: look at it and "
-         "at its cable, then unplug it and plug it in again"},
-        {"no frame for", "it is silent: its cable, power and USB port; the daemon keeps trying"},
-        {"gone", "its cable and power; the daemon keeps trying"},
-        {"No such device", "is it plugged in? its name in [sensor] of isotherm.conf(5)"},
-        {"no camera '", "name one that there is in [sensor] of isotherm.conf(5); cam --list"},
-    };
-    return find_remedy(remedies, sizeof remedies / sizeof *remedies, fault,
-                       "check its cable and power, and [sensor] in isotherm.conf(5); the daemon "
-                       "keeps trying");
+    (void)snprintf(found, sizeof found, "%.64s, this client: " ISOTHERM_VERSION,
+                   version ? version : "not told");
+    cli_diagnosis_add(diagnosis, "version", CLI_CHECK_ODD, ISO_FAULT_VERSION_DIFFERS, found);
 }
 
 /* It runs; its driver may know why it gives nothing all the same. A daemon that does not know of
@@ -92,18 +63,17 @@ static const char *remedy_for_sensor(const char *fault)
 static void judge_running_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *health = cli_state_text(state, "sensor-health");
-    const bool well = !health || !*health;
     const bool never = cli_state_number(state, "frames", 0) == 0;
     char found[256];
 
-    (void)snprintf(found, sizeof found, "started%s%s%s", well ? "" : ": ", well ? "" : health,
-                   !well && never ? ", and there never was a frame" : "");
-    cli_diagnosis_add(diagnosis, "sensor", well ? CLI_CHECK_GOOD : CLI_CHECK_ODD, found,
-                      well ? NULL
-                      : strstr(health, "no recording at its path")
-                          ? "let [sensor] path in isotherm.conf(5) name a recording, or choose the "
-                            "driver of a camera"
-                          : "check its cable and power; isotherm log");
+    if (!health || !*health) {
+        add_good(diagnosis, "sensor", "started");
+        return;
+    }
+    (void)snprintf(found, sizeof found, "started: %s%s", health,
+                   never ? ", and there never was a frame" : "");
+    cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_ODD, code_of(state, "sensor-health-code"),
+                      found);
 }
 
 static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
@@ -118,41 +88,21 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
     }
     (void)snprintf(found, sizeof found, "%s%s%s", word ? word : "not told",
                    cause && *cause ? ": " : "", cause ? cause : "");
-    cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_BAD, found,
-                      remedy_for_sensor(cause ? cause : ""));
+    cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_BAD,
+                      word ? code_of(state, "sensor-fault-code") : ISO_FAULT_NO_STATUS, found);
 }
 
-/* What the daemon's driver sees, if it can tell. */
-static void judge_devices(struct cli_diagnosis *diagnosis, const json_t *state)
+/* A text of the daemon that is worth a warning if it has a code. */
+static void judge_text(struct cli_diagnosis *diagnosis, const json_t *state, const char *subject,
+                       const char *key, const char *code_key)
 {
-    const char *devices = cli_state_text(state, "sensor-devices");
+    const enum iso_fault_code code = code_of(state, code_key);
+    const char *text = cli_state_text(state, key);
 
-    if (devices && strstr(devices, "cannot be opened")) {
-        cli_diagnosis_add(diagnosis, "devices", CLI_CHECK_ODD, devices, remedy_for_sensor(devices));
-    } else if (devices && *devices) {
-        cli_diagnosis_add(diagnosis, "devices", CLI_CHECK_GOOD, devices, NULL);
+    if (text && *text) {
+        cli_diagnosis_add(diagnosis, subject,
+                          code == ISO_FAULT_NONE ? CLI_CHECK_GOOD : CLI_CHECK_ODD, code, text);
     }
-}
-
-/* Pictures that are worse than half a pixel off their model are matched wrongly. */
-static void judge_calibration(struct cli_diagnosis *diagnosis, const json_t *state)
-{
-    const char *calibration = cli_state_text(state, "sensor-calibration");
-    const char *pixels = calibration ? strstr(calibration, " px rms") : NULL;
-
-    if (!calibration || !*calibration) {
-        return;
-    }
-    while (pixels && pixels > calibration && pixels[-1] != ' ') {
-        pixels--;
-    }
-    const bool bad = pixels && strtod(pixels, NULL) > 0.5;
-    const bool unknown = strstr(calibration, "by hand") != NULL ||
-                         strncmp(calibration, "nominal", strlen("nominal")) == 0;
-    cli_diagnosis_add(
-        diagnosis, "calibration", bad || unknown ? CLI_CHECK_ODD : CLI_CHECK_GOOD, calibration,
-        bad || unknown ? "calibrate the cameras with a checkerboard: isotherm-sim calibrate"
-                       : NULL);
 }
 
 /* A door that refuses everybody is not in service. */
@@ -162,28 +112,25 @@ static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
     char found[96];
 
     if (json_is_true(json_object_get(state, "lockdown"))) {
-        cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, "lockdown: nobody is let in",
-                          "isotherm log says since when; end it with: isotherm lockdown off");
+        cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, ISO_FAULT_LOCKDOWN,
+                          "lockdown: nobody is let in");
     } else if (left_ms > 0) {
         (void)snprintf(found, sizeof found,
                        "locked out: nobody is let in for %" JSON_INTEGER_FORMAT " s more",
                        (left_ms + 999) / 1000);
-        cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, found,
-                          "isotherm log says after which visits; end it with: isotherm lockout "
-                          "clear");
+        cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, ISO_FAULT_LOCKED_OUT, found);
     }
 }
 
 /* The door goes on, but not for everybody. */
 static void judge_clock(struct cli_diagnosis *diagnosis, const json_t *state)
 {
+    const enum iso_fault_code code = code_of(state, "clock-fault-code");
     const char *fault = cli_state_text(state, "clock-fault");
+    const bool told = fault && *fault;
 
-    if (fault && *fault) {
-        cli_diagnosis_add(
-            diagnosis, "clock", CLI_CHECK_BAD, fault,
-            "set the clock: timedatectl; if it is right, and an earlier date was not: "
-            "isotherm lockout clear");
+    if (told || code != ISO_FAULT_NONE) {
+        cli_diagnosis_add(diagnosis, "clock", CLI_CHECK_BAD, code, told ? fault : "");
     }
 }
 
@@ -193,9 +140,8 @@ static void judge_time(struct cli_diagnosis *diagnosis, const json_t *state)
     const char *fault = cli_state_text(state, "stale-fault");
 
     if (fault && *fault) {
-        cli_diagnosis_add(diagnosis, "time", CLI_CHECK_ODD, fault,
-                          "choose a faster mode of the camera, relieve the machine, or raise "
-                          "[sensor] stale_ms in isotherm.conf(5)");
+        cli_diagnosis_add(diagnosis, "time", CLI_CHECK_ODD, code_of(state, "stale-fault-code"),
+                          fault);
     }
 }
 
@@ -204,43 +150,25 @@ static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
     static const struct {
         const char *word;
         enum cli_check check;
-        const char *remedy;
+        enum iso_fault_code code;
     } states[] = {
-        {"locked", CLI_CHECK_GOOD, NULL},
-        {"unlocked", CLI_CHECK_GOOD, NULL},
-        {"opened", CLI_CHECK_GOOD, NULL},
-        {"held-open", CLI_CHECK_ODD, "the door stands open too long: close it"},
-        {"forced", CLI_CHECK_BAD, "the door was opened while locked: look at it, and isotherm log"},
+        {"locked", CLI_CHECK_GOOD, ISO_FAULT_NONE},
+        {"unlocked", CLI_CHECK_GOOD, ISO_FAULT_NONE},
+        {"opened", CLI_CHECK_GOOD, ISO_FAULT_NONE},
+        {"held-open", CLI_CHECK_ODD, ISO_FAULT_DOOR_HELD_OPEN},
+        {"forced", CLI_CHECK_BAD, ISO_FAULT_DOOR_FORCED},
+        {"fault", CLI_CHECK_BAD, ISO_FAULT_DOOR_AT_FAULT},
     };
     const char *word = cli_state_text(state, "door-state");
 
     for (size_t i = 0; word && i < sizeof states / sizeof *states; i++) {
         if (strcmp(word, states[i].word) == 0) {
-            cli_diagnosis_add(diagnosis, "door", states[i].check, word, states[i].remedy);
+            cli_diagnosis_add(diagnosis, "door", states[i].check, states[i].code, word);
             return;
         }
     }
-    cli_diagnosis_add(diagnosis, "door", CLI_CHECK_BAD, word ? word : "not told",
-                      "a fault of its lines or of the sensor, see there; isotherm log");
-}
-
-static const char *remedy_for_lines(const char *fault)
-{
-    static const struct remedy remedies[] = {
-        {"no such GPIO chip", "is the board plugged in, its driver loaded? gpiodetect lists chips, "
-                              "isotherm.conf(5) says how lines are named"},
-        {"has such a line",
-         "is its chip plugged in? gpioinfo lists the names; a line without one is CHIP:OFFSET"},
-        {"has no such line", "gpioinfo lists the lines of each chip"},
-        {"in use by", "end the other program, or free the line in the board's device tree"},
-        {"may be opened", "install the board's udev rule; the daemon's user has to be in the group "
-                          "of /dev/gpiochip*"},
-        {"Permission denied", "install the board's udev rule; the daemon's user has to be in the "
-                              "group of /dev/gpiochip*"},
-        {"No such device", "the GPIO chip is gone: its cable and power; the daemon keeps trying"},
-    };
-    return find_remedy(remedies, sizeof remedies / sizeof *remedies, fault,
-                       "check its wiring, and [door] in isotherm.conf(5)");
+    cli_diagnosis_add(diagnosis, "door", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS,
+                      word ? word : "not told");
 }
 
 static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
@@ -251,17 +179,17 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
     char found[256];
 
     if (!back_end || !fault) {
-        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, "not told",
-                          "see the daemon's log: journalctl --unit=isothermd");
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS, "not told");
     } else if (*fault) {
-        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, fault, remedy_for_lines(fault));
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, code_of(state, "door-fault-code"),
+                          fault);
     } else if (strcmp(back_end, "null") == 0) {
-        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_ODD, "null: nothing is switched",
-                          "set [door] backend and its lines in isotherm.conf(5)");
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_ODD, ISO_FAULT_DOOR_UNWIRED,
+                          "null: nothing is switched");
     } else {
         (void)snprintf(found, sizeof found, "%s%s%s", back_end, lines && *lines ? ": " : "",
                        lines ? lines : "");
-        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_GOOD, found, NULL);
+        add_good(diagnosis, "lines", found);
     }
 }
 
@@ -269,21 +197,20 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
 static void judge_priority(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     if (json_is_false(json_object_get(state, "door-realtime"))) {
-        cli_diagnosis_add(diagnosis, "door thread", CLI_CHECK_ODD,
-                          "no real-time priority: the door may be late on a busy machine",
-                          "start the daemon by its unit, whose LimitRTPRIO=, RestrictRealtime= and "
-                          "SystemCallFilter= permit it; see REAL TIME in isothermd(8)");
+        cli_diagnosis_add(diagnosis, "door thread", CLI_CHECK_ODD, ISO_FAULT_NONE,
+                          "no real-time priority: the door may be late on a busy machine");
     }
 }
 
 static void judge_model(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *model = cli_state_text(state, "model");
-    const bool there = model && *model;
 
-    cli_diagnosis_add(diagnosis, "model", there ? CLI_CHECK_GOOD : CLI_CHECK_BAD,
-                      there ? model : "not loaded",
-                      there ? NULL : "reinstall head.model, or mend [model] in isotherm.conf(5)");
+    if (model && *model) {
+        add_good(diagnosis, "model", model);
+    } else {
+        cli_diagnosis_add(diagnosis, "model", CLI_CHECK_BAD, ISO_FAULT_MODEL_ABSENT, "not loaded");
+    }
 }
 
 /* Nothing is said of a disk that works. */
@@ -292,10 +219,8 @@ static void judge_disk(struct cli_diagnosis *diagnosis, const json_t *state)
     const char *fault = cli_state_text(state, "storage-fault");
 
     if (fault && *fault) {
-        cli_diagnosis_add(diagnosis, "disk", CLI_CHECK_BAD, fault,
-                          strstr(fault, "No space left")
-                              ? "make room on the disk: df shows which one is full"
-                              : "look what the kernel says of the disk: journalctl --dmesg");
+        cli_diagnosis_add(diagnosis, "disk", CLI_CHECK_BAD, code_of(state, "storage-fault-code"),
+                          fault);
     }
 }
 
@@ -305,12 +230,8 @@ static void judge_counter(struct cli_diagnosis *diagnosis, const json_t *state)
     const char *fault = cli_state_text(state, "counter-fault");
 
     if (fault && *fault) {
-        cli_diagnosis_add(diagnosis, "counter", CLI_CHECK_BAD, fault,
-                          strstr(fault, "has no counter")
-                              ? "somebody has deleted it from the TPM: look who, then stop the "
-                                "daemon and run isothermd --accept-state"
-                              : "is the TPM there, and may the daemon's user open it (group tss)? "
-                                "[seal] in isotherm.conf(5); journalctl --dmesg");
+        cli_diagnosis_add(diagnosis, "counter", CLI_CHECK_BAD, code_of(state, "counter-fault-code"),
+                          fault);
     }
 }
 
@@ -322,8 +243,7 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     char found[128];
 
     if (people < 0) {
-        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, "not told",
-                          "see the daemon's log: journalctl --unit=isothermd");
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS, "not told");
         return;
     }
     (void)snprintf(found, sizeof found,
@@ -331,20 +251,16 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
                    iso_plural((uint64_t)people, "person", "people"), templates,
                    iso_plural((uint64_t)templates, "template", "templates"));
     if (people == 0) {
-        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, found,
-                          "the door opens to nobody yet: isotherm enroll NAME");
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, ISO_FAULT_GALLERY_EMPTY, found);
     } else if (valid == 0) {
         (void)snprintf(found, sizeof found,
                        "%" JSON_INTEGER_FORMAT " people, none of whom may come in at this time",
                        people);
-        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, found,
-                          "isotherm list shows from when and until when each may come in; "
-                          "isotherm validity NAME changes it; is the clock right?");
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, ISO_FAULT_NOBODY_VALID, found);
     } else if (templates < people) {
-        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, found,
-                          "some people have no template of this algorithm: enrol them again");
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, ISO_FAULT_TEMPLATES_OLD, found);
     } else {
-        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_GOOD, found, NULL);
+        add_good(diagnosis, "gallery", found);
     }
 }
 
@@ -355,10 +271,8 @@ static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *sta
     const bool absent = word && strcmp(word, "absent") == 0;
 
     if (word) {
-        cli_diagnosis_add(diagnosis, "image check", absent ? CLI_CHECK_ODD : CLI_CHECK_GOOD, word,
-                          absent ? "install the package isotherm-vision, or set intensity = off in "
-                                   "[recognition] of isotherm.conf(5)"
-                                 : NULL);
+        cli_diagnosis_add(diagnosis, "image check", absent ? CLI_CHECK_ODD : CLI_CHECK_GOOD,
+                          absent ? ISO_FAULT_IMAGE_CHECK_ABSENT : ISO_FAULT_NONE, word);
     }
 }
 
@@ -366,8 +280,8 @@ void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     judge_version(diagnosis, state);
     judge_sensor(diagnosis, state);
-    judge_devices(diagnosis, state);
-    judge_calibration(diagnosis, state);
+    judge_text(diagnosis, state, "devices", "sensor-devices", "sensor-devices-code");
+    judge_text(diagnosis, state, "calibration", "sensor-calibration", "sensor-calibration-code");
     judge_service(diagnosis, state);
     judge_clock(diagnosis, state);
     judge_time(diagnosis, state);
@@ -409,8 +323,8 @@ void cli_diagnosis_print(const struct cli_diagnosis *diagnosis, FILE *out)
         fprintf(out, "%s%-8s%s %-11s %s\n", iso_terminal_paint(&terminal, paints[finding->check]),
                 check_names[finding->check], iso_terminal_paint(&terminal, ISO_PAINT_PLAIN),
                 finding->subject, finding->found);
-        if (finding->remedy) {
-            fprintf(out, "%-8s %-11s -> %s\n", "", "", finding->remedy);
+        if (cli_remedy(finding->code)) {
+            fprintf(out, "%-8s %-11s -> %s\n", "", "", cli_remedy(finding->code));
         }
     }
 }
@@ -421,9 +335,11 @@ json_t *cli_diagnosis_json(const struct cli_diagnosis *diagnosis)
 
     for (size_t i = 0; i < diagnosis->n_findings; i++) {
         const struct cli_finding *finding = &diagnosis->findings[i];
-        json_t *check = json_pack("{s:s, s:s, s:s, s:s?}", "subject", finding->subject, "state",
-                                  check_names[finding->check], "found", finding->found, "remedy",
-                                  finding->remedy);
+        json_t *check = json_pack(
+            "{s:s, s:s, s:s?, s:s, s:s?}", "subject", finding->subject, "state",
+            check_names[finding->check], "code",
+            finding->code == ISO_FAULT_NONE ? NULL : iso_fault_code_name(finding->code), "found",
+            finding->found, "remedy", cli_remedy(finding->code));
         if (json_array_append_new(checks, check) < 0) {
             json_decref(checks);
             return NULL;

@@ -5,6 +5,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "core/base/fault_code.h"
 #include "enroll/cli/client/fault.h"
 
 enum cli_check {
@@ -21,15 +22,16 @@ struct cli_diagnosis {
     struct cli_finding {
         const char *subject; /* a literal */
         enum cli_check check;
+        enum iso_fault_code code; /* which fault it is; ISO_FAULT_NONE: none, or one without code */
         char found[256];
-        const char *remedy; /* a literal; NULL if nothing is to be done */
     } findings[CLI_FINDINGS_MAX];
 };
 
-/* Adds a finding; `found` is copied, the other texts are kept. Findings beyond the maximum would be
- * a mistake of the program and are dropped. */
+/* Adds a finding; `found` is copied, and is the meaning of the code if it is empty; `subject` is
+ * kept. Its remedy follows from the code (enroll/cli/doctor/remedy.h). Findings beyond the maximum
+ * would be a mistake of the program and are dropped. */
 void cli_diagnosis_add(struct cli_diagnosis *diagnosis, const char *subject, enum cli_check check,
-                       const char *found, const char *remedy);
+                       enum iso_fault_code code, const char *found);
 
 /* Adds the findings that follow from the daemon's status (see enroll/cli/client/state.h). */
 void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state);
@@ -39,8 +41,8 @@ enum cli_exit cli_diagnosis_exit(const struct cli_diagnosis *diagnosis);
 
 void cli_diagnosis_print(const struct cli_diagnosis *diagnosis, FILE *out);
 
-/* {"healthy": bool, "checks": [{"subject", "state", "found", "remedy"}]}; NULL for want of memory.
- */
+/* {"healthy": bool, "checks": [{"subject", "state", "code", "found", "remedy"}]}, where code and
+ * remedy are null if there is none. NULL for want of memory. */
 json_t *cli_diagnosis_json(const struct cli_diagnosis *diagnosis);
 
 #endif

@@ -29,6 +29,7 @@ static void take(const json_t *line, struct cli_devices *out)
         (void)snprintf(device->sensor, sizeof device->sensor, "%s", sensor);
         (void)snprintf(device->id, sizeof device->id, "%s", id);
         (void)snprintf(device->label, sizeof device->label, "%s", member(line, "label"));
+        device->depth = strcmp(member(line, "kind"), "depth") == 0;
     }
 }
 

@@ -4,6 +4,7 @@
 #ifndef CLI_SETUP_DEVICES_H
 #define CLI_SETUP_DEVICES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "enroll/cli/client/fault.h"
@@ -15,6 +16,7 @@ struct cli_device {
     char sensor[32]; /* the driver */
     char id[CLI_DEVICE_PATH_SIZE];
     char label[128];
+    bool depth; /* it delivers depth by itself */
 };
 
 struct cli_devices {

@@ -56,8 +56,7 @@ static void add_video_node(const struct cli_setup_places *places, const struct c
                            struct cli_candidates *out)
 {
     char depth[CLI_DEVICE_PATH_SIZE], infrared[CLI_DEVICE_PATH_SIZE], name[CLI_DEVICE_PATH_SIZE];
-    struct cli_candidate *candidate = strstr(device->label, " Z16") ? add(out, device->sensor)
-                                                                    : NULL;
+    struct cli_candidate *candidate = device->depth ? add(out, device->sensor) : NULL;
 
     if (!candidate) {
         return;

@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "firmware/contract/contract.h"
+#include "tests/enroll/rigs/fake_status.h"
 #include "tests/enroll/rigs/fake_work.h"
 
 enum { RECORD_SIZE = 512 };
@@ -345,33 +346,16 @@ static int on_rename(sd_bus_message *call, void *context, sd_bus_error *error)
 static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     const struct service *service = context;
-    const struct fake_script *script = service->script;
-    uint32_t templates = 0;
+    sd_bus_message *reply = NULL;
 
     if (fails(service, call, error)) {
         return -EIO;
     }
-    for (size_t i = 0; i < script->n_people; i++) {
-        templates += script->people[i].templates;
-    }
-    return sd_bus_reply_method_return(
-        call, "a{sv}", 23, "counter-fault", "s", script->counter_fault ? script->counter_fault : "",
-        "door-realtime", "b", (int)!script->door_ordinary, "stale-fault", "s",
-        script->stale_fault ? script->stale_fault : "", "storage-fault", "s",
-        script->storage_fault ? script->storage_fault : "", "uptime-ms", "x", (int64_t)7530000,
-        "distance-mm", "d", 612.4, "fit-coverage", "d", 0.934, "sensor-devices", "s",
-        script->sensor_devices ? script->sensor_devices : "", "sensor-fault", "s",
-        script->sensor_fault ? script->sensor_fault : "", "sensor-calibration", "s",
-        script->sensor_calibration ? script->sensor_calibration : "", "door-lines", "s",
-        script->door_lines ? script->door_lines : "", "version", "s",
-        script->version ? script->version : ISOTHERM_VERSION, "sensor-state", "s",
-        script->sensor_state ? script->sensor_state : "started", "door-state", "s",
-        script->door_state ? script->door_state : "locked", "model", "s",
-        script->model ? script->model : "00c0ffee", "people", "u", (uint32_t)script->n_people,
-        "templates", "u", templates + 3, "templates-usable", "u", templates, "threshold", "d", 1.25,
-        "door", "s", script->door ? script->door : "gpiod", "door-fault", "s",
-        script->door_fault ? script->door_fault : "", "frames", "t", (uint64_t)1 << 40,
-        "log-sequence", "t", (uint64_t)script->n_records);
+    int r = sd_bus_message_new_method_return(call, &reply);
+    r = r < 0 ? r : fake_status_append(reply, service->script);
+    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
+    sd_bus_message_unref(reply);
+    return r;
 }
 
 static int send_view(sd_bus_message *call, const struct fake_view *view)

@@ -62,9 +62,13 @@ struct fake_script {
     const char *storage_fault;                                  /* NULL: "" */
     const char *stale_fault;                                    /* NULL: "" */
     bool door_ordinary;                                         /* "door-realtime" is false */
-    const char *door, *door_fault;                              /* back end and its lines, so too */
-    unsigned n_records;                                         /* in the log, numbered from 1 */
-    const char *last_record; /* its members from "event" on; NULL: like the others */
+    const char *sensor_health, *clock_fault;                    /* NULL: "" */
+    const char *sensor_fault_code, *sensor_health_code, *sensor_devices_code; /* NULL: "" */
+    const char *sensor_calibration_code, *door_fault_code, *storage_fault_code, *clock_fault_code;
+    const char *stale_fault_code, *counter_fault_code;
+    const char *door, *door_fault; /* back end and its lines, so too */
+    unsigned n_records;            /* in the log, numbered from 1 */
+    const char *last_record;       /* its members from "event" on; NULL: like the others */
     /* With every ReadLog so many more come, and so many of the oldest go. */
     unsigned records_come, records_go;
     const char *picture; /* the bytes of the file that Picture gives, up to a NUL; NULL: "PNG" */
