@@ -17,6 +17,8 @@ fresh_tree() {
     cp "$root/cmake/layers.txt" "$copy/cmake/"
     cp "$root/tests/gate/long_files.txt" "$copy/tests/gate/"
     echo 'sim/writer.c 1 an output' >"$copy/tests/gate/open_files.txt"
+    echo 'sim/reader.c 1 what a person has typed' >"$copy/tests/gate/strstr.txt"
+    printf 'char *a(char *t) { return strstr(t, "a"); }\n' >"$copy/sim/reader.c"
     printf 'void a(void) { fopen("a", "we"); }\n' >"$copy/sim/writer.c"
     cp "$root/.clang-format" "$copy/"
     printf '#include "core/base/a.h"\n' >"$copy/core/heat/a.c"
@@ -42,6 +44,7 @@ passes "$root/cmake/check_layers.sh" "$copy"
 passes "$root/tests/gate/rooms.sh" "$copy"
 passes "$root/tests/gate/docs.sh" "$copy"
 passes "$root/tests/gate/open_files.sh" "$copy"
+passes "$root/tests/gate/strstr.sh" "$copy"
 passes "$root/tests/gate/threads.sh" "$copy"
 
 what='a file that is opened without the helper'
@@ -52,6 +55,21 @@ fresh_tree
 what='a second call beside one that has a reason'
 printf 'void b(void) { fopen("b", "re"); }\n' >>"$copy/sim/writer.c"
 refuses "$root/tests/gate/open_files.sh" "$copy"
+
+fresh_tree
+what='a program that searches a sentence for words'
+printf 'int b(char *t) { return strstr(t, "denied") != 0; }\n' >"$copy/enroll/b.c"
+refuses "$root/tests/gate/strstr.sh" "$copy"
+
+fresh_tree
+what='a second search beside one that has a reason'
+printf 'int b(char *t) { return strcasestr(t, "denied") != 0; }\n' >>"$copy/sim/reader.c"
+refuses "$root/tests/gate/strstr.sh" "$copy"
+
+fresh_tree
+what='a reason for a search that is gone'
+printf 'int b(void);\n' >"$copy/sim/reader.c"
+refuses "$root/tests/gate/strstr.sh" "$copy"
 
 fresh_tree
 what='a thread with a stack of any size'
