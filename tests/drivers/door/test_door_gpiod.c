@@ -57,7 +57,8 @@ static struct iso_door_io *open_door(void)
     return io;
 }
 
-static void refuses(const struct iso_option *options, size_t n, int error, const char *text)
+static void refuses(const struct iso_option *options, size_t n, int error, enum iso_fault_code code,
+                    const char *text)
 {
     const struct iso_clock clock = manual_clock(&now_ns);
     struct iso_door_io *io = NULL;
@@ -66,6 +67,7 @@ static void refuses(const struct iso_option *options, size_t n, int error, const
     if (!strstr(fault.text, text)) {
         fail_msg("'%s' lacks '%s'", fault.text, text);
     }
+    assert_int_equal(fault.code, code);
     assert_null(io);
     assert_int_equal(fake_gpio_open(), 0);
 }
@@ -80,13 +82,19 @@ static void refuses_bad_options(void **state)
     const struct iso_option no_d1[] = {{"relay", "fake:0"}, {"wiegand_d0", "fake:8"}};
     const struct iso_option no_bits[] = {{"relay", "fake:0"}, {"wiegand_bits", "37"}};
     (void)state;
-    refuses(no_relay, 1, -EINVAL, "door gpiod: option 'relay' is missing");
-    refuses(no_line, 2, -EINVAL, "door gpiod: tamper: 'high' in 'fake:7 high' is unknown");
-    refuses(no_time, 2, -EINVAL, "door gpiod: bad value 'soon' for 'debounce_ms'");
-    refuses(too_long, 2, -EINVAL, "'1001' for 'debounce_ms' (a whole number, 0 to 1000)");
-    refuses(no_d0, 2, -EINVAL, "door gpiod: option 'wiegand_d0' is missing");
-    refuses(no_d1, 2, -EINVAL, "door gpiod: option 'wiegand_d1' is missing");
-    refuses(no_bits, 2, -EINVAL, "door gpiod: bad value '37' for 'wiegand_bits' (26|34)");
+    refuses(no_relay, 1, -EINVAL, ISO_FAULT_OPTION_WRONG, "door gpiod: option 'relay' is missing");
+    refuses(no_line, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+            "door gpiod: tamper: 'high' in 'fake:7 high' is unknown");
+    refuses(no_time, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+            "door gpiod: bad value 'soon' for 'debounce_ms'");
+    refuses(too_long, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+            "'1001' for 'debounce_ms' (a whole number, 0 to 1000)");
+    refuses(no_d0, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+            "door gpiod: option 'wiegand_d0' is missing");
+    refuses(no_d1, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+            "door gpiod: option 'wiegand_d1' is missing");
+    refuses(no_bits, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+            "door gpiod: bad value '37' for 'wiegand_bits' (26|34)");
     assert_int_equal(fake_gpio_changes(0), 0); /* a wrong file touches no line */
 }
 
@@ -96,21 +104,22 @@ static void says_which_line_cannot_be_had(void **state)
     static const struct {
         unsigned line;
         int error;
+        enum iso_fault_code code;
         const char *text;
     } cases[] = {
-        {0, -EBUSY, "door gpiod: relay: line: Device or resource busy"},
-        {3, -EACCES, "door gpiod: buzzer: line: Permission denied"},
-        {5, -ENODEV, "door gpiod: contact: line: No such device"},
-        {7, -EIO, "door gpiod: tamper: line: Input/output error"},
+        {0, -EBUSY, ISO_FAULT_LINE_BUSY, "door gpiod: relay: line: Device or resource busy"},
+        {3, -EACCES, ISO_FAULT_LINE_DENIED, "door gpiod: buzzer: line: Permission denied"},
+        {5, -ENODEV, ISO_FAULT_CHIP_GONE, "door gpiod: contact: line: No such device"},
+        {7, -EIO, ISO_FAULT_LINE_FAILED, "door gpiod: tamper: line: Input/output error"},
     };
     const struct iso_option twice[] = {{"relay", "fake:0"}, {"tamper", "LINE0"}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         fake_gpio_refuse(cases[i].line, cases[i].error);
-        refuses(wiring, WIRED, cases[i].error, cases[i].text);
+        refuses(wiring, WIRED, cases[i].error, cases[i].code, cases[i].text);
         fake_gpio_refuse(cases[i].line, 0);
     }
-    refuses(twice, 2, -EBUSY, "door gpiod: tamper: line:");
+    refuses(twice, 2, -EBUSY, ISO_FAULT_LINE_BUSY, "door gpiod: tamper: line:");
 }
 
 /* A strike that must stay energised does not drop, and one that must not does not click. */

@@ -299,6 +299,7 @@ static void an_unplugged_camera_is_lost(void **state)
     fake_unplug(&fake.cameras[1]);
     assert_int_equal(look(sensor, &frame, &fault), -ENODEV);
     assert_non_null(strstr(fault.text, "/dev/ir: the device is gone"));
+    assert_int_equal(fault.code, ISO_FAULT_SENSOR_GONE);
     assert_int_equal(iso_sensor_health(sensor).state, ISO_SENSOR_LOST);
     assert_int_equal(look(sensor, &frame, &fault), -ENODEV);
     fake.cameras[1].streaming = false; /* it went with the cable */
@@ -314,6 +315,7 @@ static void a_broken_stream_may_be_started_again(void **state)
     fake_break(&fake.cameras[0]);
     assert_int_equal(look(sensor, &frame, &fault), -EIO);
     assert_non_null(strstr(fault.text, "/dev/depth: the stream broke"));
+    assert_int_equal(fault.code, ISO_FAULT_SENSOR_FAILED);
     fake.cameras[0].broken = false;
     assert_int_equal(iso_sensor_stop(sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
@@ -354,13 +356,14 @@ static void infrared_finds_its_depth(void **state)
 
 /* ---- opening ---------------------------------------------------------------- */
 
-static void refuses(int error, const char *words)
+static void refuses(int error, enum iso_fault_code code, const char *words)
 {
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {.text = ""};
     int got = open_sensor(true, &sensor, &fault);
-    if (got != error || !strstr(fault.text, words)) {
-        fail_msg("%d, '%s' is not %d, '%s'", got, fault.text, error, words);
+    if (got != error || fault.code != code || !strstr(fault.text, words)) {
+        fail_msg("%d, %s, '%s' is not %d, %s, '%s'", got, iso_fault_code_name(fault.code),
+                 fault.text, error, iso_fault_code_name(code), words);
     }
     assert_null(sensor);
     fake_v4l2_assert_released(&fake);
@@ -372,25 +375,27 @@ static void refuses_cameras_that_will_not_do(void **state)
     const struct fake_camera good = fake.cameras[1];
     struct fake_camera *ir = &fake.cameras[1];
     ir->path = "/dev/elsewhere";
-    refuses(-ENODEV, "sensor v4l2: /dev/ir: cannot be opened: No such file");
+    refuses(-ENODEV, ISO_FAULT_SENSOR_MISSING,
+            "sensor v4l2: /dev/ir: cannot be opened: No such file");
     *ir = good;
     ir->open_error = -EACCES;
-    refuses(-EACCES, "Permission denied");
+    refuses(-EACCES, ISO_FAULT_SENSOR_DENIED, "Permission denied");
     *ir = good;
     ir->open_error = -EBUSY;
-    refuses(-EBUSY, "busy");
+    refuses(-EBUSY, ISO_FAULT_SENSOR_BUSY, "busy");
     *ir = good;
     ir->capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
-    refuses(-ENODEV, "/dev/ir: is no camera that streams");
+    refuses(-ENODEV, ISO_FAULT_SENSOR_UNFIT, "/dev/ir: is no camera that streams");
     *ir = good;
     ir->format = V4L2_PIX_FMT_MJPEG;
-    refuses(-EINVAL, "/dev/ir (Fake camera): has none of the pixel formats wanted");
+    refuses(-EINVAL, ISO_FAULT_SENSOR_FORMAT,
+            "/dev/ir (Fake camera): has none of the pixel formats wanted");
     *ir = good;
     ir->height_px = 50;
-    refuses(-EINVAL, "gives 70 x 50, not 70 x 48");
+    refuses(-EINVAL, ISO_FAULT_SENSOR_FORMAT, "gives 70 x 50, not 70 x 48");
     *ir = good;
     scratch_write_text(scratch_path(scratch, "camera.ini"), "[recording]\n");
-    refuses(-EINVAL, "camera.ini: format is missing");
+    refuses(-EINVAL, ISO_FAULT_CALIBRATION_WRONG, "camera.ini: format is missing");
 }
 
 static void a_camera_that_does_not_start_holds_nothing(void **state)
@@ -402,6 +407,7 @@ static void a_camera_that_does_not_start_holds_nothing(void **state)
     assert_int_equal(open_sensor(true, &sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, &fault), -EIO);
     assert_non_null(strstr(fault.text, "/dev/ir: does not stream: No space left"));
+    assert_int_equal(fault.code, ISO_FAULT_USB_FULL);
     assert_int_equal(fake.cameras[0].n_mapped + fake.cameras[1].n_mapped, 0);
     assert_false(fake.cameras[0].streaming);
     fake.cameras[1].start_error = 0;

@@ -168,6 +168,7 @@ static void a_silent_stream_is_broken(void **state)
     now_ns = 2500 * MS;
     assert_int_equal(look(), ISO_SENSOR_GONE);
     assert_string_equal(keeper.fault.text, "sensor puppet: no frame for 1000 ms");
+    assert_int_equal(keeper.fault.code, ISO_FAULT_SENSOR_SILENT);
 }
 
 static void a_pause_is_told_before_the_silence_is_over(void **state)
@@ -183,6 +184,7 @@ static void a_pause_is_told_before_the_silence_is_over(void **state)
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     assert_false(keeper.sees);
     assert_string_equal(keeper.fault.text, "sensor puppet: nothing seen for 400 ms");
+    assert_int_equal(keeper.fault.code, ISO_FAULT_SENSOR_SILENT);
     assert_int_equal(sensor.closed, 0);
     now_ns = 1800 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);

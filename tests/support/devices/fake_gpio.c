@@ -133,7 +133,8 @@ static int open_line(const struct iso_gpio_spec *spec, bool output, struct iso_g
         error = -EBUSY;
     }
     if (error) {
-        return iso_fault_set(fault, error, "line: %s", strerror(-error));
+        return iso_fault_set_code(fault, iso_gpio_fault_code(error), error, "line: %s",
+                                  strerror(-error));
     }
     struct iso_gpio_line *line = calloc(1, sizeof *line);
     if (!line) {
