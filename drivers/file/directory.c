@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "drivers/file/disk_wait.h"
+#include "drivers/file/file.h"
 #include "drivers/file/storage_fault.h"
 
 int iso_directory_sync(const char *path, struct iso_fault *fault)
@@ -26,7 +27,7 @@ int iso_directory_sync(const char *path, struct iso_fault *fault)
     }
     const int fd = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0) {
-        const int error = iso_fault_set(fault, -errno, "%s: %m", directory);
+        const int error = iso_file_fault(directory, -errno, fault);
         return iso_storage_reword(directory, error, fault);
     }
     const int error = iso_disk_wait_fsync(fd) ? -errno : 0;

@@ -37,8 +37,7 @@ static enum iso_fault_code code_of(int error)
     }
 }
 
-/* What a call of the system says of the file. */
-static int refuse_call(const char *path, int error, struct iso_fault *fault)
+int iso_file_fault(const char *path, int error, struct iso_fault *fault)
 {
     return iso_fault_set_code(fault, code_of(error), error, "%s: %s", path, strerror(-error));
 }
@@ -76,7 +75,7 @@ static int check_status(const char *path, const struct stat *status, uint64_t ma
 int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault)
 {
     struct stat status;
-    return lstat(path, &status) ? refuse_call(path, -errno, fault)
+    return lstat(path, &status) ? iso_file_fault(path, -errno, fault)
                                 : check_status(path, &status, max_bytes, fault);
 }
 
@@ -112,9 +111,9 @@ int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, stru
     }
     const int opened = open(path, flags | OPEN_FLAGS, 0600);
     if (opened < 0) {
-        return refuse_call(path, -errno, fault);
+        return iso_file_fault(path, -errno, fault);
     }
-    const int error = fstat(opened, &status) ? refuse_call(path, -errno, fault)
+    const int error = fstat(opened, &status) ? iso_file_fault(path, -errno, fault)
                                              : check_status(path, &status, max_bytes, fault);
     if (error) {
         (void)close(opened);
@@ -194,7 +193,7 @@ int iso_file_read(const char *path, size_t max_bytes, char **bytes, size_t *size
         return error == -EFBIG    ? iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, error,
                                                        "%s: longer than %zu bytes", path, max_bytes)
                : error == -ENOMEM ? iso_fault_set(fault, error, "%s: out of memory", path)
-                                  : refuse_call(path, error, fault);
+                                  : iso_file_fault(path, error, fault);
     }
     *bytes = buffer;
     *size = n;

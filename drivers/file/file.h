@@ -26,6 +26,11 @@
 /* For max_bytes: the caller reads piece by piece and needs no bound. */
 #define ISO_FILE_ANY_SIZE UINT64_MAX
 
+/* Describes that a call of the system failed with `error` (a negative errno) for the file or
+ * directory `path`, with the code that belongs to the error: FILE_MISSING, FILE_DENIED, FILE_UNFIT,
+ * DISK_FULL, DISK_READ_ONLY, DISK_FAILED or none. Returns the error. */
+int iso_file_fault(const char *path, int error, struct iso_fault *fault);
+
 /* Says whether `path` is a regular file of at most max_bytes, for a library that opens the file by
  * itself. */
 int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault)

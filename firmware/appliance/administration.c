@@ -136,7 +136,7 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
     (void)snprintf(note, sizeof note, "%zu %s", count, iso_plural(count, "person", "people"));
     conclude(appliance, "export", error, &own, note);
     if (error) {
-        return iso_fault_set(fault, error, "%s", own.text);
+        return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
     *n = count;
     return 0;
@@ -179,7 +179,7 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
     (void)snprintf(note, sizeof note, "%zu of %zu people", came, n);
     conclude(appliance, "import", error, &own, note);
     if (error) {
-        return iso_fault_set(fault, error, "%s", own.text);
+        return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
     iso__appliance_record_gallery(appliance, "gallery", NULL);
     *added = came;
@@ -256,7 +256,7 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
     error = iso_gallery_rename(gallery, before, name, &own);
     conclude_change(appliance, &record, error, &own);
     if (error) {
-        return iso_fault_set(fault, error, "%s", own.text);
+        return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
     *remark = remark_of_rename(appliance, before, name);
     return 0;
@@ -293,7 +293,7 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     }
     error = iso_gallery_set_validity(appliance->parts.gallery, known->name, &after, &own);
     conclude_change(appliance, &record, error, &own);
-    return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
+    return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 
 /* ---- the door ---- */
@@ -325,7 +325,7 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
     error = iso_door_guard_test(appliance->door, &own);
     iso__appliance_tell_door(appliance);
     conclude(appliance, "door-test", error, &own, "the relay was switched");
-    return error ? iso_fault_set(fault, error, "%s", own.text) : 0;
+    return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 
 /* ---- keys ---- */
@@ -374,7 +374,7 @@ int iso_appliance_rotate_keys(struct iso_appliance *appliance,
     conclude(appliance, "rotate-keys", error, &own, said);
     iso__appliance_record_gallery(appliance, "gallery", NULL);
     if (error) {
-        return iso_fault_set(fault, error, "%s", own.text);
+        return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
     *remark = said;
     return 0;

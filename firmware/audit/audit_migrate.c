@@ -123,7 +123,7 @@ static int move_in(struct iso_audit *audit, const char *beside, int fd, struct i
 {
     int error = set_anchor(audit, fault);
     if (!error && rename(beside, audit->path)) {
-        error = iso_fault_set(fault, -errno, "%s: %m", audit->path);
+        error = iso_file_fault(audit->path, -errno, fault);
     }
     error = error ? error : iso_directory_sync(audit->path, fault);
     if (!error) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
 #include "firmware/audit/audit_state.h"
 
 /* ---- a few ---- */
@@ -182,7 +183,7 @@ static int verify_segments(struct verifying *verifying, struct iso_fault *fault)
         char path[PATH_MAX];
         error = segment_path(audit, i, path, fault);
         if (!error && (error = verify_segment(verifying, path))) {
-            error = iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+            error = iso_file_fault(path, error, fault);
         }
         iso_audit_reader_close(&verifying->reader);
     }

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/file/file.h"
 #include "drivers/file/storage_fault.h"
 #include "firmware/audit/audit_state.h"
 #include "firmware/contract/json_member.h"
@@ -108,7 +109,7 @@ int iso__audit_scan(struct iso_audit *audit, const char *path, size_t *torn,
                                    "--accept-state)",
                                    path, reader->flaw);
     } else if (error) {
-        error = iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+        error = iso_file_fault(path, error, fault);
         error = iso_storage_reword(path, error, fault);
     } else {
         error = take_header(audit, reader, fault);

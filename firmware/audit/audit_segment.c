@@ -66,7 +66,7 @@ int iso_audit_segments_find(const char *path, struct iso_audit_segments *out,
                    slash ? path : ".");
     DIR *stream = opendir(directory);
     if (!stream) {
-        return iso_fault_set(fault, -errno, "%s: %m", directory);
+        return iso_file_fault(directory, -errno, fault);
     }
     while (!error && (entry = readdir(stream))) {
         const uint64_t first = first_of(entry->d_name, base);

@@ -233,7 +233,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
         "log-rotated", "log-sealed", "picture", "records-lost", "rename", "rotate-keys", "sensor", \
         "start", "state-accepted", "stop", "validity", "verify", "visit"
 
-/* Errors. */
+/* Errors: what a call is refused for. A fault of the appliance itself has a code in GetStatus. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"
 #define ISO_CONTRACT_ERROR_CLAIM_DEVICE     "org.isotherm.Error.ClaimDevice"
 #define ISO_CONTRACT_ERROR_NO_SUCH_PERSON   "org.isotherm.Error.NoSuchPerson"

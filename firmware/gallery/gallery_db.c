@@ -119,7 +119,7 @@ static int open_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 static int make_file(const char *path, struct iso_fault *fault)
 {
     if (unlink(path) && errno != ENOENT) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
+        return iso_file_fault(path, -errno, fault);
     }
     int fd = -1;
     const int error = iso_file_open(path, O_RDWR | O_CREAT | O_EXCL, ISO_FILE_ANY_SIZE, &fd, fault);
@@ -196,7 +196,7 @@ int iso__gallery_move_in(struct iso_gallery_db *db, struct iso_gallery_db *besid
     if (beside->path) {
         if (!error &&
             renameat2(AT_FDCWD, beside->path, AT_FDCWD, db->path, replace ? 0 : RENAME_NOREPLACE)) {
-            error = iso_fault_set(fault, -errno, "%s: %m", db->path);
+            error = iso_file_fault(db->path, -errno, fault);
         }
         if (error) {
             (void)unlink(beside->path);
@@ -234,7 +234,7 @@ static int find_or_make(struct iso_gallery_db *db, struct iso_fault *fault)
     struct stat status;
     if (lstat(db->path, &status) != 0) {
         if (errno != ENOENT) {
-            return iso_fault_set(fault, -errno, "%s: %m", db->path);
+            return iso_file_fault(db->path, -errno, fault);
         }
         return db->anchor && iso_anchor_state(db->anchor)->value > 0
                    ? iso_fault_set_code(

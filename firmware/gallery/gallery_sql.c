@@ -160,7 +160,7 @@ static int resolve_directory(const char *path, char out[PATH_MAX], struct iso_fa
     (void)snprintf(directory, sizeof directory, "%.*s", slash ? (int)(base - path) : 1,
                    slash ? path : ".");
     if (!realpath(directory, resolved)) {
-        return iso_fault_set(fault, -errno, "%s: %m", directory);
+        return iso_file_fault(directory, -errno, fault);
     }
     return snprintf(out, PATH_MAX, "%s/%s", resolved, base) < PATH_MAX
                ? 0

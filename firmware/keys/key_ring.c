@@ -14,6 +14,7 @@
 #include "core/base/bytes.h"
 #include "drivers/file/data_file.h"
 #include "drivers/file/directory.h"
+#include "drivers/file/file.h"
 #include "drivers/file/storage_fault.h"
 #include "firmware/keys/key_slots.h"
 
@@ -171,7 +172,7 @@ static int check_private(const char *path, struct iso_fault *fault)
 {
     struct stat status;
     if (stat(path, &status)) {
-        return iso_fault_set(fault, -errno, "%s: %m", path);
+        return iso_file_fault(path, -errno, fault);
     }
     return status.st_mode & 077
                ? iso_fault_set_code(fault, ISO_FAULT_KEY_EXPOSED, -EACCES,

@@ -55,7 +55,8 @@ static void the_camera_is_listed_for_programs(void **state)
     struct run run;
 
     (void)snprintf(line, sizeof line,
-                   "{\"sensor\":\"openni2\",\"id\":\"bench:%s\",\"label\":\"Isotherm astra\"}\n",
+                   "{\"sensor\":\"openni2\",\"id\":\"bench:%s\",\"label\":\"Isotherm "
+                   "astra\",\"kind\":\"depth\"}\n",
                    appliance->bench);
     run_start(&run, argv);
     run_finish(&run);

@@ -65,6 +65,8 @@ static enum iso_fault_code code_of_opening(int error)
         return ISO_FAULT_SENSOR_DENIED;
     case -EBUSY:
         return ISO_FAULT_SENSOR_BUSY;
+    case -EINVAL:
+        return ISO_FAULT_OPTION_WRONG;
     case -EIO:
         return ISO_FAULT_SENSOR_FAILED;
     default:
@@ -94,7 +96,7 @@ int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_optio
     }
     int error = iso_sensor_check_ops(ops, options, n_options, fault);
     if (error) {
-        return error;
+        return iso_fault_code_default(fault, code_of_opening(error), error);
     }
     struct iso_sensor *sensor = calloc(1, sizeof *sensor);
     if (!sensor) {
