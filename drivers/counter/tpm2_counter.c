@@ -65,8 +65,9 @@ static int refuse(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
     const bool later = is_tpm_rc(rc, TPM2_RC_NV_RATE) || is_tpm_rc(rc, TPM2_RC_RETRY) ||
                        is_tpm_rc(rc, TPM2_RC_YIELDED) || is_tpm_rc(rc, TPM2_RC_TESTING);
     const int error = password ? -EACCES : later ? -EAGAIN : -EIO;
-    (void)iso_fault_set(fault, error, "the TPM at %s: counter 0x%08x cannot be %s: %s",
-                        counter->tcti_name, (unsigned)counter->index, what, Tss2_RC_Decode(rc));
+    (void)iso_fault_set_code(fault, password ? ISO_FAULT_TPM_DENIED : ISO_FAULT_TPM_FAILED, error,
+                             "the TPM at %s: counter 0x%08x cannot be %s: %s", counter->tcti_name,
+                             (unsigned)counter->index, what, Tss2_RC_Decode(rc));
     if (!is_of_tpm(rc)) {
         release(counter);
     }
@@ -110,14 +111,18 @@ static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
     }
     /* The software stack does not say why. */
     if (strncmp(counter->tcti_name, "device:/", 8) == 0 && access(path, R_OK | W_OK)) {
-        return iso_fault_set(fault, -EIO, "the TPM at %s: %m", counter->tcti_name);
+        const enum iso_fault_code code = errno == ENOENT   ? ISO_FAULT_TPM_MISSING
+                                         : errno == EACCES ? ISO_FAULT_TPM_DENIED
+                                                           : ISO_FAULT_TPM_FAILED;
+        return iso_fault_set_code(fault, code, -EIO, "the TPM at %s: %m", counter->tcti_name);
     }
     TSS2_RC rc = open_tcti(counter);
     rc = rc ? rc : Esys_Initialize(&counter->esys, counter->tcti, NULL);
     if (rc) {
         release(counter);
-        return iso_fault_set(fault, -EIO, "the TPM at %s cannot be reached: %s", counter->tcti_name,
-                             Tss2_RC_Decode(rc));
+        return iso_fault_set_code(fault, ISO_FAULT_TPM_FAILED, -EIO,
+                                  "the TPM at %s cannot be reached: %s", counter->tcti_name,
+                                  Tss2_RC_Decode(rc));
     }
     return 0;
 }
@@ -126,8 +131,9 @@ static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
 
 static int absent(const struct tpm2_counter *counter, struct iso_fault *fault)
 {
-    return iso_fault_set(fault, -ENOENT, "the TPM at %s has no counter 0x%08x", counter->tcti_name,
-                         (unsigned)counter->index);
+    return iso_fault_set_code(fault, ISO_FAULT_COUNTER_GONE, -ENOENT,
+                              "the TPM at %s has no counter 0x%08x", counter->tcti_name,
+                              (unsigned)counter->index);
 }
 
 /* Another use of the same index is not touched. */
@@ -144,10 +150,11 @@ static int check_index(struct tpm2_counter *counter, struct iso_fault *fault)
     Esys_Free(index);
     return (found & (least | TPMA_NV_TPM2_NT_MASK | TPMA_NV_ORDERLY)) == least
                ? 0
-               : iso_fault_set(fault, -EBADMSG,
-                               "the TPM at %s: index 0x%08x is in use, and not for a counter that "
-                               "serves here (attributes 0x%08x)",
-                               counter->tcti_name, (unsigned)counter->index, (unsigned)found);
+               : iso_fault_set_code(
+                     fault, ISO_FAULT_COUNTER_UNFIT, -EBADMSG,
+                     "the TPM at %s: index 0x%08x is in use, and not for a counter that "
+                     "serves here (attributes 0x%08x)",
+                     counter->tcti_name, (unsigned)counter->index, (unsigned)found);
 }
 
 /* The index may have been deleted since it was found: it is looked for each time. */
@@ -228,7 +235,7 @@ static int define_counter(void *self, uint64_t *value, struct iso_fault *fault)
     if (error == -ENOENT) {
         error = make_index(self, fault);
     } else if (error) {
-        (void)iso_fault_set(fault, error, "%s", why.text);
+        (void)iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
     return error ? error : count(self, value, fault);
 }

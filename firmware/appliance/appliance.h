@@ -219,11 +219,13 @@ struct iso_appliance_status {
     enum iso_fault_code sensor_fault_code;
     const char *clock_fault;              /* that the clock was set back; "" while it is right */
     enum iso_fault_code clock_fault_code; /* also that it is not set, which has no text */
-    const char *stale_fault;   /* that grants have hardly enough time (stale_budget.h); "" */
+    const char *stale_fault; /* that grants have hardly enough time (stale_budget.h); "" */
+    enum iso_fault_code stale_fault_code;
     const char *storage_fault; /* what the disk refused last; "" since it works again */
     enum iso_fault_code storage_fault_code;
     const char *counter_fault; /* of the counter of the state; "" while it works */
-    char sensor_health[64];    /* what its driver says of it; "" while all is well */
+    enum iso_fault_code counter_fault_code;
+    char sensor_health[64]; /* what its driver says of it; "" while all is well */
     enum iso_fault_code sensor_health_code;
     size_t people_valid;         /* who may come in at this time */
     const char *last_outcome;    /* of a visit: "allow anna", "deny", ""; behind the name

@@ -17,10 +17,11 @@ static void take_news(struct iso_appliance *appliance)
     }
     appliance->counter_fault = fault;
     if (error) {
+        char tag[ISO_FAULT_TAG_SIZE];
         iso__appliance_say(appliance, LOG_ERR,
                            "the counter of the state stands still, and a restart may be refused: "
-                           "%s",
-                           fault.text);
+                           "%s%s",
+                           fault.text, iso_fault_tag(fault.code, tag));
     } else {
         iso__appliance_say(appliance, LOG_NOTICE, "the counter of the state works again");
     }

@@ -165,9 +165,12 @@ int iso__appliance_start_door(struct iso_appliance *appliance, struct iso_fault 
         return iso_fault_set(fault, error, "the door has no thread: %s", strerror(-error));
     }
     if (iso_door_guard_look(appliance->door).ordinary) {
-        iso__appliance_say(appliance, LOG_WARNING,
-                           "the thread of the door has no real-time priority: on a busy machine "
-                           "the door may be late; see REAL TIME in isothermd(8)");
+        const struct iso_fault ordinary = {
+            .text = "the thread of the door has no real-time priority: on a busy machine the door "
+                    "may be late; see REAL TIME in isothermd(8)",
+            .code = ISO_FAULT_NOT_REALTIME,
+        };
+        iso__appliance_warn(appliance, &ordinary);
     }
     return 0;
 }

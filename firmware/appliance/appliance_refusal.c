@@ -28,7 +28,8 @@ int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_faul
     const struct iso_lockout_record record = iso_lockout_record_of(&appliance->lockout,
                                                                    now_ns(appliance));
     if (is_unread(appliance)) {
-        return iso_fault_set(fault, -EIO, "%s", appliance->lockout_fault.text);
+        return iso_fault_set_code(fault, appliance->lockout_fault.code, -EIO, "%s",
+                                  appliance->lockout_fault.text);
     }
     return *parts->lockout_path ? iso_lockout_save(parts->lockout_path, parts->ring, &record, fault)
                                 : 0;
@@ -154,9 +155,11 @@ static void try_again_later(struct iso_appliance *appliance, const struct iso_fa
     const bool said = is_unread(appliance);
     appliance->lockout_read_ns = now_ns(appliance) + read_again_ns;
     appliance->lockout_fault = *fault;
+    appliance->lockout_fault.code = ISO_FAULT_LOCKOUT_UNREADABLE;
     if (!said) {
-        iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until it can be read",
-                           fault->text);
+        char tag[ISO_FAULT_TAG_SIZE];
+        iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until it can be read%s",
+                           fault->text, iso_fault_tag(appliance->lockout_fault.code, tag));
         record_reading(appliance, "unreadable", fault->text);
     }
 }
@@ -301,7 +304,8 @@ int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_faul
 {
     const struct iso_lockout before = appliance->lockout;
     if (is_unread(appliance)) { /* it may hold a lockdown, which this does not end */
-        return iso_fault_set(fault, -EIO, "%s", appliance->lockout_fault.text);
+        return iso_fault_set_code(fault, appliance->lockout_fault.code, -EIO, "%s",
+                                  appliance->lockout_fault.text);
     }
     int error = record_act(appliance, "lockout", "cleared", fault);
     if (error) {

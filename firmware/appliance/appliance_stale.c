@@ -1,6 +1,4 @@
 /* Whether grants have enough time: the sensor's rate and the working time against stale_ms. */
-#include <syslog.h>
-
 #include "firmware/appliance/appliance_state.h"
 
 /* The system's log is told once, until the sensor is opened anew. */
@@ -8,7 +6,7 @@ static void judge(struct iso_appliance *appliance)
 {
     struct iso_fault fault = {.text = ""};
     if (iso_stale_budget_is_tight(&appliance->stale_budget, &fault) && !appliance->stale_told) {
-        iso__appliance_say(appliance, LOG_WARNING, "%s", fault.text);
+        iso__appliance_warn(appliance, &fault);
         appliance->stale_told = true;
     }
     appliance->stale_fault = fault;

@@ -369,5 +369,7 @@ int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *rec
 {
     struct iso_audit_entry entry = {.record = record};
     iso_audit_append_group(audit, &entry, 1);
-    return entry.error ? iso_fault_set(fault, entry.error, "%s", entry.fault.text) : 0;
+    return entry.error
+               ? iso_fault_set_code(fault, entry.fault.code, entry.error, "%s", entry.fault.text)
+               : 0;
 }

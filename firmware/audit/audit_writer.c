@@ -96,7 +96,9 @@ static int write_now(struct iso_audit_writer *writer, struct iso_fault *fault)
 {
     iso__audit_writer_write(writer);
     const struct iso_audit_entry *own = &writer->entries[writer->n_entries - 1];
-    return own->error ? iso_fault_set(fault, own->error, "%s", own->fault.text) : 0;
+    return own->error
+               ? iso_fault_set_code(fault, own->fault.code, own->error, "%s", own->fault.text)
+               : 0;
 }
 
 /* ---- new and free ---- */

@@ -159,7 +159,9 @@ static int append_codes(sd_bus_message *reply, const struct iso_appliance_status
         {"sensor-fault-code", status->sensor_fault_code},
         {"sensor-health-code", status->sensor_health_code},
         {"clock-fault-code", status->clock_fault_code},
+        {"stale-fault-code", status->stale_fault_code},
         {"storage-fault-code", status->storage_fault_code},
+        {"counter-fault-code", status->counter_fault_code},
         {"door-fault-code", status->door_fault_code},
     };
     int r = 0;

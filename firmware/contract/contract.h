@@ -97,13 +97,13 @@
  * u), "capacity" u, "frames" t, "last-outcome" s, "image-check" s ("off", "flag", "veto",
  * "absent"), "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x, "log-sequence" t,
  * "sensor-fault-code" s, "sensor-health-code" s, "sensor-calibration-code" s, "sensor-devices-code"
- * s, "door-fault-code" s, "clock-fault-code" s, "storage-fault-code" s: what kind of fault the text
- * of that key tells of, a name of core/base/fault_code.h such as "disk-full", which keeps its
- * meaning in later versions; "" while there is none, or if it has no code ("clock-unset" has no
- * text),
- * "lockdown" b, "lockout-ms" x (how long nobody is let in yet, 0: not locked out). Since the start:
- * visits "visits-allowed" t, "visits-denied" t, of which "visits-attack" t because they looked like
- * a picture, screen or mask; "attack-frames" t that did.
+ * s, "door-fault-code" s, "clock-fault-code" s, "stale-fault-code" s, "storage-fault-code" s,
+ * "counter-fault-code" s: what kind of fault the text of that key tells of, a name of
+ * core/base/fault_code.h such as "disk-full", which keeps its meaning in later versions; "" while
+ * there is none, or if it has no code ("clock-unset" has no text), "lockdown" b, "lockout-ms" x
+ * (how long nobody is let in yet, 0: not locked out). Since the start: visits "visits-allowed" t,
+ * "visits-denied" t, of which "visits-attack" t because they looked like a picture, screen or mask;
+ * "attack-frames" t that did.
  *
  * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
  * core/base/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from

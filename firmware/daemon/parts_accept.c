@@ -47,7 +47,7 @@ int iso_parts_accept_stores(struct iso_parts *parts, struct iso_fault *why, stru
     }
     error = iso_parts_compare_stores(parts, why);
     if (error && error != -ESTALE) { /* the counter's device, about which nothing can be decided */
-        return iso_fault_set(fault, error, "%s", why->text);
+        return iso_fault_set_code(fault, why->code, error, "%s", why->text);
     }
     if (!error) {
         return 0;

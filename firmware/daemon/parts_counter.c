@@ -13,10 +13,12 @@ int iso_parts_check_counter(const struct iso_config *config, struct iso_fault *f
         return 0;
     }
     if (!*config->seal.counter_tcti) {
-        return iso_fault_set(fault, -EINVAL, "[seal] counter_tcti: is empty");
+        return iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL,
+                                  "[seal] counter_tcti: is empty");
     }
     const int error = iso_tpm2_index_parse(config->seal.counter_index, &index, &why);
-    return error ? iso_fault_set(fault, error, "[seal] counter_index: %s", why.text) : 0;
+    return error ? iso_fault_set_code(fault, why.code, error, "[seal] counter_index: %s", why.text)
+                 : 0;
 }
 
 int iso_parts_open_counter(struct iso_parts *parts, struct iso_fault *fault)
@@ -46,7 +48,7 @@ static int check_increment(struct iso_state_counter *counter, struct iso_fault *
     struct iso_fault why = {.text = ""};
     int error = 0;
     return iso_state_counter_take_news(counter, &error, &why) && error
-               ? iso_fault_set(fault, error, "%s", why.text)
+               ? iso_fault_set_code(fault, why.code, error, "%s", why.text)
                : 0;
 }
 

@@ -81,37 +81,39 @@ static int ask(struct iso_state_counter *counter, bool *there, uint64_t *value,
     const int error = counter->device.ops->read(counter->device.self, value, &why);
     *there = error == 0;
     if (error && error != -ENOENT) {
-        return iso_fault_set(fault, error, "%s", why.text);
+        return iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
     return *there && *value > ISO_STATE_COUNTER_MOST
-               ? iso_fault_set(fault, -ERANGE,
-                               "the counter of the state says %" PRIu64
-                               ", which is more than can be kept: take another one",
-                               *value)
+               ? iso_fault_set_code(fault, ISO_FAULT_COUNTER_UNFIT, -ERANGE,
+                                    "the counter of the state says %" PRIu64
+                                    ", which is more than can be kept: take another one",
+                                    *value)
                : 0;
 }
 
 static int judge(uint32_t found, uint64_t value, const char *path, struct iso_fault *fault)
 {
     if (found == 0) {
-        return iso_fault_set(fault, -ESTALE,
-                             "%s: the state directory is new, or of an earlier time: it has no "
-                             "counter, the TPM says %" PRIu64 " (see --accept-state)",
-                             path, value);
+        return iso_fault_set_code(
+            fault, ISO_FAULT_STATE_OLD, -ESTALE,
+            "%s: the state directory is new, or of an earlier time: it has no "
+            "counter, the TPM says %" PRIu64 " (see --accept-state)",
+            path, value);
     }
     if (found < value) {
-        return iso_fault_set(fault, -ESTALE,
-                             "%s: the state directory is of an earlier time: its counter says "
-                             "%" PRIu32 ", the TPM says %" PRIu64
-                             "; put the newest in its place (or see --accept-state)",
-                             path, found, value);
+        return iso_fault_set_code(fault, ISO_FAULT_STATE_OLD, -ESTALE,
+                                  "%s: the state directory is of an earlier time: its counter says "
+                                  "%" PRIu32 ", the TPM says %" PRIu64
+                                  "; put the newest in its place (or see --accept-state)",
+                                  path, found, value);
     }
     return found <= value + 1
                ? 0
-               : iso_fault_set(fault, -ESTALE,
-                               "%s: the state directory belongs to another counter: "
-                               "it says %" PRIu32 ", the TPM says %" PRIu64 " (see --accept-state)",
-                               path, found, value);
+               : iso_fault_set_code(fault, ISO_FAULT_COUNTER_OTHER, -ESTALE,
+                                    "%s: the state directory belongs to another counter: "
+                                    "it says %" PRIu32 ", the TPM says %" PRIu64
+                                    " (see --accept-state)",
+                                    path, found, value);
 }
 
 int iso_state_counter_check(struct iso_state_counter *counter, const char *path,
@@ -128,10 +130,10 @@ int iso_state_counter_check(struct iso_state_counter *counter, const char *path,
     }
     return counter->found == 0
                ? 0
-               : iso_fault_set(fault, -ESTALE,
-                               "%s: the counter of the state is gone from the TPM: it has to "
-                               "be %" PRIu32 " (see --accept-state)",
-                               path, counter->found);
+               : iso_fault_set_code(fault, ISO_FAULT_COUNTER_GONE, -ESTALE,
+                                    "%s: the counter of the state is gone from the TPM: it has to "
+                                    "be %" PRIu32 " (see --accept-state)",
+                                    path, counter->found);
 }
 
 int iso_state_counter_begin(struct iso_state_counter *counter, struct iso_fault *fault)

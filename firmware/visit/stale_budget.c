@@ -30,11 +30,12 @@ bool iso_stale_budget_is_tight(const struct iso_stale_budget *budget, struct iso
         (void)snprintf(frames, sizeof frames, "%d frames at %.4g a second, ", budget->agree,
                        budget->rate_hz);
     }
-    (void)iso_fault_set(fault, -ETIME,
-                        "a grant may need %lld ms (%s%d ms for its record, %lld ms of work), and "
-                        "[sensor] stale_ms is %lld: enrolled people may be refused as stale",
-                        (long long)(needed_ns / ISO_NS_PER_MS), frames, ISO_GRANT_WAIT_MS,
-                        (long long)(budget->work_ns / ISO_NS_PER_MS),
-                        (long long)(budget->stale_ns / ISO_NS_PER_MS));
+    (void)iso_fault_set_code(
+        fault, ISO_FAULT_TIME_SHORT, -ETIME,
+        "a grant may need %lld ms (%s%d ms for its record, %lld ms of work), and "
+        "[sensor] stale_ms is %lld: enrolled people may be refused as stale",
+        (long long)(needed_ns / ISO_NS_PER_MS), frames, ISO_GRANT_WAIT_MS,
+        (long long)(budget->work_ns / ISO_NS_PER_MS),
+        (long long)(budget->stale_ns / ISO_NS_PER_MS));
     return true;
 }

@@ -197,7 +197,7 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
 static void judge_priority(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     if (json_is_false(json_object_get(state, "door-realtime"))) {
-        cli_diagnosis_add(diagnosis, "door thread", CLI_CHECK_ODD, ISO_FAULT_NONE,
+        cli_diagnosis_add(diagnosis, "door thread", CLI_CHECK_ODD, ISO_FAULT_NOT_REALTIME,
                           "no real-time priority: the door may be late on a busy machine");
     }
 }

@@ -58,7 +58,7 @@ static uint64_t value_of(operation *call, const struct iso_counter *counter)
 }
 
 static void expect_fault(operation *call, const struct iso_counter *counter, int error,
-                         const char *words)
+                         enum iso_fault_code code, const char *words)
 {
     struct iso_fault fault = {.text = ""};
     uint64_t value = 77;
@@ -67,6 +67,7 @@ static void expect_fault(operation *call, const struct iso_counter *counter, int
     if (!strstr(fault.text, words)) {
         fail_msg("'%s' is not in: %s", words, fault.text);
     }
+    assert_int_equal(fault.code, code);
 }
 
 /* ---- as the TPM's owner ---- */
@@ -131,8 +132,10 @@ static void it_is_made_and_counts(void **state)
     (void)state;
     struct iso_counter counter = open_counter();
     assert_string_equal(counter.ops->name, "tpm2");
-    expect_fault(counter.ops->read, &counter, -ENOENT, "has no counter 0x01804953");
-    expect_fault(counter.ops->increment, &counter, -ENOENT, "has no counter 0x01804953");
+    expect_fault(counter.ops->read, &counter, -ENOENT, ISO_FAULT_COUNTER_GONE,
+                 "has no counter 0x01804953");
+    expect_fault(counter.ops->increment, &counter, -ENOENT, ISO_FAULT_COUNTER_GONE,
+                 "has no counter 0x01804953");
     const uint64_t first = value_of(counter.ops->define, &counter);
     assert_int_equal(value_of(counter.ops->read, &counter), first);
     for (uint64_t i = 1; i <= 20; i++) {
@@ -159,7 +162,7 @@ static void one_that_is_made_again_is_above_the_one_before(void **state)
     iso_counter_close(&counter);
     delete_index();
     counter = open_counter();
-    expect_fault(counter.ops->read, &counter, -ENOENT, "has no counter");
+    expect_fault(counter.ops->read, &counter, -ENOENT, ISO_FAULT_COUNTER_GONE, "has no counter");
     assert_true(value_of(counter.ops->define, &counter) > last);
     iso_counter_close(&counter);
 }
@@ -170,7 +173,7 @@ static void one_that_never_counted_is_taken(void **state)
     (void)state;
     make_index(TPMA_NV_AUTHREAD | TPMA_NV_AUTHWRITE | TPM2_NT_COUNTER << TPMA_NV_TPM2_NT_SHIFT);
     struct iso_counter counter = open_counter();
-    expect_fault(counter.ops->read, &counter, -ENOENT, "has no counter");
+    expect_fault(counter.ops->read, &counter, -ENOENT, ISO_FAULT_COUNTER_GONE, "has no counter");
     const uint64_t first = value_of(counter.ops->define, &counter);
     assert_int_equal(value_of(counter.ops->read, &counter), first);
     iso_counter_close(&counter);
@@ -188,9 +191,12 @@ static void another_use_of_the_index_is_refused(void **state)
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         make_index(others[i]);
         struct iso_counter counter = open_counter();
-        expect_fault(counter.ops->read, &counter, -EBADMSG, "not for a counter that serves here");
-        expect_fault(counter.ops->define, &counter, -EBADMSG, "index 0x01804953 is in use");
-        expect_fault(counter.ops->increment, &counter, -EBADMSG, "is in use");
+        expect_fault(counter.ops->read, &counter, -EBADMSG, ISO_FAULT_COUNTER_UNFIT,
+                     "not for a counter that serves here");
+        expect_fault(counter.ops->define, &counter, -EBADMSG, ISO_FAULT_COUNTER_UNFIT,
+                     "index 0x01804953 is in use");
+        expect_fault(counter.ops->increment, &counter, -EBADMSG, ISO_FAULT_COUNTER_UNFIT,
+                     "is in use");
         iso_counter_close(&counter);
         delete_index();
     }
@@ -201,7 +207,7 @@ static void an_owner_with_a_password_is_told_of(void **state)
     (void)state;
     set_password();
     struct iso_counter counter = open_counter();
-    expect_fault(counter.ops->define, &counter, -EACCES, "cannot be made");
+    expect_fault(counter.ops->define, &counter, -EACCES, ISO_FAULT_TPM_DENIED, "cannot be made");
     iso_counter_close(&counter);
 }
 
@@ -211,8 +217,8 @@ static void one_that_was_away_is_opened_again(void **state)
     struct iso_counter counter = open_counter();
     const uint64_t first = value_of(counter.ops->define, &counter);
     soft_tpm_off(&tpm);
-    expect_fault(counter.ops->increment, &counter, -EIO, "the TPM at swtpm:");
-    expect_fault(counter.ops->increment, &counter, -EIO, "cannot be reached");
+    expect_fault(counter.ops->increment, &counter, -EIO, ISO_FAULT_TPM_FAILED, "the TPM at swtpm:");
+    expect_fault(counter.ops->increment, &counter, -EIO, ISO_FAULT_TPM_FAILED, "cannot be reached");
     soft_tpm_on(&tpm);
     assert_int_equal(value_of(counter.ops->increment, &counter), first + 1);
     iso_counter_close(&counter);
@@ -227,8 +233,10 @@ static void one_that_is_not_there_is_told_of(void **state)
                      -EIO);
     assert_string_equal(fault.text,
                         "the TPM at device:/nonexistent/tpm: No such file or directory");
+    assert_int_equal(fault.code, ISO_FAULT_TPM_MISSING);
     assert_int_equal(iso_tpm2_counter_open("device:/dev/null", INDEX, &counter, &fault), -EIO);
     assert_non_null(strstr(fault.text, "the TPM at device:/dev/null cannot be reached"));
+    assert_int_equal(fault.code, ISO_FAULT_TPM_FAILED);
     assert_int_equal(iso_tpm2_counter_open("no-such-tcti:", INDEX, &counter, &fault), -EIO);
     assert_non_null(strstr(fault.text, "the TPM at no-such-tcti: cannot be reached"));
     assert_null(counter.ops);

@@ -83,10 +83,13 @@ static void a_fault_is_told_and_shown_until_it_is_over(void **state)
     rig_run(rig, 100);
     assert_non_null(strstr(rig->warned, "the counter of the state stands still"));
     assert_non_null(strstr(iso_appliance_status(rig->appliance).counter_fault, "the puppet"));
+    assert_int_equal(iso_appliance_status(rig->appliance).counter_fault_code, ISO_FAULT_TPM_FAILED);
+    assert_non_null(strstr(rig->warned, " [tpm-failed]"));
     puppet.error = 0;
     assert_int_equal(iso_appliance_lockdown(rig->appliance, false, NULL), 0);
     rig_run(rig, 100);
     assert_string_equal(iso_appliance_status(rig->appliance).counter_fault, "");
+    assert_int_equal(iso_appliance_status(rig->appliance).counter_fault_code, ISO_FAULT_NONE);
     rig_run(rig, 5000);
     assert_false(iso_state_counter_is_due(rig->parts.counter));
 }

@@ -277,13 +277,18 @@ static void a_slow_sensor_is_told_at_the_start(void **state)
     assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
     rig_start(rig);
     assert_non_null(strstr(rig->warned, "a grant may need 916 ms (2 frames at 3 a second, "));
-    assert_string_equal(iso_appliance_status(rig->appliance).stale_fault, rig->warned);
+    const struct iso_appliance_status status = iso_appliance_status(rig->appliance);
+    const size_t length = strlen(status.stale_fault);
+    assert_memory_equal(status.stale_fault, rig->warned, length);
+    assert_string_equal(rig->warned + length, " [time-short]");
+    assert_int_equal(status.stale_fault_code, ISO_FAULT_TIME_SHORT);
 }
 
 static void a_slow_machine_is_told_when_it_was_measured(void **state)
 {
     struct rig *rig = *state;
     assert_string_equal(iso_appliance_status(rig->appliance).stale_fault, "");
+    assert_int_equal(iso_appliance_status(rig->appliance).stale_fault_code, ISO_FAULT_NONE);
     delays.frame_ms = 600;
     come(rig);
     assert_non_null(strstr(iso_appliance_status(rig->appliance).stale_fault, "ms of work), and "

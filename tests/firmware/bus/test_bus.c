@@ -294,9 +294,10 @@ static void tells_its_state(void **state)
 static void tells_the_codes_of_its_faults(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
-    static const char *const keys[] = {"sensor-fault-code",       "sensor-health-code",
-                                       "sensor-calibration-code", "sensor-devices-code",
-                                       "door-fault-code",         "storage-fault-code"};
+    static const char *const keys[] = {
+        "sensor-fault-code",   "sensor-health-code", "sensor-calibration-code",
+        "sensor-devices-code", "door-fault-code",    "storage-fault-code",
+        "clock-fault-code",    "stale-fault-code",   "counter-fault-code"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         assert_string_equal(status_of(f, keys[i]), "s ");
     }

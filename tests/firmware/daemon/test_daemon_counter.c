@@ -159,7 +159,7 @@ static void without_its_tpm_it_does_not_start(void **state)
 /* The door goes on without it, and says so; the next start is refused. */
 static void a_tpm_that_is_lost_later_is_told_of(void **state)
 {
-    const char *const argv[] = {CLIENT, "--bus", bus.address, "doctor", NULL};
+    const char *const argv[] = {CLIENT, "--bus", bus.address, "doctor", "--json", NULL};
     struct run run, doctor;
     (void)state;
     start(&run);
@@ -168,7 +168,7 @@ static void a_tpm_that_is_lost_later_is_told_of(void **state)
     run_until(&run, "the counter of the state stands still");
     run_start(&doctor, argv);
     run_finish(&doctor);
-    if (!strstr(doctor.out, "counter     the TPM at") || !strstr(doctor.out, "is the TPM there")) {
+    if (!strstr(doctor.out, "the TPM at") || !strstr(doctor.out, "\"tpm-failed\"")) {
         fail_msg("the doctor says: %s", doctor.out);
     }
     run_free(&doctor);

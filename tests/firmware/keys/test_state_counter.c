@@ -55,7 +55,8 @@ static int open_device(struct iso_counter *out, struct iso_fault *fault)
     static const struct iso_counter_ops ops = {"cut", cut_read, cut_define, cut_increment,
                                                cut_close};
     int error = with_tpm       ? iso_tpm2_counter_open(tpm.tcti, 0x01804953, &device, fault)
-                : puppet.error ? iso_fault_set(fault, puppet.error, "the puppet is away")
+                : puppet.error ? iso_fault_set_code(fault, ISO_FAULT_TPM_FAILED, puppet.error,
+                                                    "the puppet is away")
                                : 0;
     if (!error && !with_tpm) {
         device = puppet_counter(&puppet);
@@ -136,13 +137,15 @@ static int teardown(void **state)
     return scratch_teardown(&world->scratch);
 }
 
-static void expect_refusal(const struct world *world, int error, const char *words)
+static void expect_refusal(const struct world *world, int error, enum iso_fault_code code,
+                           const char *words)
 {
     struct iso_fault fault = {.text = ""};
     assert_int_equal(state_rig_try(world->state, &fault), error);
     if (!strstr(fault.text, words) || strchr(fault.text, '\n')) {
         fail_msg("'%s' is not in one line: %s", words, fault.text);
     }
+    assert_int_equal(fault.code, code);
 }
 
 static void expect_open(const struct world *world)
@@ -184,8 +187,9 @@ static void a_whole_directory_of_an_earlier_time_is_refused(void **state)
         mix_put_back(world->state, &before);
         (void)snprintf(line, sizeof line, "its counter says %llu, the TPM says %llu",
                        (unsigned long long)value, (unsigned long long)value_of_device());
-        expect_refusal(world, -ESTALE, "/audit.log: the state directory is of an earlier time: ");
-        expect_refusal(world, -ESTALE, line);
+        expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD,
+                       "/audit.log: the state directory is of an earlier time: ");
+        expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, line);
         mix_put_back(world->state, &after);
         expect_open(world);
         mix_let_go(&before);
@@ -201,7 +205,7 @@ static void a_copy_from_before_the_last_start_is_refused(void **state)
     state_rig_close(state_rig_open(world->state));
     mix_take(world->state, &now);
     mix_put_back(world->state, &world->before);
-    expect_refusal(world, -ESTALE, "is of an earlier time");
+    expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
     mix_put_back(world->state, &now);
     expect_open(world);
     mix_let_go(&now);
@@ -250,7 +254,7 @@ static void an_administrator_accepts_an_earlier_directory(void **state)
     state_rig_close(parts);
     expect_open(world);
     mix_put_back(world->state, &after); /* what was not chosen is of an earlier time now */
-    expect_refusal(world, -ESTALE, "is of an earlier time");
+    expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
     mix_let_go(&after);
 }
 
@@ -259,7 +263,8 @@ static void a_new_directory_beside_an_old_counter_has_to_be_accepted(void **stat
     const struct world *world = *state;
     const struct mix_state empty = {.n = 0};
     mix_put_back(world->state, &empty);
-    expect_refusal(world, -ESTALE, "is new, or of an earlier time: it has no counter");
+    expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD,
+                   "is new, or of an earlier time: it has no counter");
     accept(world, "is new, or of an earlier time");
     expect_open(world);
 }
@@ -284,7 +289,7 @@ static void a_kill_before_the_increment_is_caught_up(void **state)
     assert_int_equal(value_of_device(), value + 3);
     expect_open(world);
     mix_put_back(world->state, &ahead);
-    expect_refusal(world, -ESTALE, "is of an earlier time");
+    expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
     mix_let_go(&ahead);
 }
 
@@ -292,7 +297,8 @@ static void a_device_that_is_gone_is_refused(void **state)
 {
     const struct world *world = *state;
     take_device_away(true);
-    expect_refusal(world, -EIO, with_tpm ? "cannot be reached" : "the puppet is away");
+    expect_refusal(world, -EIO, ISO_FAULT_TPM_FAILED,
+                   with_tpm ? "cannot be reached" : "the puppet is away");
     take_device_away(false);
     expect_open(world);
 }
@@ -304,8 +310,9 @@ static void another_device_has_to_be_accepted(void **state)
     char line[64];
     (void)snprintf(line, sizeof line, "it has to be %llu", (unsigned long long)value);
     exchange_device();
-    expect_refusal(world, -ESTALE, "the counter of the state is gone from the TPM");
-    expect_refusal(world, -ESTALE, line);
+    expect_refusal(world, -ESTALE, ISO_FAULT_COUNTER_GONE,
+                   "the counter of the state is gone from the TPM");
+    expect_refusal(world, -ESTALE, ISO_FAULT_COUNTER_GONE, line);
     accept(world, "is gone from the TPM");
     expect_open(world);
     state_rig_close(state_rig_open(world->state));
@@ -324,7 +331,7 @@ static void a_counter_that_is_behind_is_another_one(void **state)
     state_rig_counter = open_device;
     state_rig_close(state_rig_open(world->state)); /* begins to count */
     mix_put_back(world->state, &old);
-    expect_refusal(world, -ESTALE, "belongs to another counter");
+    expect_refusal(world, -ESTALE, ISO_FAULT_COUNTER_OTHER, "belongs to another counter");
     accept(world, "belongs to another counter");
     expect_open(world);
     mix_let_go(&old);
@@ -357,7 +364,7 @@ static void a_state_without_a_number_gets_one(void **state)
     state_rig_close(state_rig_open(world->state));
     assert_int_equal(value_of_device(), 3); /* made, the start, the end */
     mix_put_back(world->state, &after);
-    expect_refusal(world, -ESTALE, "has no counter");
+    expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "has no counter");
     mix_let_go(&after);
 }
 
@@ -478,14 +485,14 @@ static void somebody_else_who_counts_is_followed(void **state)
     state_rig_close(parts);
     expect_open(world);
     puppet.value += 5; /* while nobody was there to follow */
-    expect_refusal(world, -ESTALE, "is of an earlier time");
+    expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
 }
 
 static void a_counter_that_is_too_large_is_refused(void **state)
 {
     const struct world *world = *state;
     puppet.value = ISO_STATE_COUNTER_MOST + 1;
-    expect_refusal(world, -ERANGE, "more than can be kept");
+    expect_refusal(world, -ERANGE, ISO_FAULT_COUNTER_UNFIT, "more than can be kept");
 }
 
 /* ---- the thread ---- */

@@ -5,7 +5,9 @@
 static int refuse(const struct puppet_counter *puppet, struct iso_fault *fault)
 {
     const int error = puppet->error ? puppet->error : puppet->defined ? 0 : -ENOENT;
-    return error ? iso_fault_set(fault, error, "the puppet: error %d", -error) : 0;
+    return error ? iso_fault_set_code(fault, ISO_FAULT_TPM_FAILED, error, "the puppet: error %d",
+                                      -error)
+                 : 0;
 }
 
 static int read_value(void *self, uint64_t *value, struct iso_fault *fault)
@@ -24,7 +26,7 @@ static int increment(void *self, uint64_t *value, struct iso_fault *fault)
     const int error = refuse(puppet, fault);
     if (!error && puppet->loses_answer) {
         puppet->value++;
-        return iso_fault_set(fault, -EIO, "the puppet: no answer");
+        return iso_fault_set_code(fault, ISO_FAULT_TPM_FAILED, -EIO, "the puppet: no answer");
     }
     if (!error) {
         *value = ++puppet->value;

@@ -86,6 +86,8 @@ static void the_door_opens_when_the_file_can_be_read(void **state)
     rig_start(rig);
     start_unread(rig);
     assert_non_null(strstr(iso_appliance_status(rig->appliance).storage_fault, "lockout: "));
+    assert_int_equal(iso_appliance_status(rig->appliance).storage_fault_code,
+                     ISO_FAULT_LOCKOUT_UNREADABLE);
     assert_non_null(strstr(rig_record(rig, "lockout"), "\"reason\":\"unreadable\""));
     assert_string_equal(rig_record(rig, "lockdown"), "");
     assert_false(iso_appliance_status(rig->appliance).lockdown);
@@ -93,6 +95,7 @@ static void the_door_opens_when_the_file_can_be_read(void **state)
     rig_run(rig, 4000);
     assert_non_null(strstr(rig_record(rig, "lockout"), "\"reason\":\"readable\""));
     assert_string_equal(iso_appliance_status(rig->appliance).storage_fault, "");
+    assert_int_equal(iso_appliance_status(rig->appliance).storage_fault_code, ISO_FAULT_NONE);
     (void)rig_news(rig);
     assert_non_null(strstr(visit(rig), "visit allow anna"));
 }
