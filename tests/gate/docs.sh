@@ -72,13 +72,18 @@ exists() {
     esac
 }
 
+# brings DOCUMENT PATH: the document has the file itself, as a block of code with its path, or files of this folder. A test builds it.
+brings() {
+    grep -qE "^\`\`\`[a-z]+ $2(/.*)?\$" "$1"
+}
+
 for document in $documents; do
     # A page ADDING.md names the files that its reader is about to write.
     case $document in
     */ADDING.md) continue ;;
     esac
     for path in $(named_paths "$document"); do
-        exists "$document" "$path" || fault "$document: names a path that does not exist: $path"
+        exists "$document" "$path" || brings "$document" "$path" || fault "$document: names a path that does not exist: $path"
     done
 done
 

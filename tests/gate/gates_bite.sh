@@ -165,6 +165,11 @@ echo 'See `base/b.h`.' >"$copy/core/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
 echo 'See `b.h`.' >"$copy/core/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
+# A guide has new files in full.
+printf 'See `core/new/b.h` in `core/new`.\n\n```c core/new/b.h\nint b(void);\n```\n' >"$copy/core/README.md"
+passes "$root/tests/gate/docs.sh" "$copy"
+printf 'See `core/new/c.h`.\n\n```c core/new/b.h\nint b(void);\n```\n' >"$copy/core/README.md"
+refuses "$root/tests/gate/docs.sh" "$copy"
 what='a path in the text or in a command that is not there'
 echo 'It lives in core/nowhere.' >"$copy/tests/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
