@@ -1,4 +1,4 @@
-/* What an extractor holds: the workspaces of all steps. Internal to core/extract*.c. */
+/* What an extractor holds: the workspaces of all steps. Internal to core/extract. */
 #ifndef ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 #define ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 

@@ -6,7 +6,7 @@
 
 /* How much the surface about a landmark says of the person rather than of the moment: what moves
  * with the mouth counts least, but is not dropped. Measured on generated people with strong
- * expressions (README.md, Accuracy). */
+ * expressions (sim/results/radii.md). */
 static const float landmark_weight[ISO_LANDMARKS] = {
     [ISO_LM_NASION] = 1.0f,     [ISO_LM_NOSE_TIP] = 1.0f,  [ISO_LM_SUBNASALE] = 0.5f,
     [ISO_LM_ALA_R] = 0.7f,      [ISO_LM_ALA_L] = 0.7f,     [ISO_LM_EYE_IN_R] = 1.0f,

@@ -20,8 +20,8 @@
  * A score is the log likelihood ratio, scaled so that a score of s or more is as rare as 10^-s
  * among the tenth of all strangers who are most alike, and ten times rarer among all: calibrated on
  * people that the projection was not learned from, before several sensors (what it comes to on
- * others: README.md, Accuracy). One threshold is then one false match rate. The few candidates that
- * a search leaves are looked at again: rerank.h. */
+ * others: sim/results/scores.md). One threshold is then one false match rate. The few candidates
+ * that a search leaves are looked at again: rerank.h. */
 #ifndef ISO_CORE_MATCH_METRIC_H
 #define ISO_CORE_MATCH_METRIC_H
 

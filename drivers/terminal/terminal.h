@@ -1,6 +1,6 @@
 /* What a program may print on a stream: whether it is a terminal, how wide, and with colours. */
-#ifndef ISO_DRIVERS_TERMINAL_H
-#define ISO_DRIVERS_TERMINAL_H
+#ifndef ISO_DRIVERS_TERMINAL_TERMINAL_H
+#define ISO_DRIVERS_TERMINAL_TERMINAL_H
 
 #include <stdbool.h>
 #include <stdio.h>

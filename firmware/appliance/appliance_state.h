@@ -1,4 +1,4 @@
-/* What an appliance holds, and what its parts are called. Internal to firmware/appliance*.c. */
+/* What an appliance holds, and what its parts are called. Internal to firmware/appliance. */
 #ifndef ISO_FIRMWARE_APPLIANCE_APPLIANCE_STATE_H
 #define ISO_FIRMWARE_APPLIANCE_APPLIANCE_STATE_H
 

@@ -1,4 +1,4 @@
-/* What an open log holds. Internal to firmware/audit*.c. */
+/* What an open log holds. Internal to firmware/audit. */
 #ifndef ISO_FIRMWARE_AUDIT_AUDIT_STATE_H
 #define ISO_FIRMWARE_AUDIT_AUDIT_STATE_H
 

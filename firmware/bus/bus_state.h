@@ -1,4 +1,4 @@
-/* What the service on the bus holds. Internal to firmware/bus*.c. */
+/* What the service on the bus holds. Internal to firmware/bus. */
 #ifndef ISO_FIRMWARE_BUS_BUS_STATE_H
 #define ISO_FIRMWARE_BUS_BUS_STATE_H
 

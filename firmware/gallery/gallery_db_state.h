@@ -1,4 +1,4 @@
-/* What an open database of the gallery holds. Internal to firmware/gallery_*.c. */
+/* What an open database of the gallery holds. Internal to firmware/gallery. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_DB_STATE_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_DB_STATE_H
 

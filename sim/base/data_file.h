@@ -1,7 +1,7 @@
 /* Loads the data files that ship with the product: head model, metric and cohort. Where they are:
  * drivers/base/shipped.h. */
-#ifndef SIM_DATA_FILE_H
-#define SIM_DATA_FILE_H
+#ifndef SIM_BASE_DATA_FILE_H
+#define SIM_BASE_DATA_FILE_H
 
 #include "core/base/fault.h"
 #include "core/landmark/head_model.h"

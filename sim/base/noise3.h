@@ -1,6 +1,6 @@
 /* A smooth random function of space, for hair and cloth. */
-#ifndef SIM_PROP_NOISE3_H
-#define SIM_PROP_NOISE3_H
+#ifndef SIM_BASE_NOISE3_H
+#define SIM_BASE_NOISE3_H
 
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 /* Long options of the simulator's commands, described by tables. */
-#ifndef SIM_OPTIONS_H
-#define SIM_OPTIONS_H
+#ifndef SIM_BASE_OPTIONS_H
+#define SIM_BASE_OPTIONS_H
 
 #include <stddef.h>
 #include <stdio.h>

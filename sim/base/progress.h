@@ -1,7 +1,7 @@
 /* How far the command of this process is. One thing at a time is shown, and only if main() has said
  * where: as a library, and in tests, the simulator says nothing. */
-#ifndef SIM_PROGRESS_H
-#define SIM_PROGRESS_H
+#ifndef SIM_BASE_PROGRESS_H
+#define SIM_BASE_PROGRESS_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -3,8 +3,8 @@
  * xoshiro256** (Blackman and Vigna 2018) seeded through splitmix64; normal deviates by the polar
  * form of Box and Muller (Marsaglia and Bray 1964). Not for secrets. One struct is one stream, used
  * by one thread. */
-#ifndef SIM_RANDOM_H
-#define SIM_RANDOM_H
+#ifndef SIM_BASE_RANDOM_H
+#define SIM_BASE_RANDOM_H
 
 #include <stdbool.h>
 #include <stdint.h>

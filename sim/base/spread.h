@@ -1,6 +1,6 @@
 /* How a set of numbers lies. */
-#ifndef SIM_EVAL_SPREAD_H
-#define SIM_EVAL_SPREAD_H
+#ifndef SIM_BASE_SPREAD_H
+#define SIM_BASE_SPREAD_H
 
 #include <stddef.h>
 

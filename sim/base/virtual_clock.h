@@ -1,7 +1,7 @@
 /* Time that passes only when it is told to: hours of an appliance in seconds, and the same run
  * twice is the same to the bit. */
-#ifndef SIM_VIRTUAL_CLOCK_H
-#define SIM_VIRTUAL_CLOCK_H
+#ifndef SIM_BASE_VIRTUAL_CLOCK_H
+#define SIM_BASE_VIRTUAL_CLOCK_H
 
 #include <stdint.h>
 

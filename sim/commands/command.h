@@ -1,6 +1,6 @@
 /* The frame of a command: its options, its help, its complaints, its exit code. */
-#ifndef SIM_COMMAND_H
-#define SIM_COMMAND_H
+#ifndef SIM_COMMANDS_COMMAND_H
+#define SIM_COMMANDS_COMMAND_H
 
 #include "sim/base/options.h"
 

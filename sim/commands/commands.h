@@ -1,7 +1,7 @@
 /* The subcommands of `isotherm-sim`. Each gets argv from its own name on, prints its results on
  * stdout and its complaints on stderr, and returns an exit code. */
-#ifndef SIM_COMMANDS_H
-#define SIM_COMMANDS_H
+#ifndef SIM_COMMANDS_COMMANDS_H
+#define SIM_COMMANDS_COMMANDS_H
 
 enum sim_exit {
     SIM_EXIT_OK = 0,

@@ -1,7 +1,7 @@
 /* What the commands that play a corpus's visits have in common: the options, the table of visits as
  * they come, visits.csv, the summary, and the exit code. */
-#ifndef SIM_VISIT_VISIT_COMMAND_H
-#define SIM_VISIT_VISIT_COMMAND_H
+#ifndef SIM_COMMANDS_VISIT_COMMAND_H
+#define SIM_COMMANDS_VISIT_COMMAND_H
 
 #include <stdbool.h>
 

@@ -6,8 +6,8 @@
  * `count` are the frames of the recording that the row means (count > 1: frames to fuse). A row
  * repeats another if recording, first, count and role are the same. Every failure is one line
  * "file:line: what is wrong" in *fault (which may be NULL). */
-#ifndef SIM_RECORDING_CORPUS_H
-#define SIM_RECORDING_CORPUS_H
+#ifndef SIM_CORPUS_CORPUS_H
+#define SIM_CORPUS_CORPUS_H
 
 #include <stdbool.h>
 #include <stddef.h>

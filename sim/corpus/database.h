@@ -1,8 +1,8 @@
 /* Public databases of 3D faces: how their files are named, and read.
  *
  * None of them may be passed on; whoever has a licence can import it (loaders/import.h). */
-#ifndef SIM_LOADERS_DATABASE_H
-#define SIM_LOADERS_DATABASE_H
+#ifndef SIM_CORPUS_DATABASE_H
+#define SIM_CORPUS_DATABASE_H
 
 #include <stdbool.h>
 

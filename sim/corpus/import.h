@@ -3,8 +3,8 @@
  * Of each person the first neutral scan by file name is enrolled (the first of all if none is), the
  * others are probes; the last so many people enrol nothing and are impostors. File names are those
  * of the database, wherever below the directory the files lie. */
-#ifndef SIM_LOADERS_IMPORT_H
-#define SIM_LOADERS_IMPORT_H
+#ifndef SIM_CORPUS_IMPORT_H
+#define SIM_CORPUS_IMPORT_H
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* Records what a sensor sees, as a recording (drivers/recording/recording.h). */
-#ifndef SIM_RECORD_RECORD_H
-#define SIM_RECORD_RECORD_H
+#ifndef SIM_CORPUS_RECORD_H
+#define SIM_CORPUS_RECORD_H
 
 #include <stddef.h>
 #include <stdint.h>

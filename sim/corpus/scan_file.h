@@ -4,8 +4,8 @@
  * Parsers work on bytes in memory that end with a NUL which is not counted; `name` stands for the
  * file in faults. All refuse what they do not understand: -EBADMSG with a fault that says what is
  * wrong; -ENOMEM. Meshes are freed with iso_mesh_free. */
-#ifndef SIM_LOADERS_SCAN_FILE_H
-#define SIM_LOADERS_SCAN_FILE_H
+#ifndef SIM_CORPUS_SCAN_FILE_H
+#define SIM_CORPUS_SCAN_FILE_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* A scan seen by a virtual depth camera, so that it can be recorded like any other frame. */
-#ifndef SIM_LOADERS_SCAN_VIEW_H
-#define SIM_LOADERS_SCAN_VIEW_H
+#ifndef SIM_CORPUS_SCAN_VIEW_H
+#define SIM_CORPUS_SCAN_VIEW_H
 
 #include "core/frame/frame.h"
 #include "core/surface/mesh.h"

@@ -1,7 +1,7 @@
 /* A sensor in one word of the command line: TYPE, or TYPE:KEY=VALUE,KEY=VALUE... with the options
  * of that back end (drivers/sensor/). Values hold no commas. */
-#ifndef SIM_RECORD_SENSOR_WORD_H
-#define SIM_RECORD_SENSOR_WORD_H
+#ifndef SIM_CORPUS_SENSOR_WORD_H
+#define SIM_CORPUS_SENSOR_WORD_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* A recording that is written by a thread of its own: a camera does not wait while a frame is
  * compressed. Up to SIM_TAPE_FRAMES frames are held until then. */
-#ifndef SIM_RECORD_TAPE_H
-#define SIM_RECORD_TAPE_H
+#ifndef SIM_CORPUS_TAPE_H
+#define SIM_CORPUS_TAPE_H
 
 #include "core/base/fault.h"
 #include "core/frame/frame.h"

@@ -1,7 +1,7 @@
 /* Watches the door of a running daemon over the bus: its verdicts, its lock, and how many frames it
  * has seen. One thread. */
-#ifndef SIM_VISIT_DOOR_WATCH_H
-#define SIM_VISIT_DOOR_WATCH_H
+#ifndef SIM_DOOR_DOOR_WATCH_H
+#define SIM_DOOR_DOOR_WATCH_H
 
 #include <stdbool.h>
 #include <stdint.h>

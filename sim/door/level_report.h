@@ -1,7 +1,7 @@
 /* What a buyer asks of each security level: how many enrolled people are refused in a visit, and
  * how many strangers, and strangers who look alike, are let in. */
-#ifndef SIM_VISIT_LEVEL_REPORT_H
-#define SIM_VISIT_LEVEL_REPORT_H
+#ifndef SIM_DOOR_LEVEL_REPORT_H
+#define SIM_DOOR_LEVEL_REPORT_H
 
 #include <stdio.h>
 

@@ -1,8 +1,8 @@
 /* The appliance itself, in this process, on a virtual clock: people are enrolled and come to the
  * door without a daemon, a bus or a moment's wait, and the same corpus gives the same verdicts at
  * the same times on every run. What replay-based CI runs. */
-#ifndef SIM_VISIT_REHEARSAL_H
-#define SIM_VISIT_REHEARSAL_H
+#ifndef SIM_DOOR_REHEARSAL_H
+#define SIM_DOOR_REHEARSAL_H
 
 #include "firmware/config/config.h"
 #include "sim/door/visit.h"

@@ -1,7 +1,7 @@
 /* One appliance of a rehearsal: its configuration, its state, and what it has told of the enrolment
  * or visit that goes on. */
-#ifndef SIM_VISIT_REHEARSAL_DOOR_H
-#define SIM_VISIT_REHEARSAL_DOOR_H
+#ifndef SIM_DOOR_REHEARSAL_DOOR_H
+#define SIM_DOOR_REHEARSAL_DOOR_H
 
 #include "firmware/daemon/parts.h"
 #include "sim/base/virtual_clock.h"

@@ -4,8 +4,8 @@
  * template from one extractor, which looks at a frame when the first appliance asks for it; the
  * others get a copy. The result is the same as with an extractor each, as long as all appliances
  * see the same frames in the same order. One thread. */
-#ifndef SIM_VISIT_SHARED_EXTRACTION_H
-#define SIM_VISIT_SHARED_EXTRACTION_H
+#ifndef SIM_DOOR_SHARED_EXTRACTION_H
+#define SIM_DOOR_SHARED_EXTRACTION_H
 
 #include "firmware/recognise/pipeline.h"
 

@@ -1,7 +1,7 @@
 /* The slot: the symbolic link that the sensor `replay` looks at. What it names stands in front of
  * the camera. */
-#ifndef SIM_VISIT_SLOT_H
-#define SIM_VISIT_SLOT_H
+#ifndef SIM_DOOR_SLOT_H
+#define SIM_DOOR_SLOT_H
 
 #include "core/base/fault.h"
 

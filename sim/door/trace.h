@@ -1,7 +1,7 @@
 /* What the appliance made of each frame of one visit: for a picture of it. A pipeline that hands
  * everything on to the appliance's own notes it on the way. */
-#ifndef SIM_VISIT_TRACE_H
-#define SIM_VISIT_TRACE_H
+#ifndef SIM_DOOR_TRACE_H
+#define SIM_DOOR_TRACE_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* Plays the visitors of a corpus at the door of a running daemon, one after the other. */
-#ifndef SIM_VISIT_VISIT_H
-#define SIM_VISIT_VISIT_H
+#ifndef SIM_DOOR_VISIT_H
+#define SIM_DOOR_VISIT_H
 
 #include <stdbool.h>
 #include <stddef.h>

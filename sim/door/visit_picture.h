@@ -1,6 +1,6 @@
 /* A trace of a visit as a picture. */
-#ifndef SIM_VISIT_VISIT_PICTURE_H
-#define SIM_VISIT_VISIT_PICTURE_H
+#ifndef SIM_DOOR_VISIT_PICTURE_H
+#define SIM_DOOR_VISIT_PICTURE_H
 
 #include "firmware/gallery/gallery.h"
 #include "sim/door/trace.h"

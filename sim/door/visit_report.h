@@ -1,6 +1,6 @@
 /* What the visits came to, for people and for programs. */
-#ifndef SIM_VISIT_VISIT_REPORT_H
-#define SIM_VISIT_VISIT_REPORT_H
+#ifndef SIM_DOOR_VISIT_REPORT_H
+#define SIM_DOOR_VISIT_REPORT_H
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 /* The command line: one table of all options says which commands take which, reads them, and writes
  * the help. */
-#ifndef CLI_ARGUMENTS_H
-#define CLI_ARGUMENTS_H
+#ifndef CLI_ARGUMENTS_ARGUMENTS_H
+#define CLI_ARGUMENTS_ARGUMENTS_H
 
 #include <stdbool.h>
 #include <stdint.h>

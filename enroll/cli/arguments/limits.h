@@ -1,6 +1,6 @@
 /* The limits of a person's validity, as options of a call and as a sentence. */
-#ifndef CLI_LIMITS_H
-#define CLI_LIMITS_H
+#ifndef CLI_ARGUMENTS_LIMITS_H
+#define CLI_ARGUMENTS_LIMITS_H
 
 #include <systemd/sd-bus.h>
 

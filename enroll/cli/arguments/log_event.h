@@ -1,6 +1,6 @@
 /* The events of the audit log, for `isotherm log --event`. */
-#ifndef CLI_LOG_EVENT_H
-#define CLI_LOG_EVENT_H
+#ifndef CLI_ARGUMENTS_LOG_EVENT_H
+#define CLI_ARGUMENTS_LOG_EVENT_H
 
 #include <stddef.h>
 

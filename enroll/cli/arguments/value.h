@@ -1,6 +1,6 @@
 /* Values of options, as functions that take nothing else. */
-#ifndef CLI_VALUE_H
-#define CLI_VALUE_H
+#ifndef CLI_ARGUMENTS_VALUE_H
+#define CLI_ARGUMENTS_VALUE_H
 
 #include <stdbool.h>
 

@@ -1,6 +1,6 @@
 /* Points in time as people write them on a command line and read them in a list. */
-#ifndef CLI_WHEN_H
-#define CLI_WHEN_H
+#ifndef CLI_ARGUMENTS_WHEN_H
+#define CLI_ARGUMENTS_WHEN_H
 
 #include <stdbool.h>
 #include <stdint.h>

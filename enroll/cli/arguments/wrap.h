@@ -1,6 +1,6 @@
 /* Text in lines of 80 columns. */
-#ifndef CLI_WRAP_H
-#define CLI_WRAP_H
+#ifndef CLI_ARGUMENTS_WRAP_H
+#define CLI_ARGUMENTS_WRAP_H
 
 #include <stdio.h>
 

@@ -1,8 +1,8 @@
 /* An action in front of the camera (enrol, verify, identify): the daemon's sensor is claimed, the
  * action started, its status signals are handed on until one is the last, and everything is
  * released again, whatever happened. */
-#ifndef CLI_ACTION_H
-#define CLI_ACTION_H
+#ifndef CLI_CLIENT_ACTION_H
+#define CLI_CLIENT_ACTION_H
 
 #include <stdbool.h>
 #include <systemd/sd-bus.h>

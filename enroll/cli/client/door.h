@@ -1,7 +1,7 @@
 /* The daemon as the commands see it: one connection, calls with their faults in plain words, and a
  * wait for signals that a person can interrupt. One door is used by one thread. */
-#ifndef CLI_DOOR_H
-#define CLI_DOOR_H
+#ifndef CLI_CLIENT_DOOR_H
+#define CLI_CLIENT_DOOR_H
 
 #include <stdbool.h>
 #include <systemd/sd-bus.h>

@@ -1,8 +1,8 @@
 /* Why a command could not do its work: an exit code, a word for programs and a line for people.
  * "No match" and "timed out while looking" are results, not faults; commands print those
  * themselves. */
-#ifndef CLI_FAULT_H
-#define CLI_FAULT_H
+#ifndef CLI_CLIENT_FAULT_H
+#define CLI_CLIENT_FAULT_H
 
 /* Exit codes of the program, documented in isotherm(1). */
 enum cli_exit {

@@ -1,7 +1,7 @@
 /* A call of the daemon that may take long: people written to a file or read from one, keys rotated,
  * the log verified. */
-#ifndef CLI_LONG_CALL_H
-#define CLI_LONG_CALL_H
+#ifndef CLI_CLIENT_LONG_CALL_H
+#define CLI_CLIENT_LONG_CALL_H
 
 #include "enroll/cli/client/door.h"
 

@@ -1,6 +1,6 @@
 /* What GetStatus tells, as a JSON object: the bus dictionary with its names and types kept. */
-#ifndef CLI_STATE_H
-#define CLI_STATE_H
+#ifndef CLI_CLIENT_STATE_H
+#define CLI_CLIENT_STATE_H
 
 #include <jansson.h>
 

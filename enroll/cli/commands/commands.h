@@ -1,7 +1,7 @@
 /* The commands. Each prints its result on stdout, remarks on stderr, and returns the exit code of
  * the program; with *fault filled in where it could not do its work. */
-#ifndef CLI_COMMANDS_H
-#define CLI_COMMANDS_H
+#ifndef CLI_COMMANDS_COMMANDS_H
+#define CLI_COMMANDS_COMMANDS_H
 
 #include "enroll/cli/arguments/arguments.h"
 #include "enroll/cli/client/door.h"

@@ -1,6 +1,6 @@
 /* Whether `isotherm setup` is still to be run: then nothing starts the daemon. */
-#ifndef CLI_CONFIGURED_H
-#define CLI_CONFIGURED_H
+#ifndef CLI_DOCTOR_CONFIGURED_H
+#define CLI_DOCTOR_CONFIGURED_H
 
 #include <stdbool.h>
 

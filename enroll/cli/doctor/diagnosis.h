@@ -1,6 +1,6 @@
 /* The findings of `isotherm doctor`: what was checked, what was found, and how to mend it. */
-#ifndef CLI_DIAGNOSIS_H
-#define CLI_DIAGNOSIS_H
+#ifndef CLI_DOCTOR_DIAGNOSIS_H
+#define CLI_DOCTOR_DIAGNOSIS_H
 
 #include <jansson.h>
 #include <stdio.h>

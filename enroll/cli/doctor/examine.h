@@ -1,7 +1,7 @@
 /* Examines the appliance: the bus, the daemon, the rights of the user, and what the daemon says of
  * itself. */
-#ifndef CLI_EXAMINE_H
-#define CLI_EXAMINE_H
+#ifndef CLI_DOCTOR_EXAMINE_H
+#define CLI_DOCTOR_EXAMINE_H
 
 #include "enroll/cli/client/door.h"
 #include "enroll/cli/doctor/diagnosis.h"

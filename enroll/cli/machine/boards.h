@@ -4,8 +4,8 @@
  *    "usb": ["10c4:ea90"], "dmi": ["QEMU"]}}
  * A board is there if the model in the device tree, or maker or product in DMI, begins with one of
  * these texts, or a device with one of these ids is plugged in. */
-#ifndef CLI_SETUP_BOARDS_H
-#define CLI_SETUP_BOARDS_H
+#ifndef CLI_MACHINE_BOARDS_H
+#define CLI_MACHINE_BOARDS_H
 
 #include <stdbool.h>
 #include <stddef.h>

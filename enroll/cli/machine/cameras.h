@@ -1,7 +1,7 @@
 /* The descriptions of depth cameras that are installed: a file NAME.ini each, as the option
  * `camera` of the sensor `v4l2` wants it. */
-#ifndef CLI_SETUP_CAMERAS_H
-#define CLI_SETUP_CAMERAS_H
+#ifndef CLI_MACHINE_CAMERAS_H
+#define CLI_MACHINE_CAMERAS_H
 
 #include <stdbool.h>
 #include <stddef.h>

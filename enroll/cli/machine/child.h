@@ -1,6 +1,6 @@
 /* Runs another program to its end and keeps what it prints. */
-#ifndef CLI_SETUP_CHILD_H
-#define CLI_SETUP_CHILD_H
+#ifndef CLI_MACHINE_CHILD_H
+#define CLI_MACHINE_CHILD_H
 
 #include <stddef.h>
 

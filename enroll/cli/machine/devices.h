@@ -1,8 +1,8 @@
 /* The depth cameras that are plugged in, as `isothermd --list-devices` finds them, and what the
  * system knows of each: its USB id and a name that does not change with the order of plugging in.
  */
-#ifndef CLI_SETUP_DEVICES_H
-#define CLI_SETUP_DEVICES_H
+#ifndef CLI_MACHINE_DEVICES_H
+#define CLI_MACHINE_DEVICES_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* Notes that somebody pressed Ctrl-C (SIGINT) or that the program shall end (SIGTERM), so that what
  * was begun can be undone first. */
-#ifndef CLI_SETUP_INTERRUPT_H
-#define CLI_SETUP_INTERRUPT_H
+#ifndef CLI_MACHINE_INTERRUPT_H
+#define CLI_MACHINE_INTERRUPT_H
 
 #include <stdbool.h>
 

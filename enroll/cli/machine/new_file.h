@@ -1,7 +1,7 @@
 /* Replaces a file as a whole or not at all: the new text is written beside it, the old file is kept
  * under another name, and can be put back. */
-#ifndef CLI_SETUP_NEW_FILE_H
-#define CLI_SETUP_NEW_FILE_H
+#ifndef CLI_MACHINE_NEW_FILE_H
+#define CLI_MACHINE_NEW_FILE_H
 
 #include <limits.h>
 #include <stdbool.h>

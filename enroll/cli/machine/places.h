@@ -1,7 +1,7 @@
 /* Where `isotherm setup` looks and writes. The installed program has one set of places; tests have
  * their own. */
-#ifndef CLI_SETUP_PLACES_H
-#define CLI_SETUP_PLACES_H
+#ifndef CLI_MACHINE_PLACES_H
+#define CLI_MACHINE_PLACES_H
 
 #include <stdbool.h>
 

@@ -1,6 +1,6 @@
 /* The daemon's unit, by the D-Bus interface of systemd (org.freedesktop.systemd1). */
-#ifndef CLI_SETUP_SERVICE_H
-#define CLI_SETUP_SERVICE_H
+#ifndef CLI_MACHINE_SERVICE_H
+#define CLI_MACHINE_SERVICE_H
 
 #include "enroll/cli/client/door.h"
 #include "enroll/cli/client/fault.h"

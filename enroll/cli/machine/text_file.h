@@ -1,6 +1,6 @@
 /* Small text files. */
-#ifndef CLI_SETUP_TEXT_FILE_H
-#define CLI_SETUP_TEXT_FILE_H
+#ifndef CLI_MACHINE_TEXT_FILE_H
+#define CLI_MACHINE_TEXT_FILE_H
 
 #include <stddef.h>
 

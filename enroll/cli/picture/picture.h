@@ -1,6 +1,6 @@
 /* One picture of what the camera sees, for who places it. */
-#ifndef CLI_PICTURE_H
-#define CLI_PICTURE_H
+#ifndef CLI_PICTURE_PICTURE_H
+#define CLI_PICTURE_PICTURE_H
 
 #include <stddef.h>
 #include <stdint.h>

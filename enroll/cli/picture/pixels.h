@@ -1,7 +1,7 @@
 /* The pixels of a picture: decoded, and made smaller. They can show the shape of a face: they are
  * wiped when they are given up. */
-#ifndef CLI_PIXELS_H
-#define CLI_PIXELS_H
+#ifndef CLI_PICTURE_PIXELS_H
+#define CLI_PICTURE_PIXELS_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* A picture in a terminal: as sixels where the terminal says that it shows them, else as half
  * blocks, two pixels a character, in 24-bit colour. */
-#ifndef CLI_TERMINAL_PICTURE_H
-#define CLI_TERMINAL_PICTURE_H
+#ifndef CLI_PICTURE_TERMINAL_PICTURE_H
+#define CLI_PICTURE_TERMINAL_PICTURE_H
 
 #include <stdbool.h>
 #include <stdio.h>

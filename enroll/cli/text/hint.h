@@ -1,6 +1,6 @@
 /* The words of the bus in plain words: what a person in front of the sensor should do. */
-#ifndef CLI_HINT_H
-#define CLI_HINT_H
+#ifndef CLI_TEXT_HINT_H
+#define CLI_TEXT_HINT_H
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 /* Whose name it is that somebody is to be enrolled under, as the daemon says at the beginning. */
-#ifndef CLI_KNOWN_H
-#define CLI_KNOWN_H
+#ifndef CLI_TEXT_KNOWN_H
+#define CLI_TEXT_KNOWN_H
 
 #include <stdint.h>
 #include <stdio.h>

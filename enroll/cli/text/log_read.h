@@ -1,6 +1,6 @@
 /* Records of the audit log, fetched from the daemon in batches. */
-#ifndef CLI_LOG_READ_H
-#define CLI_LOG_READ_H
+#ifndef CLI_TEXT_LOG_READ_H
+#define CLI_TEXT_LOG_READ_H
 
 #include <jansson.h>
 #include <stdint.h>

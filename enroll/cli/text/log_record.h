@@ -1,7 +1,7 @@
 /* A record of the audit log as people see it: which ones they ask for, and its members in columns.
  * A member that the table in log_record.c does not know is shown as it is. */
-#ifndef CLI_LOG_RECORD_H
-#define CLI_LOG_RECORD_H
+#ifndef CLI_TEXT_LOG_RECORD_H
+#define CLI_TEXT_LOG_RECORD_H
 
 #include <jansson.h>
 #include <stdint.h>

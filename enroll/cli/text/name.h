@@ -3,8 +3,8 @@
  * The rule is the daemon's (firmware/contract/person_name.h), so that the client finds whom the
  * daemon does.
  */
-#ifndef CLI_NAME_H
-#define CLI_NAME_H
+#ifndef CLI_TEXT_NAME_H
+#define CLI_TEXT_NAME_H
 
 #include <stdbool.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* The passphrase of a file of exported people: asked for, and made into a key, here; the daemon
  * only gets the key. */
-#ifndef CLI_PASSPHRASE_H
-#define CLI_PASSPHRASE_H
+#ifndef CLI_TEXT_PASSPHRASE_H
+#define CLI_TEXT_PASSPHRASE_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* What the commands print: results on stdout (one JSON document with --json), faults on stderr, or
  * with --json as a document {"error": {"code", "message", "exit_code"}} on stdout. */
-#ifndef CLI_REPORT_H
-#define CLI_REPORT_H
+#ifndef CLI_TEXT_REPORT_H
+#define CLI_TEXT_REPORT_H
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 /* Names of enrolled people that look the same: a gallery of an earlier version may hold them. */
-#ifndef CLI_SAME_NAMES_H
-#define CLI_SAME_NAMES_H
+#ifndef CLI_TEXT_SAME_NAMES_H
+#define CLI_TEXT_SAME_NAMES_H
 
 #include <stddef.h>
 #include <stdio.h>

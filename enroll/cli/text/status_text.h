@@ -1,6 +1,6 @@
 /* The state of the appliance as people read it: sections, plain names, units. */
-#ifndef CLI_STATUS_TEXT_H
-#define CLI_STATUS_TEXT_H
+#ifndef CLI_TEXT_STATUS_TEXT_H
+#define CLI_TEXT_STATUS_TEXT_H
 
 #include <jansson.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
-/* The scale beside a picture in colours. Internal to sim/picture. */
-#ifndef SIM_PICTURE_BAR_H
-#define SIM_PICTURE_BAR_H
+/* The scale beside a picture in colours. Internal to sim/lab. */
+#ifndef SIM_LAB_DRAW_BAR_H
+#define SIM_LAB_DRAW_BAR_H
 
 #include <cairo.h>
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 /* A picture being painted: several samples a pixel, so that edges come out smooth. */
-#ifndef SIM_PICTURE_CANVAS_H
-#define SIM_PICTURE_CANVAS_H
+#ifndef SIM_LAB_DRAW_CANVAS_H
+#define SIM_LAB_DRAW_CANVAS_H
 
 #include <cairo.h>
 

@@ -1,6 +1,6 @@
 /* Colours in linear light, and the maps from numbers to them. */
-#ifndef SIM_PICTURE_COLOUR_H
-#define SIM_PICTURE_COLOUR_H
+#ifndef SIM_LAB_DRAW_COLOUR_H
+#define SIM_LAB_DRAW_COLOUR_H
 
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 /* Line plots as PNG files. */
-#ifndef SIM_PICTURE_PLOT_H
-#define SIM_PICTURE_PLOT_H
+#ifndef SIM_LAB_DRAW_PLOT_H
+#define SIM_LAB_DRAW_PLOT_H
 
 #include "core/base/fault.h"
 #include "sim/lab/draw/scale.h"

@@ -1,6 +1,6 @@
-/* Ends of pictures. Internal to sim/picture. */
-#ifndef SIM_PICTURE_PNG_FILE_H
-#define SIM_PICTURE_PNG_FILE_H
+/* Ends of pictures. Internal to sim/lab. */
+#ifndef SIM_LAB_DRAW_PNG_FILE_H
+#define SIM_LAB_DRAW_PNG_FILE_H
 
 #include <cairo.h>
 

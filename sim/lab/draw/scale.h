@@ -1,6 +1,6 @@
 /* Axes of plots: from values to places, and where the ticks are. */
-#ifndef SIM_PICTURE_SCALE_H
-#define SIM_PICTURE_SCALE_H
+#ifndef SIM_LAB_DRAW_SCALE_H
+#define SIM_LAB_DRAW_SCALE_H
 
 #include <stddef.h>
 

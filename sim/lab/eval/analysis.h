@@ -1,8 +1,8 @@
 /* From scores to the figures of an evaluation. Here, and not before, the probes' subjects are
  * looked at: `none` is not a face and is reported apart; a subject in the gallery makes a mated
  * search; any other is a stranger. */
-#ifndef SIM_EVAL_ANALYSIS_H
-#define SIM_EVAL_ANALYSIS_H
+#ifndef SIM_LAB_EVAL_ANALYSIS_H
+#define SIM_LAB_EVAL_ANALYSIS_H
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* How recognition depends on what a search was like: error rates over bins of a quantity that was
  * measured of each probe. */
-#ifndef SIM_EVAL_CURVE_H
-#define SIM_EVAL_CURVE_H
+#ifndef SIM_LAB_EVAL_CURVE_H
+#define SIM_LAB_EVAL_CURVE_H
 
 #include "sim/lab/eval/analysis.h"
 

@@ -1,7 +1,7 @@
 /* Evaluation of recognition on a corpus: from recordings to figures, by the same code as the
  * appliance's. */
-#ifndef SIM_EVAL_EVAL_H
-#define SIM_EVAL_EVAL_H
+#ifndef SIM_LAB_EVAL_EVAL_H
+#define SIM_LAB_EVAL_EVAL_H
 
 #include "sim/lab/eval/analysis.h"
 #include "sim/lab/eval/curve.h"

@@ -4,8 +4,8 @@
  * expectation over all such draws (hypergeometric), for every search. With the threshold kept, FPIR
  * grows about as 1 - (1 - FMR)^N (ISO/IEC 19795-1:2021; Grother and Phillips 2004); with FPIR kept,
  * FNIR grows. */
-#ifndef SIM_EVAL_GROWTH_H
-#define SIM_EVAL_GROWTH_H
+#ifndef SIM_LAB_EVAL_GROWTH_H
+#define SIM_LAB_EVAL_GROWTH_H
 
 #include "sim/lab/eval/analysis.h"
 

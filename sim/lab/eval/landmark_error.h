@@ -1,6 +1,6 @@
 /* How well the landmarks lie, where recordings have ground truth (landmarks.csv). */
-#ifndef SIM_EVAL_LANDMARK_ERROR_H
-#define SIM_EVAL_LANDMARK_ERROR_H
+#ifndef SIM_LAB_EVAL_LANDMARK_ERROR_H
+#define SIM_LAB_EVAL_LANDMARK_ERROR_H
 
 #include "core/extract/extract.h"
 #include "sim/base/spread.h"

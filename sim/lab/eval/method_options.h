@@ -1,6 +1,6 @@
 /* The choice of methods on the command line. */
-#ifndef SIM_EVAL_METHOD_OPTIONS_H
-#define SIM_EVAL_METHOD_OPTIONS_H
+#ifndef SIM_LAB_EVAL_METHOD_OPTIONS_H
+#define SIM_LAB_EVAL_METHOD_OPTIONS_H
 
 #include <stdio.h>
 

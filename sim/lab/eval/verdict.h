@@ -1,6 +1,6 @@
 /* What a comparison of methods says about one of them on one corpus. */
-#ifndef SIM_EVAL_VERDICT_H
-#define SIM_EVAL_VERDICT_H
+#ifndef SIM_LAB_EVAL_VERDICT_H
+#define SIM_LAB_EVAL_VERDICT_H
 
 #include "sim/lab/eval/eval.h"
 #include "sim/lab/measure/paired.h"

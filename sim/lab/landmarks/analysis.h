@@ -5,8 +5,8 @@
  * mean over its known landmarks, the same less the constant offset of each landmark (for ground
  * truth that means other spots by the same names), the worst of the latter. "Before the gates" are
  * all frames to which a head was fitted, "after" those with outcome ok. */
-#ifndef SIM_LANDMARKS_ANALYSIS_H
-#define SIM_LANDMARKS_ANALYSIS_H
+#ifndef SIM_LAB_LANDMARKS_ANALYSIS_H
+#define SIM_LAB_LANDMARKS_ANALYSIS_H
 
 #include "sim/lab/landmarks/presentation.h"
 #include "sim/lab/match/latency.h"

@@ -1,6 +1,6 @@
 /* Pictures of what an extractor made of a frame. */
-#ifndef SIM_LANDMARKS_FIT_PICTURE_H
-#define SIM_LANDMARKS_FIT_PICTURE_H
+#ifndef SIM_LAB_LANDMARKS_FIT_PICTURE_H
+#define SIM_LAB_LANDMARKS_FIT_PICTURE_H
 
 #include "core/extract/extract.h"
 #include "sim/lab/match/truth.h"

@@ -1,6 +1,6 @@
 /* What the extractor makes of every frame of a corpus, held against the truth frame by frame. */
-#ifndef SIM_LANDMARKS_MEASURE_H
-#define SIM_LANDMARKS_MEASURE_H
+#ifndef SIM_LAB_LANDMARKS_MEASURE_H
+#define SIM_LAB_LANDMARKS_MEASURE_H
 
 #include "sim/lab/eval/landmark_error.h"
 #include "sim/lab/match/capture.h"

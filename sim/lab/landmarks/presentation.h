@@ -1,6 +1,6 @@
 /* What a row of a manifest presents to the sensor, and how the appliance answers to it. */
-#ifndef SIM_LANDMARKS_PRESENTATION_H
-#define SIM_LANDMARKS_PRESENTATION_H
+#ifndef SIM_LAB_LANDMARKS_PRESENTATION_H
+#define SIM_LAB_LANDMARKS_PRESENTATION_H
 
 #include "sim/lab/landmarks/measure.h"
 

@@ -1,6 +1,6 @@
 /* The benchmark of landmarks, gates and presentation attacks on one corpus. */
-#ifndef SIM_LANDMARKS_STUDY_H
-#define SIM_LANDMARKS_STUDY_H
+#ifndef SIM_LAB_LANDMARKS_STUDY_H
+#define SIM_LAB_LANDMARKS_STUDY_H
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* Which frames of a study are worth a picture, and drawing them. */
-#ifndef SIM_LANDMARKS_STUDY_PICTURES_H
-#define SIM_LANDMARKS_STUDY_PICTURES_H
+#ifndef SIM_LAB_LANDMARKS_STUDY_PICTURES_H
+#define SIM_LAB_LANDMARKS_STUDY_PICTURES_H
 
 #include "sim/lab/landmarks/study.h"
 

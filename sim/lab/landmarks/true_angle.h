@@ -1,6 +1,6 @@
 /* How far a head is really turned from the camera. */
-#ifndef SIM_LANDMARKS_TRUE_ANGLE_H
-#define SIM_LANDMARKS_TRUE_ANGLE_H
+#ifndef SIM_LAB_LANDMARKS_TRUE_ANGLE_H
+#define SIM_LAB_LANDMARKS_TRUE_ANGLE_H
 
 #include "core/landmark/head_model.h"
 #include "sim/lab/match/truth.h"

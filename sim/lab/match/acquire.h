@@ -4,8 +4,8 @@
  * (fusing): each group is one sample, whose usable frames make one template. A sample without a
  * usable frame is a failure to acquire, with the reason of its first frame. Subjects are not looked
  * at. */
-#ifndef SIM_EVAL_ACQUIRE_H
-#define SIM_EVAL_ACQUIRE_H
+#ifndef SIM_LAB_MATCH_ACQUIRE_H
+#define SIM_LAB_MATCH_ACQUIRE_H
 
 #include "sim/lab/match/capture.h"
 

@@ -1,6 +1,6 @@
 /* Every frame of every row of a corpus through the extractor. Subjects are not looked at. */
-#ifndef SIM_EVAL_CAPTURE_H
-#define SIM_EVAL_CAPTURE_H
+#ifndef SIM_LAB_MATCH_CAPTURE_H
+#define SIM_LAB_MATCH_CAPTURE_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* The extractor's and the matcher's options on the command line, for experiments. */
-#ifndef SIM_EVAL_EXTRACT_OPTIONS_H
-#define SIM_EVAL_EXTRACT_OPTIONS_H
+#ifndef SIM_LAB_MATCH_EXTRACT_OPTIONS_H
+#define SIM_LAB_MATCH_EXTRACT_OPTIONS_H
 
 #include "core/extract/extract.h"
 #include "core/match/distance.h"

@@ -1,6 +1,6 @@
 /* Who is enrolled in an evaluation, and with what. */
-#ifndef SIM_EVAL_GALLERY_H
-#define SIM_EVAL_GALLERY_H
+#ifndef SIM_LAB_MATCH_GALLERY_H
+#define SIM_LAB_MATCH_GALLERY_H
 
 #include <stdint.h>
 

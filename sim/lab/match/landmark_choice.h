@@ -1,6 +1,6 @@
 /* Which landmarks a comparison by distance is about, for experiments. */
-#ifndef SIM_EVAL_LANDMARK_CHOICE_H
-#define SIM_EVAL_LANDMARK_CHOICE_H
+#ifndef SIM_LAB_MATCH_LANDMARK_CHOICE_H
+#define SIM_LAB_MATCH_LANDMARK_CHOICE_H
 
 #include <stdbool.h>
 

@@ -1,6 +1,6 @@
 /* Times that many frames took. */
-#ifndef SIM_EVAL_LATENCY_H
-#define SIM_EVAL_LATENCY_H
+#ifndef SIM_LAB_MATCH_LATENCY_H
+#define SIM_LAB_MATCH_LATENCY_H
 
 #include <stddef.h>
 #include <stdint.h>

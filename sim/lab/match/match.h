@@ -3,8 +3,8 @@
  * A probe is a template and nothing else here, so that no comparison can depend on whose it is. A
  * person with several templates counts by the best of them; with a metric, by all of them together.
  */
-#ifndef SIM_EVAL_MATCH_H
-#define SIM_EVAL_MATCH_H
+#ifndef SIM_LAB_MATCH_MATCH_H
+#define SIM_LAB_MATCH_MATCH_H
 
 #include <stdint.h>
 

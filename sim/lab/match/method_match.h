@@ -1,6 +1,6 @@
 /* Searches by a pairwise method: what match.h does for the appliance's. */
-#ifndef SIM_EVAL_METHOD_MATCH_H
-#define SIM_EVAL_METHOD_MATCH_H
+#ifndef SIM_LAB_MATCH_METHOD_MATCH_H
+#define SIM_LAB_MATCH_METHOD_MATCH_H
 
 #include "sim/lab/match/match.h"
 #include "sim/lab/match/scans.h"

@@ -1,6 +1,6 @@
 /* Work on numbered jobs by several threads. */
-#ifndef SIM_EVAL_PARALLEL_H
-#define SIM_EVAL_PARALLEL_H
+#ifndef SIM_LAB_MATCH_PARALLEL_H
+#define SIM_LAB_MATCH_PARALLEL_H
 
 #include <stddef.h>
 

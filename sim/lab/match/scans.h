@@ -1,6 +1,6 @@
 /* The measured faces of a corpus, for methods that are not the appliance's. */
-#ifndef SIM_EVAL_SCANS_H
-#define SIM_EVAL_SCANS_H
+#ifndef SIM_LAB_MATCH_SCANS_H
+#define SIM_LAB_MATCH_SCANS_H
 
 #include "sim/lab/match/acquire.h"
 #include "sim/lab/methods/scan.h"

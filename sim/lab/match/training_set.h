@@ -1,6 +1,6 @@
 /* A corpus that methods learn from, and what they learned. */
-#ifndef SIM_EVAL_TRAINING_SET_H
-#define SIM_EVAL_TRAINING_SET_H
+#ifndef SIM_LAB_MATCH_TRAINING_SET_H
+#define SIM_LAB_MATCH_TRAINING_SET_H
 
 #include "sim/lab/match/scans.h"
 #include "sim/lab/methods/method.h"

@@ -1,6 +1,6 @@
 /* Where the landmarks really are: landmarks.csv of the recordings of a corpus. */
-#ifndef SIM_EVAL_TRUTH_H
-#define SIM_EVAL_TRUTH_H
+#ifndef SIM_LAB_MATCH_TRUTH_H
+#define SIM_LAB_MATCH_TRUTH_H
 
 #include <stdbool.h>
 

@@ -4,8 +4,8 @@
  * more alike). FMR: share of the non-mated comparisons that are accepted. FNMR: share of the mated
  * ones that are not. Both leave out samples that could not be acquired; the generalised rates,
  * which do not, are the caller's (GFNMR counts a lost sample as a failed mated comparison). */
-#ifndef SIM_EVAL_DET_H
-#define SIM_EVAL_DET_H
+#ifndef SIM_LAB_MEASURE_DET_H
+#define SIM_LAB_MEASURE_DET_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -4,8 +4,8 @@
  * the share of the searches of strangers that return anybody at the threshold, FNIR the share of
  * the searches of enrolled people that do not return that person as the first candidate at the
  * threshold (one candidate, since a door acts on the first only). */
-#ifndef SIM_EVAL_IDENTIFICATION_H
-#define SIM_EVAL_IDENTIFICATION_H
+#ifndef SIM_LAB_MEASURE_IDENTIFICATION_H
+#define SIM_LAB_MEASURE_IDENTIFICATION_H
 
 #include <stddef.h>
 

@@ -5,8 +5,8 @@
  * difference could as well have the other sign (permutation test of paired differences: Fisher
  * 1935, Pitman 1937). The test is two-sided: p is the share of all choices of signs whose sum is at
  * least as far from 0 as the one observed. */
-#ifndef SIM_EVAL_PAIRED_H
-#define SIM_EVAL_PAIRED_H
+#ifndef SIM_LAB_MEASURE_PAIRED_H
+#define SIM_LAB_MEASURE_PAIRED_H
 
 #include <stddef.h>
 #include <stdint.h>

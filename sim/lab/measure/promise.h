@@ -1,7 +1,7 @@
 /* What a calibrated score promises, and what it keeps: a score of s or more is to be as rare as
  * 10^-s among strangers who are alike (core/match/metric.h), before every sensor. */
-#ifndef SIM_EVAL_PROMISE_H
-#define SIM_EVAL_PROMISE_H
+#ifndef SIM_LAB_MEASURE_PROMISE_H
+#define SIM_LAB_MEASURE_PROMISE_H
 
 #include "sim/lab/measure/det.h"
 

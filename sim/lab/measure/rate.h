@@ -1,6 +1,6 @@
 /* Counted error rates and what the counts can support. */
-#ifndef SIM_EVAL_RATE_H
-#define SIM_EVAL_RATE_H
+#ifndef SIM_LAB_MEASURE_RATE_H
+#define SIM_LAB_MEASURE_RATE_H
 
 #include <stddef.h>
 

@@ -6,8 +6,8 @@
  * landmarks.csv: hand marks of real faces, ground truth of rendered ones. Ground truth knows more
  * than anybody who looks (it leaks identity), so what is reported with it is an upper bound.
  * Not here: the original's stepwise choice of features; instead the analysis is regularised. */
-#ifndef SIM_METHODS_ANTHROFACE_H
-#define SIM_METHODS_ANTHROFACE_H
+#ifndef SIM_LAB_METHODS_ANTHROFACE_H
+#define SIM_LAB_METHODS_ANTHROFACE_H
 
 #include "sim/lab/methods/scan.h"
 

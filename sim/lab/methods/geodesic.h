@@ -1,6 +1,6 @@
 /* Lengths of shortest ways over a face. */
-#ifndef SIM_METHODS_GEODESIC_H
-#define SIM_METHODS_GEODESIC_H
+#ifndef SIM_LAB_METHODS_GEODESIC_H
+#define SIM_LAB_METHODS_GEODESIC_H
 
 #include "sim/lab/methods/scan.h"
 

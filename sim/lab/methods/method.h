@@ -7,8 +7,8 @@
  * `hfpc-upper`, parts of that: their comparisons are those of eval/match.h.
  *
  * Descriptions and knowledge are opaque, made on the heap and freed by the method. */
-#ifndef SIM_METHODS_METHOD_H
-#define SIM_METHODS_METHOD_H
+#ifndef SIM_LAB_METHODS_METHOD_H
+#define SIM_LAB_METHODS_METHOD_H
 
 #include <stddef.h>
 

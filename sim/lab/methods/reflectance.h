@@ -11,8 +11,8 @@
  *     the place, a Gaussian of 15 mm: what the light does slowly, with or without the lamp's
  *     fall-off, goes; so does the skin's own tone.
  *  4. Within 0.25..4; 1 where it is not known. */
-#ifndef SIM_METHODS_REFLECTANCE_H
-#define SIM_METHODS_REFLECTANCE_H
+#ifndef SIM_LAB_METHODS_REFLECTANCE_H
+#define SIM_LAB_METHODS_REFLECTANCE_H
 
 #include "sim/lab/methods/scan.h"
 

@@ -5,8 +5,8 @@
  * from the front in the fitted head's frame, holes filled, smoothed by the extractor's options) and
  * the landmarks that were found, so that they differ by how they describe and compare a face and by
  * nothing else. Face frame: x to the subject's left, y up, z out of the face, mm. */
-#ifndef SIM_METHODS_SCAN_H
-#define SIM_METHODS_SCAN_H
+#ifndef SIM_LAB_METHODS_SCAN_H
+#define SIM_LAB_METHODS_SCAN_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* A face as a triangle mesh, for methods that work with finite elements. */
-#ifndef SIM_METHODS_SCAN_MESH_H
-#define SIM_METHODS_SCAN_MESH_H
+#ifndef SIM_LAB_METHODS_SCAN_MESH_H
+#define SIM_LAB_METHODS_SCAN_MESH_H
 
 #include "core/surface/mesh.h"
 #include "sim/lab/methods/scan.h"

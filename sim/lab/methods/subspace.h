@@ -1,7 +1,7 @@
 /* Linear subspaces learned from samples: principal components, and the directions that tell people
  * apart. A sample is a row of n_in floats. */
-#ifndef SIM_METHODS_SUBSPACE_H
-#define SIM_METHODS_SUBSPACE_H
+#ifndef SIM_LAB_METHODS_SUBSPACE_H
+#define SIM_LAB_METHODS_SUBSPACE_H
 
 #include <stddef.h>
 #include <stdint.h>

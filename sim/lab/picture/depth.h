@@ -1,6 +1,6 @@
 /* A depth frame as a picture. */
-#ifndef SIM_PICTURE_DEPTH_H
-#define SIM_PICTURE_DEPTH_H
+#ifndef SIM_LAB_PICTURE_DEPTH_H
+#define SIM_LAB_PICTURE_DEPTH_H
 
 #include "core/base/fault.h"
 #include "core/frame/frame.h"

@@ -1,6 +1,6 @@
 /* Where a depth frame is wrong, as a picture. */
-#ifndef SIM_PICTURE_DEPTH_ERROR_H
-#define SIM_PICTURE_DEPTH_ERROR_H
+#ifndef SIM_LAB_PICTURE_DEPTH_ERROR_H
+#define SIM_LAB_PICTURE_DEPTH_ERROR_H
 
 #include "core/base/fault.h"
 #include "core/frame/frame.h"

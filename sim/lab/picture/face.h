@@ -1,6 +1,6 @@
 /* Pictures of what the extractor made of a face. */
-#ifndef SIM_PICTURE_FACE_H
-#define SIM_PICTURE_FACE_H
+#ifndef SIM_LAB_PICTURE_FACE_H
+#define SIM_LAB_PICTURE_FACE_H
 
 #include "core/base/fault.h"
 #include "core/extract/extract.h"

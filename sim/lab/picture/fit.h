@@ -1,6 +1,6 @@
 /* What a fit of the head model to a frame looks like. */
-#ifndef SIM_PICTURE_FIT_H
-#define SIM_PICTURE_FIT_H
+#ifndef SIM_LAB_PICTURE_FIT_H
+#define SIM_LAB_PICTURE_FIT_H
 
 #include "core/base/fault.h"
 #include "core/frame/frame.h"

@@ -1,9 +1,10 @@
-/* Ambient occlusion: how much of the sky the surface around a place hides. Internal to sim/picture.
+/* Ambient occlusion: how much of the sky the surface around a place hides. Internal to
+ * sim/lab/picture.
  *
  * From the horizon in several directions up to a reach of 28 mm (horizon-based: Bavoil, Sainz and
  * Dimitrov 2008), on one sample a pixel, smoothed. */
-#ifndef SIM_PICTURE_OCCLUSION_H
-#define SIM_PICTURE_OCCLUSION_H
+#ifndef SIM_LAB_PICTURE_OCCLUSION_H
+#define SIM_LAB_PICTURE_OCCLUSION_H
 
 #include "sim/lab/picture/scene_data.h"
 

@@ -1,6 +1,6 @@
-/* Depth lit from the side. Internal to sim/picture. */
-#ifndef SIM_PICTURE_RELIEF_H
-#define SIM_PICTURE_RELIEF_H
+/* Depth lit from the side. Internal to sim/lab/picture. */
+#ifndef SIM_LAB_PICTURE_RELIEF_H
+#define SIM_LAB_PICTURE_RELIEF_H
 
 #include "core/frame/frame.h"
 

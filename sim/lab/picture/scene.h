@@ -1,6 +1,6 @@
 /* A mesh seen by a camera and painted on a canvas: visibility, shading, curves, dots. */
-#ifndef SIM_PICTURE_SCENE_H
-#define SIM_PICTURE_SCENE_H
+#ifndef SIM_LAB_PICTURE_SCENE_H
+#define SIM_LAB_PICTURE_SCENE_H
 
 #include <stdbool.h>
 

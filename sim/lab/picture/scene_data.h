@@ -1,6 +1,6 @@
-/* What a scene keeps. Internal to sim/picture. */
-#ifndef SIM_PICTURE_SCENE_DATA_H
-#define SIM_PICTURE_SCENE_DATA_H
+/* What a scene keeps. Internal to sim/lab/picture. */
+#ifndef SIM_LAB_PICTURE_SCENE_DATA_H
+#define SIM_LAB_PICTURE_SCENE_DATA_H
 
 #include "sim/lab/picture/scene.h"
 

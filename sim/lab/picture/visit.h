@@ -1,6 +1,6 @@
 /* One visit at the door in one picture. */
-#ifndef SIM_PICTURE_VISIT_H
-#define SIM_PICTURE_VISIT_H
+#ifndef SIM_LAB_PICTURE_VISIT_H
+#define SIM_LAB_PICTURE_VISIT_H
 
 #include <stdbool.h>
 

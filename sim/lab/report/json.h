@@ -1,6 +1,6 @@
 /* Parts of summary.json, for every command that writes one. */
-#ifndef SIM_EVAL_JSON_H
-#define SIM_EVAL_JSON_H
+#ifndef SIM_LAB_REPORT_JSON_H
+#define SIM_LAB_REPORT_JSON_H
 
 #include <jansson.h>
 

@@ -1,7 +1,7 @@
 /* What an evaluation prints and writes. Each writes into a directory that exists, replacing files,
  * and returns 0 or a negative errno with a fault that names the file. */
-#ifndef SIM_EVAL_REPORT_H
-#define SIM_EVAL_REPORT_H
+#ifndef SIM_LAB_REPORT_REPORT_H
+#define SIM_LAB_REPORT_REPORT_H
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* Several methods on one or more corpora: the table, and the same for other programs. */
-#ifndef SIM_EVAL_REPORT_METHODS_H
-#define SIM_EVAL_REPORT_METHODS_H
+#ifndef SIM_LAB_REPORT_REPORT_METHODS_H
+#define SIM_LAB_REPORT_REPORT_METHODS_H
 
 #include <stdio.h>
 

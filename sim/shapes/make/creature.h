@@ -4,8 +4,8 @@
  * triangles and then bent by its bones, each vertex going with the bones in the measure of their
  * share of the field there (linear blend skinning: Lewis, Cordner and Fong 2000). Two poses of one
  * creature have different triangles and nearly the same distances along the surface. */
-#ifndef SIM_SHAPES_CREATURE_H
-#define SIM_SHAPES_CREATURE_H
+#ifndef SIM_SHAPES_MAKE_CREATURE_H
+#define SIM_SHAPES_MAKE_CREATURE_H
 
 #include "core/surface/mesh.h"
 #include "sim/shapes/make/skeleton.h"

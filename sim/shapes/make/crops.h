@@ -7,8 +7,8 @@
  * z towards the sensor, mm. The extractor has no part in it.
  *
  * Crops of recordings of real people are biometric data, as those are. */
-#ifndef SIM_SHAPES_CROPS_H
-#define SIM_SHAPES_CROPS_H
+#ifndef SIM_SHAPES_MAKE_CROPS_H
+#define SIM_SHAPES_MAKE_CROPS_H
 
 #include <stddef.h>
 #include <stdint.h>

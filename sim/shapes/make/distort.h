@@ -2,8 +2,8 @@
  *
  * Noise is given by its ratio to the signal: NSR is the variance of what is added over the variance
  * of the coordinates about their mean (Abdelrahman 2013, section 4.2.4). */
-#ifndef SIM_SHAPES_DISTORT_H
-#define SIM_SHAPES_DISTORT_H
+#ifndef SIM_SHAPES_MAKE_DISTORT_H
+#define SIM_SHAPES_MAKE_DISTORT_H
 
 #include "sim/base/random.h"
 #include "sim/shapes/mesh/mesh_file.h"

@@ -6,8 +6,8 @@
  * do not bulge, and a long bone alone has exactly its radius; a bone's end is thinner and rounded,
  * and neighbours melt together. A radius that varies along a bone is taken at the nearest point of
  * the bone. */
-#ifndef SIM_SHAPES_FLESH_H
-#define SIM_SHAPES_FLESH_H
+#ifndef SIM_SHAPES_MAKE_FLESH_H
+#define SIM_SHAPES_MAKE_FLESH_H
 
 #include "sim/shapes/make/skeleton.h"
 

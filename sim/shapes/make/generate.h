@@ -7,8 +7,8 @@
  * `textured` is like SHREC'13 of section 5.4: in each class two bodies with three coats each, every
  * one of these null shapes in four transformations (another pose; stretched; bulging; noisy), with
  * colours, as PLY: 24 shapes a class. The class in the manifest is SHAPE/COAT. */
-#ifndef SIM_SHAPES_GENERATE_H
-#define SIM_SHAPES_GENERATE_H
+#ifndef SIM_SHAPES_MAKE_GENERATE_H
+#define SIM_SHAPES_MAKE_GENERATE_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -7,8 +7,8 @@
  * The header line is fixed. Files lie in the directory or below it. What stands before a class's
  * slash is its wider class: two shapes with other coats are of one wider class. Fields hold no
  * commas, quotes or control characters; no file stands there twice. */
-#ifndef SIM_SHAPES_MANIFEST_H
-#define SIM_SHAPES_MANIFEST_H
+#ifndef SIM_SHAPES_MAKE_MANIFEST_H
+#define SIM_SHAPES_MAKE_MANIFEST_H
 
 #include <stdint.h>
 

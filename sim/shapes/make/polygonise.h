@@ -1,8 +1,8 @@
 /* A closed triangle mesh of a level of a field, by marching tetrahedra (Doi and Koide 1991): each
  * cube of a grid is cut into the six tetrahedra about its diagonal, which tile space face to face,
  * so that the surface has neither holes nor edges of three triangles whatever the field is. */
-#ifndef SIM_SHAPES_POLYGONISE_H
-#define SIM_SHAPES_POLYGONISE_H
+#ifndef SIM_SHAPES_MAKE_POLYGONISE_H
+#define SIM_SHAPES_MAKE_POLYGONISE_H
 
 #include <stddef.h>
 

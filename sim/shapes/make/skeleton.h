@@ -2,8 +2,8 @@
  * joints.
  *
  * Coordinates of a creature: x to its left, y up, z forward, about 200 mm from end to end. */
-#ifndef SIM_SHAPES_SKELETON_H
-#define SIM_SHAPES_SKELETON_H
+#ifndef SIM_SHAPES_MAKE_SKELETON_H
+#define SIM_SHAPES_MAKE_SKELETON_H
 
 #include <stdbool.h>
 

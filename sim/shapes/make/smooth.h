@@ -1,6 +1,6 @@
 /* The smoothing filter that section 4.2.4 of the dissertation puts before the descriptors. */
-#ifndef SIM_SHAPES_SMOOTH_H
-#define SIM_SHAPES_SMOOTH_H
+#ifndef SIM_SHAPES_MAKE_SMOOTH_H
+#define SIM_SHAPES_MAKE_SMOOTH_H
 
 #include "core/surface/mesh.h"
 

@@ -1,6 +1,6 @@
 /* The kinds of creature there are. */
-#ifndef SIM_SHAPES_SPECIES_H
-#define SIM_SHAPES_SPECIES_H
+#ifndef SIM_SHAPES_MAKE_SPECIES_H
+#define SIM_SHAPES_MAKE_SPECIES_H
 
 #include "sim/shapes/make/skeleton.h"
 

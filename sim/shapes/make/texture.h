@@ -1,6 +1,6 @@
 /* Coats of creatures: colours that are painted at rest and stay where they are on the skin. */
-#ifndef SIM_SHAPES_TEXTURE_H
-#define SIM_SHAPES_TEXTURE_H
+#ifndef SIM_SHAPES_MAKE_TEXTURE_H
+#define SIM_SHAPES_MAKE_TEXTURE_H
 
 #include "core/shape/describe/shape.h"
 #include "sim/base/random.h"

@@ -1,6 +1,6 @@
 /* Fewer vertices for meshes that have more than a study needs. */
-#ifndef SIM_SHAPES_THIN_H
-#define SIM_SHAPES_THIN_H
+#ifndef SIM_SHAPES_MAKE_THIN_H
+#define SIM_SHAPES_MAKE_THIN_H
 
 #include "sim/shapes/mesh/mesh_file.h"
 

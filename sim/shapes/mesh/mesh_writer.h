@@ -1,6 +1,6 @@
 /* Mesh files for the reader of sim/shapes/mesh. */
-#ifndef SIM_SHAPES_MESH_WRITER_H
-#define SIM_SHAPES_MESH_WRITER_H
+#ifndef SIM_SHAPES_MESH_MESH_WRITER_H
+#define SIM_SHAPES_MESH_MESH_WRITER_H
 
 #include "sim/shapes/mesh/mesh_file.h"
 

@@ -1,6 +1,6 @@
 /* What methods say of the shapes of a corpus: the part of a study that takes time. */
-#ifndef SIM_SHAPES_BANK_H
-#define SIM_SHAPES_BANK_H
+#ifndef SIM_SHAPES_STUDY_BANK_H
+#define SIM_SHAPES_STUDY_BANK_H
 
 #include "core/shape/describe/method.h"
 #include "sim/shapes/make/distort.h"

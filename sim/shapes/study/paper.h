@@ -1,6 +1,6 @@
 /* The tables of the dissertation, chapters 4 and 5: what each row was made of, and its figures. */
-#ifndef SIM_SHAPES_PAPER_H
-#define SIM_SHAPES_PAPER_H
+#ifndef SIM_SHAPES_STUDY_PAPER_H
+#define SIM_SHAPES_STUDY_PAPER_H
 
 #include "sim/shapes/make/distort.h"
 

@@ -2,8 +2,8 @@
  *
  * A query is never compared with itself, and the undistorted original of a distorted query is left
  * out as well: that a shape resembles itself says nothing. */
-#ifndef SIM_SHAPES_RETRIEVE_H
-#define SIM_SHAPES_RETRIEVE_H
+#ifndef SIM_SHAPES_STUDY_RETRIEVE_H
+#define SIM_SHAPES_STUDY_RETRIEVE_H
 
 #include "core/shape/classify/classifier.h"
 #include "core/shape/classify/confusion.h"

@@ -1,6 +1,6 @@
 /* Pictures of shapes in rows and columns. */
-#ifndef SIM_SHAPES_SHEET_H
-#define SIM_SHAPES_SHEET_H
+#ifndef SIM_SHAPES_STUDY_SHEET_H
+#define SIM_SHAPES_STUDY_SHEET_H
 
 #include "sim/shapes/study/retrieve.h"
 

@@ -1,7 +1,7 @@
 /* isotherm-sim shapes eval: a corpus against itself, or its distorted shapes against it, by methods
  * and classifiers; result files. */
-#ifndef SIM_SHAPES_STUDY_H
-#define SIM_SHAPES_STUDY_H
+#ifndef SIM_SHAPES_STUDY_STUDY_H
+#define SIM_SHAPES_STUDY_STUDY_H
 
 #include <stddef.h>
 #include <stdio.h>

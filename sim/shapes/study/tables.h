@@ -4,8 +4,8 @@
  * The corpora differ, so that figures are to be compared down a table, not across. Queries never
  * find themselves nor their undistorted originals, which is stricter than 4.8 and 4.11-4.13 say of
  * theirs. Further rows that the dissertation does not have are marked. */
-#ifndef SIM_SHAPES_TABLES_H
-#define SIM_SHAPES_TABLES_H
+#ifndef SIM_SHAPES_STUDY_TABLES_H
+#define SIM_SHAPES_STUDY_TABLES_H
 
 #include <stddef.h>
 #include <stdio.h>

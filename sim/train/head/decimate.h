@@ -1,8 +1,8 @@
 /* Coarser meshes from fine ones by half-edge collapse with quadric error metrics (Garland and
  * Heckbert 1997): a vertex is merged into a neighbour, so that the vertices that remain are
  * original ones and carry whatever is known of them (modes of a morphable model). */
-#ifndef SIM_TRAIN_DECIMATE_H
-#define SIM_TRAIN_DECIMATE_H
+#ifndef SIM_TRAIN_HEAD_DECIMATE_H
+#define SIM_TRAIN_HEAD_DECIMATE_H
 
 #include <stdint.h>
 

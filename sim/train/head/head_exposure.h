@@ -1,7 +1,7 @@
 /* How much of a head's surface a sensor in front of it can see: not the insides of nostrils and
  * lips, which the head model has and no depth frame shows. */
-#ifndef SIM_TRAIN_HEAD_EXPOSURE_H
-#define SIM_TRAIN_HEAD_EXPOSURE_H
+#ifndef SIM_TRAIN_HEAD_HEAD_EXPOSURE_H
+#define SIM_TRAIN_HEAD_HEAD_EXPOSURE_H
 
 #include <stdbool.h>
 

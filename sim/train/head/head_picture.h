@@ -1,6 +1,6 @@
 /* Pictures of a head model, to be looked at: holes and spikes show at once. */
-#ifndef SIM_TRAIN_HEAD_PICTURE_H
-#define SIM_TRAIN_HEAD_PICTURE_H
+#ifndef SIM_TRAIN_HEAD_HEAD_PICTURE_H
+#define SIM_TRAIN_HEAD_HEAD_PICTURE_H
 
 #include "core/base/fault.h"
 #include "core/landmark/head_model.h"

@@ -1,6 +1,6 @@
 /* Which parts of the head matter for what. */
-#ifndef SIM_TRAIN_HEAD_REGION_H
-#define SIM_TRAIN_HEAD_REGION_H
+#ifndef SIM_TRAIN_HEAD_HEAD_REGION_H
+#define SIM_TRAIN_HEAD_HEAD_REGION_H
 
 #include <stdbool.h>
 

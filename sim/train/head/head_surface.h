@@ -1,7 +1,7 @@
 /* The part of the head model that the trained model keeps: what is seen of a face from the front,
  * without holes. */
-#ifndef SIM_TRAIN_HEAD_SURFACE_H
-#define SIM_TRAIN_HEAD_SURFACE_H
+#ifndef SIM_TRAIN_HEAD_HEAD_SURFACE_H
+#define SIM_TRAIN_HEAD_HEAD_SURFACE_H
 
 #include <stdint.h>
 

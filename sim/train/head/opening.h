@@ -1,6 +1,6 @@
 /* Closing the openings of a mesh of the face: the eyes and the mouth. */
-#ifndef SIM_TRAIN_OPENING_H
-#define SIM_TRAIN_OPENING_H
+#ifndef SIM_TRAIN_HEAD_OPENING_H
+#define SIM_TRAIN_HEAD_OPENING_H
 
 #include <stddef.h>
 

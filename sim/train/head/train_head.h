@@ -1,6 +1,6 @@
 /* Training the compact head model (core/landmark/head_model.h) from the statistical head model. */
-#ifndef SIM_TRAIN_TRAIN_HEAD_H
-#define SIM_TRAIN_TRAIN_HEAD_H
+#ifndef SIM_TRAIN_HEAD_TRAIN_HEAD_H
+#define SIM_TRAIN_HEAD_TRAIN_HEAD_H
 
 #include "core/landmark/head_model.h"
 #include "sim/world/face/ict.h"

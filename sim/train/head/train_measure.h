@@ -1,6 +1,6 @@
 /* How well a trained head model stands for what it was trained from. */
-#ifndef SIM_TRAIN_TRAIN_MEASURE_H
-#define SIM_TRAIN_TRAIN_MEASURE_H
+#ifndef SIM_TRAIN_HEAD_TRAIN_MEASURE_H
+#define SIM_TRAIN_HEAD_TRAIN_MEASURE_H
 
 #include "sim/train/head/head_surface.h"
 

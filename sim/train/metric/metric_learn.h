@@ -1,6 +1,6 @@
 /* The learning in a metric: from residuals of templates to a projection. */
-#ifndef SIM_TRAIN_METRIC_LEARN_H
-#define SIM_TRAIN_METRIC_LEARN_H
+#ifndef SIM_TRAIN_METRIC_METRIC_LEARN_H
+#define SIM_TRAIN_METRIC_METRIC_LEARN_H
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* The weights of a fused score (core/match/rerank.h). */
-#ifndef SIM_TRAIN_RERANK_LEARN_H
-#define SIM_TRAIN_RERANK_LEARN_H
+#ifndef SIM_TRAIN_METRIC_RERANK_LEARN_H
+#define SIM_TRAIN_METRIC_RERANK_LEARN_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* The cohort that scores are normalised against (core/match/cohort.h): templates of rendered
  * people who are in no gallery, made by the same extractor as everyone's. */
-#ifndef SIM_TRAIN_TRAIN_COHORT_H
-#define SIM_TRAIN_TRAIN_COHORT_H
+#ifndef SIM_TRAIN_METRIC_TRAIN_COHORT_H
+#define SIM_TRAIN_METRIC_TRAIN_COHORT_H
 
 #include "core/extract/extract.h"
 #include "sim/world/face/ict.h"

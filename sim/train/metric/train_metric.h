@@ -3,8 +3,8 @@
  * Every usable frame of every row goes through the extractor, as in an evaluation. A person is a
  * subject of a corpus; corpora share nobody. One person in five is left out of the learning and
  * calibrates the scores afterwards: the metric's and the fused one (core/match/rerank.h). */
-#ifndef SIM_TRAIN_TRAIN_METRIC_H
-#define SIM_TRAIN_TRAIN_METRIC_H
+#ifndef SIM_TRAIN_METRIC_TRAIN_METRIC_H
+#define SIM_TRAIN_METRIC_TRAIN_METRIC_H
 
 #include "core/base/fault.h"
 #include "core/extract/extract.h"

@@ -1,6 +1,6 @@
 /* Facial expressions as weights of the head model's expression shapes. */
-#ifndef SIM_FACE_EXPRESSION_H
-#define SIM_FACE_EXPRESSION_H
+#ifndef SIM_WORLD_FACE_EXPRESSION_H
+#define SIM_WORLD_FACE_EXPRESSION_H
 
 #include "sim/base/random.h"
 #include "sim/world/face/ict.h"

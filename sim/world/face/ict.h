@@ -1,8 +1,8 @@
 /* The ICT-FaceKit statistical head model, as the folder `ict-face` holds it: what the simulator
  * renders and the trainer learns from. Its frame: x to the subject's left, y up, z out of the face,
  * millimetres. */
-#ifndef SIM_FACE_ICT_H
-#define SIM_FACE_ICT_H
+#ifndef SIM_WORLD_FACE_ICT_H
+#define SIM_WORLD_FACE_ICT_H
 
 #include <stdint.h>
 

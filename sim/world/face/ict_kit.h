@@ -2,8 +2,8 @@
  * folder FaceXModel of OBJ files in centimetres, all with the same vertices in the same order, of
  * which each but the neutral one is moved by one shape; and vertex_indices.json, which names the
  * expressions and the vertices of 68 landmarks. */
-#ifndef SIM_FACE_ICT_KIT_H
-#define SIM_FACE_ICT_KIT_H
+#ifndef SIM_WORLD_FACE_ICT_KIT_H
+#define SIM_WORLD_FACE_ICT_KIT_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* Reading arrays from NumPy's .npy files, strictly: versions 1.0 and 2.0, little-endian, C order.
  */
-#ifndef SIM_FACE_NPY_H
-#define SIM_FACE_NPY_H
+#ifndef SIM_WORLD_FACE_NPY_H
+#define SIM_WORLD_FACE_NPY_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* Writing .npy files, as NumPy writes them (version 1.0, little-endian, C order): a header, then
  * the items row by row. */
-#ifndef SIM_FACE_NPY_WRITER_H
-#define SIM_FACE_NPY_WRITER_H
+#ifndef SIM_WORLD_FACE_NPY_WRITER_H
+#define SIM_WORLD_FACE_NPY_WRITER_H
 
 #include <stdint.h>
 

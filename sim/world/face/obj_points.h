@@ -1,7 +1,7 @@
 /* Vertices and faces of a Wavefront OBJ file, in the order in which the file has them: nothing is
  * merged, mended or left out. */
-#ifndef SIM_FACE_OBJ_POINTS_H
-#define SIM_FACE_OBJ_POINTS_H
+#ifndef SIM_WORLD_FACE_OBJ_POINTS_H
+#define SIM_WORLD_FACE_OBJ_POINTS_H
 
 #include <stdint.h>
 

@@ -2,8 +2,8 @@
  *
  * Face frame: x to the subject's left, y up, z out of the face, origin at the MEAN face's nose tip,
  * mm. */
-#ifndef SIM_FACE_PERSON_H
-#define SIM_FACE_PERSON_H
+#ifndef SIM_WORLD_FACE_PERSON_H
+#define SIM_WORLD_FACE_PERSON_H
 
 #include <stdint.h>
 

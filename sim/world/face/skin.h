@@ -5,8 +5,8 @@
  * human skin", J. Invest. Dermatol. 77, 1981), and melanin hardly shows. The rest is assumed: brows
  * 0.15 to 0.35, lips and lids a little darker than skin, lashes, iris and nostrils dark, pupils
  * black. No beard, no glasses, no texture of the skin. */
-#ifndef SIM_FACE_SKIN_H
-#define SIM_FACE_SKIN_H
+#ifndef SIM_WORLD_FACE_SKIN_H
+#define SIM_WORLD_FACE_SKIN_H
 
 #include "sim/world/face/ict.h"
 #include "sim/world/face/person.h"

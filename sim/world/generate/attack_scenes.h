@@ -1,6 +1,6 @@
 /* Scenes with a presentation attack instrument (ISO/IEC 30107-3), one function a kind. */
-#ifndef SIM_GENERATE_ATTACK_SCENES_H
-#define SIM_GENERATE_ATTACK_SCENES_H
+#ifndef SIM_WORLD_GENERATE_ATTACK_SCENES_H
+#define SIM_WORLD_GENERATE_ATTACK_SCENES_H
 
 #include "sim/world/generate/staging.h"
 

@@ -15,8 +15,8 @@
  * modulo their number. The column `expression` of an instrument is its variant: a4-paper,
  * rolled-r120, s-hollow-r80, creased-25deg, tablet-lost60-behind12, head-x0.613, worn-gap14, empty,
  * ... */
-#ifndef SIM_GENERATE_ATTACKS_H
-#define SIM_GENERATE_ATTACKS_H
+#ifndef SIM_WORLD_GENERATE_ATTACKS_H
+#define SIM_WORLD_GENERATE_ATTACKS_H
 
 #include "sim/world/generate/studio.h"
 

@@ -1,6 +1,6 @@
 /* Corpora of synthetic people, by preset. */
-#ifndef SIM_GENERATE_GENERATE_H
-#define SIM_GENERATE_GENERATE_H
+#ifndef SIM_WORLD_GENERATE_GENERATE_H
+#define SIM_WORLD_GENERATE_GENERATE_H
 
 #include "core/base/fault.h"
 #include "sim/world/sensor/sensor.h"

@@ -1,6 +1,6 @@
 /* Scenes without a face to recognise, one function a kind. */
-#ifndef SIM_GENERATE_NOT_FACE_SCENES_H
-#define SIM_GENERATE_NOT_FACE_SCENES_H
+#ifndef SIM_WORLD_GENERATE_NOT_FACE_SCENES_H
+#define SIM_WORLD_GENERATE_NOT_FACE_SCENES_H
 
 #include "sim/world/generate/staging.h"
 

@@ -4,8 +4,8 @@
  * back, profile, ear, hood, hand, wall, ball, chair, coat, plant, cushion; per_kind of each. The
  * column `expression` is the variant: turned+95, two-palm, corner, balloon-r104, slats, hanger, ...
  */
-#ifndef SIM_GENERATE_NOT_FACES_H
-#define SIM_GENERATE_NOT_FACES_H
+#ifndef SIM_WORLD_GENERATE_NOT_FACES_H
+#define SIM_WORLD_GENERATE_NOT_FACES_H
 
 #include "sim/world/generate/studio.h"
 

@@ -1,7 +1,7 @@
 /* A session: one person before the sensor for a few frames, alive: pose and position drift from
  * frame to frame. */
-#ifndef SIM_GENERATE_SESSION_H
-#define SIM_GENERATE_SESSION_H
+#ifndef SIM_WORLD_GENERATE_SESSION_H
+#define SIM_WORLD_GENERATE_SESSION_H
 
 #include "sim/world/face/expression.h"
 #include "sim/world/generate/studio.h"

@@ -1,7 +1,7 @@
 /* Still scenes drawn at random, one function a kind: attacks (attack_scenes.h) and what is no face
  * (not_face_scenes.h). */
-#ifndef SIM_GENERATE_STAGING_H
-#define SIM_GENERATE_STAGING_H
+#ifndef SIM_WORLD_GENERATE_STAGING_H
+#define SIM_WORLD_GENERATE_STAGING_H
 
 #include "sim/world/generate/still.h"
 

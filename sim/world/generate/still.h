@@ -1,6 +1,6 @@
 /* A scene in which nothing moves: a wall, things, and perhaps a person. */
-#ifndef SIM_GENERATE_STILL_H
-#define SIM_GENERATE_STILL_H
+#ifndef SIM_WORLD_GENERATE_STILL_H
+#define SIM_WORLD_GENERATE_STILL_H
 
 #include "sim/world/generate/studio.h"
 #include "sim/world/prop/group.h"

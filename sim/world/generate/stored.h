@@ -1,7 +1,7 @@
 /* The corpus that is committed with the project (sim/stored): what the demo and the tests replay.
  */
-#ifndef SIM_GENERATE_STORED_H
-#define SIM_GENERATE_STORED_H
+#ifndef SIM_WORLD_GENERATE_STORED_H
+#define SIM_WORLD_GENERATE_STORED_H
 
 #include "sim/world/generate/studio.h"
 

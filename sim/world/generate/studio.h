@@ -1,7 +1,7 @@
 /* A studio turns scenes into the recordings of a corpus: it holds one sensor, the view it looks at,
  * and the manifest that grows with every recording. */
-#ifndef SIM_GENERATE_STUDIO_H
-#define SIM_GENERATE_STUDIO_H
+#ifndef SIM_WORLD_GENERATE_STUDIO_H
+#define SIM_WORLD_GENERATE_STUDIO_H
 
 #include "core/base/fault.h"
 #include "sim/corpus/corpus.h"

@@ -1,6 +1,6 @@
 /* A rigid three-dimensional print of a face or a head, as a printer makes it from a scan. */
-#ifndef SIM_PROP_FACE_PRINT_H
-#define SIM_PROP_FACE_PRINT_H
+#ifndef SIM_WORLD_PROP_FACE_PRINT_H
+#define SIM_WORLD_PROP_FACE_PRINT_H
 
 #include <stdbool.h>
 

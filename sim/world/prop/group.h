@@ -1,6 +1,6 @@
 /* Several solids that belong together: a hand, a chair, a photograph with who holds it. */
-#ifndef SIM_PROP_GROUP_H
-#define SIM_PROP_GROUP_H
+#ifndef SIM_WORLD_PROP_GROUP_H
+#define SIM_WORLD_PROP_GROUP_H
 
 #include <stddef.h>
 

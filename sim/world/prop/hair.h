@@ -3,8 +3,8 @@
  * To a depth sensor hair is a rough surface some way off the skin, that covers forehead, temples
  * and ears more or less, differs between people and changes a little between sessions. No more than
  * that is modelled. */
-#ifndef SIM_PROP_HAIR_H
-#define SIM_PROP_HAIR_H
+#ifndef SIM_WORLD_PROP_HAIR_H
+#define SIM_WORLD_PROP_HAIR_H
 
 #include <stdbool.h>
 #include <stdint.h>

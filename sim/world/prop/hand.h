@@ -1,8 +1,8 @@
 /* A hand and a forearm: phalanges and forearm are tubes, the palm is a rounded box; that is what is
  * left of a hand in a depth frame at arm's length. Lengths are those of an adult's hand (length 189
  * mm, breadth 84 mm: the median man of DIN 33402-2). */
-#ifndef SIM_PROP_HAND_H
-#define SIM_PROP_HAND_H
+#ifndef SIM_WORLD_PROP_HAND_H
+#define SIM_WORLD_PROP_HAND_H
 
 #include <stdbool.h>
 

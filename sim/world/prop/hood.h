@@ -1,6 +1,6 @@
 /* A hood over a head: cloth that stands off the skull and is open before the face. */
-#ifndef SIM_PROP_HOOD_H
-#define SIM_PROP_HOOD_H
+#ifndef SIM_WORLD_PROP_HOOD_H
+#define SIM_WORLD_PROP_HOOD_H
 
 #include "sim/base/random.h"
 #include "sim/world/prop/solid.h"

@@ -1,6 +1,6 @@
 /* A picture printed on a sheet: flat or bent in depth, a picture in the infrared, or none. */
-#ifndef SIM_PROP_PRINT_H
-#define SIM_PROP_PRINT_H
+#ifndef SIM_WORLD_PROP_PRINT_H
+#define SIM_WORLD_PROP_PRINT_H
 
 #include "sim/world/prop/solid.h"
 

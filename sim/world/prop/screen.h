@@ -7,8 +7,8 @@
  * is published, so that it is the caller's draw.
  *
  * Frame: x right, y down, z away from who looks, the middle of the glass at the origin. */
-#ifndef SIM_PROP_SCREEN_H
-#define SIM_PROP_SCREEN_H
+#ifndef SIM_WORLD_PROP_SCREEN_H
+#define SIM_WORLD_PROP_SCREEN_H
 
 #include <stdbool.h>
 

@@ -2,8 +2,8 @@
  *
  * A sheet bends without stretching: lengths along it stay what they were. Its frame: x right, y
  * down, z away from who looks at the print, the middle of the sheet at the origin. */
-#ifndef SIM_PROP_SHEET_H
-#define SIM_PROP_SHEET_H
+#ifndef SIM_WORLD_PROP_SHEET_H
+#define SIM_WORLD_PROP_SHEET_H
 
 #include <stdbool.h>
 

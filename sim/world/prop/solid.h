@@ -1,6 +1,6 @@
 /* A solid of the simulated world: vertices and triangles of one material. */
-#ifndef SIM_PROP_SOLID_H
-#define SIM_PROP_SOLID_H
+#ifndef SIM_WORLD_PROP_SOLID_H
+#define SIM_WORLD_PROP_SOLID_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* A clothed trunk under the neck: shoulders and chest. */
-#ifndef SIM_PROP_TORSO_H
-#define SIM_PROP_TORSO_H
+#ifndef SIM_WORLD_PROP_TORSO_H
+#define SIM_WORLD_PROP_TORSO_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* How wrong a sensor model's depth is on faces, by distance: measured against the rendered truth.
  */
-#ifndef SIM_SENSOR_DEPTH_ERROR_H
-#define SIM_SENSOR_DEPTH_ERROR_H
+#ifndef SIM_WORLD_SCENE_DEPTH_ERROR_H
+#define SIM_WORLD_SCENE_DEPTH_ERROR_H
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* A photograph of a person from straight ahead, as albedos of the paper it is printed on. */
-#ifndef SIM_RENDER_PORTRAIT_H
-#define SIM_RENDER_PORTRAIT_H
+#ifndef SIM_WORLD_SCENE_PORTRAIT_H
+#define SIM_WORLD_SCENE_PORTRAIT_H
 
 #include "sim/world/scene/sitter.h"
 

@@ -1,6 +1,6 @@
 /* What stands behind a person: a wall, and sometimes furniture. */
-#ifndef SIM_GENERATE_ROOM_H
-#define SIM_GENERATE_ROOM_H
+#ifndef SIM_WORLD_SCENE_ROOM_H
+#define SIM_WORLD_SCENE_ROOM_H
 
 #include <stdbool.h>
 

@@ -1,6 +1,6 @@
 /* One person on one day, ready to be drawn: head, hair, clothes. */
-#ifndef SIM_RENDER_SITTER_H
-#define SIM_RENDER_SITTER_H
+#ifndef SIM_WORLD_SCENE_SITTER_H
+#define SIM_WORLD_SCENE_SITTER_H
 
 #include <stdbool.h>
 

@@ -3,10 +3,10 @@
  * A lamp beside the lens: what comes back from a matt surface falls with the cosine of its slant
  * (Lambert) and the square of the distance. Each pixel then has shot and dark noise and is rounded
  * to counts. A pattern projector's dots lie on everything, at random. Constants of the sensors
- * stand with them in sim/sensor; that of Kinect v2 was set to the brightness of real frames, the
- * others are assumed. */
-#ifndef SIM_SENSOR_INFRARED_H
-#define SIM_SENSOR_INFRARED_H
+ * stand with them in sim/world/sensor; that of Kinect v2 was set to the brightness of real frames,
+ * the others are assumed. */
+#ifndef SIM_WORLD_SENSOR_INFRARED_H
+#define SIM_WORLD_SENSOR_INFRARED_H
 
 #include <stdbool.h>
 

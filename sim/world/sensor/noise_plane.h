@@ -1,6 +1,6 @@
 /* Planes of correlated Gaussian noise. */
-#ifndef SIM_SENSOR_NOISE_PLANE_H
-#define SIM_SENSOR_NOISE_PLANE_H
+#ifndef SIM_WORLD_SENSOR_NOISE_PLANE_H
+#define SIM_WORLD_SENSOR_NOISE_PLANE_H
 
 #include "sim/base/random.h"
 

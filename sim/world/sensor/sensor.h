@@ -2,8 +2,8 @@
  *
  * Every model states its constants and where they were published at the top of its .c file, and its
  * measured noise is checked against them by tests/sim/world/test_sensor_noise.c. */
-#ifndef SIM_SENSOR_SENSOR_H
-#define SIM_SENSOR_SENSOR_H
+#ifndef SIM_WORLD_SENSOR_SENSOR_H
+#define SIM_WORLD_SENSOR_SENSOR_H
 
 #include <stdbool.h>
 

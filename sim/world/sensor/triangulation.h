@@ -1,7 +1,7 @@
 /* What sensors that triangulate have in common, whether the second eye is a projector (structured
  * light) or a camera (stereo): depth comes from a disparity that is measured on windows. */
-#ifndef SIM_SENSOR_TRIANGULATION_H
-#define SIM_SENSOR_TRIANGULATION_H
+#ifndef SIM_WORLD_SENSOR_TRIANGULATION_H
+#define SIM_WORLD_SENSOR_TRIANGULATION_H
 
 #include "sim/world/sensor/sensor.h"
 

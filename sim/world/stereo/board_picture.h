@@ -1,6 +1,6 @@
 /* Pictures of a checkerboard, as the cameras of a rig would take them. */
-#ifndef SIM_STEREO_BOARD_PICTURE_H
-#define SIM_STEREO_BOARD_PICTURE_H
+#ifndef SIM_WORLD_STEREO_BOARD_PICTURE_H
+#define SIM_WORLD_STEREO_BOARD_PICTURE_H
 
 #include "drivers/stereo/board.h"
 #include "sim/base/random.h"

@@ -1,6 +1,6 @@
 /* Which way each pixel of a distorted camera looks, worked out once. */
-#ifndef SIM_STEREO_LENS_H
-#define SIM_STEREO_LENS_H
+#ifndef SIM_WORLD_STEREO_LENS_H
+#define SIM_WORLD_STEREO_LENS_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* The lens of one camera from pictures of a checkerboard, as a file that `[sensor] camera` names.
  */
-#ifndef SIM_STEREO_LENS_CALIBRATION_H
-#define SIM_STEREO_LENS_CALIBRATION_H
+#ifndef SIM_WORLD_STEREO_LENS_CALIBRATION_H
+#define SIM_WORLD_STEREO_LENS_CALIBRATION_H
 
 #include <stddef.h>
 #include <stdint.h>

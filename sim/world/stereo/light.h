@@ -1,6 +1,6 @@
 /* How bright a point of the scene is: material, lamp, projected dots, shadow. */
-#ifndef SIM_STEREO_LIGHT_H
-#define SIM_STEREO_LIGHT_H
+#ifndef SIM_WORLD_STEREO_LIGHT_H
+#define SIM_WORLD_STEREO_LIGHT_H
 
 #include <stdint.h>
 

@@ -4,8 +4,8 @@
  * OV9281) behind 2.7 mm lenses with 850 nm filters, and a laser with a diffractive element. No
  * maker publishes the noise of depth from such a rig: what is assumed is said beside each number,
  * depth errors are then measured, not assumed. */
-#ifndef SIM_STEREO_RIG_H
-#define SIM_STEREO_RIG_H
+#ifndef SIM_WORLD_STEREO_RIG_H
+#define SIM_WORLD_STEREO_RIG_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* A pair of pictures of a scene: what the two cameras of a rig would give. */
-#ifndef SIM_STEREO_STEREO_SCENE_H
-#define SIM_STEREO_STEREO_SCENE_H
+#ifndef SIM_WORLD_STEREO_STEREO_SCENE_H
+#define SIM_WORLD_STEREO_STEREO_SCENE_H
 
 #include "sim/base/random.h"
 #include "sim/world/stereo/light.h"

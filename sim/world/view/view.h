@@ -3,8 +3,8 @@
  * A view is cleared, solids are drawn into it in camera-frame coordinates, the nearest wins; then
  * it is finished, and sensor models (sim/world/sensor) read it. Created once, reused for frame
  * after frame. */
-#ifndef SIM_RENDER_VIEW_H
-#define SIM_RENDER_VIEW_H
+#ifndef SIM_WORLD_VIEW_VIEW_H
+#define SIM_WORLD_VIEW_VIEW_H
 
 #include <stddef.h>
 #include <stdint.h>

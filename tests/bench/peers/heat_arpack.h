@@ -1,8 +1,8 @@
 /* The dissertation's way to eigenpairs, for the benchmark: ARPACK's shift-invert Lanczos (Lehoucq,
  * Sorensen and Yang 1998) over core's CHOLMOD factor, as a user of Debian's packages would have it.
  */
-#ifndef TESTS_BENCH_HEAT_ARPACK_H
-#define TESTS_BENCH_HEAT_ARPACK_H
+#ifndef TESTS_BENCH_PEERS_HEAT_ARPACK_H
+#define TESTS_BENCH_PEERS_HEAT_ARPACK_H
 
 #include "core/heat/stiffness_mass.h"
 

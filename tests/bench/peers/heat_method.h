@@ -1,6 +1,6 @@
 /* The ways to the heat of twelve landmarks that the benchmark compares, and what they work on. */
-#ifndef TESTS_BENCH_HEAT_METHOD_H
-#define TESTS_BENCH_HEAT_METHOD_H
+#ifndef TESTS_BENCH_PEERS_HEAT_METHOD_H
+#define TESTS_BENCH_PEERS_HEAT_METHOD_H
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* What a user would pick from Debian packages to get heat or distances on a mesh: the benchmark's
  * peers, in C++ over Eigen and Spectra. All return 0, or a negative errno if the library failed. */
-#ifndef TESTS_BENCH_HEAT_PEERS_H
-#define TESTS_BENCH_HEAT_PEERS_H
+#ifndef TESTS_BENCH_PEERS_HEAT_PEERS_H
+#define TESTS_BENCH_PEERS_HEAT_PEERS_H
 
 #include <stdint.h>
 

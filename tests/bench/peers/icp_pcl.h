@@ -1,7 +1,7 @@
 /* Registration of two sets of points as a user of the Point Cloud Library would do it: a peer of
  * the benchmark, in C++. */
-#ifndef TESTS_BENCH_ICP_PCL_H
-#define TESTS_BENCH_ICP_PCL_H
+#ifndef TESTS_BENCH_PEERS_ICP_PCL_H
+#define TESTS_BENCH_PEERS_ICP_PCL_H
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,7 +1,7 @@
 /* Surfaces as orthographic depth frames, for tests of what works on grids; each also as the mesh
  * that iso_triangulate makes of it. A failure ends the test. */
-#ifndef TESTS_CORE_GRID_SURFACE_H
-#define TESTS_CORE_GRID_SURFACE_H
+#ifndef TESTS_CORE_SURFACES_GRID_SURFACE_H
+#define TESTS_CORE_SURFACES_GRID_SURFACE_H
 
 #include "core/surface/grid.h"
 #include "core/surface/triangulate.h"

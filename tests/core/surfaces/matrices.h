@@ -1,6 +1,6 @@
 /* Stiffness and mass of a test's mesh. */
-#ifndef TESTS_CORE_MATRICES_H
-#define TESTS_CORE_MATRICES_H
+#ifndef TESTS_CORE_SURFACES_MATRICES_H
+#define TESTS_CORE_SURFACES_MATRICES_H
 
 #include "core/heat/stiffness_mass.h"
 

@@ -2,8 +2,8 @@
  * living heads of the shipped head model, masks of another size or with holes for eyes, sheets of
  * paper flat, rolled, wavy and folded, displays with holes. Everything is drawn from one stream of
  * random numbers, so that a seed names a scene. Failures fail the running cmocka test. */
-#ifndef TESTS_CORE_PRESENTED_H
-#define TESTS_CORE_PRESENTED_H
+#ifndef TESTS_CORE_SURFACES_PRESENTED_H
+#define TESTS_CORE_SURFACES_PRESENTED_H
 
 #include <stdbool.h>
 

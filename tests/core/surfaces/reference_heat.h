@@ -1,8 +1,8 @@
 /* The heat kernel to many digits, by a method that has nothing in common with those under test: the
  * Chebyshev expansion of exp(-t B^-1 L) (Tal-Ezer 1989), B^-1 by conjugate gradients. No
  * factorisation, no Krylov space, no eigenpairs. */
-#ifndef TESTS_CORE_REFERENCE_HEAT_H
-#define TESTS_CORE_REFERENCE_HEAT_H
+#ifndef TESTS_CORE_SURFACES_REFERENCE_HEAT_H
+#define TESTS_CORE_SURFACES_REFERENCE_HEAT_H
 
 #include "core/surface/mesh.h"
 #include "tests/core/surfaces/matrices.h"

@@ -1,7 +1,7 @@
 /* Heads of a model (shipped_model.h), rendered into depth frames: where they are and how they are
  * shaped is known exactly. Failures fail the running cmocka test. */
-#ifndef TESTS_CORE_RENDERED_HEAD_H
-#define TESTS_CORE_RENDERED_HEAD_H
+#ifndef TESTS_CORE_SURFACES_RENDERED_HEAD_H
+#define TESTS_CORE_SURFACES_RENDERED_HEAD_H
 
 #include "core/frame/frame.h"
 #include "core/landmark/head_model.h"

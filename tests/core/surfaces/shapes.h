@@ -1,8 +1,8 @@
 /* Surfaces whose geometry is known, for the numerical tests. All are freed with iso_mesh_free; a
  * failure to allocate ends the test. Triangles are counter-clockwise seen from outside (sheets:
  * from +z). */
-#ifndef TESTS_CORE_SHAPES_H
-#define TESTS_CORE_SHAPES_H
+#ifndef TESTS_CORE_SURFACES_SHAPES_H
+#define TESTS_CORE_SURFACES_SHAPES_H
 
 #include "core/surface/mesh.h"
 

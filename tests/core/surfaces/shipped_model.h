@@ -1,6 +1,6 @@
 /* The head model that ships with the product. */
-#ifndef TESTS_CORE_SHIPPED_MODEL_H
-#define TESTS_CORE_SHIPPED_MODEL_H
+#ifndef TESTS_CORE_SURFACES_SHIPPED_MODEL_H
+#define TESTS_CORE_SURFACES_SHIPPED_MODEL_H
 
 #include "core/landmark/head_model.h"
 

@@ -1,7 +1,7 @@
 /* Tasks done by nobody but the caller, as three workers might: the last first, and in a race each a
  * second time, in vain. */
-#ifndef TESTS_CORE_TASKS_BACKWARDS_H
-#define TESTS_CORE_TASKS_BACKWARDS_H
+#ifndef TESTS_CORE_SURFACES_TASKS_BACKWARDS_H
+#define TESTS_CORE_SURFACES_TASKS_BACKWARDS_H
 
 #include "core/base/tasks.h"
 

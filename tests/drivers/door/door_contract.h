@@ -1,8 +1,8 @@
 /* What every back end of the door class owes its user (drivers/door/door_io.h), as one suite. A
  * program gives it a table: how to open each back end, how to see an output from outside, and how
  * to move an input. */
-#ifndef TESTS_DRIVERS_DOOR_CONTRACT_H
-#define TESTS_DRIVERS_DOOR_CONTRACT_H
+#ifndef TESTS_DRIVERS_DOOR_DOOR_CONTRACT_H
+#define TESTS_DRIVERS_DOOR_DOOR_CONTRACT_H
 
 #include "drivers/door/door_io.h"
 

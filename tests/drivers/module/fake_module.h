@@ -1,6 +1,6 @@
 /* The table of the modules of fake_module.c. */
-#ifndef TESTS_DRIVERS_FAKE_MODULE_H
-#define TESTS_DRIVERS_FAKE_MODULE_H
+#ifndef TESTS_DRIVERS_MODULE_FAKE_MODULE_H
+#define TESTS_DRIVERS_MODULE_FAKE_MODULE_H
 
 #include "drivers/base/module.h"
 

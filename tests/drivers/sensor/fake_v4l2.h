@@ -1,7 +1,7 @@
 /* Cameras that are none: a stand-in for the kernel's video nodes (drivers/sensor/
  * sensor_v4l2_system.h), stricter than drivers are. A call out of order fails the test. */
-#ifndef TESTS_DRIVERS_FAKE_V4L2_H
-#define TESTS_DRIVERS_FAKE_V4L2_H
+#ifndef TESTS_DRIVERS_SENSOR_FAKE_V4L2_H
+#define TESTS_DRIVERS_SENSOR_FAKE_V4L2_H
 
 #include <stdbool.h>
 #include <stdint.h>

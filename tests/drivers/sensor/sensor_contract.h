@@ -3,8 +3,8 @@
  * from the first one at each start.
  *
  * A new back end adds a stage to the table in sensor_stages.c. */
-#ifndef TESTS_DRIVERS_SENSOR_CONTRACT_H
-#define TESTS_DRIVERS_SENSOR_CONTRACT_H
+#ifndef TESTS_DRIVERS_SENSOR_SENSOR_CONTRACT_H
+#define TESTS_DRIVERS_SENSOR_SENSOR_CONTRACT_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* The last line of every program that tries faults, the same for all of them, so that a person and
  * tests/gate/summary.sh find it. */
-#ifndef TESTS_FIRMWARE_FAULT_TALLY_H
-#define TESTS_FIRMWARE_FAULT_TALLY_H
+#ifndef TESTS_FIRMWARE_FAULTS_FAULT_TALLY_H
+#define TESTS_FIRMWARE_FAULTS_FAULT_TALLY_H
 
 #include <stdio.h>
 

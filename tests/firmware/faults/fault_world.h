@@ -1,7 +1,7 @@
 /* A run of test_faults.c, and the oracle that judges it (fault_oracle.c): it has seen what the
  * sensor was handed and knows the policy, but nothing of how the appliance decides. */
-#ifndef TESTS_FIRMWARE_FAULT_WORLD_H
-#define TESTS_FIRMWARE_FAULT_WORLD_H
+#ifndef TESTS_FIRMWARE_FAULTS_FAULT_WORLD_H
+#define TESTS_FIRMWARE_FAULTS_FAULT_WORLD_H
 
 #include "sim/base/random.h"
 #include "tests/firmware/faults/plan.h"

@@ -1,7 +1,7 @@
 /* What an appliance does that changes files, for test_storage_faults.c: each act is prepared while
  * the disk works, and carried out while it fails. */
-#ifndef TESTS_FIRMWARE_STORAGE_ACTS_H
-#define TESTS_FIRMWARE_STORAGE_ACTS_H
+#ifndef TESTS_FIRMWARE_FAULTS_STORAGE_ACTS_H
+#define TESTS_FIRMWARE_FAULTS_STORAGE_ACTS_H
 
 #include <stdbool.h>
 #include <stddef.h>

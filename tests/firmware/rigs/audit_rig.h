@@ -1,7 +1,7 @@
 /* What the tests of the audit log share: a.log in a directory of the test's, on a clock that
  * stands. */
-#ifndef TESTS_FIRMWARE_AUDIT_RIG_H
-#define TESTS_FIRMWARE_AUDIT_RIG_H
+#ifndef TESTS_FIRMWARE_RIGS_AUDIT_RIG_H
+#define TESTS_FIRMWARE_RIGS_AUDIT_RIG_H
 
 #include "firmware/audit/audit.h"
 #include "tests/firmware/rigs/stores.h"

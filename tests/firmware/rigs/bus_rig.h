@@ -1,7 +1,7 @@
 /* The service on a private bus, with two clients. All are in one process: the loop goes round until
  * an answer is there. */
-#ifndef TESTS_FIRMWARE_BUS_RIG_H
-#define TESTS_FIRMWARE_BUS_RIG_H
+#ifndef TESTS_FIRMWARE_RIGS_BUS_RIG_H
+#define TESTS_FIRMWARE_RIGS_BUS_RIG_H
 
 #include <stdbool.h>
 #include <systemd/sd-bus.h>

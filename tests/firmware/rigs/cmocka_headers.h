@@ -1,6 +1,6 @@
 /* cmocka, with what it wants included before it. */
-#ifndef TESTS_FIRMWARE_CMOCKA_HEADERS_H
-#define TESTS_FIRMWARE_CMOCKA_HEADERS_H
+#ifndef TESTS_FIRMWARE_RIGS_CMOCKA_HEADERS_H
+#define TESTS_FIRMWARE_RIGS_CMOCKA_HEADERS_H
 
 // clang-format off
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 /* What a flat directory holds at one time, and mixtures of two such states. A failure fails the
  * test. */
-#ifndef TESTS_FIRMWARE_FILE_MIX_H
-#define TESTS_FIRMWARE_FILE_MIX_H
+#ifndef TESTS_FIRMWARE_RIGS_FILE_MIX_H
+#define TESTS_FIRMWARE_RIGS_FILE_MIX_H
 
 #include <stddef.h>
 

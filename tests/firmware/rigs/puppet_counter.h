@@ -1,6 +1,6 @@
 /* A counter that a test holds in its hand. */
-#ifndef TESTS_FIRMWARE_PUPPET_COUNTER_H
-#define TESTS_FIRMWARE_PUPPET_COUNTER_H
+#ifndef TESTS_FIRMWARE_RIGS_PUPPET_COUNTER_H
+#define TESTS_FIRMWARE_RIGS_PUPPET_COUNTER_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -2,8 +2,8 @@
  * matcher that reads it.
  *
  * A face is a whole number. Two templates have the score 10 - |difference of their faces|. */
-#ifndef TESTS_FIRMWARE_PUPPETS_H
-#define TESTS_FIRMWARE_PUPPETS_H
+#ifndef TESTS_FIRMWARE_RIGS_PUPPETS_H
+#define TESTS_FIRMWARE_RIGS_PUPPETS_H
 
 #include <stdbool.h>
 #include <stdint.h>

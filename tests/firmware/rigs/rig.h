@@ -1,7 +1,7 @@
 /* An appliance on a rig: puppets for sensor and pipeline, the null door, real gallery and audit log
  * in a directory of its own, and a clock that jumps from one due time to the next. */
-#ifndef TESTS_FIRMWARE_RIG_H
-#define TESTS_FIRMWARE_RIG_H
+#ifndef TESTS_FIRMWARE_RIGS_RIG_H
+#define TESTS_FIRMWARE_RIGS_RIG_H
 
 #include "firmware/appliance/appliance.h"
 #include "tests/firmware/rigs/puppets.h"

@@ -1,7 +1,7 @@
 /* The stores of one appliance in a test's directory, opened as the daemon opens them, and histories
  * that change them. A failure fails the test. */
-#ifndef TESTS_FIRMWARE_STATE_RIG_H
-#define TESTS_FIRMWARE_STATE_RIG_H
+#ifndef TESTS_FIRMWARE_RIGS_STATE_RIG_H
+#define TESTS_FIRMWARE_RIGS_STATE_RIG_H
 
 #include "drivers/counter/counter.h"
 #include "firmware/daemon/parts.h"

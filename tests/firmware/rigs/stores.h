@@ -1,6 +1,6 @@
 /* Sealed stores in a test's directory: g.db and a.log, and the key ring for both. */
-#ifndef TESTS_FIRMWARE_STORES_H
-#define TESTS_FIRMWARE_STORES_H
+#ifndef TESTS_FIRMWARE_RIGS_STORES_H
+#define TESTS_FIRMWARE_RIGS_STORES_H
 
 #include "firmware/audit/audit.h"
 #include "firmware/gallery/gallery.h"

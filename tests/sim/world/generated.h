@@ -1,7 +1,7 @@
 /* Corpora that tests have generated, and what to look at in them. Failures fail the running test.
  */
-#ifndef TESTS_SIM_GENERATED_H
-#define TESTS_SIM_GENERATED_H
+#ifndef TESTS_SIM_WORLD_GENERATED_H
+#define TESTS_SIM_WORLD_GENERATED_H
 
 #include "core/frame/frame.h"
 #include "sim/corpus/corpus.h"

@@ -1,6 +1,6 @@
 /* A sensor model before cards of known size and place. */
-#ifndef TESTS_SIM_SENSOR_BENCH_H
-#define TESTS_SIM_SENSOR_BENCH_H
+#ifndef TESTS_SIM_WORLD_SENSOR_BENCH_H
+#define TESTS_SIM_WORLD_SENSOR_BENCH_H
 
 #include "sim/world/sensor/sensor.h"
 

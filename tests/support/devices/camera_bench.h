@@ -1,7 +1,7 @@
 /* A bench for the virtual OpenNI2 camera (tests/openni2/virtual_camera.h). Failures fail the
  * running cmocka test. */
-#ifndef TESTS_SUPPORT_CAMERA_BENCH_H
-#define TESTS_SUPPORT_CAMERA_BENCH_H
+#ifndef TESTS_SUPPORT_DEVICES_CAMERA_BENCH_H
+#define TESTS_SUPPORT_DEVICES_CAMERA_BENCH_H
 
 #include <stdbool.h>
 

@@ -1,8 +1,8 @@
 /* Stands in for drivers/door/gpio_line.c in a test program: GPIO lines in memory, by voltage, that
  * can be missing, busy, forbidden or pulled out. Stricter than a kernel: a line that is not closed,
  * or used by somebody who does not have it, fails the test. */
-#ifndef TESTS_SUPPORT_FAKE_GPIO_H
-#define TESTS_SUPPORT_FAKE_GPIO_H
+#ifndef TESTS_SUPPORT_DEVICES_FAKE_GPIO_H
+#define TESTS_SUPPORT_DEVICES_FAKE_GPIO_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* A clock that stands still until a test moves it. */
-#ifndef TESTS_SUPPORT_MANUAL_CLOCK_H
-#define TESTS_SUPPORT_MANUAL_CLOCK_H
+#ifndef TESTS_SUPPORT_DEVICES_MANUAL_CLOCK_H
+#define TESTS_SUPPORT_DEVICES_MANUAL_CLOCK_H
 
 #include <stdint.h>
 

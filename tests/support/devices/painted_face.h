@@ -1,8 +1,8 @@
 /* An infrared image for a depth frame that has none: skin, brows, eyes, nostrils and mouth painted
  * on the measured surface about the landmarks that were fitted to it, under a lamp beside the lens.
  * It is coarser than what the simulator renders, and needs no head model. */
-#ifndef TESTS_SUPPORT_PAINTED_FACE_H
-#define TESTS_SUPPORT_PAINTED_FACE_H
+#ifndef TESTS_SUPPORT_DEVICES_PAINTED_FACE_H
+#define TESTS_SUPPORT_DEVICES_PAINTED_FACE_H
 
 #include "core/frame/frame.h"
 #include "core/landmark/landmark.h"

@@ -1,7 +1,7 @@
 /* A wall before a pair of cameras that stand 60 mm apart and parallel, by closed form: a smooth
  * random texture whose disparity is known. Failures fail the running cmocka test. */
-#ifndef TESTS_SUPPORT_STEREO_WALL_H
-#define TESTS_SUPPORT_STEREO_WALL_H
+#ifndef TESTS_SUPPORT_DEVICES_STEREO_WALL_H
+#define TESTS_SUPPORT_DEVICES_STEREO_WALL_H
 
 #include <stdint.h>
 

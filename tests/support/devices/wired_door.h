@@ -1,7 +1,7 @@
 /* A door for tests with threads: its lines are set and looked at by the test while another thread
  * has the door, and the test can wait for a line. One door at a time. */
-#ifndef TESTS_SUPPORT_WIRED_DOOR_H
-#define TESTS_SUPPORT_WIRED_DOOR_H
+#ifndef TESTS_SUPPORT_DEVICES_WIRED_DOOR_H
+#define TESTS_SUPPORT_DEVICES_WIRED_DOOR_H
 
 #include "drivers/door/door_io.h"
 

@@ -1,8 +1,8 @@
 /* A disk that cannot be written: files that a test program writes, by itself or through SQLite,
  * fail as they do on such a disk. The linker puts it before the calls of everything that is linked
  * statically (isotherm_broken_disk() in CMake), SQLite is asked to call it. */
-#ifndef TESTS_SUPPORT_BROKEN_DISK_H
-#define TESTS_SUPPORT_BROKEN_DISK_H
+#ifndef TESTS_SUPPORT_DISK_BROKEN_DISK_H
+#define TESTS_SUPPORT_DISK_BROKEN_DISK_H
 
 #include <stdbool.h>
 

@@ -5,8 +5,8 @@
  * that read fail for FAILING_DISK_DEAD only. Pipes, sockets and memory files are not on the disk.
  *
  * Synchronisation always takes no time here: nothing of these tests has to outlast the machine. */
-#ifndef TESTS_SUPPORT_FAILING_DISK_H
-#define TESTS_SUPPORT_FAILING_DISK_H
+#ifndef TESTS_SUPPORT_DISK_FAILING_DISK_H
+#define TESTS_SUPPORT_DISK_FAILING_DISK_H
 
 #include <stdbool.h>
 

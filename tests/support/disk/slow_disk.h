@@ -3,8 +3,8 @@
  * is linked statically (isotherm_slow_disk() in CMake). For tests with threads: the order of things
  * is what they test, and nothing depends on how long something takes. Nothing is synchronised
  * really. */
-#ifndef TESTS_SUPPORT_SLOW_DISK_H
-#define TESTS_SUPPORT_SLOW_DISK_H
+#ifndef TESTS_SUPPORT_DISK_SLOW_DISK_H
+#define TESTS_SUPPORT_DISK_SLOW_DISK_H
 
 /* From now on whoever synchronises waits. */
 void slow_disk_hang(void);

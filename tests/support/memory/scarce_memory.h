@@ -1,7 +1,7 @@
 /* Memory that runs out: the Nth allocation of a test program fails. The linker puts it before the
  * allocators of everything that is linked statically (isotherm_scarce_memory() in CMake). */
-#ifndef TESTS_SUPPORT_SCARCE_MEMORY_H
-#define TESTS_SUPPORT_SCARCE_MEMORY_H
+#ifndef TESTS_SUPPORT_MEMORY_SCARCE_MEMORY_H
+#define TESTS_SUPPORT_MEMORY_SCARCE_MEMORY_H
 
 #include "core/base/fault.h"
 

@@ -1,7 +1,7 @@
 /* Chips of the kernel's gpio-sim, by configfs and sysfs: lines whose other end a test holds. Needs
  * root and the module; every failure ends the test. */
-#ifndef TESTS_VM_GPIO_SIM_H
-#define TESTS_VM_GPIO_SIM_H
+#ifndef TESTS_VM_GPIO_GPIO_SIM_H
+#define TESTS_VM_GPIO_GPIO_SIM_H
 
 #include <stdbool.h>
 

@@ -1,8 +1,8 @@
 /* What two grey cameras would see of the surface in a depth frame, under a projected pattern: the
  * left one stands where the depth camera stood, the right one beside it. Pure geometry, in closed
  * form of the frame: what a stereo sensor makes of the pictures can be compared with the depths. */
-#ifndef TESTS_VM_EYE_PAIR_H
-#define TESTS_VM_EYE_PAIR_H
+#ifndef TESTS_VM_USB_EYE_PAIR_H
+#define TESTS_VM_USB_EYE_PAIR_H
 
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 /* A bench (tests/openni2/virtual_camera.h) whose camera is at USB: what stands in its slot comes
  * out of video nodes of the kernel, depths as Z16 and, if wanted, the intensity beside them as Y16.
  */
-#ifndef TESTS_VM_USB_BENCH_H
-#define TESTS_VM_USB_BENCH_H
+#ifndef TESTS_VM_USB_USB_BENCH_H
+#define TESTS_VM_USB_USB_BENCH_H
 
 #include <stdbool.h>
 

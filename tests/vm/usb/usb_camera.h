@@ -1,7 +1,7 @@
 /* A USB video camera (UVC 1.1) that is a program: the kernel's uvcvideo makes video nodes of it. It
  * has one or two streams of raw pictures, each of one format and size, sent by bulk transfers. */
-#ifndef TESTS_VM_USB_CAMERA_H
-#define TESTS_VM_USB_CAMERA_H
+#ifndef TESTS_VM_USB_USB_CAMERA_H
+#define TESTS_VM_USB_USB_CAMERA_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* What a USB video camera says of itself: the descriptors of USB 2.0 (chapter 9) and of the video
  * class (UVC 1.1, chapter 3), as bytes. Internal to usb_camera. */
-#ifndef TESTS_VM_USB_CAMERA_DESCRIPTORS_H
-#define TESTS_VM_USB_CAMERA_DESCRIPTORS_H
+#ifndef TESTS_VM_USB_USB_CAMERA_DESCRIPTORS_H
+#define TESTS_VM_USB_USB_CAMERA_DESCRIPTORS_H
 
 #include <stddef.h>
 #include <stdint.h>

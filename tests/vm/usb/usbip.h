@@ -2,8 +2,8 @@
  * holds, and what goes over it is USB/IP (the kernel's Documentation/usb/usbip_protocol.rst,
  * version 1.1.1). The kernel sees a device at high speed and binds its own drivers to it. Needs
  * root and the module vhci-hcd. */
-#ifndef TESTS_VM_USBIP_H
-#define TESTS_VM_USBIP_H
+#ifndef TESTS_VM_USB_USBIP_H
+#define TESTS_VM_USB_USBIP_H
 
 #include <stddef.h>
 #include <stdint.h>
