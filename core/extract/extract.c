@@ -51,6 +51,18 @@ static int coarse_factor(const struct iso_frame *frame)
     return factor;
 }
 
+/* Attitude and distance of a pose: where the face's +z, +y and origin point in the camera frame. */
+static void describe_pose(const struct iso_pose_fit *fit, struct iso_extraction *out)
+{
+    const struct iso_mat3 *r = &fit->camera_from_face.rotation;
+    out->camera_from_face = fit->camera_from_face;
+    out->yaw_rad = atan2(r->m[0][2], -r->m[2][2]);
+    out->pitch_rad = asin(fmin(fmax(-r->m[1][2], -1.0), 1.0));
+    out->roll_rad = atan2(r->m[0][1], -r->m[1][1]);
+    out->distance_mm = fit->camera_from_face.translation_mm.z;
+    out->residual_mm = sqrt(fit->cost_mm2);
+}
+
 /* Finds the face roughly in the frame shrunk to the coarse pitch. */
 static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
                      struct iso_pose_fit *fit, struct iso_extraction *out)
@@ -86,20 +98,13 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
             x, &range, n_candidates > 0 ? ISO_CAPTURE_NOT_A_FACE : ISO_CAPTURE_NO_FACE);
         return 0;
     }
-    out->outcome = several ? ISO_CAPTURE_SEVERAL_FACES : ISO_CAPTURE_OK;
+    if (several) {
+        out->outcome = ISO_CAPTURE_SEVERAL_FACES;
+        return 0;
+    }
+    out->outcome = ISO_CAPTURE_OK;
+    describe_pose(fit, out);
     return 0;
-}
-
-/* Attitude and distance of a pose: where the face's +z, +y and origin point in the camera frame. */
-static void describe_pose(const struct iso_pose_fit *fit, struct iso_extraction *out)
-{
-    const struct iso_mat3 *r = &fit->camera_from_face.rotation;
-    out->camera_from_face = fit->camera_from_face;
-    out->yaw_rad = atan2(r->m[0][2], -r->m[2][2]);
-    out->pitch_rad = asin(fmin(fmax(-r->m[1][2], -1.0), 1.0));
-    out->roll_rad = atan2(r->m[0][1], -r->m[1][1]);
-    out->distance_mm = fit->camera_from_face.translation_mm.z;
-    out->residual_mm = sqrt(fit->cost_mm2);
 }
 
 /* What the fit says, in the camera frame. */
@@ -135,6 +140,7 @@ static int fit_head(struct iso_extractor *x, const struct iso_frame *frame,
     *fit = x->head.pose;
     describe_fit(x, out);
     out->outcome = iso__extract_judge_fit(x, frame, cleaned, out);
+    describe_pose(fit, out);
     return 0;
 }
 
@@ -189,67 +195,68 @@ void iso_extractor_forget(struct iso_extractor *extractor)
     extractor->track.frames_left = 0;
 }
 
-/* The steps, each charged with its time; a step that finds the frame unusable sets the outcome. */
+/* A frame on its way through the steps. */
+struct passage {
+    struct iso_extractor *x;
+    const struct iso_frame *frame;
+    struct iso_extraction *out;
+    int64_t before_ns; /* when the step before ended */
+    int error;
+};
+
+/* The end of a step, which is charged with the time since the end of the step before. False: the
+ * step failed, or found the frame unusable and has set the outcome. */
+static bool passed(struct passage *passage, enum iso_stage stage, int error)
+{
+    const int64_t after_ns = now_ns(passage->x);
+    passage->out->stage_ns[stage] = after_ns - passage->before_ns;
+    passage->before_ns = after_ns;
+    if (error == -ENODATA || error == -ENOENT) {
+        /* Nothing left by the cleaning, no triangle, or none at a landmark. */
+        passage->out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
+        return false;
+    }
+    passage->error = error;
+    return !error && passage->out->outcome == ISO_CAPTURE_OK;
+}
+
+/* Whether the face stands where it can be used; if not, the outcome says what would help. */
+static bool stands_well(const struct passage *passage, const struct iso_pose_fit *fit)
+{
+    struct iso_extraction *out = passage->out;
+    out->outcome = iso__extract_judge_pose(passage->x, passage->frame, fit, out);
+    return out->outcome == ISO_CAPTURE_OK;
+}
+
+/* The steps from a frame to a template, or to the face patch if that is the last one asked for. A
+ * face that is tracked need not be looked for. */
 static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
                bool tracked, struct iso_extraction *out)
 {
+    struct passage p = {.x = x, .frame = frame, .out = out, .before_ns = now_ns(x)};
     struct iso_pose_fit fit = {.camera_from_face = x->track.camera_from_face, .in_image = 1.0};
+    const struct iso_vec3 *nose_mm = &fit.camera_from_face.translation_mm;
+    const double radius_mm = x->options.crop_radius_mm + clean_margin_mm;
     const struct iso_frame *cleaned = NULL;
-    int error = 0;
-    int64_t before = now_ns(x);
-    for (int stage = 0; stage <= (int)last; stage++) {
-        switch ((enum iso_stage)stage) {
-        case ISO_STAGE_REGION:
-            if (tracked) {
-                out->outcome = ISO_CAPTURE_OK;
-                continue;
-            }
-            error = find_face(x, frame, &fit, out);
-            break;
-        case ISO_STAGE_CLEAN:
-            error = iso_clean(x->cleaner, frame, fit.camera_from_face.translation_mm,
-                              x->options.crop_radius_mm + clean_margin_mm,
-                              ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned);
-            break;
-        case ISO_STAGE_FIT:
-            error = fit_head(x, frame, cleaned, &fit, out);
-            break;
-        case ISO_STAGE_PATCH:
-            error = make_patch(x, cleaned, out);
-            break;
-        case ISO_STAGE_MESH:
-            error = iso__extract_surface(x, out);
-            break;
-        case ISO_STAGE_HEAT:
-            error = iso__extract_heat(x);
-            break;
-        case ISO_STAGE_ISOTHERM:
-            error = iso__extract_isotherms(x, &out->tmpl);
-            break;
-        case ISO_STAGES:
-            break;
-        }
-        if (error == -ENODATA || error == -ENOENT) {
-            /* Nothing left by the cleaning, no triangle, or none at a landmark. */
-            out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
-            error = 0;
-        }
-        int64_t after = now_ns(x);
-        out->stage_ns[stage] = after - before;
-        before = after;
-        bool posed = (stage == ISO_STAGE_REGION && out->outcome == ISO_CAPTURE_OK) ||
-                     (stage == ISO_STAGE_FIT && out->fitted);
-        if (!error && posed) {
-            describe_pose(&fit, out);
-        }
-        if (!error && posed && out->outcome == ISO_CAPTURE_OK) {
-            out->outcome = iso__extract_judge_pose(x, frame, &fit, out);
-        }
-        if (error || out->outcome != ISO_CAPTURE_OK) {
-            break;
-        }
+
+    if (tracked) {
+        out->outcome = ISO_CAPTURE_OK;
     }
-    return error;
+    bool usable = tracked || (passed(&p, ISO_STAGE_REGION, find_face(x, frame, &fit, out)) &&
+                              stands_well(&p, &fit));
+    usable = usable && passed(&p, ISO_STAGE_CLEAN,
+                              iso_clean(x->cleaner, frame, *nose_mm, radius_mm,
+                                        ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned));
+    usable = usable && passed(&p, ISO_STAGE_FIT, fit_head(x, frame, cleaned, &fit, out));
+    usable = usable && stands_well(&p, &fit);
+    usable = usable && passed(&p, ISO_STAGE_PATCH, make_patch(x, cleaned, out));
+    usable = usable && last > ISO_STAGE_PATCH;
+    usable = usable && passed(&p, ISO_STAGE_MESH, iso__extract_surface(x, out));
+    usable = usable && passed(&p, ISO_STAGE_HEAT, iso__extract_heat(x));
+    if (usable) {
+        (void)passed(&p, ISO_STAGE_ISOTHERM, iso__extract_isotherms(x, &out->tmpl));
+    }
+    return p.error;
 }
 
 static int run_anew(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,

@@ -153,8 +153,3 @@ int iso_face_check_run(struct iso_face_check *check, const struct iso_frame *fra
     *out = checked;
     return 0;
 }
-
-const uint8_t *iso_face_check_picture(const struct iso_face_check *check)
-{
-    return check->chip.picture;
-}

@@ -71,8 +71,4 @@ int iso_face_check_run(struct iso_face_check *check, const struct iso_frame *fra
                        const struct iso_vec3 landmark_mm[ISO_LANDMARKS],
                        struct iso_face_checked *out) __attribute__((warn_unused_result));
 
-/* What the last run that got so far looked at, for pictures: rows from the top, ISO_FACE_CHIP_SIDE
- * each way (face_chip.h). It shows a face: it is not for keeping. */
-const uint8_t *iso_face_check_picture(const struct iso_face_check *check);
-
 #endif

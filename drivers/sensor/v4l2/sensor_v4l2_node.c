@@ -373,11 +373,6 @@ struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node)
                                        .fd = node_fd};
 }
 
-const char *iso_v4l2_node_card(const struct iso_v4l2_node *node)
-{
-    return node->card;
-}
-
 const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node)
 {
     return node->bus;

@@ -39,8 +39,7 @@ void iso_v4l2_node_close(struct iso_v4l2_node *node);
 /* What can be done with it; the node must outlive it. */
 struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node);
 
-/* The card's name and where it is plugged in; owned by the node. */
-const char *iso_v4l2_node_card(const struct iso_v4l2_node *node);
+/* Where it is plugged in; owned by the node. */
 const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node);
 
 /* Tells of every node /dev/video0 to 63 that takes pictures (label: card, bus and pixel formats),

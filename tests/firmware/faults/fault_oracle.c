@@ -13,7 +13,7 @@ struct world_counts total;
 
 bool world_is_faulty(const struct world *w, enum sim_fault fault)
 {
-    return sim_fault_plan_at(&w->plan, w->step, fault) != NULL;
+    return fault_plan_at(&w->plan, w->step, fault) != NULL;
 }
 
 void world_broken(const struct world *w, const char *format, ...)
@@ -239,8 +239,7 @@ static void judge_safety(struct world *w)
 void oracle_begin_step(struct world *w)
 {
     for (int i = 0; i < SIM_FAULTS; i++) {
-        const struct sim_fault_event *event = sim_fault_plan_at(&w->plan, w->step,
-                                                                (enum sim_fault)i);
+        const struct sim_fault_event *event = fault_plan_at(&w->plan, w->step, (enum sim_fault)i);
         if (event && event->first == w->step) {
             w->oracle.since_ns[i] = w->rig->now_ns;
             w->oracle.judged[i] = false;

@@ -49,7 +49,7 @@ struct oracle {
 /* One seed's run. */
 struct world {
     struct rig *rig;
-    struct sim_fault_plan plan;
+    struct fault_plan plan;
     struct sim_random random;
     struct oracle oracle;
     int step;

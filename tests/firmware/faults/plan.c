@@ -1,6 +1,5 @@
 #include "tests/firmware/faults/plan.h"
 
-#include <inttypes.h>
 #include <stddef.h>
 
 #include "sim/base/random.h"
@@ -38,10 +37,10 @@ static int64_t value_of(enum sim_fault fault, struct sim_random *random)
     }
 }
 
-struct sim_fault_plan sim_fault_plan_draw(uint64_t seed, int n_steps)
+struct fault_plan fault_plan_draw(uint64_t seed, int n_steps)
 {
     struct sim_random random = sim_random_seeded(seed, sim_random_hash("faults"), 0);
-    struct sim_fault_plan plan = {.seed = seed, .n_steps = n_steps};
+    struct fault_plan plan = {.seed = seed, .n_steps = n_steps};
     int step = 0;
     while (plan.n_events < SIM_FAULT_EVENTS_MAX) {
         step += 1 + (int)sim_random_below(&random, BETWEEN_STEPS);
@@ -51,7 +50,7 @@ struct sim_fault_plan sim_fault_plan_draw(uint64_t seed, int n_steps)
         const enum sim_fault fault = (enum sim_fault)sim_random_below(&random, SIM_FAULTS);
         const int last = step + length_of(fault, &random) - 1;
         const int64_t value = value_of(fault, &random);
-        if (!sim_fault_plan_at(&plan, step, fault)) {
+        if (!fault_plan_at(&plan, step, fault)) {
             plan.events[plan.n_events++] = (struct sim_fault_event){
                 fault, step, last < n_steps ? last : n_steps - 1, value};
         }
@@ -59,8 +58,8 @@ struct sim_fault_plan sim_fault_plan_draw(uint64_t seed, int n_steps)
     return plan;
 }
 
-const struct sim_fault_event *sim_fault_plan_at(const struct sim_fault_plan *plan, int step,
-                                                enum sim_fault fault)
+const struct sim_fault_event *fault_plan_at(const struct fault_plan *plan, int step,
+                                            enum sim_fault fault)
 {
     for (int i = 0; i < plan->n_events && plan->events[i].first <= step; i++) {
         if (plan->events[i].fault == fault && step <= plan->events[i].last) {
@@ -68,14 +67,4 @@ const struct sim_fault_event *sim_fault_plan_at(const struct sim_fault_plan *pla
         }
     }
     return NULL;
-}
-
-void sim_fault_plan_print(const struct sim_fault_plan *plan, FILE *out)
-{
-    fprintf(out, "seed %" PRIu64 ", %d steps\n", plan->seed, plan->n_steps);
-    for (int i = 0; i < plan->n_events; i++) {
-        const struct sim_fault_event *event = &plan->events[i];
-        fprintf(out, "%4d..%-4d %-14s %" PRId64 "\n", event->first, event->last,
-                sim_fault_name(event->fault), event->value);
-    }
 }

@@ -1,12 +1,11 @@
 /* What goes wrong, and when: a schedule of faults that a seed decides, so that a run can be done
  * again. It says nothing of how a fault is brought about: whoever steps the appliance asks before
  * every step which faults there are. */
-#ifndef SIM_FAULTS_PLAN_H
-#define SIM_FAULTS_PLAN_H
+#ifndef TESTS_FIRMWARE_FAULTS_PLAN_H
+#define TESTS_FIRMWARE_FAULTS_PLAN_H
 
 #include <stdbool.h>
 #include <stdint.h>
-#include <stdio.h>
 
 enum sim_fault {
     SIM_FAULT_SENSOR_DROP = 0, /* frames are lost */
@@ -37,7 +36,7 @@ struct sim_fault_event {
     int64_t value;   /* clock-step: nanoseconds; no-memory: which allocation of the step; else 0 */
 };
 
-struct sim_fault_plan {
+struct fault_plan {
     uint64_t seed;
     int n_steps, n_events;
     struct sim_fault_event events[SIM_FAULT_EVENTS_MAX]; /* by rising first step */
@@ -45,13 +44,10 @@ struct sim_fault_plan {
 
 /* A fault begins some six steps after the one before it and lasts up to thirty, so that two or
  * three are there at a time; a fault does not overlap with itself. */
-struct sim_fault_plan sim_fault_plan_draw(uint64_t seed, int n_steps);
+struct fault_plan fault_plan_draw(uint64_t seed, int n_steps);
 
 /* The event of this fault that is there at a step, or NULL. */
-const struct sim_fault_event *sim_fault_plan_at(const struct sim_fault_plan *plan, int step,
-                                                enum sim_fault fault);
-
-/* A line an event. */
-void sim_fault_plan_print(const struct sim_fault_plan *plan, FILE *out);
+const struct sim_fault_event *fault_plan_at(const struct fault_plan *plan, int step,
+                                            enum sim_fault fault);
 
 #endif

@@ -158,8 +158,7 @@ static void begin_appliance(struct world *w)
 /* Lets the time of a frame pass, with memory as the faults of this step would have it. */
 static void run(struct world *w)
 {
-    const struct sim_fault_event *scarce = sim_fault_plan_at(&w->plan, w->step,
-                                                             SIM_FAULT_NO_MEMORY);
+    const struct sim_fault_event *scarce = fault_plan_at(&w->plan, w->step, SIM_FAULT_NO_MEMORY);
     if (!w->running) {
         w->rig->now_ns += FRAME_MS * ISO_NS_PER_MS;
         w->rig->wall_ns += FRAME_MS * ISO_NS_PER_MS;
@@ -278,7 +277,7 @@ static void choose_actor(struct world *w)
 static void bring_about(struct world *w)
 {
     oracle_begin_step(w);
-    const struct sim_fault_event *jump = sim_fault_plan_at(&w->plan, w->step, SIM_FAULT_CLOCK_STEP);
+    const struct sim_fault_event *jump = fault_plan_at(&w->plan, w->step, SIM_FAULT_CLOCK_STEP);
     const bool gone = world_is_faulty(w, SIM_FAULT_SENSOR_GONE);
     w->rig->sensor.wait_error = w->rig->sensor.open_error = gone ? -ENODEV : 0;
     broken_disk.error = world_is_faulty(w, SIM_FAULT_DISK_FULL)        ? ENOSPC
@@ -366,7 +365,7 @@ static void play(int seed)
 {
     void *state = NULL;
     static struct world w;
-    w = (struct world){.plan = sim_fault_plan_draw((uint64_t)seed, n_steps), .running = true};
+    w = (struct world){.plan = fault_plan_draw((uint64_t)seed, n_steps), .running = true};
     assert_int_equal(rig_setup(&state), 0);
     struct rig *rig = w.rig = state;
     w.random = sim_random_seeded((uint64_t)seed, sim_random_hash("people"), 0);
@@ -418,9 +417,8 @@ static void nobody_is_let_in_who_should_not_be(void **state)
 static void a_seed_makes_the_same_plan(void **state)
 {
     (void)state;
-    const struct sim_fault_plan one = sim_fault_plan_draw(7, 500),
-                                same = sim_fault_plan_draw(7, 500);
-    const struct sim_fault_plan other = sim_fault_plan_draw(8, 500);
+    const struct fault_plan one = fault_plan_draw(7, 500), same = fault_plan_draw(7, 500);
+    const struct fault_plan other = fault_plan_draw(8, 500);
     assert_memory_equal(one.events, same.events, (size_t)one.n_events * sizeof *one.events);
     assert_int_equal(one.n_events, same.n_events);
     assert_true(one.n_events > 40);
@@ -428,7 +426,7 @@ static void a_seed_makes_the_same_plan(void **state)
     for (int i = 0; i < one.n_events; i++) {
         const struct sim_fault_event *event = &one.events[i];
         assert_true(event->first <= event->last && event->last < 500);
-        assert_ptr_equal(sim_fault_plan_at(&one, event->last, event->fault), event);
+        assert_ptr_equal(fault_plan_at(&one, event->last, event->fault), event);
     }
 }
 
