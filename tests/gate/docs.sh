@@ -78,10 +78,6 @@ brings() {
 }
 
 for document in $documents; do
-    # A page ADDING.md names the files that its reader is about to write.
-    case $document in
-    */ADDING.md) continue ;;
-    esac
     for path in $(named_paths "$document"); do
         exists "$document" "$path" || brings "$document" "$path" || fault "$document: names a path that does not exist: $path"
     done
