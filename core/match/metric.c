@@ -24,12 +24,14 @@ static struct iso_vec3 vector_of(const float p[3])
 
 static double weight_of(const struct curves *curves, int k)
 {
-    return (double)curves->tmpl->weight[0][0][curves->at[k]];
+    const float *weights = (const float *)curves->tmpl->weight;
+    return (double)weights[curves->at[k]];
 }
 
 static struct iso_vec3 measured_at(const struct curves *curves, int k)
 {
-    return vector_of(curves->tmpl->points_mm[0][0][curves->at[k]]);
+    const float *points_mm = (const float *)curves->tmpl->points_mm;
+    return vector_of(&points_mm[(size_t)3 * curves->at[k]]);
 }
 
 static struct iso_vec3 mean_at(const struct curves *curves, int k)
