@@ -62,6 +62,7 @@ static void send_first(struct iso_journal *journal)
 static void *run(void *context)
 {
     struct iso_journal *journal = context;
+    iso_thread_set_name("isothermd-jrnl");
     (void)pthread_mutex_lock(&journal->mutex);
     while (!journal->abandoned && (journal->n > 0 || !journal->ending)) {
         if (journal->n > 0) {

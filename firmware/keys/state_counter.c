@@ -224,6 +224,7 @@ static void wait_for(struct iso_state_counter *counter, int seconds)
 static void *run(void *context)
 {
     struct iso_state_counter *counter = context;
+    iso_thread_set_name("isothermd-tpm");
     int wait_s = RETRY_S;
     (void)pthread_mutex_lock(&counter->mutex);
     while (!counter->ending) {

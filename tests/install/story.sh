@@ -213,6 +213,7 @@ the_door_is_real_time() {
     has_policy isothermd-door '20 1'
     has_policy isothermd '0 0'
     has_policy isothermd-log '0 0'
+    has_policy isothermd-jrnl '0 0'
     ends EPERM realtime
     has_policy isothermd '0 0'
     if doctor_misses_priority; then
