@@ -1,6 +1,6 @@
-/* One line that names a thing and what is wrong with it, for people, and a code that says what kind
- * of fault it is, for programs: filled in by functions that read what comes from outside (files,
- * configuration, devices), beside their negative errno. */
+/* A fault: a line of text for people, which names a thing and says what is wrong with it, and a
+ * code for programs, which says what kind of fault it is. Functions that read input from outside
+ * (files, configuration, devices) fill it in; they also return a negative errno. */
 #ifndef ISO_CORE_BASE_FAULT_H
 #define ISO_CORE_BASE_FAULT_H
 
@@ -11,10 +11,10 @@ struct iso_fault {
     enum iso_fault_code code; /* of what the text says; ISO_FAULT_NONE if it has no code */
 };
 
-/* Writes the text (cut to fit) if fault is not NULL, and returns `error` (a negative errno) so that
- * a caller can `return iso_fault_set(fault, -EBADMSG, "%s: truncated", path);`. The code becomes
- * ISO_FAULT_OUT_OF_MEMORY for -ENOMEM, which always means the same, and ISO_FAULT_NONE for all
- * other errors. */
+/* Writes the text if fault is not NULL; a text that is too long is cut. Returns `error` (a negative
+ * errno), so that a caller can `return iso_fault_set(fault, -EBADMSG, "%s: truncated", path);`. The
+ * code becomes ISO_FAULT_OUT_OF_MEMORY for -ENOMEM, which always means the same, and ISO_FAULT_NONE
+ * for all other errors. */
 int iso_fault_set(struct iso_fault *fault, int error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -1,10 +1,10 @@
-/* What kind of fault it is, for programs: each fault that a person can meet has a code beside its
- * sentence. `isotherm doctor` finds the remedy by the code, and the manual lists the codes.
+/* The codes of faults, for programs: each fault that a person can meet has a code and a sentence.
+ * `isotherm doctor` finds the remedy by the code, and the manual lists the codes.
  *
  * This is the one list of the whole project. It stands in core because core, drivers, firmware and
- * enroll all see core/base; core itself says nothing about devices or stores. The names are a part
- * of the bus interface (firmware/contract/contract.h): a name that was published keeps its meaning,
- * and a new code is added, never renamed. The numbers are not published and may change.
+ * enroll may all include core/base; core itself does not use the codes of devices and stores. The
+ * names are a part of the bus interface (firmware/contract/contract.h): a published name keeps its
+ * meaning and is never changed. The numbers are not published and may change.
  *
  * A new code needs a row in fault_code.c (name and meaning), one in enroll/cli/doctor/remedy.c,
  * one in the table FAULTS of isothermd(8), and a place that raises it; test_fault_code asks for all

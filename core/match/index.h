@@ -21,8 +21,9 @@
  * finds are then scored anew by iso_metric_score, so that scores are the same to the bit as by any
  * other way.
  *
- * Used by one thread at a time: a search, too, works in memory of the index. All biometric: wiped
- * when it is moved, removed or freed, what a search leaves at its end. */
+ * One thread at a time may use an index, also for a search, which works in memory of the index. The
+ * content is biometric: it is wiped when it is moved, removed or freed. A search wipes its working
+ * memory at its end. */
 #ifndef ISO_CORE_MATCH_INDEX_H
 #define ISO_CORE_MATCH_INDEX_H
 

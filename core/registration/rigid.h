@@ -6,7 +6,8 @@
 
 /* Minimises sum_i weight[i] |T source[i] - target[i]|^2 over proper rigid motions T (Horn 1987,
  * unit quaternions: the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix, by Jacobi
- * rotations). weight may be NULL (all 1); weights are >= 0. -EINVAL unless at least 3 points have a
+ * rotations). weight may be NULL, which means
+ * that all weights are 1; weights are >= 0. -EINVAL unless at least 3 points have a
  * positive weight. Collinear points leave a rotation about their line undetermined: one is chosen.
  */
 int iso_rigid_fit(const struct iso_vec3 *source, const struct iso_vec3 *target,

@@ -55,7 +55,8 @@ struct iso_option_set {
 const struct iso_option_spec *iso_option_find_spec(const struct iso_option_spec *specs,
                                                    const char *name);
 
-/* The number of a word among "word|word", from 0 on, or -1. */
+/* Finds a word in a list of words that '|' separates. Returns its index, which begins with 0, or -1
+ * if the list does not have the word. */
 int iso_option_find_choice(const char *choices, const char *word);
 
 /* Writes what a value has to be: "no|yes", "a number, 0 to 1", or "" for texts of any form. */

@@ -10,11 +10,6 @@
 #include "firmware/appliance/enroll_gate.h"
 #include "firmware/contract/contract.h"
 
-static int64_t now_ns(const struct iso_appliance *appliance)
-{
-    return iso_times_now_ns(&appliance->parts.times);
-}
-
 static bool is_action(enum iso_appliance_mode mode)
 {
     return mode >= ISO_APPLIANCE_ENROLL;
@@ -28,7 +23,7 @@ static void rest(struct iso_appliance *appliance)
     iso_decision_reset(&appliance->decision);
     iso_enrolment_wipe(&appliance->enrolment);
     appliance->mode = ISO_APPLIANCE_CLAIMED;
-    appliance->deadline_ns = now_ns(appliance) +
+    appliance->deadline_ns = iso__appliance_now_ns(appliance) +
                              appliance->parts.config->bus.claim_ms * ISO_NS_PER_MS;
 }
 
@@ -89,7 +84,7 @@ static void begin(struct iso_appliance *appliance, enum iso_appliance_mode mode,
     iso__appliance_picture_drop(appliance); /* who is enrolled now is not shown */
     appliance->mode = mode;
     appliance->ended = ISO_APPLIANCE_CLAIMED;
-    appliance->deadline_ns = now_ns(appliance) + duration_ms * ISO_NS_PER_MS;
+    appliance->deadline_ns = iso__appliance_now_ns(appliance) + duration_ms * ISO_NS_PER_MS;
 }
 
 /* Limits as they are stored; nobody has none. */
@@ -140,7 +135,7 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
     appliance->validity = request->validity;
     (void)snprintf(appliance->person.name, sizeof appliance->person.name, "%s",
                    known ? known->name : request->person);
-    iso_enrolment_begin(&appliance->enrolment, &options, now_ns(appliance));
+    iso_enrolment_begin(&appliance->enrolment, &options, iso__appliance_now_ns(appliance));
     begin(appliance, ISO_APPLIANCE_ENROLL, config->timeout_ms);
     return 0;
 }

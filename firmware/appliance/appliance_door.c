@@ -15,16 +15,15 @@ static bool is_alarm(const struct iso_door_news *news)
            news->state == ISO_DOOR_FAULT || news->tamper;
 }
 
-static int64_t now_ns(const struct iso_appliance *appliance)
-{
-    return iso_times_now_ns(&appliance->parts.times);
-}
-
-static void post(struct iso_appliance *appliance, const char *reason, const char *note)
+/* A record of what happened so long ago. */
+static void post(struct iso_appliance *appliance, const char *reason, const char *note,
+                 int64_t age_ns)
 {
     struct iso_audit_record record = iso_audit_record_of("door");
     record.reason = reason;
     record.note = note;
+    record.wall_ns = iso_times_wall_ns(&appliance->parts.times) - age_ns;
+    record.monotonic_ns = iso__appliance_now_ns(appliance) - age_ns;
     (void)!iso_audit_writer_post(appliance->log, &record, NULL);
 }
 
@@ -32,8 +31,9 @@ static void post(struct iso_appliance *appliance, const char *reason, const char
 static void record_folded(struct iso_appliance *appliance, bool ending)
 {
     struct iso_door_burst burst;
-    while (iso_door_events_next(&appliance->recorded, ending, now_ns(appliance), &burst)) {
-        post(appliance, "chatter", burst.text);
+    while (iso_door_events_next(&appliance->recorded, ending, iso__appliance_now_ns(appliance),
+                                &burst)) {
+        post(appliance, "chatter", burst.text, 0);
     }
 }
 
@@ -43,17 +43,12 @@ static void record_folded(struct iso_appliance *appliance, bool ending)
 static void record_change(void *context, const struct iso_door_news *news)
 {
     struct iso_appliance *appliance = context;
-    const struct iso_times *times = &appliance->parts.times;
-    const int64_t age_ns = iso_times_boot_ns(times) - news->t_ns;
+    const int64_t age_ns = iso_times_boot_ns(&appliance->parts.times) - news->t_ns;
     (void)pthread_mutex_lock(&appliance->recorded_mutex);
     record_folded(appliance, false);
-    if (iso_door_events_take(&appliance->recorded, news, now_ns(appliance) - age_ns)) {
-        struct iso_audit_record record = iso_audit_record_of("door");
-        record.reason = iso_door_event_name(news->cause);
-        record.note = iso_door_state_name(news->state);
-        record.wall_ns = iso_times_wall_ns(times) - age_ns;
-        record.monotonic_ns = now_ns(appliance) - age_ns;
-        (void)!iso_audit_writer_post(appliance->log, &record, NULL);
+    if (iso_door_events_take(&appliance->recorded, news,
+                             iso__appliance_now_ns(appliance) - age_ns)) {
+        post(appliance, iso_door_event_name(news->cause), iso_door_state_name(news->state), age_ns);
     }
     (void)pthread_mutex_unlock(&appliance->recorded_mutex);
 }
@@ -75,7 +70,8 @@ static void tell_folded(struct iso_appliance *appliance, bool ending)
 {
     const struct iso_appliance_events *events = &appliance->parts.events;
     struct iso_door_burst burst;
-    while (iso_door_events_next(&appliance->told, ending, now_ns(appliance), &burst)) {
+    while (
+        iso_door_events_next(&appliance->told, ending, iso__appliance_now_ns(appliance), &burst)) {
         iso__appliance_say(appliance, LOG_WARNING, "door: %s", burst.text);
         events->door_changed(events->context, iso_door_state_name(burst.state),
                              iso_door_event_name(burst.cause));
@@ -116,7 +112,7 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
             iso__appliance_say(appliance, LOG_WARNING, "%zu changes of the door were not told",
                                missed);
         }
-        if (iso_door_events_take(&appliance->told, &news, now_ns(appliance))) {
+        if (iso_door_events_take(&appliance->told, &news, iso__appliance_now_ns(appliance))) {
             tell_change(appliance, &news);
         }
     }

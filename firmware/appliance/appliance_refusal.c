@@ -9,11 +9,6 @@
 #include "firmware/keys/heads.h"
 #include "firmware/visit/lockout_file.h"
 
-static int64_t now_ns(const struct iso_appliance *appliance)
-{
-    return iso_times_now_ns(&appliance->parts.times);
-}
-
 static const int64_t save_again_ns = ISO_NS_PER_S, read_again_ns = 3 * ISO_NS_PER_S;
 
 /* What the file says is not known, and the disk may let it be read later. */
@@ -25,8 +20,8 @@ static bool is_unread(const struct iso_appliance *appliance)
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_appliance_parts *parts = &appliance->parts;
-    const struct iso_lockout_record record = iso_lockout_record_of(&appliance->lockout,
-                                                                   now_ns(appliance));
+    const struct iso_lockout_record record = iso_lockout_record_of(
+        &appliance->lockout, iso__appliance_now_ns(appliance));
     if (is_unread(appliance)) {
         return iso_fault_set_code(fault, appliance->lockout_fault.code, -EIO, "%s",
                                   appliance->lockout_fault.text);
@@ -45,7 +40,7 @@ static int save(struct iso_appliance *appliance, struct iso_fault *out)
     if (!error) {
         return 0;
     }
-    appliance->lockout_save_ns = now_ns(appliance) + save_again_ns;
+    appliance->lockout_save_ns = iso__appliance_now_ns(appliance) + save_again_ns;
     if (!said) {
         (void)iso__appliance_say_fault(appliance, error, &fault);
     }
@@ -56,8 +51,8 @@ static int save(struct iso_appliance *appliance, struct iso_fault *out)
 /* Whether the file has come to say what is to be kept, although the disk reported an error. */
 static bool is_kept(const struct iso_appliance *appliance)
 {
-    const struct iso_lockout_record wanted = iso_lockout_record_of(&appliance->lockout,
-                                                                   now_ns(appliance));
+    const struct iso_lockout_record wanted = iso_lockout_record_of(
+        &appliance->lockout, iso__appliance_now_ns(appliance));
     const struct iso_appliance_parts *parts = &appliance->parts;
     struct iso_lockout_file file;
     if (iso_lockout_read(parts->lockout_path, parts->ring, &file, NULL)) {
@@ -123,7 +118,7 @@ static int load(const struct iso_appliance *appliance, struct iso_lockout_file *
 static void take_file(struct iso_appliance *appliance, const struct iso_lockout_file *file)
 {
     const bool lockdown = appliance->lockout.lockdown;
-    iso_lockout_restore(&appliance->lockout, &file->record, now_ns(appliance));
+    iso_lockout_restore(&appliance->lockout, &file->record, iso__appliance_now_ns(appliance));
     const bool added = lockdown && !appliance->lockout.lockdown;
     appliance->lockout.lockdown = lockdown || appliance->lockout.lockdown;
     if (file->number == 0 || added) { /* from now on there is a sealed one, and it is known */
@@ -153,7 +148,7 @@ static void record_reading(struct iso_appliance *appliance, const char *reason, 
 static void try_again_later(struct iso_appliance *appliance, const struct iso_fault *fault)
 {
     const bool said = is_unread(appliance);
-    appliance->lockout_read_ns = now_ns(appliance) + read_again_ns;
+    appliance->lockout_read_ns = iso__appliance_now_ns(appliance) + read_again_ns;
     appliance->lockout_fault = *fault;
     appliance->lockout_fault.code = ISO_FAULT_LOCKOUT_UNREADABLE;
     if (!said) {
@@ -255,7 +250,8 @@ static void record_lock(struct iso_appliance *appliance)
 {
     char note[64];
     struct iso_audit_record record = iso_audit_record_of("lockout");
-    const int64_t left_ns = iso_lockout_remaining_ns(&appliance->lockout, now_ns(appliance));
+    const int64_t left_ns = iso_lockout_remaining_ns(&appliance->lockout,
+                                                     iso__appliance_now_ns(appliance));
     record.reason = "locked";
     (void)snprintf(note, sizeof note, "%.0f s: %d failures, %d attacks",
                    (double)left_ns / (double)ISO_NS_PER_S, appliance->lockout.failures,
@@ -270,7 +266,8 @@ void iso__appliance_count_verdict(struct iso_appliance *appliance,
 {
     const int agree = appliance->decision.options.agree;
     const bool remembered = appliance->lockout.failures > 0;
-    if (iso_lockout_verdict(&appliance->lockout, verdict, agree, now_ns(appliance))) {
+    if (iso_lockout_verdict(&appliance->lockout, verdict, agree,
+                            iso__appliance_now_ns(appliance))) {
         record_lock(appliance);
         iso_decision_reset(&appliance->decision);
         (void)!save(appliance, NULL);

@@ -259,10 +259,18 @@ bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t pers
 /* How many of the enrolled people may come in at this time. */
 size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
 
+/* ---- time ---- */
+
+static inline int64_t iso__appliance_now_ns(const struct iso_appliance *appliance)
+{
+    return iso_times_now_ns(&appliance->parts.times);
+}
+
 /* ---- lock-out and lockdown (appliance_refusal.c) ---- */
 
-/* As it was before a restart. A file that is damaged, old or gone is a lockdown. One that the disk
- * does not let be read is tried again every few seconds, and nobody is let in meanwhile. */
+/* Restores the lock-out of before the restart from its file. A file that is damaged, old or missing
+ * causes a lockdown. If the disk cannot read the file, the appliance tries again every few seconds
+ * and lets nobody in until then. */
 void iso__appliance_start_lockout(struct iso_appliance *appliance);
 
 /* Writes what has to outlast a restart. An errno of writing it; -EIO what is there could not be

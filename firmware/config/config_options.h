@@ -1,5 +1,6 @@
-/* Inside firmware/config: the keys of [sensor] and [door] that are options of a back end. Which
- * back end is known at the end of the file only, so that they are gathered first. */
+/* The keys of [sensor] and [door] that are options of a back end. Internal to firmware/config. The
+ * line that names the back end may stand behind the options, so the parser collects them first and
+ * checks them at the end of the file. */
 #ifndef ISO_FIRMWARE_CONFIG_CONFIG_OPTIONS_H
 #define ISO_FIRMWARE_CONFIG_CONFIG_OPTIONS_H
 

@@ -1,11 +1,11 @@
-/* Does what an attacker could do who has taken over a running process: has its first thread make
- * one system call, and tells how that ended. The process goes on as if nothing had been.
+/* Does what an attacker could do who has taken over a running process: it makes the first thread of
+ * the process execute one system call, and prints the result. Then the process continues.
  *
  *   intrude PID create PATH     opens PATH for writing, and makes it
  *   intrude PID read PATH       opens PATH for reading
  *   intrude PID internet        opens a TCP socket
  *   intrude PID execute PATH    executes PATH
- *   intrude PID realtime        gives its first thread a real-time priority
+ *   intrude PID realtime        asks for a real-time priority for this thread
  *
  * Prints one word: "done", the name of the error (such as EACCES), or "killed" if the process ended
  * by a signal. Exit status 0 in all of these cases, 1 if it could not try. x86-64 only. */

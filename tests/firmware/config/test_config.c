@@ -359,6 +359,27 @@ static void the_sample_of_the_board_is_the_table(void **state)
     free(printed);
 }
 
+static size_t count_options(const struct iso_option_spec *spec)
+{
+    size_t n = 0;
+    for (; spec && spec->name; spec++) {
+        n += spec->tools_only ? 0 : 1;
+    }
+    return n;
+}
+
+static void all_options_of_a_back_end_fit_into_a_configuration(void **state)
+{
+    const char *name;
+    (void)state;
+    for (size_t i = 0; (name = iso_sensor_registered(i)); i++) {
+        assert_in_range(count_options(iso_sensor_options(name)), 0, ISO_CONFIG_OPTIONS_MAX);
+    }
+    for (size_t i = 0; (name = iso_door_io_registered(i)); i++) {
+        assert_in_range(count_options(iso_door_io_options(name)), 0, ISO_CONFIG_OPTIONS_MAX);
+    }
+}
+
 static void the_sample_is_sound(void **state)
 {
     struct iso_config config;
@@ -450,6 +471,7 @@ int main(void)
         cmocka_unit_test(hands_on_the_options_that_are_given),
         cmocka_unit_test(the_sample_of_the_board_is_the_table),
         cmocka_unit_test(the_sample_is_sound),
+        cmocka_unit_test(all_options_of_a_back_end_fit_into_a_configuration),
         cmocka_unit_test(what_the_sample_shows_may_be_set),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,9 +5,9 @@
 
 #include <stdio.h>
 
-/* "kills: 1000 faults tried in 8213 operations, 0 violations" on standard output. `operations`:
- * what the appliance or its stores were asked to do meanwhile; `violations`: how often what has to
- * hold did not. */
+/* "kills: 1000 faults tried in 8213 operations, 0 violations" on standard output. `operations`
+ * is how often a test asked the appliance or its stores to do something; `violations` is how often
+ * a rule did not hold. */
 static inline void fault_tally_print(const char *what, long faults, long operations,
                                      long violations)
 {

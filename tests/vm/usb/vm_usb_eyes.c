@@ -1,6 +1,7 @@
 /* vm_usb_eyes BENCH: two grey USB cameras side by side, which see what stands on a bench
- * (tests/openni2/virtual_camera.h) as eye_pair.h says. Writes their calibration, BENCH/rig.ini,
- * prints their video nodes, left and right, and keeps them there until SIGTERM. */
+ * (tests/openni2/virtual_camera.h) as eye_pair.h says. The program writes their calibration to
+ * BENCH/rig.ini, prints their video nodes, first the left one, and keeps the cameras plugged in
+ * until SIGTERM. */
 #include <errno.h>
 #include <limits.h>
 #include <linux/videodev2.h>
