@@ -80,6 +80,7 @@ void appliance_start_daemon(struct appliance *appliance)
     struct pollfd ready = {.fd = appliance->notify_fd, .events = POLLIN};
     char text[512] = "";
 
+    run_free(&appliance->daemon); /* what an earlier daemon of this test printed */
     run_start(&appliance->daemon, argv);
     while (!strstr(text, "READY=1")) {
         if (poll(&ready, 1, READY_MS) <= 0) {

@@ -396,7 +396,6 @@ static void limits_and_names_are_changed_on_record(void **state)
     expect_error(appliance, "rename p04 P01", 1, "name-in-use");
     assert_int_equal(appliance_run(appliance, "rename p04 Zoe", NULL)->exit, 0);
     appliance_end_daemon(appliance, SIGTERM);
-    run_free(&appliance->daemon);
     appliance_start_daemon(appliance);
     assert_int_equal(appliance_run(appliance, "verify zoe", "p04-v1")->exit, 0);
     expect_error(appliance, "verify p04", 3, "no-such-person");
@@ -469,7 +468,6 @@ static void a_killed_daemon_forgets_nobody(void **state)
     struct appliance *appliance = *state;
 
     appliance_end_daemon(appliance, SIGKILL);
-    run_free(&appliance->daemon);
     expect_error(appliance, "list", 4, "no-daemon");
     appliance_start_daemon(appliance);
     assert_int_equal(count_people(appliance), 3); /* p01, p02, p04 */
@@ -486,7 +484,6 @@ static void a_recording_that_comes_again_opens_nothing(void **state)
     struct appliance *appliance = *state;
 
     appliance_end_daemon(appliance, SIGTERM);
-    run_free(&appliance->daemon);
     appliance->strict = true;
     appliance_configure(appliance);
     appliance_start_daemon(appliance);
@@ -520,7 +517,6 @@ static void an_end_by_signal_is_a_clean_one(void **state)
 
     appliance_end_daemon(appliance, SIGTERM);
     run_expect(&appliance->daemon, 0);
-    run_free(&appliance->daemon);
     appliance_start_daemon(appliance);
 }
 

@@ -158,7 +158,6 @@ static void who_was_read_from_the_gallery_leaves_no_trace(void **state)
     struct appliance *appliance = *state;
     appliance_expect(appliance_run(appliance, "enroll " NAME, "p01-enrol"), 0);
     appliance_end_daemon(appliance, SIGTERM);
-    run_free(&appliance->daemon);
     appliance_start_daemon(appliance);
     remove_and_search(appliance);
 }

@@ -121,4 +121,6 @@ void run_free(struct run *run)
 {
     free(run->out);
     free(run->err);
+    run->out = NULL;
+    run->err = NULL;
 }
