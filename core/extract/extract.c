@@ -79,7 +79,7 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
         .near_mm = pinhole ? too_near_share * x->options.distance_min_mm : 0.0,
         .far_mm = pinhole ? too_far_share * x->options.distance_max_mm : INFINITY,
     };
-    struct iso_candidate candidates[ISO_CANDIDATES_MAX];
+    struct iso_nose_candidate candidates[ISO_CANDIDATES_MAX];
     int n_candidates, n_parts;
     error = iso_candidates_find(x->finder, &x->coarse, &range, candidates, &n_candidates, &n_parts);
     if (error) {

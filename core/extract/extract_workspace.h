@@ -3,7 +3,7 @@
 #define ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 
 #include "core/extract/extract.h"
-#include "core/find/candidate.h"
+#include "core/find/nose_candidate.h"
 #include "core/find/pose_search.h"
 #include "core/frame/shrink.h"
 #include "core/heat/eigenpairs.h"

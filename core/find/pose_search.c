@@ -219,8 +219,9 @@ static bool another_face(const struct iso_pose_search *search, const struct roug
            other.in_image >= other_coverage_min && iso_norm(apart) > other_apart_mm;
 }
 
-int iso_pose_search(const struct iso_pose_search *search, const struct iso_candidate *candidates,
-                    int n_candidates, struct iso_pose_fit *out, bool *several)
+int iso_pose_search(const struct iso_pose_search *search,
+                    const struct iso_nose_candidate *candidates, int n_candidates,
+                    struct iso_pose_fit *out, bool *several)
 {
     struct iso_pose_fit fits[ISO_CANDIDATE_PARTS_MAX];
     struct rough_poses rough[ISO_CANDIDATES_MAX];

@@ -7,7 +7,7 @@
 #ifndef ISO_CORE_FIND_POSE_SEARCH_H
 #define ISO_CORE_FIND_POSE_SEARCH_H
 
-#include "core/find/candidate.h"
+#include "core/find/nose_candidate.h"
 #include "core/landmark/shape_fit.h"
 
 /* What a search works with and on. */
@@ -22,8 +22,8 @@ struct iso_pose_search {
 /* Returns 0 and the pose, or -ENOENT if no part of the scene holds a face. Its cost includes what
  * the search adds for poor coverage and for being turned away. *several says whether there is
  * beyond doubt another face beside it, about as near. */
-int iso_pose_search(const struct iso_pose_search *search, const struct iso_candidate *candidates,
-                    int n_candidates, struct iso_pose_fit *out, bool *several)
-    __attribute__((warn_unused_result));
+int iso_pose_search(const struct iso_pose_search *search,
+                    const struct iso_nose_candidate *candidates, int n_candidates,
+                    struct iso_pose_fit *out, bool *several) __attribute__((warn_unused_result));
 
 #endif

@@ -12,8 +12,8 @@ enum { STRIDE_MAX = (ISO_METRIC_DIMENSIONS_MAX + ISO_LANES - 1) / ISO_LANES * IS
 
 struct row {
     int64_t person;
-    float scale, worth; /* of the vector */
-    int32_t n;          /* templates */
+    float scale, weight; /* of the vector */
+    int32_t n;           /* templates */
     int32_t step;
 };
 
@@ -207,7 +207,7 @@ int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metr
     index->row[at] = (struct row){
         .person = person,
         .scale = vector->scale,
-        .worth = vector->worth,
+        .weight = vector->weight,
         .n = vector->n,
         .step = vector->step,
     };
@@ -221,7 +221,7 @@ int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metr
 static void vector_at(const struct iso_index *index, size_t at, struct iso_metric_vector *out)
 {
     out->n = index->row[at].n;
-    out->worth = index->row[at].worth;
+    out->weight = index->row[at].weight;
     out->step = index->row[at].step;
     out->scale = index->row[at].scale;
     memset(out->mean, 0, sizeof out->mean);

@@ -174,15 +174,15 @@ static int likeliest_step(const struct iso_metric *metric, const float *mean)
     return step;
 }
 
-static int step_of(float worth)
+static int step_of(float weight)
 {
-    const long step = lrint(2.0 * log2((double)worth));
+    const long step = lrint(2.0 * log2((double)weight));
     return step < ISO_METRIC_STEP_MIN   ? ISO_METRIC_STEP_MIN
            : step > ISO_METRIC_STEP_MAX ? ISO_METRIC_STEP_MAX
                                         : (int)step;
 }
 
-/* What makes a vector as long as is expected of one that is worth so much. What is unlike the
+/* What makes a vector as long as is expected of one of that weight. What is unlike the
  * people that were learned from (another sensor, a bad fit) makes vectors long without saying who
  * it is, and real errors have heavier tails than the model (length normalisation: Garcia-Romero and
  * Espy-Wilson 2011). Equal error rate on real frames: 1.4 % with it, 2.3 % without; 2.6 % with it
@@ -229,7 +229,7 @@ int iso_metric_project(const struct iso_metric *metric, const struct iso_templat
         project_value(metric, 3 * curves.n + i, height_residual(metric, &tmpl->upper, i), out);
     }
     out->step = likeliest_step(metric, out->mean);
-    out->worth = (float)(1.0 / iso_metric_variance(out->step));
+    out->weight = (float)(1.0 / iso_metric_variance(out->step));
     out->scale = normal_scale(metric, out);
     explicit_bzero(residual_mm, sizeof residual_mm);
     return 0;
@@ -241,14 +241,14 @@ void iso_metric_vector_add(const struct iso_metric *metric, const struct iso_met
     if (one->n < 1) {
         return;
     }
-    const float before = all->n > 0 ? all->worth : 0.0f, worth = before + one->worth;
+    const float before = all->n > 0 ? all->weight : 0.0f, weight = before + one->weight;
     for (int d = 0; d < metric->n_dimensions; d++) {
         const float sum = before > 0.0f ? before * all->mean[d] : 0.0f;
-        all->mean[d] = (sum + one->worth * one->mean[d]) / worth;
+        all->mean[d] = (sum + one->weight * one->mean[d]) / weight;
     }
     all->n = (all->n > 0 ? all->n : 0) + one->n;
-    all->worth = worth;
-    all->step = step_of(worth);
+    all->weight = weight;
+    all->step = step_of(weight);
     all->scale = normal_scale(metric, all);
 }
 

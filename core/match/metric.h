@@ -33,7 +33,7 @@ enum {
     ISO_METRIC_ORIGIN_MAX = 64,
     ISO_METRIC_VALUES_MAX = ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS * ISO_TEMPLATE_POINTS_MAX * 3 +
                             ISO_UPPER_NODES,
-    /* What vectors are worth is known to half an octave: of one template, of those of a person. */
+    /* The weight of a vector is known to half an octave: of one template, of those of a person. */
     ISO_METRIC_STEP_MIN = -10,
     ISO_METRIC_STEP_ONE_MAX = 10,
     ISO_METRIC_STEP_MAX = 18,
@@ -70,10 +70,10 @@ struct iso_metric {
 
 /* A template as the metric sees it; or several of one person together. Biometric. */
 struct iso_metric_vector {
-    int n;       /* templates in it; 0: none yet */
-    float worth; /* of how many average ones: 1 / the variance of the mean within a person */
-    int step;    /* worth as scores see it, 2^(step / 2) */
-    float scale; /* makes the mean as long as is expected of it */
+    int n;        /* templates in it; 0: none yet */
+    float weight; /* in average templates: 1 / the variance of the mean within a person */
+    int step;     /* the weight as scores see it, 2^(step / 2) */
+    float scale;  /* makes the mean as long as is expected of it */
     float mean[ISO_METRIC_DIMENSIONS_MAX];
 };
 
@@ -105,7 +105,7 @@ int iso_metric_serialise(const struct iso_metric *metric, void **bytes, size_t *
 int iso_metric_residuals(const struct iso_metric *metric, const struct iso_template *tmpl,
                          float *residual_mm) __attribute__((warn_unused_result));
 
-/* The variance within a person of a vector's mean, in shares of an average template's: 1 / worth,
+/* The variance within a person of a vector's mean, in shares of an average template's: 1 / weight,
  * to half an octave. */
 double iso_metric_variance(int step);
 
@@ -113,7 +113,7 @@ double iso_metric_variance(int step);
 int iso_metric_project(const struct iso_metric *metric, const struct iso_template *tmpl,
                        struct iso_metric_vector *out) __attribute__((warn_unused_result));
 
-/* Takes others of the same person in, which counts for what they are worth. */
+/* Takes others of the same person in, each by its weight. */
 void iso_metric_vector_add(const struct iso_metric *metric, const struct iso_metric_vector *one,
                            struct iso_metric_vector *all);
 

@@ -15,7 +15,7 @@
 #include "core/match/metric.h"
 #include "core/match/upper_surface.h"
 
-/* Candidates that are worth a second look: what a search hands on. */
+/* Candidates that a search hands on for reranking. */
 enum { ISO_RERANK_CANDIDATES = 10 };
 
 /* Working memory, 104 kB, to be allocated once and used by one thread at a time; nothing has to be

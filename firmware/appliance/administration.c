@@ -108,9 +108,10 @@ static int export_to(struct iso_appliance *appliance, int fd, const char *const 
     if (!error && length > 0) {
         error = iso_fault_set(fault, -EINVAL, "the file is not empty");
     }
-    error = error ? error
-                  : iso_transfer_write(appliance->parts.gallery, people, appliance->parts.ring,
-                                       lock, listener, &bytes, &size, n, fault);
+    error = error
+                ? error
+                : iso_transfer_write(appliance->borrowed.gallery, people, appliance->borrowed.ring,
+                                     lock, listener, &bytes, &size, n, fault);
     if (!error) {
         error = write_file(fd, bytes, size, fault);
         iso_transfer_free(bytes, size);
@@ -150,12 +151,12 @@ static int import_from(struct iso_appliance *appliance, const struct iso_import_
     size_t size = 0;
     int error = read_file(request->fd, &bytes, &size, fault);
     error = error ? error
-                  : iso_transfer_read(bytes, size, appliance->parts.ring, request->key,
+                  : iso_transfer_read(bytes, size, appliance->borrowed.ring, request->key,
                                       request->sender, &transfer, fault);
     free(bytes);
     if (!error) {
         const struct iso_gallery_item *items = iso_transfer_items(transfer, n);
-        error = iso_gallery_import(appliance->parts.gallery, items, *n, request->replace,
+        error = iso_gallery_import(appliance->borrowed.gallery, items, *n, request->replace,
                                    request->listener, added, fault);
     }
     iso_transfer_done(transfer);
@@ -214,7 +215,7 @@ static void conclude_change(struct iso_appliance *appliance, struct iso_audit_re
 static const char *remark_of_rename(const struct iso_appliance *appliance, const char *before,
                                     const char *after)
 {
-    const struct iso_cards *cards = appliance->parts.cards;
+    const struct iso_cards *cards = appliance->borrowed.cards;
     const struct iso_card *old = cards ? iso_cards_find(cards, before) : NULL;
     const struct iso_card *renamed = cards ? iso_cards_find(cards, after) : NULL;
     if (old == renamed) {
@@ -229,7 +230,7 @@ static const char *remark_of_rename(const struct iso_appliance *appliance, const
 int iso_appliance_rename(struct iso_appliance *appliance, const char *person, const char *name,
                          const char **remark, struct iso_fault *fault)
 {
-    struct iso_gallery *gallery = appliance->parts.gallery;
+    struct iso_gallery *gallery = appliance->borrowed.gallery;
     const struct iso_person *known = iso_gallery_find(gallery, person);
     const struct iso_person *holder = iso_gallery_find(gallery, name);
     const char *flaw = iso_person_name_flaw(name);
@@ -265,12 +266,12 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
 int iso_appliance_set_validity(struct iso_appliance *appliance, const char *person,
                                const struct iso_validity_change *change, struct iso_fault *fault)
 {
-    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
-    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, person);
+    const int64_t now_s = iso_times_wall_ns(&appliance->borrowed.times) / ISO_NS_PER_S;
     char flaw[ISO_VALIDITY_FLAW_SIZE];
     char before_text[ISO_VALIDITY_TEXT_SIZE], after_text[ISO_VALIDITY_TEXT_SIZE];
     struct iso_fault own = {.text = ""};
-    if (iso_gallery_state(appliance->parts.gallery, fault)) {
+    if (iso_gallery_state(appliance->borrowed.gallery, fault)) {
         return -EIO;
     }
     if (!known) {
@@ -291,7 +292,7 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     if (error) {
         return error;
     }
-    error = iso_gallery_set_validity(appliance->parts.gallery, known->name, &after, &own);
+    error = iso_gallery_set_validity(appliance->borrowed.gallery, known->name, &after, &own);
     conclude_change(appliance, &record, error, &own);
     return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
@@ -307,7 +308,7 @@ static int may_test_door(const struct iso_appliance *appliance, struct iso_fault
         return iso_fault_set(fault, -EPERM, "%s: nobody is let in",
                              appliance->lockout.lockdown ? "lockdown" : "locked out");
     }
-    if (!iso_config_has_relay(appliance->parts.config)) {
+    if (!iso_config_has_relay(appliance->borrowed.config)) {
         return iso_fault_set(fault, -ENODEV, "the door has no relay: [door] relay is empty");
     }
     return iso_door_guard_may_test(appliance->door, fault);
@@ -334,20 +335,20 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
 static int rotate_anchors(struct iso_appliance *appliance, struct iso_audit *audit,
                           struct iso_fault *fault)
 {
-    struct iso_appliance_parts *parts = &appliance->parts;
+    struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     uint32_t anchor = 0;
-    int error = iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, fault);
-    error = error ? error : iso_gallery_renew_anchor(parts->gallery, fault);
+    int error = iso_key_ring_add(borrowed->ring, ISO_KEY_ANCHOR, &anchor, fault);
+    error = error ? error : iso_gallery_renew_anchor(borrowed->gallery, fault);
     error = error ? error : iso_audit_renew_anchor(audit, fault);
     error = error ? error : iso__appliance_keep_lockout(appliance, fault);
-    return error ? error : iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, fault);
+    return error ? error : iso_key_ring_drop(borrowed->ring, ISO_KEY_ANCHOR, anchor, fault);
 }
 
 static int rotate_stores(struct iso_appliance *appliance, const struct iso_work_listener *listener,
                          struct iso_fault *fault)
 {
-    struct iso_appliance_parts *parts = &appliance->parts;
-    int error = iso_gallery_rotate(parts->gallery, listener, fault);
+    struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
+    int error = iso_gallery_rotate(borrowed->gallery, listener, fault);
     struct iso_audit *audit = iso_audit_writer_hold(appliance->log);
     error = error ? error : iso_audit_rotate_key(audit, fault);
     error = error ? error : rotate_anchors(appliance, audit, fault);
@@ -366,10 +367,10 @@ int iso_appliance_rotate_keys(struct iso_appliance *appliance,
         return error;
     }
     error = rotate_stores(appliance, listener, &own);
-    if (!error && iso_key_ring_has_credential(appliance->parts.ring)) {
+    if (!error && iso_key_ring_has_credential(appliance->borrowed.ring)) {
         said = "the appliance's key is a credential of the system, and is changed there";
     } else if (!error) {
-        error = iso_key_ring_change_key(appliance->parts.ring, &own);
+        error = iso_key_ring_change_key(appliance->borrowed.ring, &own);
     }
     conclude(appliance, "rotate-keys", error, &own, said);
     iso__appliance_record_gallery(appliance, "gallery", NULL);

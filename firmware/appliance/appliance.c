@@ -26,7 +26,7 @@ void iso__appliance_say(struct iso_appliance *appliance, int priority, const cha
     va_start(arguments, format);
     (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    appliance->parts.events.message(appliance->parts.events.context, priority, text);
+    appliance->borrowed.events.message(appliance->borrowed.events.context, priority, text);
 }
 
 /* ---- the log ---- */
@@ -79,7 +79,7 @@ int iso__appliance_record_grant(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault)
 {
     static const int64_t wait_ns = ISO_GRANT_WAIT_MS * ISO_NS_PER_MS;
-    const struct iso_times *times = &appliance->parts.times;
+    const struct iso_times *times = &appliance->borrowed.times;
     const int64_t begin_ns = iso_times_boot_ns(times);
     struct iso_fault own = {.text = ""};
     int error = iso_audit_writer_append(appliance->log, record, wait_ns, NULL, &own);
@@ -105,31 +105,35 @@ struct iso_audit_writer *iso_appliance_log(const struct iso_appliance *appliance
 
 const char *iso__appliance_sensor_state(const struct iso_appliance *appliance)
 {
-    if (!appliance->keeper.sensor) {
+    if (!appliance->supervisor.sensor) {
         return "lost";
     }
-    return !appliance->keeper.sees ? "silent" : appliance->repeats.stuck ? "repeats" : "started";
+    return !appliance->supervisor.sees ? "silent"
+           : appliance->repeats.stuck  ? "repeats"
+                                       : "started";
 }
 
 static void init_sensor(struct iso_appliance *appliance, int64_t now_ns)
 {
-    const struct iso_config_sensor *config = &appliance->parts.config->sensor;
-    const struct iso_sensor_keeper_options options = {
+    const struct iso_config_sensor *config = &appliance->borrowed.config->sensor;
+    const struct iso_sensor_supervisor_options options = {
         .silence_ns = config->silence_ms * ISO_NS_PER_MS,
         .retry_ns = config->retry_ms * ISO_NS_PER_MS,
         .retry_max_ns = config->retry_max_ms * ISO_NS_PER_MS,
         .pause_ns = config->pause_ms * ISO_NS_PER_MS,
         .stale_ns = config->stale_ms * ISO_NS_PER_MS,
     };
-    iso_sensor_keeper_init(&appliance->keeper, &options, &appliance->parts.sensor, now_ns);
+    iso_sensor_supervisor_init(&appliance->supervisor, &options, &appliance->borrowed.sensor,
+                               now_ns);
 }
 
 static void on_sensor_gone(struct iso_appliance *appliance)
 {
     struct iso_audit_record record = iso_audit_record_of("sensor");
     record.reason = "lost";
-    record.note = appliance->keeper.fault.text;
-    (void)iso__appliance_say_fault(appliance, appliance->keeper.error, &appliance->keeper.fault);
+    record.note = appliance->supervisor.fault.text;
+    (void)iso__appliance_say_fault(appliance, appliance->supervisor.error,
+                                   &appliance->supervisor.fault);
     (void)iso__appliance_note(appliance, &record);
     iso__appliance_action_disconnect(appliance);
 }
@@ -140,7 +144,7 @@ static void on_sensor_back(struct iso_appliance *appliance)
     record.reason = "started";
     iso__appliance_repeat_reset(appliance);
     iso__appliance_say(appliance, LOG_NOTICE, "sensor %s started",
-                       iso_sensor_name(appliance->keeper.sensor));
+                       iso_sensor_name(appliance->supervisor.sensor));
     (void)iso__appliance_note(appliance, &record);
     iso__appliance_stale_sensor(appliance);
 }
@@ -149,19 +153,19 @@ static void on_sensor_back(struct iso_appliance *appliance)
  * decided of the one before is forgotten. A client's action goes on if the camera does. */
 static void follow_sight(struct iso_appliance *appliance)
 {
-    const struct iso_sensor_keeper *keeper = &appliance->keeper;
-    if (keeper->sees == !appliance->blind) {
+    const struct iso_sensor_supervisor *supervisor = &appliance->supervisor;
+    if (supervisor->sees == !appliance->blind) {
         return;
     }
-    appliance->blind = !keeper->sees;
+    appliance->blind = !supervisor->sees;
     if (appliance->blind) {
         iso_decision_reset(&appliance->decision);
         iso_track_reset(&appliance->track);
-        if (keeper->sensor) {
+        if (supervisor->sensor) {
             struct iso_audit_record record = iso_audit_record_of("sensor");
             record.reason = "silent";
-            record.note = keeper->fault.text;
-            iso__appliance_warn(appliance, &keeper->fault);
+            record.note = supervisor->fault.text;
+            iso__appliance_warn(appliance, &supervisor->fault);
             (void)iso__appliance_note(appliance, &record);
         }
     }
@@ -171,7 +175,7 @@ static void follow_sight(struct iso_appliance *appliance)
 
 /* ---- start, step, stop ---- */
 
-int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_appliance **out)
+int iso_appliance_new(const struct iso_appliance_borrowed *borrowed, struct iso_appliance **out)
 {
     struct iso_appliance *appliance = calloc(1, sizeof *appliance);
     if (!appliance) {
@@ -179,12 +183,12 @@ int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_applia
     }
     const struct iso_frame_memory_options memory = iso_frame_memory_options_default();
     iso_thread_mutex_init(&appliance->recorded_mutex);
-    appliance->parts = *parts;
+    appliance->borrowed = *borrowed;
     appliance->ended = ISO_APPLIANCE_CLAIMED;
     int error = iso_frame_memory_new(&memory, &appliance->shown) ? -ENOMEM : 0;
     error = error ? error
-                  : iso_audit_writer_new(parts->audit, &appliance->parts.times, parts->threads,
-                                         &appliance->log);
+                  : iso_audit_writer_new(borrowed->audit, &appliance->borrowed.times,
+                                         borrowed->threads, &appliance->log);
     error = error ? error : iso__appliance_new_door(appliance);
     if (error) {
         iso_appliance_free(appliance);
@@ -199,7 +203,7 @@ void iso_appliance_free(struct iso_appliance *appliance)
     if (appliance) {
         iso__appliance_free_door(appliance); /* its thread posts records */
         iso_audit_writer_free(appliance->log);
-        iso_sensor_keeper_done(&appliance->keeper);
+        iso_sensor_supervisor_done(&appliance->supervisor);
         iso_enrolment_wipe(&appliance->enrolment);
         iso_frame_memory_free(appliance->shown);
         (void)pthread_mutex_destroy(&appliance->recorded_mutex);
@@ -214,7 +218,7 @@ static const int64_t attack_longest_ns = 60 * ISO_NS_PER_S;
 /* What is not to be looked at needs more than is ever held. */
 static void init_liveness(struct iso_appliance *appliance)
 {
-    const struct iso_config_motion *motion = &appliance->parts.config->motion;
+    const struct iso_config_motion *motion = &appliance->borrowed.config->motion;
     struct iso_liveness_options options = iso_liveness_options_default();
     options.still_ns = motion->lifeless_ms > 0 ? motion->lifeless_ms * ISO_NS_PER_MS : INT64_MAX;
     options.frozen_frames = motion->frozen_frames > 0 ? motion->frozen_frames : INT_MAX;
@@ -223,7 +227,7 @@ static void init_liveness(struct iso_appliance *appliance)
 
 static void init_watch(struct iso_appliance *appliance)
 {
-    const struct iso_config *config = appliance->parts.config;
+    const struct iso_config *config = appliance->borrowed.config;
     const struct iso_decision_options decision = iso__appliance_decision_options(config);
     const struct iso_track_options track = {
         .lost_ns = decision.gap_ns,
@@ -246,7 +250,7 @@ static void init_watch(struct iso_appliance *appliance)
 void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
                                    const char *note)
 {
-    const struct iso_gallery_version version = iso_gallery_version(appliance->parts.gallery);
+    const struct iso_gallery_version version = iso_gallery_version(appliance->borrowed.gallery);
     struct iso_audit_record record = iso_audit_record_of(event);
     record.gallery = version.gallery;
     record.gallery_changes = version.changes;
@@ -258,7 +262,7 @@ void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *
 static void tell_unusable(struct iso_appliance *appliance)
 {
     size_t n = 0, unusable = 0;
-    const struct iso_person *people = iso_gallery_people(appliance->parts.gallery, &n);
+    const struct iso_person *people = iso_gallery_people(appliance->borrowed.gallery, &n);
     for (size_t i = 0; i < n; i++) {
         unusable += people[i].usable == 0;
     }
@@ -273,7 +277,7 @@ static void tell_unusable(struct iso_appliance *appliance)
 /* Nobody is named here, either. */
 static void tell_same_names(struct iso_appliance *appliance)
 {
-    const size_t n = iso_gallery_same_names(appliance->parts.gallery);
+    const size_t n = iso_gallery_same_names(appliance->borrowed.gallery);
     if (n > 0) {
         iso__appliance_say(appliance, LOG_WARNING,
                            "names of enrolled people that look like another's: %zu; isotherm list "
@@ -286,15 +290,15 @@ static void tell_same_names(struct iso_appliance *appliance)
 static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct iso_fault *fault)
 {
     const struct iso_frame *frame;
-    const struct iso_sensor_keeper *keeper = &appliance->keeper;
+    const struct iso_sensor_supervisor *supervisor = &appliance->supervisor;
     init_sensor(appliance, now_ns);
-    if (iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame) == ISO_SENSOR_BACK) {
+    if (iso_sensor_supervisor_look(&appliance->supervisor, now_ns, &frame) == ISO_SENSOR_BACK) {
         on_sensor_back(appliance);
         return 0;
     }
-    if (keeper->error == -EINVAL || keeper->error == -ENOENT) {
-        return iso_fault_set_code(fault, keeper->fault.code, keeper->error, "%s",
-                                  keeper->fault.text);
+    if (supervisor->error == -EINVAL || supervisor->error == -ENOENT) {
+        return iso_fault_set_code(fault, supervisor->fault.code, supervisor->error, "%s",
+                                  supervisor->fault.text);
     }
     on_sensor_gone(appliance);
     follow_sight(appliance);
@@ -303,7 +307,7 @@ static int first_look(struct iso_appliance *appliance, int64_t now_ns, struct is
 
 static void tell_image_check(struct iso_appliance *appliance)
 {
-    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
+    const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     const char *word = iso_appliance_status(appliance).image_check;
     if (strcmp(word, "absent") == 0) {
         const char *lacks = pipeline->ops->image_lacks ? pipeline->ops->image_lacks(pipeline->self)
@@ -314,12 +318,12 @@ static void tell_image_check(struct iso_appliance *appliance)
 
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     appliance->start_ns = now_ns;
     appliance->gallery_retry_ns = ISO_NEVER_NS;
     appliance->look_due_ns = ISO_NEVER_NS;
     init_watch(appliance);
-    iso_suspension_init(&appliance->suspension, &appliance->parts.times);
+    iso_suspension_init(&appliance->suspension, &appliance->borrowed.times);
     int error = iso__appliance_start_door(appliance, fault); /* first: it does not need the disk */
     if (error) {
         return error;
@@ -331,7 +335,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     tell_same_names(appliance);
     iso__appliance_start_lockout(appliance);
     tell_image_check(appliance);
-    error = first_look(appliance, iso_times_now_ns(&appliance->parts.times), fault);
+    error = first_look(appliance, iso_times_now_ns(&appliance->borrowed.times), fault);
     iso__appliance_tell_door(appliance);
     return error;
 }
@@ -339,7 +343,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
 /* Who was there before the machine was suspended is not there any more. */
 static void follow_suspension(struct iso_appliance *appliance)
 {
-    if (iso_suspension_look(&appliance->suspension, &appliance->parts.times)) {
+    if (iso_suspension_look(&appliance->suspension, &appliance->borrowed.times)) {
         iso_decision_reset(&appliance->decision);
         iso_track_reset(&appliance->track);
     }
@@ -353,15 +357,15 @@ static void excuse_stall(struct iso_appliance *appliance, int64_t now_ns)
 {
     const int64_t due_ns = appliance->look_due_ns;
     if (due_ns != ISO_NEVER_NS && now_ns - due_ns >= stall_ns) {
-        iso_sensor_keeper_excuse(&appliance->keeper, now_ns - due_ns, now_ns);
+        iso_sensor_supervisor_excuse(&appliance->supervisor, now_ns - due_ns, now_ns);
     }
 }
 
 /* The time that a driver takes in the look itself is the sensor's. */
 static void note_next_look(struct iso_appliance *appliance)
 {
-    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
-    const int64_t due_ns = iso_sensor_keeper_due_ns(&appliance->keeper, now_ns);
+    const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
+    const int64_t due_ns = iso_sensor_supervisor_due_ns(&appliance->supervisor, now_ns);
     appliance->look_due_ns = due_ns > now_ns ? due_ns : now_ns;
 }
 
@@ -369,7 +373,8 @@ static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
 {
     const struct iso_frame *frame = NULL;
     excuse_stall(appliance, now_ns);
-    const enum iso_sensor_news news = iso_sensor_keeper_look(&appliance->keeper, now_ns, &frame);
+    const enum iso_sensor_news news = iso_sensor_supervisor_look(&appliance->supervisor, now_ns,
+                                                                 &frame);
     note_next_look(appliance);
     follow_sight(appliance); /* before what was seen now is looked at */
     switch (news) {
@@ -381,7 +386,7 @@ static void look_at_sensor(struct iso_appliance *appliance, int64_t now_ns)
         iso__appliance_time(appliance, now_ns);
         break;
     case ISO_SENSOR_FLAW:
-        iso__appliance_complain(appliance, &appliance->keeper.fault);
+        iso__appliance_complain(appliance, &appliance->supervisor.fault);
         break;
     case ISO_SENSOR_BACK:
         on_sensor_back(appliance);
@@ -407,11 +412,11 @@ static int64_t door_due_ns(const struct iso_appliance *appliance)
 int64_t iso_appliance_step(struct iso_appliance *appliance)
 {
     follow_suspension(appliance);
-    int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     iso_door_guard_step(appliance->door);
     iso__appliance_tell_door(appliance);
     look_at_sensor(appliance, now_ns);
-    now_ns = iso_times_now_ns(&appliance->parts.times);
+    now_ns = iso_times_now_ns(&appliance->borrowed.times);
     iso__appliance_lockout_time(appliance, now_ns);
     iso__appliance_clock_time(appliance);
     iso__appliance_storage_time(appliance, now_ns);
@@ -419,7 +424,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
     const int64_t lines_ns = earliest(door_due_ns(appliance),
-                                      iso_sensor_keeper_due_ns(&appliance->keeper, now_ns));
+                                      iso_sensor_supervisor_due_ns(&appliance->supervisor, now_ns));
     return earliest(earliest(lines_ns, iso__appliance_door_events_due_ns(appliance)),
                     iso__appliance_due_ns(appliance));
 }
@@ -430,7 +435,7 @@ void iso_appliance_stop(struct iso_appliance *appliance)
     iso_door_guard_stop(appliance->door);
     iso__appliance_tell_door(appliance);
     iso__appliance_flush_door(appliance);
-    iso_sensor_keeper_done(&appliance->keeper);
+    iso_sensor_supervisor_done(&appliance->supervisor);
     iso__appliance_end_attack(appliance);
     (void)iso__appliance_note(appliance, &record);
 }
@@ -439,7 +444,8 @@ void iso_appliance_stop(struct iso_appliance *appliance)
 
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance)
 {
-    return appliance->keeper.sensor ? iso_sensor_poll_fd(appliance->keeper.sensor) : -ENODEV;
+    return appliance->supervisor.sensor ? iso_sensor_poll_fd(appliance->supervisor.sensor)
+                                        : -ENODEV;
 }
 
 int iso_appliance_door_fd(const struct iso_appliance *appliance)
@@ -449,14 +455,14 @@ int iso_appliance_door_fd(const struct iso_appliance *appliance)
 
 uint64_t iso_appliance_progress(const struct iso_appliance *appliance)
 {
-    return appliance->keeper.progress;
+    return appliance->supervisor.progress;
 }
 
 void iso_appliance_aim(struct iso_appliance *appliance, bool on)
 {
     appliance->aimed = on;
     /* Whoever begins to aim sees the next frame at once, however short ago another one was told. */
-    appliance->view_told_ns = iso_times_now_ns(&appliance->parts.times) - ISO_NS_PER_S;
+    appliance->view_told_ns = iso_times_now_ns(&appliance->borrowed.times) - ISO_NS_PER_S;
 }
 
 bool iso_appliance_is_aimed(const struct iso_appliance *appliance)
@@ -466,19 +472,19 @@ bool iso_appliance_is_aimed(const struct iso_appliance *appliance)
 
 struct iso_appliance_status iso_appliance_status(const struct iso_appliance *appliance)
 {
-    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
-    const struct iso_sensor *sensor = appliance->keeper.sensor;
+    const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
+    const struct iso_sensor *sensor = appliance->supervisor.sensor;
     const struct iso_door_look door = iso_door_guard_look(appliance->door);
     struct iso_appliance_status status = {
         .mode = appliance->mode,
         .door = door.state,
         .door_ordinary = door.ordinary,
         .sensor_state = iso__appliance_sensor_state(appliance),
-        .sensor_model = appliance->keeper.model,
-        .sensor_calibration = appliance->keeper.calibration,
-        .sensor_fault = appliance->keeper.fault.text,
-        .sensor_fault_code = appliance->keeper.fault.code,
-        .sensor_calibration_code = appliance->keeper.calibration_code,
+        .sensor_model = appliance->supervisor.model,
+        .sensor_calibration = appliance->supervisor.calibration,
+        .sensor_fault = appliance->supervisor.fault.text,
+        .sensor_fault_code = appliance->supervisor.fault.code,
+        .sensor_calibration_code = appliance->supervisor.calibration_code,
         .clock_fault = appliance->clock_fault.text,
         .clock_fault_code = iso__appliance_clock_code(appliance),
         .stale_fault = appliance->stale_fault.text,
@@ -492,14 +498,14 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .counts = appliance->counts,
         .lockdown = appliance->lockout.lockdown,
         .lockout_ns = iso_lockout_remaining_ns(&appliance->lockout,
-                                               iso_times_now_ns(&appliance->parts.times)),
+                                               iso_times_now_ns(&appliance->borrowed.times)),
         .image_check = pipeline->ops->image_check ? pipeline->ops->image_check(pipeline->self)
                                                   : "off",
-        .frames = appliance->keeper.frames,
+        .frames = appliance->supervisor.frames,
         .model = pipeline->ops->model(pipeline->self),
         .algorithm = pipeline->ops->algorithm(pipeline->self),
         .people_valid = iso__appliance_count_valid(appliance),
-        .uptime_ns = iso_times_now_ns(&appliance->parts.times) - appliance->start_ns,
+        .uptime_ns = iso_times_now_ns(&appliance->borrowed.times) - appliance->start_ns,
     };
     (void)snprintf(status.door_fault, sizeof status.door_fault, "%s", door.fault.text);
     status.door_fault_code = door.fault.code;

@@ -26,7 +26,7 @@
 #include "core/base/fault.h"
 #include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
-#include "firmware/appliance/sensor_keeper.h"
+#include "firmware/appliance/sensor_supervisor.h"
 #include "firmware/appliance/view.h"
 #include "firmware/audit/audit.h"
 #include "firmware/audit/audit_writer.h"
@@ -90,7 +90,7 @@ struct iso_appliance_events {
 
 /* What it is made of. Everything is borrowed and must outlive the appliance; nobody else uses
  * pipeline, gallery, audit and door lines meanwhile, but for looking. */
-struct iso_appliance_parts {
+struct iso_appliance_borrowed {
     const struct iso_config *config;
     struct iso_times times;
     struct iso_sensor_source sensor;
@@ -113,7 +113,7 @@ struct iso_appliance_parts {
 struct iso_appliance;
 
 /* -ENOMEM; with threads moreover -EAGAIN, or an errno of descriptors. */
-int iso_appliance_new(const struct iso_appliance_parts *parts, struct iso_appliance **out)
+int iso_appliance_new(const struct iso_appliance_borrowed *borrowed, struct iso_appliance **out)
     __attribute__((warn_unused_result));
 void iso_appliance_free(struct iso_appliance *appliance);
 

@@ -24,7 +24,7 @@ static void rest(struct iso_appliance *appliance)
     iso_enrolment_wipe(&appliance->enrolment);
     appliance->mode = ISO_APPLIANCE_CLAIMED;
     appliance->deadline_ns = iso__appliance_now_ns(appliance) +
-                             appliance->parts.config->bus.claim_ms * ISO_NS_PER_MS;
+                             appliance->borrowed.config->bus.claim_ms * ISO_NS_PER_MS;
 }
 
 int iso_appliance_claim(struct iso_appliance *appliance)
@@ -58,11 +58,11 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
         return iso_fault_set(fault, -EBUSY, "%s goes on, stop it first",
                              iso_appliance_mode_name(appliance->mode));
     }
-    if (!appliance->keeper.sensor) {
-        return iso_fault_set_code(fault, appliance->keeper.fault.code, -ENODEV, "%s",
-                                  appliance->keeper.fault.text);
+    if (!appliance->supervisor.sensor) {
+        return iso_fault_set_code(fault, appliance->supervisor.fault.code, -ENODEV, "%s",
+                                  appliance->supervisor.fault.text);
     }
-    return iso_gallery_state(appliance->parts.gallery, fault);
+    return iso_gallery_state(appliance->borrowed.gallery, fault);
 }
 
 /* Whoever is locked out of the door learns nothing in another way. */
@@ -101,25 +101,25 @@ static int check_request(const struct iso_appliance *appliance,
     if (flaw) {
         return iso_fault_set(fault, -EINVAL, "%s", flaw);
     }
-    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, request->person);
+    const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, request->person);
     const struct iso_validity before = validity_of(known);
-    const int64_t now_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    const int64_t now_s = iso_times_wall_ns(&appliance->borrowed.times) / ISO_NS_PER_S;
     char validity_flaw[ISO_VALIDITY_FLAW_SIZE];
     if (!iso_validity_is_fine(&before, &request->validity, now_s, validity_flaw)) {
         return iso_fault_set(fault, -EINVAL, "%s", validity_flaw);
     }
-    return iso_gallery_room(appliance->parts.gallery, request->person, fault);
+    return iso_gallery_room(appliance->borrowed.gallery, request->person, fault);
 }
 
 int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
                          struct iso_fault *fault)
 {
-    const struct iso_config_enroll *config = &appliance->parts.config->enroll;
+    const struct iso_config_enroll *config = &appliance->borrowed.config->enroll;
     const struct iso_enrolment_options options = {
         .stages = config->stages,
         .agree_score = config->agree_score,
         .duplicate_score = config->duplicate_score,
-        .attack_frames = appliance->parts.config->decision.attack_frames,
+        .attack_frames = appliance->borrowed.config->decision.attack_frames,
         .timeout_ns = config->timeout_ms * ISO_NS_PER_MS,
         .allow_duplicate = request->allow_duplicate,
     };
@@ -130,7 +130,7 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
     if (error) {
         return error;
     }
-    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, request->person);
+    const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, request->person);
     appliance->person = (struct iso_person){.id = known ? known->id : 0};
     appliance->validity = request->validity;
     (void)snprintf(appliance->person.name, sizeof appliance->person.name, "%s",
@@ -147,7 +147,7 @@ int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
     if (error) {
         return error;
     }
-    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
+    const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, person);
     if (!known) {
         return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
     }
@@ -157,7 +157,7 @@ int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
                              known->templates);
     }
     appliance->person = *known;
-    begin(appliance, ISO_APPLIANCE_VERIFY, appliance->parts.config->bus.action_ms);
+    begin(appliance, ISO_APPLIANCE_VERIFY, appliance->borrowed.config->bus.action_ms);
     return 0;
 }
 
@@ -165,7 +165,7 @@ int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fa
 {
     const int error = may_recognise(appliance, fault);
     if (!error) {
-        begin(appliance, ISO_APPLIANCE_IDENTIFY, appliance->parts.config->bus.action_ms);
+        begin(appliance, ISO_APPLIANCE_IDENTIFY, appliance->borrowed.config->bus.action_ms);
     }
     return error;
 }
@@ -188,7 +188,7 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
 static const struct iso_person *duplicate_of(const struct iso_appliance *appliance)
 {
     return appliance->enrolment.state == ISO_ENROLMENT_DUPLICATE
-               ? iso_gallery_find_id(appliance->parts.gallery, appliance->enrolment.duplicate_of)
+               ? iso_gallery_find_id(appliance->borrowed.gallery, appliance->enrolment.duplicate_of)
                : NULL;
 }
 
@@ -196,7 +196,7 @@ static const struct iso_person *duplicate_of(const struct iso_appliance *applian
 static void tell_enrolment(const struct iso_appliance *appliance, const char *result, bool done,
                            double quality, const char *detail)
 {
-    const struct iso_appliance_events *events = &appliance->parts.events;
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
     events->enroll_status(events->context, result, done, (unsigned)appliance->enrolment.stage,
                           (unsigned)appliance->enrolment.options.stages, quality, detail);
 }
@@ -204,7 +204,7 @@ static void tell_enrolment(const struct iso_appliance *appliance, const char *re
 static void tell_recognition(const struct iso_appliance *appliance, const char *result, bool done,
                              const char *person, double score)
 {
-    const struct iso_appliance_events *events = &appliance->parts.events;
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
     events->recognition_status(events->context, appliance->mode, result, done, person, score,
                                iso__appliance_threshold(appliance));
 }
@@ -219,7 +219,7 @@ static void end(struct iso_appliance *appliance)
 
 void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture capture)
 {
-    const struct iso_appliance_events *events = &appliance->parts.events;
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
     char word[48];
     (void)snprintf(word, sizeof word, ISO_CONTRACT_RESULT_RETRY "%s", iso_capture_name(capture));
     if (appliance->mode == ISO_APPLIANCE_WATCH) {
@@ -258,7 +258,7 @@ static int record_enrolment(struct iso_appliance *appliance, const char *reason,
 static int record_completion(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);
-    const struct iso_person *known = iso_gallery_find_id(appliance->parts.gallery,
+    const struct iso_person *known = iso_gallery_find_id(appliance->borrowed.gallery,
                                                          appliance->person.id);
     if (appliance->person.id != 0 && !known) {
         /* Removed meanwhile: limits that were not named are not known any more. */
@@ -281,11 +281,11 @@ static int record_completion(struct iso_appliance *appliance, struct iso_fault *
 /* Puts the template into the gallery. What cannot be logged is not done. */
 static int keep(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    appliance->person.enrolled_s = iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
-    int error = iso_gallery_state(appliance->parts.gallery, fault);
+    appliance->person.enrolled_s = iso_times_wall_ns(&appliance->borrowed.times) / ISO_NS_PER_S;
+    int error = iso_gallery_state(appliance->borrowed.gallery, fault);
     error = error ? error : record_completion(appliance, fault);
     if (!error) {
-        error = iso_gallery_add(appliance->parts.gallery, &appliance->person,
+        error = iso_gallery_add(appliance->borrowed.gallery, &appliance->person,
                                 &appliance->enrolment.fused, fault);
         if (error) {
             (void)record_enrolment(appliance, "not-stored", fault->text);
@@ -349,7 +349,7 @@ static void finish_enrolment(struct iso_appliance *appliance)
 
 enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance)
 {
-    const struct iso_enroll_gate gate = iso_enroll_gate_of(&appliance->parts.config->enroll);
+    const struct iso_enroll_gate gate = iso_enroll_gate_of(&appliance->borrowed.config->enroll);
     return iso_enroll_gate_judge(&gate, &appliance->extraction);
 }
 
@@ -364,10 +364,10 @@ void iso__appliance_enroll_face(struct iso_appliance *appliance)
     const struct iso_template *tmpl = &appliance->extraction.tmpl;
     struct iso_enrolment_gallery gallery = {.person = appliance->person.id};
     bool passed = false;
-    gallery.everybody = iso_gallery_everybody(appliance->parts.gallery);
-    gallery.own = iso_gallery_only(appliance->parts.gallery, gallery.person);
-    const int error = iso_enrolment_frame(&appliance->enrolment, tmpl, &appliance->parts.pipeline,
-                                          &gallery, &passed);
+    gallery.everybody = iso_gallery_everybody(appliance->borrowed.gallery);
+    gallery.own = iso_gallery_only(appliance->borrowed.gallery, gallery.person);
+    const int error = iso_enrolment_frame(&appliance->enrolment, tmpl,
+                                          &appliance->borrowed.pipeline, &gallery, &passed);
     if (error) {
         struct iso_fault fault;
         (void)iso_fault_set(&fault, error, "%s", strerror(-error));
@@ -391,7 +391,8 @@ void iso__appliance_finish_recognition(struct iso_appliance *appliance,
     const char *result = verdict->reason == ISO_REASON_MATCH    ? ISO_CONTRACT_RESULT_MATCH
                          : verdict->reason == ISO_REASON_ATTACK ? ISO_CONTRACT_RESULT_ATTACK
                                                                 : ISO_CONTRACT_RESULT_NO_MATCH;
-    const struct iso_person *found = iso_gallery_find_id(appliance->parts.gallery, verdict->person);
+    const struct iso_person *found = iso_gallery_find_id(appliance->borrowed.gallery,
+                                                         verdict->person);
     const char *person = appliance->mode == ISO_APPLIANCE_VERIFY ? appliance->person.name
                          : found                                 ? found->name
                                                                  : "";
@@ -431,7 +432,7 @@ void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now
     if (appliance->mode == ISO_APPLIANCE_CLAIMED) {
         iso__appliance_say(appliance, LOG_NOTICE, "a client held the camera and did nothing");
         iso_appliance_release(appliance);
-        appliance->parts.events.claim_lost(appliance->parts.events.context);
+        appliance->borrowed.events.claim_lost(appliance->borrowed.events.context);
     } else if (appliance->mode == ISO_APPLIANCE_ENROLL) {
         iso_enrolment_time(&appliance->enrolment, now);
         finish_enrolment(appliance);
@@ -448,9 +449,9 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
 {
     struct iso_audit_record record = iso_audit_record_of("delete");
     struct iso_fault own = {.text = ""};
-    const struct iso_person *known = iso_gallery_find(appliance->parts.gallery, person);
+    const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, person);
     char name[ISO_PERSON_NAME_SIZE]; /* as it is spelt; the gallery's own goes with the person */
-    if (iso_gallery_state(appliance->parts.gallery, fault)) {
+    if (iso_gallery_state(appliance->borrowed.gallery, fault)) {
         return -EIO;
     }
     if (!known) {
@@ -462,7 +463,7 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
     if (error) {
         return error;
     }
-    error = iso_gallery_remove(appliance->parts.gallery, name, &own);
+    error = iso_gallery_remove(appliance->borrowed.gallery, name, &own);
     if (error) {
         record.reason = "not-deleted";
         record.note = own.text;

@@ -12,17 +12,18 @@ static const int64_t tolerance_s = 60;
 
 static int64_t wall_s(const struct iso_appliance *appliance)
 {
-    return iso_times_wall_ns(&appliance->parts.times) / ISO_NS_PER_S;
+    return iso_times_wall_ns(&appliance->borrowed.times) / ISO_NS_PER_S;
 }
 
 bool iso__appliance_clock_is_behind(const struct iso_appliance *appliance)
 {
-    return wall_s(appliance) + tolerance_s < iso_audit_latest_s(appliance->parts.audit);
+    return wall_s(appliance) + tolerance_s < iso_audit_latest_s(appliance->borrowed.audit);
 }
 
 int64_t iso__appliance_date_s(const struct iso_appliance *appliance)
 {
-    const int64_t now_s = wall_s(appliance), latest_s = iso_audit_latest_s(appliance->parts.audit);
+    const int64_t now_s = wall_s(appliance),
+                  latest_s = iso_audit_latest_s(appliance->borrowed.audit);
     return now_s < latest_s && !iso__appliance_clock_is_behind(appliance) ? latest_s : now_s;
 }
 
@@ -42,7 +43,7 @@ static bool record(struct iso_appliance *appliance, const char *reason, int64_t 
 
 static void tell_behind(struct iso_appliance *appliance)
 {
-    const int64_t latest_s = iso_audit_latest_s(appliance->parts.audit);
+    const int64_t latest_s = iso_audit_latest_s(appliance->borrowed.audit);
     char date[ISO_VALIDITY_DATE_SIZE];
     (void)iso_fault_set_code(&appliance->clock_fault, ISO_FAULT_CLOCK_BEHIND, -ERANGE,
                              "the clock was set back: the log has a record of %s; people with time "
@@ -56,7 +57,7 @@ static void tell_right(struct iso_appliance *appliance)
 {
     appliance->clock_fault.text[0] = '\0';
     iso__appliance_say(appliance, LOG_NOTICE, "the clock is right again");
-    (void)record(appliance, "right", iso_audit_latest_s(appliance->parts.audit), false);
+    (void)record(appliance, "right", iso_audit_latest_s(appliance->borrowed.audit), false);
 }
 
 /* A clock that is not set keeps nobody out, but those with time limits. */
@@ -81,7 +82,7 @@ void iso__appliance_clock_time(struct iso_appliance *appliance)
 void iso__appliance_accept_clock(struct iso_appliance *appliance)
 {
     if (iso__appliance_clock_is_behind(appliance) &&
-        record(appliance, "accepted", iso_audit_latest_s(appliance->parts.audit), true)) {
+        record(appliance, "accepted", iso_audit_latest_s(appliance->borrowed.audit), true)) {
         appliance->clock_fault.text[0] = '\0';
     }
 }

@@ -12,7 +12,7 @@ static void take_news(struct iso_appliance *appliance)
 {
     struct iso_fault fault = {.text = ""};
     int error = 0;
-    if (!iso_state_counter_take_news(appliance->parts.counter, &error, &fault)) {
+    if (!iso_state_counter_take_news(appliance->borrowed.counter, &error, &fault)) {
         return;
     }
     appliance->counter_fault = fault;
@@ -30,7 +30,7 @@ static void take_news(struct iso_appliance *appliance)
 /* A record brings a write of the anchor, and with it the number. It is asked for once. */
 static void follow_due(struct iso_appliance *appliance, int64_t now_ns)
 {
-    if (!iso_state_counter_is_due(appliance->parts.counter)) {
+    if (!iso_state_counter_is_due(appliance->borrowed.counter)) {
         appliance->counter_due = appliance->counter_noted = false;
     } else if (!appliance->counter_due) {
         appliance->counter_due = true;
@@ -44,7 +44,7 @@ static void follow_due(struct iso_appliance *appliance, int64_t now_ns)
 
 void iso__appliance_counter_time(struct iso_appliance *appliance, int64_t now_ns)
 {
-    if (appliance->parts.counter) {
+    if (appliance->borrowed.counter) {
         take_news(appliance);
         follow_due(appliance, now_ns);
     }

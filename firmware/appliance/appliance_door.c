@@ -22,7 +22,7 @@ static void post(struct iso_appliance *appliance, const char *reason, const char
     struct iso_audit_record record = iso_audit_record_of("door");
     record.reason = reason;
     record.note = note;
-    record.wall_ns = iso_times_wall_ns(&appliance->parts.times) - age_ns;
+    record.wall_ns = iso_times_wall_ns(&appliance->borrowed.times) - age_ns;
     record.monotonic_ns = iso__appliance_now_ns(appliance) - age_ns;
     (void)!iso_audit_writer_post(appliance->log, &record, NULL);
 }
@@ -43,7 +43,7 @@ static void record_folded(struct iso_appliance *appliance, bool ending)
 static void record_change(void *context, const struct iso_door_news *news)
 {
     struct iso_appliance *appliance = context;
-    const int64_t age_ns = iso_times_boot_ns(&appliance->parts.times) - news->t_ns;
+    const int64_t age_ns = iso_times_boot_ns(&appliance->borrowed.times) - news->t_ns;
     (void)pthread_mutex_lock(&appliance->recorded_mutex);
     record_folded(appliance, false);
     if (iso_door_events_take(&appliance->recorded, news,
@@ -55,7 +55,7 @@ static void record_change(void *context, const struct iso_door_news *news)
 
 static void tell_change(struct iso_appliance *appliance, const struct iso_door_news *news)
 {
-    const struct iso_appliance_events *events = &appliance->parts.events;
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
     const char *state = iso_door_state_name(news->state);
     const char *cause = iso_door_event_name(news->cause);
     char tag[ISO_FAULT_TAG_SIZE];
@@ -68,10 +68,10 @@ static void tell_change(struct iso_appliance *appliance, const struct iso_door_n
 /* Tells of changes that were folded: the door's state now is what clients need. */
 static void tell_folded(struct iso_appliance *appliance, bool ending)
 {
-    const struct iso_appliance_events *events = &appliance->parts.events;
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
     struct iso_door_burst burst;
-    while (
-        iso_door_events_next(&appliance->told, ending, iso__appliance_now_ns(appliance), &burst)) {
+    while (iso_door_events_next(&appliance->reported, ending, iso__appliance_now_ns(appliance),
+                                &burst)) {
         iso__appliance_say(appliance, LOG_WARNING, "door: %s", burst.text);
         events->door_changed(events->context, iso_door_state_name(burst.state),
                              iso_door_event_name(burst.cause));
@@ -96,7 +96,7 @@ int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance)
     (void)pthread_mutex_lock(&appliance->recorded_mutex);
     const int64_t record_ns = iso_door_events_due_ns(&appliance->recorded);
     (void)pthread_mutex_unlock(&appliance->recorded_mutex);
-    const int64_t tell_ns = iso_door_events_due_ns(&appliance->told);
+    const int64_t tell_ns = iso_door_events_due_ns(&appliance->reported);
     return record_ns < tell_ns ? record_ns : tell_ns;
 }
 
@@ -112,7 +112,7 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
             iso__appliance_say(appliance, LOG_WARNING, "%zu changes of the door were not told",
                                missed);
         }
-        if (iso_door_events_take(&appliance->told, &news, iso__appliance_now_ns(appliance))) {
+        if (iso_door_events_take(&appliance->reported, &news, iso__appliance_now_ns(appliance))) {
             tell_change(appliance, &news);
         }
     }
@@ -126,16 +126,16 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
 
 int iso__appliance_new_door(struct iso_appliance *appliance)
 {
-    const struct iso_appliance_parts *parts = &appliance->parts;
+    const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     const struct iso_door_guard_options options = iso_door_options_of(
-        &parts->config->door, &parts->times, parts->door_io, parts->threads);
-    appliance->door = parts->door;
-    return parts->door ? 0 : iso_door_guard_new(&options, &appliance->door);
+        &borrowed->config->door, &borrowed->times, borrowed->door_io, borrowed->threads);
+    appliance->door = borrowed->door;
+    return borrowed->door ? 0 : iso_door_guard_new(&options, &appliance->door);
 }
 
 void iso__appliance_free_door(struct iso_appliance *appliance)
 {
-    if (appliance->parts.door) {
+    if (appliance->borrowed.door) {
         iso_door_guard_detach(appliance->door);
     } else {
         iso_door_guard_free(appliance->door);
@@ -156,7 +156,7 @@ static void record_missing(struct iso_appliance *appliance, size_t n)
 
 int iso__appliance_start_door(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const int error = appliance->parts.door ? 0 : iso_door_guard_start(appliance->door);
+    const int error = appliance->borrowed.door ? 0 : iso_door_guard_start(appliance->door);
     if (error) {
         return iso_fault_set(fault, error, "the door has no thread: %s", strerror(-error));
     }
@@ -186,7 +186,7 @@ void iso__appliance_refuse_at_door(struct iso_appliance *appliance)
 int iso__appliance_grant_at_door(struct iso_appliance *appliance, int64_t since_ns,
                                  enum iso_door_answer *answer)
 {
-    const int64_t stale_ns = appliance->parts.config->sensor.stale_ms * ISO_NS_PER_MS;
+    const int64_t stale_ns = appliance->borrowed.config->sensor.stale_ms * ISO_NS_PER_MS;
     const int64_t until_ns = since_ns + appliance->suspension.asleep_ns + stale_ns;
     const int error = iso_door_guard_grant(appliance->door, until_ns, answer);
     iso__appliance_tell_door(appliance);

@@ -15,7 +15,7 @@ static void forget_outcome(struct iso_appliance *appliance, const char *name)
 
 void iso__appliance_forget(struct iso_appliance *appliance, const char *name)
 {
-    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
+    const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     const bool idle = appliance->mode == ISO_APPLIANCE_WATCH ||
                       appliance->mode == ISO_APPLIANCE_CLAIMED;
     forget_outcome(appliance, name);

@@ -69,11 +69,11 @@ void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns)
 /* The gallery's opinion of the template just extracted: 0, -ENODATA, or an error of the search. */
 static int compare(const struct iso_appliance *appliance, struct iso_decision_frame *out)
 {
-    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
-    struct iso_gallery *gallery = appliance->parts.gallery;
-    const struct iso_candidates among = appliance->mode == ISO_APPLIANCE_VERIFY
-                                            ? iso_gallery_only(gallery, appliance->person.id)
-                                            : iso_gallery_everybody(gallery);
+    const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
+    struct iso_gallery *gallery = appliance->borrowed.gallery;
+    const struct iso_candidate_list among = appliance->mode == ISO_APPLIANCE_VERIFY
+                                                ? iso_gallery_only(gallery, appliance->person.id)
+                                                : iso_gallery_everybody(gallery);
     struct iso_search_hit hits[2];
     int n = 0;
     const int error = pipeline->ops->search(pipeline->self, &among, &appliance->extraction.tmpl,
@@ -160,8 +160,8 @@ static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, i
 
 static int extract(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
-    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
-    const int error = pipeline->ops->extract(pipeline->self, frame, appliance->keeper.model,
+    const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
+    const int error = pipeline->ops->extract(pipeline->self, frame, appliance->supervisor.model,
                                              &appliance->extraction);
     if (error) {
         struct iso_fault fault;
@@ -231,7 +231,7 @@ static bool may_hint(const struct iso_appliance *appliance, enum iso_capture cap
 /* The interval between hints is the person's time, not the frames', of which some are late. */
 static void give_hint(struct iso_appliance *appliance, enum iso_capture capture)
 {
-    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     const enum iso_capture vote = may_hint(appliance, capture) ? capture : ISO_CAPTURE_OK;
     const enum iso_capture hint = iso_hint_filter_frame(&appliance->hints, vote, now_ns);
     if (hint != ISO_CAPTURE_OK) {
@@ -248,7 +248,7 @@ static enum iso_capture tell_of(struct iso_appliance *appliance, const struct is
                                 enum iso_capture capture)
 {
     const bool moves = iso_scene_motion_feed(&appliance->scene_motion, frame,
-                                             appliance->parts.config->sensor.distance_max_mm,
+                                             appliance->borrowed.config->sensor.distance_max_mm,
                                              scene_quiet_ns);
 
     return capture == ISO_CAPTURE_NOT_A_FACE && !moves ? ISO_CAPTURE_NOBODY : capture;
@@ -257,8 +257,8 @@ static enum iso_capture tell_of(struct iso_appliance *appliance, const struct is
 /* Keeps what was seen for who asks, and tells it to who listens. */
 static void show(struct iso_appliance *appliance, enum iso_capture capture)
 {
-    const struct iso_appliance_events *events = &appliance->parts.events;
-    const int64_t now_ns = iso_times_now_ns(&appliance->parts.times);
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
+    const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     appliance->view = iso_view_of(&appliance->extraction, capture, &appliance->motion);
     if (appliance->aimed && now_ns - appliance->view_told_ns >= view_interval_ns) {
         appliance->view_told_ns = now_ns;
@@ -270,7 +270,7 @@ static void show(struct iso_appliance *appliance, enum iso_capture capture)
 /* Counts what the image said of the face. */
 static void note_image(struct iso_appliance *appliance)
 {
-    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
+    const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     if (appliance->decision.state == ISO_DECISION_IDLE) {
         appliance->image = (struct iso_image_tally){0};
     }
@@ -284,7 +284,7 @@ static void note_image(struct iso_appliance *appliance)
 static bool is_stale(struct iso_appliance *appliance, const struct iso_frame *frame,
                      int64_t arrival_ns)
 {
-    const int64_t stale_ns = appliance->parts.config->sensor.stale_ms * ISO_NS_PER_MS;
+    const int64_t stale_ns = appliance->borrowed.config->sensor.stale_ms * ISO_NS_PER_MS;
     struct iso_fault fault;
     if (frame->t_ns < appliance->suspension.awake_ns) {
         return true;
@@ -303,7 +303,7 @@ static bool is_stale(struct iso_appliance *appliance, const struct iso_frame *fr
  * must not agree with itself. (Some more of them are an attack, see is_lifeless.) */
 static bool is_echo(const struct iso_appliance *appliance)
 {
-    return appliance->parts.config->motion.frozen_frames > 0 && appliance->liveness.repeated > 0;
+    return appliance->borrowed.config->motion.frozen_frames > 0 && appliance->liveness.repeated > 0;
 }
 
 /* Whether a frame may count as evidence. Every usable one is remembered, whatever else speaks

@@ -15,8 +15,8 @@ static bool is_like(const struct iso_appliance *appliance,
                     const struct iso_template *own, int n)
 {
     struct iso_search_entry enrolled[ISO_GALLERY_TEMPLATES_MAX];
-    const struct iso_pipeline *pipeline = &appliance->parts.pipeline;
-    const struct iso_candidates among = {
+    const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
+    const struct iso_candidate_list among = {
         .entries = enrolled,
         .n_entries = iso_learning_enrolled(person, own, n, enrolled),
     };
@@ -41,7 +41,7 @@ static bool may_learn(const struct iso_appliance *appliance,
     if (!own) {
         return false;
     }
-    const int error = iso_gallery_templates(appliance->parts.gallery, person, own,
+    const int error = iso_gallery_templates(appliance->borrowed.gallery, person, own,
                                             ISO_GALLERY_TEMPLATES_MAX, &n, &fault);
     const bool like = !error && is_like(appliance, options, person, own, n);
     for (int i = 0; i < n; i++) {
@@ -54,7 +54,7 @@ static bool may_learn(const struct iso_appliance *appliance,
 /* What cannot be logged is not done. */
 static void keep(struct iso_appliance *appliance, const struct iso_verdict *verdict)
 {
-    struct iso_gallery *gallery = appliance->parts.gallery;
+    struct iso_gallery *gallery = appliance->borrowed.gallery;
     const struct iso_person *known = iso_gallery_find_id(gallery, verdict->person);
     struct iso_audit_record record = iso_audit_record_of("learn");
     struct iso_fault fault = {.text = ""};
@@ -83,7 +83,7 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
 
 void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verdict *verdict)
 {
-    const struct iso_config_update *config = &appliance->parts.config->update;
+    const struct iso_config_update *config = &appliance->borrowed.config->update;
     const struct iso_learning_options options = {config->templates, config->score};
     if (iso_learning_is_sure(&options, &appliance->decision, verdict) &&
         appliance->image.contradicted == 0 &&
@@ -98,10 +98,10 @@ void iso__appliance_unlearn(struct iso_appliance *appliance)
     size_t n = 0;
     char note[64];
     struct iso_fault fault = {.text = ""};
-    if (appliance->parts.config->update.templates > 0) {
+    if (appliance->borrowed.config->update.templates > 0) {
         return;
     }
-    if (iso_gallery_forget_learned(appliance->parts.gallery, &n, &fault)) {
+    if (iso_gallery_forget_learned(appliance->borrowed.gallery, &n, &fault)) {
         iso__appliance_say(appliance, LOG_ERR, "what was learned could not be forgotten: %s",
                            fault.text);
     } else if (n > 0) {

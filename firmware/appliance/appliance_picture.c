@@ -18,9 +18,9 @@ static int may_ask(const struct iso_appliance *appliance, struct iso_fault *faul
     if (appliance->picture_due) {
         return iso_fault_set(fault, -EBUSY, "the picture asked for before has still to come");
     }
-    if (!appliance->keeper.sensor) {
-        return iso_fault_set_code(fault, appliance->keeper.fault.code, -ENODEV, "%s",
-                                  appliance->keeper.fault.text);
+    if (!appliance->supervisor.sensor) {
+        return iso_fault_set_code(fault, appliance->supervisor.fault.code, -ENODEV, "%s",
+                                  appliance->supervisor.fault.text);
     }
     return 0;
 }
@@ -32,7 +32,7 @@ int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fau
     error = error ? error : iso__appliance_record_first(appliance, &record, fault);
     if (!error) {
         appliance->picture_due = true;
-        appliance->picture_end_ns = iso_times_now_ns(&appliance->parts.times) + patience_ns;
+        appliance->picture_end_ns = iso_times_now_ns(&appliance->borrowed.times) + patience_ns;
     }
     return error;
 }
@@ -40,7 +40,7 @@ int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fau
 /* Answers who waits, if somebody does. */
 static void answer(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
-    const struct iso_appliance_events *events = &appliance->parts.events;
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
     if (appliance->picture_due) {
         appliance->picture_due = false;
         events->picture(events->context, frame);

@@ -19,15 +19,16 @@ static bool is_unread(const struct iso_appliance *appliance)
 
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const struct iso_appliance_parts *parts = &appliance->parts;
+    const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     const struct iso_lockout_record record = iso_lockout_record_of(
         &appliance->lockout, iso__appliance_now_ns(appliance));
     if (is_unread(appliance)) {
         return iso_fault_set_code(fault, appliance->lockout_fault.code, -EIO, "%s",
                                   appliance->lockout_fault.text);
     }
-    return *parts->lockout_path ? iso_lockout_save(parts->lockout_path, parts->ring, &record, fault)
-                                : 0;
+    return *borrowed->lockout_path
+               ? iso_lockout_save(borrowed->lockout_path, borrowed->ring, &record, fault)
+               : 0;
 }
 
 /* What cannot be kept is still true until the next restart, and tried again until it can. */
@@ -53,9 +54,9 @@ static bool is_kept(const struct iso_appliance *appliance)
 {
     const struct iso_lockout_record wanted = iso_lockout_record_of(
         &appliance->lockout, iso__appliance_now_ns(appliance));
-    const struct iso_appliance_parts *parts = &appliance->parts;
+    const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     struct iso_lockout_file file;
-    if (iso_lockout_read(parts->lockout_path, parts->ring, &file, NULL)) {
+    if (iso_lockout_read(borrowed->lockout_path, borrowed->ring, &file, NULL)) {
         return false;
     }
     const struct iso_lockout_record found = file.record;
@@ -95,20 +96,20 @@ static void suspect(struct iso_appliance *appliance, int error, const struct iso
 static int load(const struct iso_appliance *appliance, struct iso_lockout_file *out,
                 struct iso_fault *fault)
 {
-    const struct iso_appliance_parts *parts = &appliance->parts;
+    const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     struct iso_lockout_file file = {.number = 0};
-    if (!*parts->lockout_path) {
+    if (!*borrowed->lockout_path) {
         *out = file;
         return 0;
     }
-    const int error = iso_lockout_load(parts->lockout_path, parts->ring, &file, fault);
+    const int error = iso_lockout_load(borrowed->lockout_path, borrowed->ring, &file, fault);
     if (error && error != -ENOENT) {
         return error;
     }
-    if (!error && file.number == 0 && !parts->config->seal.migrate) {
+    if (!error && file.number == 0 && !borrowed->config->seal.migrate) {
         return iso_fault_set_code(fault, ISO_FAULT_STORE_UNSEALED, -ESTALE,
                                   "%s: not sealed, which [seal] migrate = no does not take",
-                                  parts->lockout_path);
+                                  borrowed->lockout_path);
     }
     *out = file;
     return 0;
@@ -173,7 +174,7 @@ static void read_file(struct iso_appliance *appliance)
     }
     appliance->lockout_read_ns = ISO_NEVER_NS;
     if (!error && again) {
-        error = iso_heads_check(iso_key_ring_board(appliance->parts.ring), &fault);
+        error = iso_heads_check(iso_key_ring_board(appliance->borrowed.ring), &fault);
     }
     if (error) {
         suspect(appliance, error, &fault);
@@ -189,7 +190,7 @@ static void read_file(struct iso_appliance *appliance)
 
 void iso__appliance_start_lockout(struct iso_appliance *appliance)
 {
-    const struct iso_config_lockout *config = &appliance->parts.config->lockout;
+    const struct iso_config_lockout *config = &appliance->borrowed.config->lockout;
     const struct iso_lockout_options options = {
         .failures = config->failures,
         .attacks = config->attacks,
@@ -200,8 +201,8 @@ void iso__appliance_start_lockout(struct iso_appliance *appliance)
     iso_lockout_init(&appliance->lockout, &options);
     appliance->lockout_save_ns = ISO_NEVER_NS;
     appliance->lockout_read_ns = ISO_NEVER_NS;
-    if (!appliance->parts.lockout_path) {
-        appliance->parts.lockout_path = "";
+    if (!appliance->borrowed.lockout_path) {
+        appliance->borrowed.lockout_path = "";
     }
     read_file(appliance);
 }
@@ -215,8 +216,8 @@ static enum iso_reason refusal_of(const struct iso_appliance *appliance)
 {
     return is_locked(appliance)   ? iso_lockout_refusal(&appliance->lockout)
            : is_unread(appliance) ? ISO_REASON_NO_LOCKOUT
-           : iso_gallery_state(appliance->parts.gallery, NULL) ? ISO_REASON_NO_GALLERY
-                                                               : ISO_REASON_NONE;
+           : iso_gallery_state(appliance->borrowed.gallery, NULL) ? ISO_REASON_NO_GALLERY
+                                                                  : ISO_REASON_NONE;
 }
 
 bool iso__appliance_is_shut(const struct iso_appliance *appliance)

@@ -15,18 +15,18 @@ static void record(struct iso_appliance *appliance, const char *reason, const ch
 
 static void tell_stuck(struct iso_appliance *appliance)
 {
-    struct iso_sensor_keeper *keeper = &appliance->keeper;
-    (void)iso_fault_set_code(&keeper->fault, ISO_FAULT_SENSOR_REPEATS, -EBADMSG,
+    struct iso_sensor_supervisor *supervisor = &appliance->supervisor;
+    (void)iso_fault_set_code(&supervisor->fault, ISO_FAULT_SENSOR_REPEATS, -EBADMSG,
                              "sensor %s: its frames repeat earlier ones, they count for nothing",
-                             keeper->model);
-    iso__appliance_warn(appliance, &keeper->fault);
-    record(appliance, "repeats", keeper->fault.text);
+                             supervisor->model);
+    iso__appliance_warn(appliance, &supervisor->fault);
+    record(appliance, "repeats", supervisor->fault.text);
 }
 
 static void tell_free(struct iso_appliance *appliance)
 {
     iso__appliance_say(appliance, LOG_NOTICE, "sensor %s: its frames are new again",
-                       appliance->keeper.model);
+                       appliance->supervisor.model);
     record(appliance, "started", "its frames are new again");
 }
 
@@ -35,8 +35,8 @@ bool iso__appliance_repeats(struct iso_appliance *appliance, const struct iso_fr
     const struct iso_fingerprint print = iso_fingerprint_of(
         frame, appliance->extraction.camera_from_face.translation_mm);
     const bool known = iso_frame_memory_repeats(appliance->shown, &print,
-                                                iso_times_now_ns(&appliance->parts.times));
-    const bool repeats = known && !appliance->keeper.repeats;
+                                                iso_times_now_ns(&appliance->borrowed.times));
+    const bool repeats = known && !appliance->supervisor.repeats;
     if (iso_repeat_watch_take(&appliance->repeats, repeats)) {
         if (appliance->repeats.stuck) {
             tell_stuck(appliance);

@@ -14,10 +14,10 @@ static void judge(struct iso_appliance *appliance)
 
 void iso__appliance_stale_sensor(struct iso_appliance *appliance)
 {
-    const struct iso_config *config = appliance->parts.config;
+    const struct iso_config *config = appliance->borrowed.config;
     struct iso_stale_budget *budget = &appliance->stale_budget;
     struct iso_sensor_description description;
-    const int error = iso_sensor_describe(appliance->keeper.sensor, &description);
+    const int error = iso_sensor_describe(appliance->supervisor.sensor, &description);
     budget->stale_ns = config->sensor.stale_ms * ISO_NS_PER_MS;
     budget->agree = config->decision.agree;
     budget->rate_hz = error ? 0 : description.rate_hz;
@@ -27,7 +27,7 @@ void iso__appliance_stale_sensor(struct iso_appliance *appliance)
 
 void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
-    const int64_t took_ns = iso_times_now_ns(&appliance->parts.times) - frame->t_ns;
+    const int64_t took_ns = iso_times_now_ns(&appliance->borrowed.times) - frame->t_ns;
     iso_stale_budget_measure(&appliance->stale_budget, took_ns);
     judge(appliance);
 }

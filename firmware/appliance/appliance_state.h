@@ -23,14 +23,14 @@
 #include "firmware/visit/suspension.h"
 
 struct iso_appliance {
-    struct iso_appliance_parts parts;
-    struct iso_sensor_keeper keeper;
+    struct iso_appliance_borrowed borrowed;
+    struct iso_sensor_supervisor supervisor;
     int64_t look_due_ns; /* when the sensor has to be looked at next; ISO_NEVER_NS: not known */
     bool blind;          /* the door is at fault because the sensor sees nothing */
     struct iso_door_guard *door;
     pthread_mutex_t recorded_mutex;  /* of `recorded`, which the door's thread has, too */
     struct iso_door_events recorded; /* changes of the door as they are put on record */
-    struct iso_door_events told;     /* the same as people are told of them */
+    struct iso_door_events reported; /* the same as people see them */
     struct iso_audit_writer *log;
     int log_error; /* of the last posted record, as far as is known */
     struct iso_suspension suspension;
@@ -263,7 +263,7 @@ size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
 
 static inline int64_t iso__appliance_now_ns(const struct iso_appliance *appliance)
 {
-    return iso_times_now_ns(&appliance->parts.times);
+    return iso_times_now_ns(&appliance->borrowed.times);
 }
 
 /* ---- lock-out and lockdown (appliance_refusal.c) ---- */

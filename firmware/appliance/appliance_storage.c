@@ -25,7 +25,7 @@ const struct iso_fault *iso__appliance_storage_fault(const struct iso_appliance 
 
 void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)
 {
-    struct iso_gallery *gallery = appliance->parts.gallery;
+    struct iso_gallery *gallery = appliance->borrowed.gallery;
     struct iso_fault fault = {.text = ""};
     if (!iso_gallery_state(gallery, &fault)) {
         appliance->gallery_retry_ns = ISO_NEVER_NS;

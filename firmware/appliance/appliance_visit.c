@@ -26,9 +26,9 @@ double iso__appliance_threshold(const struct iso_appliance *appliance)
 {
     size_t n_people = 1;
     if (appliance->mode != ISO_APPLIANCE_VERIFY) {
-        (void)iso_gallery_people(appliance->parts.gallery, &n_people);
+        (void)iso_gallery_people(appliance->borrowed.gallery, &n_people);
     }
-    return iso_config_threshold_among(appliance->parts.config, n_people);
+    return iso_config_threshold_among(appliance->borrowed.config, n_people);
 }
 
 static bool is_valid_at(const struct iso_appliance *appliance, const struct iso_person *person,
@@ -44,7 +44,7 @@ static bool is_valid_at(const struct iso_appliance *appliance, const struct iso_
 
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person_id)
 {
-    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, person_id);
+    const struct iso_person *person = iso_gallery_find_id(appliance->borrowed.gallery, person_id);
     return person && is_valid_at(appliance, person, iso__appliance_date_s(appliance));
 }
 
@@ -52,7 +52,7 @@ size_t iso__appliance_count_valid(const struct iso_appliance *appliance)
 {
     const int64_t now_s = iso__appliance_date_s(appliance);
     size_t n = 0, valid = 0;
-    const struct iso_person *people = iso_gallery_people(appliance->parts.gallery, &n);
+    const struct iso_person *people = iso_gallery_people(appliance->borrowed.gallery, &n);
     for (size_t i = 0; i < n; i++) {
         valid += is_valid_at(appliance, &people[i], now_s);
     }
@@ -125,8 +125,9 @@ static void note_answer(struct iso_appliance *appliance, struct iso_visit *visit
  * gallery with two spellings of one name, the file's spelling says who of the two is meant. */
 static const struct iso_card *card_of(const struct iso_appliance *appliance, const char *person)
 {
-    const struct iso_card *card = iso_cards_find(appliance->parts.cards, person);
-    const struct iso_person *owner = card ? iso_gallery_find(appliance->parts.gallery, card->person)
+    const struct iso_card *card = iso_cards_find(appliance->borrowed.cards, person);
+    const struct iso_person *owner = card ? iso_gallery_find(appliance->borrowed.gallery,
+                                                             card->person)
                                           : NULL;
     return owner && strcmp(owner->name, person) == 0 ? card : NULL;
 }
@@ -154,7 +155,7 @@ static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
     } else {
         iso__appliance_warn(appliance, fault);
     }
-    if (!iso_config_has_relay(appliance->parts.config)) {
+    if (!iso_config_has_relay(appliance->borrowed.config)) {
         visit->door = ISO_DOOR_DID_NOT_UNLOCK;
         visit->door_fault = fault->text;
     }
@@ -167,7 +168,7 @@ static enum iso_reason open_door(struct iso_appliance *appliance, struct iso_vis
         return ISO_REASON_STALE;
     }
     note_answer(appliance, visit);
-    if (appliance->parts.cards) {
+    if (appliance->borrowed.cards) {
         send_card(appliance, visit);
     }
     return ISO_REASON_NONE;
@@ -223,18 +224,19 @@ static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *
                        iso_plural((uint64_t)verdict->frames, "frame", "frames"),
                        (long long)(visit->latency_ns / ISO_NS_PER_MS), *answer ? ", door " : "",
                        answer, *visit->door_fault ? ": " : "", visit->door_fault);
-    appliance->parts.events.visit(appliance->parts.events.context, visit);
+    appliance->borrowed.events.visit(appliance->borrowed.events.context, visit);
 }
 
 void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict)
 {
-    const struct iso_person *person = iso_gallery_find_id(appliance->parts.gallery, verdict.person);
+    const struct iso_person *person = iso_gallery_find_id(appliance->borrowed.gallery,
+                                                          verdict.person);
     struct iso_visit visit = {
         .verdict = verdict,
         .door_fault = "",
         .person = person ? person->name : "",
         .threshold = iso__appliance_threshold(appliance),
-        .latency_ns = iso_times_now_ns(&appliance->parts.times) - appliance->arrival_ns,
+        .latency_ns = iso_times_now_ns(&appliance->borrowed.times) - appliance->arrival_ns,
     };
     if (verdict.allow) {
         let_in(appliance, &visit);

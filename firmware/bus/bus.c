@@ -125,7 +125,7 @@ static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out
     if (!sd_bus_message_is_method_call(message, NULL, NULL)) {
         return 0;
     }
-    if (sender && iso_call_rate_take(&bus->rate, sender, iso_times_now_ns(&bus->parts->times))) {
+    if (sender && iso_call_rate_take(&bus->rate, sender, iso_times_now_ns(&bus->borrowed->times))) {
         return 0;
     }
     const int r = sd_bus_reply_method_errorf(message, ISO_CONTRACT_ERROR_TOO_MANY_CALLS,
@@ -144,12 +144,13 @@ static int attach(struct iso_bus *bus)
 }
 
 int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
-                  const struct iso_appliance_parts *parts, sd_event *event, struct iso_fault *fault)
+                  const struct iso_appliance_borrowed *borrowed, sd_event *event,
+                  struct iso_fault *fault)
 {
     bus->appliance = appliance;
-    bus->parts = parts;
+    bus->borrowed = borrowed;
     bus->event = event;
-    iso_call_rate_init(&bus->rate, iso_times_now_ns(&parts->times));
+    iso_call_rate_init(&bus->rate, iso_times_now_ns(&borrowed->times));
     int r = attach(bus);
     if (r < 0) {
         return iso_fault_set_code(fault, ISO_FAULT_BUS_REFUSED, r, "bus: %s", strerror(-r));

@@ -33,11 +33,11 @@ struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
                                            void (*message)(void *context, int priority,
                                                            const char *text));
 
-/* Offers the appliance, which is made of these parts, under the name of the contract, from within
+/* Offers the appliance, which uses these components, under the name of the contract, from within
  * an event loop. Both must outlive the bus. -EEXIST: the name is taken. */
 int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
-                  const struct iso_appliance_parts *parts, sd_event *event, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+                  const struct iso_appliance_borrowed *borrowed, sd_event *event,
+                  struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* The connection is lost. Nobody is served, and nothing waits for it: the appliance goes on. */
 bool iso_bus_is_gone(const struct iso_bus *bus);

@@ -160,7 +160,7 @@ int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out)
     const struct iso_bus *bus = context;
     char address[ISO_TRANSFER_ADDRESS_SIZE];
     (void)out;
-    iso_transfer_address(bus->parts->ring, address);
+    iso_transfer_address(bus->borrowed->ring, address);
     return sd_bus_reply_method_return(call, "s", address);
 }
 

@@ -157,8 +157,8 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
     }
     r = iso_appliance_enroll(bus->appliance, &request, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault)
-                 : iso__bus_reply_enrolment(call,
-                                            iso_gallery_find(bus->parts->gallery, request.person));
+                 : iso__bus_reply_enrolment(
+                       call, iso_gallery_find(bus->borrowed->gallery, request.person));
 }
 
 static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)
@@ -244,12 +244,12 @@ static int on_list_people(sd_bus_message *call, void *context, sd_bus_error *out
     const struct iso_bus *bus = context;
     sd_bus_message *reply = NULL;
     struct iso_fault fault = {.text = ""};
-    int r = iso_gallery_state(bus->parts->gallery, &fault);
+    int r = iso_gallery_state(bus->borrowed->gallery, &fault);
     if (r < 0) {
         return iso__bus_refuse(out, r, &fault);
     }
     r = sd_bus_message_new_method_return(call, &reply);
-    return send_reply(reply, r < 0 ? r : append_people(reply, bus->parts->gallery));
+    return send_reply(reply, r < 0 ? r : append_people(reply, bus->borrowed->gallery));
 }
 
 static int on_delete_person(sd_bus_message *call, void *context, sd_bus_error *out)

@@ -77,7 +77,7 @@ int iso__bus_set_validity(sd_bus_message *call, void *context, sd_bus_error *out
     if (r < 0) {
         return iso__bus_refuse(out, r, &fault);
     }
-    const struct iso_person *known = iso_gallery_find(bus->parts->gallery, person);
+    const struct iso_person *known = iso_gallery_find(bus->borrowed->gallery, person);
     return sd_bus_reply_method_return(call, "sxx", known->name, known->valid_from_s,
                                       known->valid_until_s);
 }

@@ -9,7 +9,7 @@ static const int64_t interval_ns = 500 * ISO_NS_PER_MS;
 static void on_step(void *context, uint64_t done, uint64_t total)
 {
     struct iso__bus_progress *progress = context;
-    const int64_t now_ns = iso_times_now_ns(&progress->bus->parts->times);
+    const int64_t now_ns = iso_times_now_ns(&progress->bus->borrowed->times);
     sd_bus_message *signal = NULL;
     if (now_ns - progress->sent_ns < interval_ns) {
         return;
@@ -26,7 +26,7 @@ struct iso_work_listener iso__bus_report_progress(struct iso__bus_progress *prog
     *progress = (struct iso__bus_progress){
         .bus = bus,
         .caller = sd_bus_message_get_sender(call),
-        .sent_ns = iso_times_now_ns(&bus->parts->times),
+        .sent_ns = iso_times_now_ns(&bus->borrowed->times),
     };
     return (struct iso_work_listener){on_step, progress};
 }

@@ -20,7 +20,7 @@ struct iso_bus {
     bool gone, serving;      /* serving: the name is ours */
     struct iso_call_rate rate;
     struct iso_appliance *appliance;
-    const struct iso_appliance_parts *parts;
+    const struct iso_appliance_borrowed *borrowed;
 };
 
 /* Methods and signals of the contract (bus_methods.c); the context is a struct iso_bus. */

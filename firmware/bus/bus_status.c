@@ -68,7 +68,7 @@ static void list_device(const struct iso_sensor_device *device, void *context)
 static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool sensor_runs)
 {
     struct device_list list = {.code = ISO_FAULT_NONE};
-    const char *back_end = bus->parts->config->sensor.backend;
+    const char *back_end = bus->borrowed->config->sensor.backend;
     if ((sensor_runs || iso_sensor_probes_at_once(back_end)) &&
         iso_sensor_probe(back_end, list_device, &list, NULL)) {
         list = (struct device_list){.code = ISO_FAULT_NONE}; /* it cannot tell */
@@ -101,7 +101,7 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size
 {
     size_t n = 0;
     uint32_t templates = 0, usable = 0;
-    const struct iso_person *people = iso_gallery_people(bus->parts->gallery, &n);
+    const struct iso_person *people = iso_gallery_people(bus->borrowed->gallery, &n);
     for (size_t i = 0; i < n; i++) {
         templates += people[i].templates;
         usable += people[i].usable;
@@ -110,12 +110,12 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "people-valid", "u", (uint32_t)valid);
     r = r < 0 ? r
               : sd_bus_message_append(reply, "{sv}", "threshold", "d",
-                                      iso_config_threshold_among(bus->parts->config, n));
+                                      iso_config_threshold_among(bus->borrowed->config, n));
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates", "u", templates);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates-usable", "u", usable);
     return r < 0 ? r
                  : sd_bus_message_append(reply, "{sv}", "capacity", "u",
-                                         (uint32_t)bus->parts->config->gallery.capacity);
+                                         (uint32_t)bus->borrowed->config->gallery.capacity);
 }
 
 static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
@@ -125,7 +125,7 @@ static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
         const char *key, *value;
     } texts[] = {
         {"version", ISOTHERM_VERSION},
-        {"sensor", bus->parts->config->sensor.backend},
+        {"sensor", bus->borrowed->config->sensor.backend},
         {"sensor-model", status->sensor_model},
         {"sensor-state", status->sensor_state},
         {"sensor-calibration", status->sensor_calibration},
@@ -135,7 +135,7 @@ static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
         {"storage-fault", status->storage_fault},
         {"counter-fault", status->counter_fault},
         {"sensor-health", status->sensor_health},
-        {"door", bus->parts->config->door.backend},
+        {"door", bus->borrowed->config->door.backend},
         {"door-fault", status->door_fault},
         {"door-state", iso_door_state_name(status->door)},
         {"mode", iso_appliance_mode_name(status->mode)},
@@ -196,7 +196,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     r = r < 0 ? r : append_texts(reply, bus, &status);
     r = r < 0 ? r : append_codes(reply, &status);
     r = r < 0 ? r : append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
-    r = r < 0 ? r : append_lines(reply, &bus->parts->config->door.options);
+    r = r < 0 ? r : append_lines(reply, &bus->borrowed->config->door.options);
     r = r < 0 ? r : append_gallery(reply, bus, status.people_valid);
     r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
     r = r < 0 ? r : append_checksum(reply, "model", status.model);

@@ -15,9 +15,9 @@
 
 #include "firmware/bus/bus.h"
 #include "firmware/contract/fault_tag.h"
+#include "firmware/daemon/components.h"
 #include "firmware/daemon/confine.h"
 #include "firmware/daemon/life_sign.h"
-#include "firmware/daemon/parts.h"
 #include "firmware/keys/stack_wipe.h"
 
 /* Wakes up the event loop when one of these can be read; it does nothing else. */
@@ -32,8 +32,8 @@ static const int64_t bus_retry_ns = 200 * ISO_NS_PER_MS, bus_retry_max_ns = 10 *
 struct daemon {
     sd_event *event;
     struct iso_bus *bus;
-    struct iso_parts *parts;
-    struct iso_appliance_parts lent;
+    struct iso_components *components;
+    struct iso_appliance_borrowed lent;
     struct iso_appliance *appliance;
     struct watched_fd sensor, door;
     bool quit;
@@ -166,11 +166,11 @@ static int start_life_sign(struct daemon *daemon, struct iso_fault *fault)
 static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
 {
     const struct iso_appliance_events events = iso_bus_events(daemon->bus, on_message);
-    int error = iso_parts_begin_counter(daemon->parts, true, fault);
+    int error = iso_components_begin_counter(daemon->components, true, fault);
     if (error) {
         return error;
     }
-    daemon->lent = iso_parts_lend(daemon->parts, &events);
+    daemon->lent = iso_components_lend(daemon->components, &events);
     error = iso_appliance_new(&daemon->lent, &daemon->appliance);
     return error ? fail(error, "appliance", fault) : iso_appliance_start(daemon->appliance, fault);
 }
@@ -229,7 +229,7 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
     const struct iso_times times = iso_times_system();
     int error = prepare_process(daemon, fault);
     if (!error) {
-        error = iso_parts_load_modules(config, fault);
+        error = iso_components_load_modules(config, fault);
     }
     if (!error) {
         error = confine_files(daemon, config, fault);
@@ -241,7 +241,7 @@ static int set_up(struct daemon *daemon, const struct iso_config *config, struct
         error = start_life_sign(daemon, fault);
     }
     if (!error) {
-        error = iso_parts_open(config, &times, true, &daemon->parts, fault);
+        error = iso_components_open(config, &times, true, &daemon->components, fault);
     }
     if (!error) {
         error = iso_bus_open(config->bus.address, &daemon->bus, fault);
@@ -326,7 +326,7 @@ static int64_t mend_bus(struct daemon *daemon, int64_t now_ns)
 /* Waits until something happens or the appliance has something to do. */
 static int wait_until(struct daemon *daemon, int64_t wake_ns, struct iso_fault *fault)
 {
-    const int64_t now_ns = iso_times_now_ns(&daemon->parts->times);
+    const int64_t now_ns = iso_times_now_ns(&daemon->components->times);
     uint64_t timeout_us = UINT64_MAX;
     if (wake_ns != ISO_NEVER_NS) {
         timeout_us = wake_ns > now_ns ? (uint64_t)(wake_ns - now_ns + 999) / 1000 : 0;
@@ -339,10 +339,10 @@ static int loop(struct daemon *daemon, struct iso_fault *fault)
 {
     while (!daemon->quit) {
         const int64_t step_ns = iso_appliance_step(daemon->appliance);
-        const int64_t mend_ns = mend_bus(daemon, iso_times_now_ns(&daemon->parts->times));
+        const int64_t mend_ns = mend_bus(daemon, iso_times_now_ns(&daemon->components->times));
         watch(daemon, &daemon->sensor, iso_appliance_sensor_fd(daemon->appliance));
         watch(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
-        tell_service_manager(daemon, iso_times_now_ns(&daemon->parts->times));
+        tell_service_manager(daemon, iso_times_now_ns(&daemon->components->times));
         const int error = wait_until(daemon, step_ns < mend_ns ? step_ns : mend_ns, fault);
         iso_stack_wipe();
         if (error) {
@@ -352,9 +352,9 @@ static int loop(struct daemon *daemon, struct iso_fault *fault)
     return 0;
 }
 
-static void warn_of_key(const struct iso_config *config, const struct iso_parts *parts)
+static void warn_of_key(const struct iso_config *config, const struct iso_components *components)
 {
-    if (!iso_key_ring_has_credential(parts->ring) && !*config->seal.key) {
+    if (!iso_key_ring_has_credential(components->ring) && !*config->seal.key) {
         iso_daemon_say(LOG_WARNING,
                        "the key lies beside the gallery, who copies both can read it: see KEYS in "
                        "isothermd(8)");
@@ -370,7 +370,7 @@ static void tear_down(struct daemon *daemon)
     watch(daemon, &daemon->door, -1);
     iso_bus_close(daemon->bus);
     iso_appliance_free(daemon->appliance);
-    iso_parts_close(daemon->parts);
+    iso_components_close(daemon->components);
     iso_life_sign_free(daemon->life);
     sd_event_unref(daemon->event);
     free(daemon->room);
@@ -380,9 +380,9 @@ static void tear_down(struct daemon *daemon)
 int iso_daemon_check(const struct iso_config *config, struct iso_fault *fault)
 {
     const struct iso_times times = iso_times_system();
-    int error = iso_parts_load_modules(config, fault);
+    int error = iso_components_load_modules(config, fault);
     error = error ? error : iso_bus_check_address(config->bus.address, fault);
-    return error ? error : iso_parts_check(config, &times, fault);
+    return error ? error : iso_components_check(config, &times, fault);
 }
 
 int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
@@ -390,7 +390,7 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
     struct daemon daemon = {.sensor.fd = -1, .door.fd = -1};
     int error = set_up(&daemon, config, fault);
     if (!error) {
-        warn_of_key(config, daemon.parts);
+        warn_of_key(config, daemon.components);
         say_what_is_open(&daemon);
         iso_daemon_say(LOG_INFO, "ready");
         iso_life_sign_enter(daemon.life, ISO_LIFE_RUNNING);

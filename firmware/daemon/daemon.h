@@ -13,7 +13,7 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
 
 /* Whether iso_daemon_run would start with this configuration, as far as that can be told without
  * devices, without the bus and without what the stores hold: asks what the start asks first. Errors
- * of iso_parts_check; -EINVAL an address of no bus. */
+ * of iso_components_check; -EINVAL an address of no bus. */
 int iso_daemon_check(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -14,8 +14,8 @@
 #include "firmware/bus/device_list.h"
 #include "firmware/config/config.h"
 #include "firmware/contract/fault_tag.h"
+#include "firmware/daemon/components.h"
 #include "firmware/daemon/daemon.h"
-#include "firmware/daemon/parts.h"
 
 /* As of every program of the project; see isothermd(8). */
 enum { EXIT_OK = 0, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
@@ -160,11 +160,11 @@ static int run(const struct arguments *arguments)
     if (!error && arguments->check_config) {
         error = check(arguments->config, &config, &fault);
     } else if (!error && arguments->rest_door) {
-        error = iso_parts_rest_door(&config, &times, &fault);
+        error = iso_components_rest_door(&config, &times, &fault);
     } else if (!error && arguments->print_log) {
-        error = iso_parts_print_log(&config, &times, stdout, &fault);
+        error = iso_components_print_log(&config, &times, stdout, &fault);
     } else if (!error && arguments->accept_state) {
-        error = iso_parts_accept(&config, &times, stdout, &fault);
+        error = iso_components_accept(&config, &times, stdout, &fault);
     } else if (!error) {
         error = iso_daemon_run(&config, &fault);
     }

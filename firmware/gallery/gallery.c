@@ -421,40 +421,40 @@ const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, 
     return iso__gallery_is_lost(gallery) ? NULL : iso_gallery_memory_find(&gallery->memory, id);
 }
 
-static int open_templates(void *keeper, int64_t person, struct iso_template *out, int capacity,
+static int open_templates(void *owner, int64_t person, struct iso_template *out, int capacity,
                           int *n, struct iso_fault *fault)
 {
-    return iso_gallery_templates(keeper, person, out, capacity, n, fault);
+    return iso_gallery_templates(owner, person, out, capacity, n, fault);
 }
 
-struct iso_candidates iso_gallery_everybody(struct iso_gallery *gallery)
+struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery)
 {
     if (iso__gallery_is_lost(gallery)) {
-        return (struct iso_candidates){0};
+        return (struct iso_candidate_list){0};
     }
-    return (struct iso_candidates){
+    return (struct iso_candidate_list){
         .entries = gallery->memory.entries,
         .n_entries = (int)gallery->memory.n_entries,
         .index = gallery->memory.index,
         .templates = open_templates,
-        .keeper = gallery,
+        .owner = gallery,
         .version = iso_gallery_version(gallery).changes,
     };
 }
 
-struct iso_candidates iso_gallery_only(struct iso_gallery *gallery, int64_t person)
+struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t person)
 {
     const struct iso_gallery_memory *memory = &gallery->memory;
     struct iso_metric_vector vector;
     if (iso__gallery_is_lost(gallery)) {
-        return (struct iso_candidates){0};
+        return (struct iso_candidate_list){0};
     }
     if (memory->index) {
         const int error = iso_index_find(memory->index, person, &vector);
         sodium_memzero(&vector, sizeof vector);
-        struct iso_candidates own = iso_gallery_everybody(gallery);
+        struct iso_candidate_list own = iso_gallery_everybody(gallery);
         own.person = person;
-        return error ? (struct iso_candidates){0} : own;
+        return error ? (struct iso_candidate_list){0} : own;
     }
     size_t first = 0, end;
     while (first < memory->n_entries && memory->entries[first].person != person) {
@@ -464,9 +464,9 @@ struct iso_candidates iso_gallery_only(struct iso_gallery *gallery, int64_t pers
     while (end < memory->n_entries && memory->entries[end].person == person) {
         end++;
     }
-    return first == end ? (struct iso_candidates){0}
-                        : (struct iso_candidates){.entries = memory->entries + first,
-                                                  .n_entries = (int)(end - first)};
+    return first == end ? (struct iso_candidate_list){0}
+                        : (struct iso_candidate_list){.entries = memory->entries + first,
+                                                      .n_entries = (int)(end - first)};
 }
 
 struct fetching {

@@ -39,7 +39,7 @@
 #include "firmware/contract/person_name.h"
 #include "firmware/contract/validity.h"
 #include "firmware/contract/work_listener.h"
-#include "firmware/gallery/candidates.h"
+#include "firmware/gallery/candidate_list.h"
 #include "firmware/keys/key_ring.h"
 
 enum {
@@ -192,8 +192,8 @@ const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, 
 
 /* Whom a search looks at: by their usable templates, or with a metric by an index of them. Who has
  * no usable template is not among them. */
-struct iso_candidates iso_gallery_everybody(struct iso_gallery *gallery);
-struct iso_candidates iso_gallery_only(struct iso_gallery *gallery, int64_t person);
+struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery);
+struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t person);
 
 /* The usable templates of one person, opened from the database: at most `capacity` of them, which
  * the caller wipes. Some 0.1 ms a template. -ENOENT nobody has this number; -EBADMSG a record is

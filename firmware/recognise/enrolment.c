@@ -19,7 +19,7 @@ void iso_enrolment_begin(struct iso_enrolment *enrolment,
 
 /* The best score of a probe among these; -INFINITY if there is nobody, or too few points for a
  * comparison. */
-static int best_score(const struct iso_pipeline *pipeline, const struct iso_candidates *among,
+static int best_score(const struct iso_pipeline *pipeline, const struct iso_candidate_list *among,
                       const struct iso_template *probe, double *out)
 {
     struct iso_search_hit hit;
@@ -39,7 +39,7 @@ static int lowest_score(const struct iso_enrolment *enrolment, const struct iso_
     double lowest = INFINITY;
     for (int i = 0; i < enrolment->stage; i++) {
         const struct iso_search_entry entry = {.person = 1, .tmpl = &enrolment->frames[i]};
-        const struct iso_candidates before = {.entries = &entry, .n_entries = 1};
+        const struct iso_candidate_list before = {.entries = &entry, .n_entries = 1};
         double score = 0;
         const int error = best_score(pipeline, &before, frame, &score);
         if (error) {

@@ -49,8 +49,8 @@ struct iso_enrolment_options {
 
 /* Whom the new template is compared with. */
 struct iso_enrolment_gallery {
-    struct iso_candidates everybody, own; /* own: the person enrolled, alone */
-    int64_t person;                       /* who that is, if already known, else 0 */
+    struct iso_candidate_list everybody, own; /* own: the person enrolled, alone */
+    int64_t person;                           /* who that is, if already known, else 0 */
 };
 
 struct iso_enrolment {

@@ -7,14 +7,14 @@
 #include <string.h>
 
 #include "drivers/file/data_file.h"
-#include "firmware/recognise/second_look.h"
+#include "firmware/recognise/reranker.h"
 
 enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
 
 struct pipeline {
     struct iso_head_model *head;
-    struct iso_metric *metric;           /* NULL: by cohort */
-    struct iso_second_look *second_look; /* NULL: by cohort */
+    struct iso_metric *metric;     /* NULL: by cohort */
+    struct iso_reranker *reranker; /* NULL: by cohort */
     struct iso_cohort *cohort;
     struct iso_icp_workspace *registration; /* NULL: by metric */
     struct iso_extractor *extractor;
@@ -58,7 +58,7 @@ static int pipeline_extract(void *self, const struct iso_frame *frame, const cha
 }
 
 /* One person of an index: verification. */
-static int score_one(const struct pipeline *pipeline, const struct iso_candidates *among,
+static int score_one(const struct pipeline *pipeline, const struct iso_candidate_list *among,
                      const struct iso_metric_vector *probe, struct iso_search_hit *hits,
                      int capacity, int *n_hits)
 {
@@ -76,8 +76,8 @@ static int score_one(const struct pipeline *pipeline, const struct iso_candidate
     return 0;
 }
 
-/* The best by the metric, as many as are worth a second look, and the best of those. */
-static int search_index(const struct pipeline *pipeline, const struct iso_candidates *among,
+/* The best by the metric, then the best of those after reranking. */
+static int search_index(const struct pipeline *pipeline, const struct iso_candidate_list *among,
                         const struct iso_template *tmpl, struct iso_search_hit *hits, int capacity,
                         int *n_hits)
 {
@@ -93,7 +93,7 @@ static int search_index(const struct pipeline *pipeline, const struct iso_candid
                           : iso_index_search(among->index, &probe, best, SHORTLIST, &n);
     explicit_bzero(&probe, sizeof probe);
     if (!error && among->templates) {
-        error = iso_second_look_take(pipeline->second_look, pipeline->metric, among, tmpl, best, n);
+        error = iso_reranker_take(pipeline->reranker, pipeline->metric, among, tmpl, best, n);
     }
     if (error) {
         return error;
@@ -105,7 +105,7 @@ static int search_index(const struct pipeline *pipeline, const struct iso_candid
     return 0;
 }
 
-static int pipeline_search(void *self, const struct iso_candidates *among,
+static int pipeline_search(void *self, const struct iso_candidate_list *among,
                            const struct iso_template *probe, struct iso_search_hit *hits,
                            int capacity, int *n_hits)
 {
@@ -114,9 +114,9 @@ static int pipeline_search(void *self, const struct iso_candidates *among,
         return search_index(pipeline, among, probe, hits, capacity, n_hits);
     }
     if (pipeline->metric) {
-        return iso_search_by_metric(iso_second_look_workspace(pipeline->second_look),
-                                    among->entries, among->n_entries, probe, pipeline->metric, hits,
-                                    capacity, n_hits);
+        return iso_search_by_metric(iso_reranker_workspace(pipeline->reranker), among->entries,
+                                    among->n_entries, probe, pipeline->metric, hits, capacity,
+                                    n_hits);
     }
     const int error = iso_search(pipeline->registration, among->entries, among->n_entries, probe,
                                  pipeline->cohort, &pipeline->match, hits, capacity, n_hits);
@@ -162,7 +162,7 @@ static void pipeline_close(void *self)
     struct pipeline *pipeline = self;
     iso_face_check_free(pipeline->face_check);
     iso_extractor_free(pipeline->extractor);
-    iso_second_look_free(pipeline->second_look);
+    iso_reranker_free(pipeline->reranker);
     iso_metric_free(pipeline->metric);
     iso_cohort_free(pipeline->cohort);
     free(pipeline->registration);
@@ -173,7 +173,7 @@ static void pipeline_close(void *self)
 static void pipeline_forget(void *self)
 {
     const struct pipeline *pipeline = self;
-    iso_second_look_forget(pipeline->second_look);
+    iso_reranker_forget(pipeline->reranker);
 }
 
 static const struct iso_pipeline_ops ops = {
@@ -241,7 +241,7 @@ static int load_metric(struct pipeline *pipeline, const char *path, struct iso_f
         return refuse(path, error, what, fault);
     }
     error = check_algorithm(pipeline, path, pipeline->metric->algorithm, fault);
-    return error || iso_second_look_new(&pipeline->second_look) == 0
+    return error || iso_reranker_new(&pipeline->reranker) == 0
                ? error
                : iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
 }

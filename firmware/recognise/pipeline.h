@@ -12,7 +12,7 @@
 #include "core/base/fault.h"
 #include "core/extract/extract.h"
 #include "drivers/vision/face_check.h"
-#include "firmware/gallery/candidates.h"
+#include "firmware/gallery/candidate_list.h"
 
 struct iso_pipeline_ops {
     /* The template of a frame, or why there is none: out->outcome. `sensor` is the model of the
@@ -22,10 +22,11 @@ struct iso_pipeline_ops {
 
     /* The best people among these for a probe, as iso_search_by_metric or iso_search (with the
      * pipeline's metric, or cohort and options); of an index: the ISO_RERANK_CANDIDATES best by the
-     * metric are looked at again (second_look.h). -ENODATA: the probe has too few points to say
+     * metric are looked at again (reranker.h). -ENODATA: the probe has too few points to say
      * anything about it; what opening templates says. */
-    int (*search)(void *self, const struct iso_candidates *among, const struct iso_template *probe,
-                  struct iso_search_hit *hits, int capacity, int *n_hits);
+    int (*search)(void *self, const struct iso_candidate_list *among,
+                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
+                  int *n_hits);
 
     /* OPTIONAL: what an index of people has to be made by; NULL: there is none, people are compared
      * by their templates. */

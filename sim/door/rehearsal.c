@@ -201,7 +201,7 @@ static int visit(struct rehearsal *r, const struct sim_corpus_row *row,
 static int visit_and_draw(struct rehearsal *r, const struct sim_corpus_row *row,
                           struct sim_visit *out[SIM_LEVELS])
 {
-    const struct iso_appliance_parts *lent = &r->doors[0].lent;
+    const struct iso_appliance_borrowed *lent = &r->doors[0].lent;
     sim_trace_begin(r->trace, r->clock.now_ns);
     const int error = visit(r, row, out);
     sim_trace_end(r->trace, lent->door_io, r->clock.now_ns);

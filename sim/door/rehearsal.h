@@ -36,7 +36,7 @@ struct sim_rehearsal_options {
  * visits[l * corpus->n_rows]; the listener is told of a visit once a level, in their order. Each
  * door has a folder in `state` with the name of its level.
  *
- * Errors of iso_parts_open, the appliance and the slot; -ENOMSG
+ * Errors of iso_components_open, the appliance and the slot; -ENOMSG
  * if somebody cannot be enrolled; -ENOENT if no row that is no enrolment has the recording
  * `visit`; errors of drawing the picture. */
 int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_corpus *corpus,

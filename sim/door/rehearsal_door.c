@@ -147,11 +147,11 @@ int sim_rehearsal_door_open(struct sim_rehearsal_door *door,
     door->trace = trace;
     const struct iso_times times = sim_virtual_clock_times(clock);
     int error = make_config(setup, &door->config, fault);
-    error = error ? error : iso_parts_open(&door->config, &times, false, &door->parts, fault);
+    error = error ? error : iso_components_open(&door->config, &times, false, &door->parts, fault);
     if (error) {
         return error;
     }
-    door->lent = iso_parts_lend(door->parts, &events);
+    door->lent = iso_components_lend(door->parts, &events);
     door->lent.pipeline = sim_shared_pipeline_join(shared, &door->lent.pipeline, &door->pipeline);
     if (trace) {
         door->lent.pipeline = sim_trace_pipeline(trace, &door->lent.pipeline);
@@ -169,7 +169,7 @@ void sim_rehearsal_door_close(struct sim_rehearsal_door *door)
         iso_appliance_stop(door->appliance);
     }
     iso_appliance_free(door->appliance);
-    iso_parts_close(door->parts);
+    iso_components_close(door->parts);
 }
 
 int sim_rehearsal_door_enrol(struct sim_rehearsal_door *door, const char *person,

@@ -3,7 +3,7 @@
 #ifndef SIM_DOOR_REHEARSAL_DOOR_H
 #define SIM_DOOR_REHEARSAL_DOOR_H
 
-#include "firmware/daemon/parts.h"
+#include "firmware/daemon/components.h"
 #include "sim/base/virtual_clock.h"
 #include "sim/door/shared_extraction.h"
 #include "sim/door/trace.h"
@@ -21,8 +21,8 @@ struct sim_rehearsal_setup {
 struct sim_rehearsal_door {
     struct sim_virtual_clock *clock; /* borrowed */
     struct iso_config config;
-    struct iso_parts *parts;
-    struct iso_appliance_parts lent;
+    struct iso_components *parts;
+    struct iso_appliance_borrowed lent;
     struct sim_shared_pipeline pipeline;
     struct sim_trace *trace; /* of the visit that is drawn; NULL: none is. Borrowed */
     struct iso_appliance *appliance;
@@ -35,8 +35,8 @@ struct sim_rehearsal_door {
 };
 
 /* Opens an appliance on the clock and starts it. It takes templates from `shared`. The door is all
- * zero before and stays where it is; close it, whatever is returned. Errors of iso_parts_open and
- * of the appliance; -ENAMETOOLONG. */
+ * zero before and stays where it is; close it, whatever is returned. Errors of iso_components_open
+ * and of the appliance; -ENAMETOOLONG. */
 int sim_rehearsal_door_open(struct sim_rehearsal_door *door,
                             const struct sim_rehearsal_setup *setup,
                             struct sim_virtual_clock *clock, struct sim_shared_extraction *shared,

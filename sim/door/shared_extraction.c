@@ -67,8 +67,9 @@ static const struct iso_pipeline *own_of(const void *self)
     return &((const struct sim_shared_pipeline *)self)->own;
 }
 
-static int search(void *self, const struct iso_candidates *among, const struct iso_template *probe,
-                  struct iso_search_hit *hits, int capacity, int *n_hits)
+static int search(void *self, const struct iso_candidate_list *among,
+                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
+                  int *n_hits)
 {
     const struct iso_pipeline *own = own_of(self);
     return own->ops->search(own->self, among, probe, hits, capacity, n_hits);

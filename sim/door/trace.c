@@ -40,8 +40,9 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
     return error;
 }
 
-static int search(void *self, const struct iso_candidates *among, const struct iso_template *probe,
-                  struct iso_search_hit *hits, int capacity, int *n_hits)
+static int search(void *self, const struct iso_candidate_list *among,
+                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
+                  int *n_hits)
 {
     struct sim_trace *trace = self;
     const int error = trace->inner.ops->search(trace->inner.self, among, probe, hits, capacity,

@@ -1,7 +1,7 @@
 /* From a frame in memory to a verdict, one thread, 1,000 people enrolled: milliseconds per stage.
  *
  * The gallery is a sealed file, as the daemon has it: people from the corpus, and made-up ones with
- * the upper faces of those. Every frame's second look is timed twice: with nothing kept from
+ * the upper faces of those. The reranking of every frame is timed twice: with nothing kept from
  * before, so that everybody is opened from the file, which the total holds; then once more, with
  * all kept.
  *
@@ -19,7 +19,7 @@
 #include "drivers/base/shipped.h"
 #include "drivers/base/times.h"
 #include "firmware/gallery/gallery.h"
-#include "firmware/recognise/second_look.h"
+#include "firmware/recognise/reranker.h"
 #include "firmware/visit/decision.h"
 #include "sim/base/data_file.h"
 #include "sim/corpus/corpus.h"
@@ -31,7 +31,7 @@
 
 enum { ENROLLED = 1000, FACES_MAX = 512, BATCH = 20000, PLACE_MAX = 4096 };
 
-/* What is timed: the extractor's stages; the best by the index; the second look, of people opened
+/* What is timed: the extractor's stages; the best by the index; reranking, of people opened
  * from the file, or kept, and the decision with it; the search with the look at people opened; and
  * all of it but what is kept. */
 enum { SEARCH = ISO_STAGES, LOOK, LOOK_KEPT, ONE_TO_MANY, TOTAL, TIMED };
@@ -53,8 +53,8 @@ struct bench {
     char path[PLACE_MAX];  /* of the gallery, in a directory of its own */
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
-    struct iso_second_look *second_look;
-    uint64_t version;           /* that the second look is told */
+    struct iso_reranker *reranker;
+    uint64_t version;           /* that the reranker sees */
     size_t people;              /* to enrol */
     struct iso_template *faces; /* [FACES_MAX] of the corpus */
     size_t n_faces;
@@ -183,7 +183,7 @@ static int recognise(struct bench *bench, const struct iso_extraction *extractio
 {
     struct iso_search_hit hits[ISO_RERANK_CANDIDATES];
     struct iso_metric_vector probe;
-    struct iso_candidates among = iso_gallery_everybody(bench->gallery);
+    struct iso_candidate_list among = iso_gallery_everybody(bench->gallery);
     int n = 0;
     int error = iso_metric_project(bench->metric, &extraction->tmpl, &probe);
     error = error ? error : iso_index_search(among.index, &probe, hits, ISO_RERANK_CANDIDATES, &n);
@@ -192,8 +192,8 @@ static int recognise(struct bench *bench, const struct iso_extraction *extractio
     for (int look = LOOK; !error && look <= LOOK_KEPT; look++) {
         struct iso_search_hit best[ISO_RERANK_CANDIDATES];
         memcpy(best, hits, sizeof best);
-        error = iso_second_look_take(bench->second_look, bench->metric, &among, &extraction->tmpl,
-                                     best, n);
+        error = iso_reranker_take(bench->reranker, bench->metric, &among, &extraction->tmpl, best,
+                                  n);
         if (!error) {
             decide(bench, best);
         }
@@ -292,7 +292,7 @@ static int prepare(struct bench *bench, struct iso_fault *fault)
         return error;
     }
     bench->faces = calloc(FACES_MAX, sizeof *bench->faces);
-    error = bench->faces ? iso_second_look_new(&bench->second_look) : -ENOMEM;
+    error = bench->faces ? iso_reranker_new(&bench->reranker) : -ENOMEM;
     iso_decision_init(&bench->decision,
                       &(struct iso_decision_options){3.0, 0.5, 2, 10, 3, ISO_NS_PER_S, ISO_NS_PER_S,
                                                      ISO_NS_PER_S});
@@ -326,7 +326,7 @@ static void release(struct bench *bench)
     for (int i = 0; i < CLOCKS * TIMED; i++) {
         free(bench->times_ns[i / TIMED][i % TIMED]);
     }
-    iso_second_look_free(bench->second_look);
+    iso_reranker_free(bench->reranker);
     iso_gallery_close(bench->gallery);
     iso_key_ring_close(bench->ring);
     if (bench->ring) {

@@ -150,7 +150,7 @@ static int time_search(const struct bench *bench, size_t *wrong, struct iso_faul
 {
     static int64_t project_ns[TIMES], scan_ns[TIMES], fetch_ns[TIMES];
     static struct iso_template found[SHORTLIST * TEMPLATES_MAX];
-    const struct iso_candidates all = iso_gallery_everybody(bench->gallery);
+    const struct iso_candidate_list all = iso_gallery_everybody(bench->gallery);
     *wrong = 0;
     for (int i = 0; i < TIMES; i++) {
         const size_t person = (size_t)i * 7919u % bench->people;

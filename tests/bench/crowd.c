@@ -40,7 +40,7 @@ struct iso_metric_vector bench_vector(const struct iso_metric *metric, uint64_t 
 {
     struct sim_random own = sim_random_seeded(SEED, STREAM_PERSON, person);
     struct sim_random noise = sim_random_seeded(SEED, STREAM_TAKE, person * TAKES_MAX + take);
-    struct iso_metric_vector one = {.n = 1, .worth = 1.0f}, scaled = {.n = 0};
+    struct iso_metric_vector one = {.n = 1, .weight = 1.0f}, scaled = {.n = 0};
     for (int d = 0; d < metric->n_dimensions; d++) {
         one.mean[d] = (float)(sqrt((double)metric->between[d]) * sim_random_normal(&own) +
                               sim_random_normal(&noise));

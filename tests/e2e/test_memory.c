@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "core/match/template.h"
-#include "firmware/daemon/parts.h"
+#include "firmware/daemon/components.h"
 #include "tests/e2e/appliance.h"
 #include "tests/e2e/process_memory.h"
 #include "tests/support/scratch.h"
@@ -72,7 +72,7 @@ static void read_template(const struct appliance *appliance, struct runs *runs)
 {
     struct iso_config config = iso_config_default();
     const struct iso_times times = iso_times_system();
-    struct iso_parts *parts = NULL;
+    struct iso_components *borrowed = NULL;
     struct iso_fault fault = {.text = ""};
     struct run copy;
     const char *stores = scratch_path(appliance->directory, "copy");
@@ -87,12 +87,12 @@ static void read_template(const struct appliance *appliance, struct runs *runs)
     assert_int_equal(iso_config_load(appliance->configuration, &config, &fault), 0);
     (void)snprintf(config.gallery.path, sizeof config.gallery.path, "%s/gallery.db", stores);
     (void)snprintf(config.log.path, sizeof config.log.path, "%s/audit.log", stores);
-    if (iso_parts_open(&config, &times, false, &parts, &fault)) {
+    if (iso_components_open(&config, &times, false, &borrowed, &fault)) {
         fail_msg("%s", fault.text);
     }
     runs->n = 0;
-    assert_int_equal(iso_gallery_export(parts->gallery, NAME, take_item, runs, &fault), 0);
-    iso_parts_close(parts);
+    assert_int_equal(iso_gallery_export(borrowed->gallery, NAME, take_item, runs, &fault), 0);
+    iso_components_close(borrowed);
     assert_true(runs->n >= 50);
 }
 

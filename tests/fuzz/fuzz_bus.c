@@ -181,10 +181,11 @@ static void set_up(void)
     fuzz_check(pthread_create(&bus_thread, NULL, play_bus, NULL) == 0, "a thread");
     fuzz_check(iso_bus_open(address, &service, &fault) == 0, fault.text);
     iso_appliance_free(rig->appliance);
-    rig->parts.events = iso_bus_events(service, on_line);
-    fuzz_check(iso_appliance_new(&rig->parts, &rig->appliance) == 0, "an appliance");
+    rig->borrowed.events = iso_bus_events(service, on_line);
+    fuzz_check(iso_appliance_new(&rig->borrowed, &rig->appliance) == 0, "an appliance");
     rig_start(rig);
-    fuzz_check(iso_bus_serve(service, rig->appliance, &rig->parts, event, &fault) == 0, fault.text);
+    fuzz_check(iso_bus_serve(service, rig->appliance, &rig->borrowed, event, &fault) == 0,
+               fault.text);
 }
 
 static void tear_down(void)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/classify/gallery.h"
+#include "core/shape/classify/training_set.h"
 
 const struct iso_classifier_ops *const iso_classifiers[] = {
     &iso_classifier_nn_l1, &iso_classifier_nn_l2,       &iso_classifier_crc_rls,

@@ -16,10 +16,10 @@ static struct iso_feature_layout parts_of(const struct iso_collaborative_kind *k
 static void unit_length(const struct iso_collaborative_kind *kind,
                         const struct iso_feature_layout *layout, float *feature)
 {
-    iso_gallery_normalise(layout, feature);
+    iso_training_set_normalise(layout, feature);
     if (kind->joined) {
         const struct iso_feature_layout whole = parts_of(kind, layout);
-        iso_gallery_normalise(&whole, feature);
+        iso_training_set_normalise(&whole, feature);
     }
 }
 
@@ -31,7 +31,7 @@ void iso_collaborative_free(void *model)
     for (int32_t k = 0; k < m->n_parts; k++) {
         iso_dictionary_done(&m->part[k]);
     }
-    iso_gallery_done(&m->gallery);
+    iso_training_set_done(&m->gallery);
     free(m);
 }
 
@@ -45,7 +45,7 @@ int iso_collaborative_train(const struct iso_collaborative_kind *kind,
     m->kind = kind;
     const int32_t size = training->layout->size;
     const struct iso_feature_layout parts = parts_of(kind, training->layout);
-    int error = iso_gallery_init(&m->gallery, training);
+    int error = iso_training_set_init(&m->gallery, training);
     for (int32_t i = 0; !error && i < training->n; i++) {
         unit_length(kind, training->layout, &m->gallery.feature[(size_t)i * (size_t)size]);
     }
@@ -138,7 +138,7 @@ double iso_code_residual(const struct iso_collaborative *m, const struct iso_cod
 
 /* ---- what they say ---- */
 
-static bool is_present(const struct iso_gallery *gallery, int32_t class)
+static bool is_present(const struct iso_training_set *gallery, int32_t class)
 {
     int32_t i = 0;
     while (i < gallery->n && gallery->label[i] != class) {

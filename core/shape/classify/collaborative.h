@@ -7,11 +7,11 @@
 #define ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 
 #include "core/shape/classify/dictionary.h"
-#include "core/shape/classify/gallery.h"
+#include "core/shape/classify/training_set.h"
 
 struct iso_collaborative {
     const struct iso_collaborative_kind *kind;
-    struct iso_gallery gallery; /* features as they are coded: of unit length */
+    struct iso_training_set gallery; /* features as they are coded: of unit length */
     int32_t n_parts;
     struct iso_dictionary part[ISO_SHAPE_PARTS_MAX];
 };

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/shape/classify/gallery.h"
+#include "core/shape/classify/training_set.h"
 
 /* Least variance of a value within a class, over its variance in all shapes: a histogram's bin that
  * is empty in a dozen shapes is not certain to be empty in the next. */

@@ -3,12 +3,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/shape/classify/gallery.h"
+#include "core/shape/classify/training_set.h"
 
 static int train(const struct iso_labelled *training, void **model)
 {
-    struct iso_gallery *g = calloc(1, sizeof *g);
-    int error = g ? iso_gallery_init(g, training) : -ENOMEM;
+    struct iso_training_set *g = calloc(1, sizeof *g);
+    int error = g ? iso_training_set_init(g, training) : -ENOMEM;
     if (error) {
         free(g);
         return error;
@@ -19,7 +19,7 @@ static int train(const struct iso_labelled *training, void **model)
 
 static void release(void *model)
 {
-    iso_gallery_done(model);
+    iso_training_set_done(model);
     free(model);
 }
 
@@ -41,7 +41,7 @@ static double l2(const float *a, const float *b, int32_t n)
     return sqrt(sum);
 }
 
-static int rank_by(const struct iso_gallery *g, const float *feature, int32_t left,
+static int rank_by(const struct iso_training_set *g, const float *feature, int32_t left,
                    double (*norm)(const float *, const float *, int32_t), double *distance)
 {
     for (int32_t i = 0; i < g->n; i++) {
@@ -61,13 +61,13 @@ static int rank_l2(const void *model, const float *feature, int32_t left, double
     return rank_by(model, feature, left, l2, distance);
 }
 
-static int score_by(const struct iso_gallery *g, const float *feature,
+static int score_by(const struct iso_training_set *g, const float *feature,
                     int (*rank)(const void *, const float *, int32_t, double *), double *score)
 {
     double *distance = malloc((size_t)g->n * sizeof *distance);
     int error = distance ? rank(g, feature, -1, distance) : -ENOMEM;
     if (!error) {
-        iso_gallery_score(g, distance, score);
+        iso_training_set_score(g, distance, score);
     }
     free(distance);
     return error;

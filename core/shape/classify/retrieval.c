@@ -87,9 +87,9 @@ static double discounted_gain(const struct ranking *r)
 {
     double gain = 0.0, perfect = 0.0;
     for (int32_t i = 0; i < r->n; i++) {
-        double worth = i == 0 ? 1.0 : 1.0 / log2(i + 1.0);
-        gain += r->of_class[i] ? worth : 0.0;
-        perfect += i < r->n_class ? worth : 0.0;
+        double discount = i == 0 ? 1.0 : 1.0 / log2(i + 1.0);
+        gain += r->of_class[i] ? discount : 0.0;
+        perfect += i < r->n_class ? discount : 0.0;
     }
     return gain / perfect;
 }

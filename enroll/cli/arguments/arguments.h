@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 #include "enroll/cli/client/fault.h"
 
 enum cli_verb {

@@ -4,11 +4,11 @@
 
 #include "firmware/contract/contract.h"
 
-static enum cli_exit start(struct cli_door *door, const struct cli_action *action,
+static enum cli_exit start(struct cli_daemon *door, const struct cli_action *action,
                            struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_door_message(door, action->start, &call, fault);
+    enum cli_exit exit = cli_daemon_message(door, action->start, &call, fault);
 
     if (exit) {
         return exit;
@@ -19,7 +19,7 @@ static enum cli_exit start(struct cli_door *door, const struct cli_action *actio
         return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-argument", "%s: %s", action->start,
                              strerror(-r));
     }
-    exit = cli_door_send(door, call, &reply, fault);
+    exit = cli_daemon_send(door, call, &reply, fault);
     if (!exit && action->answered) {
         action->answered(reply, action->context);
     }
@@ -28,38 +28,38 @@ static enum cli_exit start(struct cli_door *door, const struct cli_action *actio
 }
 
 /* What ended the action counts; a fault on the way out would only hide it. */
-static void finish(struct cli_door *door, const char *method)
+static void finish(struct cli_daemon *door, const char *method)
 {
     struct cli_fault ignored;
 
-    (void)!cli_door_call(door, method, NULL, &ignored);
+    (void)!cli_daemon_call(door, method, NULL, &ignored);
 }
 
 /* Listening begins after the claim: what the bus passed on before that belongs to another client.
  */
-static enum cli_exit run_claimed(struct cli_door *door, const struct cli_action *action,
+static enum cli_exit run_claimed(struct cli_daemon *door, const struct cli_action *action,
                                  struct cli_fault *fault)
 {
     enum cli_exit exit;
 
-    exit = cli_door_subscribe(door, action->signal, action->status, action->context, fault);
+    exit = cli_daemon_subscribe(door, action->signal, action->status, action->context, fault);
     exit = exit ? exit : start(door, action, fault);
     if (exit) {
         return exit;
     }
     action->started(action->context);
-    exit = cli_door_wait(door, action->timeout_s, fault);
+    exit = cli_daemon_wait(door, action->timeout_s, fault);
     finish(door, action->stop);
     return exit;
 }
 
-enum cli_exit cli_action_run(struct cli_door *door, const struct cli_action *action,
+enum cli_exit cli_action_run(struct cli_daemon *door, const struct cli_action *action,
                              struct cli_fault *fault)
 {
     enum cli_exit exit;
 
-    exit = cli_door_catch_interrupt(door, fault);
-    exit = exit ? exit : cli_door_call(door, ISO_CONTRACT_CLAIM, NULL, fault);
+    exit = cli_daemon_catch_interrupt(door, fault);
+    exit = exit ? exit : cli_daemon_call(door, ISO_CONTRACT_CLAIM, NULL, fault);
     if (exit) {
         return exit;
     }

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <systemd/sd-bus.h>
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 
 struct cli_action {
     const char *start, *stop, *signal; /* names of firmware/contract/contract.h */
@@ -24,8 +24,8 @@ struct cli_action {
 };
 
 /* CLI_EXIT_OK: the last status has come. CLI_EXIT_TIMED_OUT and CLI_EXIT_INTERRUPTED: it has not,
- * fault->text is empty. Else a fault of cli_door_send() or cli_door_wait(). */
-enum cli_exit cli_action_run(struct cli_door *door, const struct cli_action *action,
+ * fault->text is empty. Else a fault of cli_daemon_send() or cli_daemon_wait(). */
+enum cli_exit cli_action_run(struct cli_daemon *door, const struct cli_action *action,
                              struct cli_fault *fault) __attribute__((warn_unused_result));
 
 #endif

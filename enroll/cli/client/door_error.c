@@ -38,8 +38,8 @@ static const struct translation {
     {SD_BUS_ERROR_DISCONNECTED, CLI_EXIT_FAULT, "daemon-gone", "the bus has gone away"},
 };
 
-enum cli_exit cli_door_error(const sd_bus_error *error, int result, const char *method,
-                             struct cli_fault *fault)
+enum cli_exit cli_daemon_error(const sd_bus_error *error, int result, const char *method,
+                               struct cli_fault *fault)
 {
     const char *said = error->message ? error->message : strerror(-result);
 

@@ -3,13 +3,14 @@
 #ifndef CLI_CLIENT_LONG_CALL_H
 #define CLI_CLIENT_LONG_CALL_H
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 
-/* As cli_door_send, and shows on standard error how far the daemon is with it: `what` it does, the
- * share that is done and the time that is left, from the Progress signals that it sends meanwhile.
- * Without such a signal (the call is short, or the daemon is of a version that sends none) only the
- * time that has passed is shown. Each signal gives the daemon another 10 s to answer. */
-enum cli_exit cli_long_call(struct cli_door *door, sd_bus_message *call, const char *what,
+/* As cli_daemon_send, and shows on standard error how far the daemon is with it: `what` it does,
+ * the share that is done and the time that is left, from the Progress signals that it sends
+ * meanwhile. Without such a signal (the call is short, or the daemon is of a version that sends
+ * none) only the time that has passed is shown. Each signal gives the daemon another 10 s to
+ * answer. */
+enum cli_exit cli_long_call(struct cli_daemon *door, sd_bus_message *call, const char *what,
                             sd_bus_message **reply, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

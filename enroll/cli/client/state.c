@@ -89,17 +89,17 @@ int cli_state_read(sd_bus_message *message, json_t **out)
     return 0;
 }
 
-enum cli_exit cli_state_fetch(struct cli_door *door, json_t **out, struct cli_fault *fault)
+enum cli_exit cli_state_fetch(struct cli_daemon *door, json_t **out, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
-    enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_GET_STATUS, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_GET_STATUS, &reply, fault);
 
     if (exit) {
         return exit;
     }
     const int r = cli_state_read(reply, out);
     sd_bus_message_unref(reply);
-    return r < 0 ? cli_door_bad_reply(r, ISO_CONTRACT_GET_STATUS, fault) : CLI_EXIT_OK;
+    return r < 0 ? cli_daemon_bad_reply(r, ISO_CONTRACT_GET_STATUS, fault) : CLI_EXIT_OK;
 }
 
 const char *cli_state_text(const json_t *state, const char *name)

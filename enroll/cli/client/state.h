@@ -4,15 +4,15 @@
 
 #include <jansson.h>
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 
 /* Reads an a{sv} of texts and numbers from a message, as a JSON object with its names and types.
  * The caller releases *out with json_decref(). -EBADMSG a value of another type, -ENOMEM, other
  * errors of sd_bus_message_read(). */
 int cli_state_read(sd_bus_message *message, json_t **out) __attribute__((warn_unused_result));
 
-/* The caller releases *out with json_decref(). Faults of cli_door_send(), "bad-reply". */
-enum cli_exit cli_state_fetch(struct cli_door *door, json_t **out, struct cli_fault *fault)
+/* The caller releases *out with json_decref(). Faults of cli_daemon_send(), "bad-reply". */
+enum cli_exit cli_state_fetch(struct cli_daemon *door, json_t **out, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
 /* The text of a member; NULL if there is none or it is no text. Belongs to `state`. */

@@ -108,9 +108,9 @@ static void say_silence(const struct aim *aim)
     fputs("No frames arrive from the camera; isotherm doctor may say why.\n", stderr);
 }
 
-/* Waits as cli_door_wait() does, and says once if nothing comes for a while. */
-static enum cli_exit wait_for_views(struct cli_door *door, double timeout_s, const struct aim *aim,
-                                    struct cli_fault *fault)
+/* Waits as cli_daemon_wait() does, and says once if nothing comes for a while. */
+static enum cli_exit wait_for_views(struct cli_daemon *door, double timeout_s,
+                                    const struct aim *aim, struct cli_fault *fault)
 {
     const bool forever = timeout_s <= 0;
     bool said = false;
@@ -118,7 +118,7 @@ static enum cli_exit wait_for_views(struct cli_door *door, double timeout_s, con
     for (double left_s = timeout_s; forever || left_s > 0; left_s -= silence_s) {
         const uint64_t before = aim->n_views;
         const bool whole = forever || left_s >= silence_s;
-        const enum cli_exit exit = cli_door_wait(door, whole ? silence_s : left_s, fault);
+        const enum cli_exit exit = cli_daemon_wait(door, whole ? silence_s : left_s, fault);
         if (exit != CLI_EXIT_TIMED_OUT || fault->text[0]) {
             return exit;
         }
@@ -131,11 +131,11 @@ static enum cli_exit wait_for_views(struct cli_door *door, double timeout_s, con
 }
 
 /* To be interrupted is how it is meant to end. */
-static enum cli_exit watch(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit watch(struct cli_daemon *door, const struct cli_arguments *arguments,
                            struct aim *aim, struct cli_fault *fault)
 {
     struct cli_fault ignored;
-    enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_AIM_START, NULL, fault);
+    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_AIM_START, NULL, fault);
 
     if (exit) {
         return exit;
@@ -147,9 +147,9 @@ static enum cli_exit watch(struct cli_door *door, const struct cli_arguments *ar
     if (aim->rewrite) {
         fputs("\n\n", stdout); /* below both lines */
     }
-    (void)!cli_door_call(door, ISO_CONTRACT_AIM_STOP, NULL, &ignored);
+    (void)!cli_daemon_call(door, ISO_CONTRACT_AIM_STOP, NULL, &ignored);
     if (aim->error) {
-        return cli_door_bad_reply(aim->error, ISO_CONTRACT_VIEW, fault);
+        return cli_daemon_bad_reply(aim->error, ISO_CONTRACT_VIEW, fault);
     }
     if (exit == CLI_EXIT_OK) {
         return cli_fault_set(fault, CLI_EXIT_FAULT, "output", "cannot write what is seen");
@@ -161,7 +161,7 @@ static enum cli_exit watch(struct cli_door *door, const struct cli_arguments *ar
 
 /* ---- one picture ---- */
 
-static enum cli_exit save_picture(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit save_picture(struct cli_daemon *door, const struct cli_arguments *arguments,
                                   struct cli_fault *fault)
 {
     uint8_t *png = NULL;
@@ -182,7 +182,7 @@ static enum cli_exit save_picture(struct cli_door *door, const struct cli_argume
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_aim(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_aim(struct cli_daemon *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
     struct aim aim = {
@@ -193,8 +193,8 @@ enum cli_exit cli_aim(struct cli_door *door, const struct cli_arguments *argumen
     if (arguments->picture) {
         return save_picture(door, arguments, fault);
     }
-    enum cli_exit exit = cli_door_catch_interrupt(door, fault);
+    enum cli_exit exit = cli_daemon_catch_interrupt(door, fault);
 
-    exit = exit ? exit : cli_door_subscribe(door, ISO_CONTRACT_VIEW, on_view, &aim, fault);
+    exit = exit ? exit : cli_daemon_subscribe(door, ISO_CONTRACT_VIEW, on_view, &aim, fault);
     return exit ? exit : watch(door, arguments, &aim, fault);
 }

@@ -21,7 +21,7 @@ static enum cli_exit report_validity(sd_bus_message *reply, bool json, struct cl
     const int r = sd_bus_message_read(reply, "sxx", &person, &from_s, &until_s);
 
     if (r < 0) {
-        return cli_door_bad_reply(r, ISO_CONTRACT_SET_VALIDITY, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_SET_VALIDITY, fault);
     }
     if (json) {
         return cli_report_json(json_pack("{s:s, s:I, s:I}", "person", person, "valid_from",
@@ -32,11 +32,11 @@ static enum cli_exit report_validity(sd_bus_message *reply, bool json, struct cl
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_validity(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_validity(struct cli_daemon *door, const struct cli_arguments *arguments,
                            struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_SET_VALIDITY, &call, fault);
+    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_SET_VALIDITY, &call, fault);
 
     if (exit) {
         return exit;
@@ -48,7 +48,7 @@ enum cli_exit cli_validity(struct cli_door *door, const struct cli_arguments *ar
     if (r < 0) {
         return no_utf8(call, fault);
     }
-    exit = cli_door_send(door, call, &reply, fault);
+    exit = cli_daemon_send(door, call, &reply, fault);
     exit = exit ? exit : report_validity(reply, arguments->json, fault);
     sd_bus_message_unref(reply);
     return exit;
@@ -61,7 +61,7 @@ static enum cli_exit report_rename(sd_bus_message *reply, const struct cli_argum
     const int r = sd_bus_message_read(reply, "s", &remark);
 
     if (r < 0) {
-        return cli_door_bad_reply(r, ISO_CONTRACT_RENAME_PERSON, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_RENAME_PERSON, fault);
     }
     if (*remark) {
         fprintf(stderr, "isotherm: %s\n", remark);
@@ -74,11 +74,11 @@ static enum cli_exit report_rename(sd_bus_message *reply, const struct cli_argum
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_rename(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_rename(struct cli_daemon *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_RENAME_PERSON, &call, fault);
+    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_RENAME_PERSON, &call, fault);
 
     if (exit) {
         return exit;
@@ -86,7 +86,7 @@ enum cli_exit cli_rename(struct cli_door *door, const struct cli_arguments *argu
     if (sd_bus_message_append(call, "ss", arguments->person, arguments->name) < 0) {
         return no_utf8(call, fault);
     }
-    exit = cli_door_send(door, call, &reply, fault);
+    exit = cli_daemon_send(door, call, &reply, fault);
     exit = exit ? exit : report_rename(reply, arguments, fault);
     sd_bus_message_unref(reply);
     return exit;

@@ -201,7 +201,7 @@ static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault
                          enrolment->result);
 }
 
-enum cli_exit cli_enroll(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_enroll(struct cli_daemon *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     struct enrolment enrolment = {

@@ -11,14 +11,14 @@ static enum cli_exit read_text(sd_bus_message *reply, const char *method, const 
                                struct cli_fault *fault)
 {
     const int r = sd_bus_message_read(reply, "s", text);
-    return r < 0 ? cli_door_bad_reply(r, method, fault) : CLI_EXIT_OK;
+    return r < 0 ? cli_daemon_bad_reply(r, method, fault) : CLI_EXIT_OK;
 }
 
-static enum cli_exit rotate(struct cli_door *door, bool json, struct cli_fault *fault)
+static enum cli_exit rotate(struct cli_daemon *door, bool json, struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
     const char *remark = "";
-    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_ROTATE_KEYS, &call, fault);
+    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_ROTATE_KEYS, &call, fault);
     exit = exit ? exit : cli_long_call(door, call, "sealing gallery and log anew", &reply, fault);
     exit = exit ? exit : read_text(reply, ISO_CONTRACT_ROTATE_KEYS, &remark, fault);
     if (!exit && json) {
@@ -30,11 +30,11 @@ static enum cli_exit rotate(struct cli_door *door, bool json, struct cli_fault *
     return exit;
 }
 
-static enum cli_exit show_address(struct cli_door *door, bool json, struct cli_fault *fault)
+static enum cli_exit show_address(struct cli_daemon *door, bool json, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
     const char *address = "";
-    enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_GET_ADDRESS, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_GET_ADDRESS, &reply, fault);
     exit = exit ? exit : read_text(reply, ISO_CONTRACT_GET_ADDRESS, &address, fault);
     if (!exit && json) {
         exit = cli_report_json(json_pack("{s:s}", "address", address));
@@ -45,7 +45,7 @@ static enum cli_exit show_address(struct cli_door *door, bool json, struct cli_f
     return exit;
 }
 
-enum cli_exit cli_key(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_key(struct cli_daemon *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
     if (strcmp(arguments->word, "rotate") == 0) {

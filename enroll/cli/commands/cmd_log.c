@@ -38,18 +38,18 @@ static bool on_any_signal(sd_bus_message *signal, void *context)
 }
 
 /* Prints what there is and then what comes, until interrupted; that is how it is meant to end. */
-static enum cli_exit follow(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit follow(struct cli_daemon *door, const struct cli_arguments *arguments,
                             uint64_t from, json_t *records, struct cli_fault *fault)
 {
-    enum cli_exit exit = cli_door_catch_interrupt(door, fault);
+    enum cli_exit exit = cli_daemon_catch_interrupt(door, fault);
 
-    exit = exit ? exit : cli_door_subscribe(door, NULL, on_any_signal, NULL, fault);
+    exit = exit ? exit : cli_daemon_subscribe(door, NULL, on_any_signal, NULL, fault);
     while (!exit) {
         print_records(records, arguments);
         if (fflush(stdout) == EOF) {
             return CLI_EXIT_FAULT; /* main() says why */
         }
-        exit = cli_door_wait(door, follow_period_s, fault);
+        exit = cli_daemon_wait(door, follow_period_s, fault);
         if (exit == CLI_EXIT_OK || exit == CLI_EXIT_TIMED_OUT) {
             json_array_clear(records);
             exit = cli_log_read_new(door, arguments, &from, records, fault);
@@ -58,7 +58,7 @@ static enum cli_exit follow(struct cli_door *door, const struct cli_arguments *a
     return exit == CLI_EXIT_INTERRUPTED ? CLI_EXIT_OK : exit;
 }
 
-enum cli_exit cli_log(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log(struct cli_daemon *door, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
     if (arguments->word) {

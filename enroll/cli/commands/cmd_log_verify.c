@@ -62,7 +62,7 @@ static enum cli_exit tell(const struct report *report, bool json)
     return exit;
 }
 
-enum cli_exit cli_log_verify(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_verify(struct cli_daemon *door, const struct cli_arguments *arguments,
                              struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
@@ -70,14 +70,14 @@ enum cli_exit cli_log_verify(struct cli_door *door, const struct cli_arguments *
     const char *head = "";
     uint64_t sequence = 0;
     enum cli_exit exit = parse_known(arguments->head, &sequence, &head, fault);
-    exit = exit ? exit : cli_door_message(door, ISO_CONTRACT_VERIFY_LOG, &call, fault);
+    exit = exit ? exit : cli_daemon_message(door, ISO_CONTRACT_VERIFY_LOG, &call, fault);
     if (exit) {
         return exit;
     }
     int r = sd_bus_message_append(call, "ts", sequence, head);
     if (r < 0) {
         sd_bus_message_unref(call);
-        return cli_door_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault);
     }
     exit = cli_long_call(door, call, "verifying the log", &reply, fault);
     if (exit) {
@@ -85,7 +85,7 @@ enum cli_exit cli_log_verify(struct cli_door *door, const struct cli_arguments *
     }
     r = sd_bus_message_read(reply, "bttsts", &report.sound, &report.first, &report.last,
                             &report.head, &report.flaw_at, &report.flaw);
-    exit = r < 0 ? cli_door_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault)
+    exit = r < 0 ? cli_daemon_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault)
                  : tell(&report, arguments->json);
     sd_bus_message_unref(reply);
     return exit;

@@ -45,7 +45,7 @@ static enum cli_exit list_json(sd_bus_message *reply, struct cli_fault *fault)
     }
     if (r < 0) {
         json_decref(people);
-        return cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
     }
     return cli_report_json(json_pack("{s:o}", "people", people));
 }
@@ -95,7 +95,7 @@ static enum cli_exit list_text(sd_bus_message *reply, struct cli_fault *fault)
     cli_same_names_print(&names, stderr);
     cli_same_names_done(&names);
     if (r < 0) {
-        return cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
     }
     if (count == 0) {
         puts("nobody is enrolled");
@@ -103,18 +103,18 @@ static enum cli_exit list_text(sd_bus_message *reply, struct cli_fault *fault)
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_list(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_list(struct cli_daemon *door, const struct cli_arguments *arguments,
                        struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
-    enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_LIST_PEOPLE, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_LIST_PEOPLE, &reply, fault);
 
     if (exit) {
         return exit;
     }
     const int r = sd_bus_message_enter_container(reply, 'a', "(sxxxu)");
     if (r < 0) {
-        exit = cli_door_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
+        exit = cli_daemon_bad_reply(r, ISO_CONTRACT_LIST_PEOPLE, fault);
     } else {
         exit = arguments->json ? list_json(reply, fault) : list_text(reply, fault);
     }
@@ -122,11 +122,11 @@ enum cli_exit cli_list(struct cli_door *door, const struct cli_arguments *argume
     return exit;
 }
 
-enum cli_exit cli_remove(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_remove(struct cli_daemon *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
-    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_DELETE_PERSON, &call, fault);
+    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_DELETE_PERSON, &call, fault);
 
     if (exit) {
         return exit;
@@ -136,7 +136,7 @@ enum cli_exit cli_remove(struct cli_door *door, const struct cli_arguments *argu
         sd_bus_message_unref(call);
         return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-name", "the name is not UTF-8");
     }
-    exit = cli_door_send(door, call, NULL, fault);
+    exit = cli_daemon_send(door, call, NULL, fault);
     if (exit) {
         return exit;
     }

@@ -153,7 +153,7 @@ static enum cli_exit report(struct recognition *recognition, struct cli_fault *f
                          "the daemon ended in an unknown way ('%s')", recognition->result);
 }
 
-static enum cli_exit recognise(struct cli_door *door, struct recognition *recognition,
+static enum cli_exit recognise(struct cli_daemon *door, struct recognition *recognition,
                                struct cli_action *action, struct cli_fault *fault)
 {
     const double timeout_s = recognition->arguments->timeout_s;
@@ -181,7 +181,7 @@ static enum cli_exit recognise(struct cli_door *door, struct recognition *recogn
     return exit;
 }
 
-enum cli_exit cli_identify(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_identify(struct cli_daemon *door, const struct cli_arguments *arguments,
                            struct cli_fault *fault)
 {
     struct recognition recognition = {.arguments = arguments, .prefix = "identify"};
@@ -194,7 +194,7 @@ enum cli_exit cli_identify(struct cli_door *door, const struct cli_arguments *ar
     return recognise(door, &recognition, &action, fault);
 }
 
-enum cli_exit cli_verify(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_verify(struct cli_daemon *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     struct recognition recognition = {.arguments = arguments, .prefix = "verify"};

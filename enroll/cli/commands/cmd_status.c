@@ -4,7 +4,7 @@
 #include "enroll/cli/text/report.h"
 #include "enroll/cli/text/status_text.h"
 
-enum cli_exit cli_status(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_status(struct cli_daemon *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     json_t *state = NULL;

@@ -57,12 +57,12 @@ static int append_lock(sd_bus_message *call, const struct cli_arguments *argumen
     return r < 0 ? r : sd_bus_message_close_container(call);
 }
 
-static enum cli_exit call_export(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit call_export(struct cli_daemon *door, const struct cli_arguments *arguments,
                                  int fd, const uint8_t *salt, const uint8_t *key, uint32_t *n,
                                  struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_EXPORT_PEOPLE, &call, fault);
+    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_EXPORT_PEOPLE, &call, fault);
     if (exit) {
         return exit;
     }
@@ -76,17 +76,17 @@ static enum cli_exit call_export(struct cli_door *door, const struct cli_argumen
     r = r < 0 ? r : append_lock(call, arguments, salt, key);
     if (r < 0) {
         sd_bus_message_unref(call);
-        return cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
     exit = cli_long_call(door, call, "exporting people", &reply, fault);
     if (!exit && (r = sd_bus_message_read(reply, "u", n)) < 0) {
-        exit = cli_door_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
+        exit = cli_daemon_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
     sd_bus_message_unref(reply);
     return exit;
 }
 
-enum cli_exit cli_export(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_export(struct cli_daemon *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     uint8_t salt[CLI_SALT_BYTES], key[CLI_KEY_BYTES] = {0};
@@ -137,12 +137,12 @@ static enum cli_exit find_key(int fd, const struct cli_arguments *arguments,
                     : CLI_EXIT_OK;
 }
 
-static enum cli_exit call_import(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit call_import(struct cli_daemon *door, const struct cli_arguments *arguments,
                                  int fd, const uint8_t *key, uint32_t count[2],
                                  struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_IMPORT_PEOPLE, &call, fault);
+    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_IMPORT_PEOPLE, &call, fault);
     if (exit) {
         return exit;
     }
@@ -158,17 +158,17 @@ static enum cli_exit call_import(struct cli_door *door, const struct cli_argumen
     r = r < 0 ? r : sd_bus_message_close_container(call);
     if (r < 0) {
         sd_bus_message_unref(call);
-        return cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }
     exit = cli_long_call(door, call, "importing people", &reply, fault);
     if (!exit && (r = sd_bus_message_read(reply, "uu", &count[0], &count[1])) < 0) {
-        exit = cli_door_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
+        exit = cli_daemon_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }
     sd_bus_message_unref(reply);
     return exit;
 }
 
-enum cli_exit cli_import(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_import(struct cli_daemon *door, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     uint8_t key[CLI_KEY_BYTES] = {0};

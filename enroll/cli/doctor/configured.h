@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 #include "enroll/cli/client/fault.h"
 
 /* False if the bus is the system's and the configuration of its daemon is missing. What is on

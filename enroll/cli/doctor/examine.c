@@ -6,10 +6,10 @@
 
 /* Whether the bus lets this user command the daemon. Release() without a claim changes nothing: the
  * daemon refuses it, and that it was asked at all is the answer. */
-static void check_permission(struct cli_door *door, struct cli_diagnosis *diagnosis)
+static void check_permission(struct cli_daemon *door, struct cli_diagnosis *diagnosis)
 {
     struct cli_fault fault = {0};
-    const enum cli_exit exit = cli_door_call(door, ISO_CONTRACT_RELEASE, NULL, &fault);
+    const enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_RELEASE, NULL, &fault);
 
     if (exit == CLI_EXIT_NO) {
         cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_DENIED, ISO_FAULT_NOT_PERMITTED,
@@ -20,13 +20,13 @@ static void check_permission(struct cli_door *door, struct cli_diagnosis *diagno
 }
 
 /* False if it makes no sense to go on: there is nobody to ask. */
-static bool check_daemon(const struct cli_bus *bus, struct cli_door *door,
+static bool check_daemon(const struct cli_bus *bus, struct cli_daemon *door,
                          struct cli_diagnosis *diagnosis, json_t **state)
 {
     struct cli_fault fault = {0};
     bool running = false;
 
-    if (cli_door_has_daemon(door, &running, &fault) || !running) {
+    if (cli_daemon_has_daemon(door, &running, &fault) || !running) {
         const bool configured = cli_is_configured(bus);
         cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_BAD,
                           configured ? ISO_FAULT_NO_DAEMON : ISO_FAULT_NOT_CONFIGURED,
@@ -48,10 +48,10 @@ static bool check_daemon(const struct cli_bus *bus, struct cli_door *door,
 void cli_doctor_examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis)
 {
     struct cli_fault fault = {0};
-    struct cli_door *door = NULL;
+    struct cli_daemon *door = NULL;
     json_t *state = NULL;
 
-    if (cli_door_open(bus, &door, &fault)) {
+    if (cli_daemon_open(bus, &door, &fault)) {
         cli_diagnosis_add(diagnosis, "bus", CLI_CHECK_BAD, ISO_FAULT_BUS_MISSING, fault.text);
         return;
     }
@@ -61,5 +61,5 @@ void cli_doctor_examine(const struct cli_bus *bus, struct cli_diagnosis *diagnos
         check_permission(door, diagnosis);
     }
     json_decref(state);
-    cli_door_close(door);
+    cli_daemon_close(door);
 }

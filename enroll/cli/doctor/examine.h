@@ -3,7 +3,7 @@
 #ifndef CLI_DOCTOR_EXAMINE_H
 #define CLI_DOCTOR_EXAMINE_H
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 #include "enroll/cli/doctor/diagnosis.h"
 
 /* Adds a finding for each thing that was examined. It opens the bus itself: a bus that cannot be

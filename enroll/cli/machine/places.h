@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 
 struct cli_setup_places {
     const char *config;     /* the file to write */

@@ -2,7 +2,7 @@
 #ifndef CLI_MACHINE_SERVICE_H
 #define CLI_MACHINE_SERVICE_H
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 #include "enroll/cli/client/fault.h"
 
 struct cli_service;

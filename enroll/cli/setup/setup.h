@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 #include "enroll/cli/client/fault.h"
 #include "enroll/cli/machine/places.h"
 #include "enroll/cli/setup/dialogue.h"

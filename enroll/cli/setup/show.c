@@ -26,8 +26,8 @@ static bool may_pass(const struct cli_fault *fault)
 
 static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cli_fault *fault)
 {
-    struct cli_door *door = NULL;
-    enum cli_exit exit = cli_door_open(bus, &door, fault);
+    struct cli_daemon *door = NULL;
+    enum cli_exit exit = cli_daemon_open(bus, &door, fault);
 
     for (int i = 0; !exit && i < ATTEMPTS; i++) {
         exit = cli_picture_take(door, &out->bytes, &out->size, fault);
@@ -37,7 +37,7 @@ static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cl
         (void)nanosleep(&(struct timespec){.tv_sec = 1}, NULL);
         exit = CLI_EXIT_OK;
     }
-    cli_door_close(door);
+    cli_daemon_close(door);
     return exit;
 }
 

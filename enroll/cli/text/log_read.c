@@ -19,11 +19,11 @@ static const double refused_wait_s = 0.25;
 static const int64_t clock_set_back_s = 7 * 86400;
 
 /* Asks once. */
-static enum cli_exit ask(struct cli_door *door, uint64_t from, unsigned max, sd_bus_message **reply,
-                         struct cli_fault *fault)
+static enum cli_exit ask(struct cli_daemon *door, uint64_t from, unsigned max,
+                         sd_bus_message **reply, struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
-    const enum cli_exit exit = cli_door_message(door, ISO_CONTRACT_READ_LOG, &call, fault);
+    const enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_READ_LOG, &call, fault);
 
     if (exit) {
         return exit;
@@ -31,19 +31,19 @@ static enum cli_exit ask(struct cli_door *door, uint64_t from, unsigned max, sd_
     const int r = sd_bus_message_append(call, "tu", from, max);
     if (r < 0) {
         sd_bus_message_unref(call);
-        return cli_door_bad_reply(r, ISO_CONTRACT_READ_LOG, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_READ_LOG, fault);
     }
-    return cli_door_send(door, call, reply, fault);
+    return cli_daemon_send(door, call, reply, fault);
 }
 
 /* Asks until the daemon answers, or the person interrupts. */
-static enum cli_exit ask_patiently(struct cli_door *door, uint64_t from, unsigned max,
+static enum cli_exit ask_patiently(struct cli_daemon *door, uint64_t from, unsigned max,
                                    sd_bus_message **reply, struct cli_fault *fault)
 {
     enum cli_exit exit = ask(door, from, max, reply, fault);
 
     for (int i = 1; exit && i < TRIES && strcmp(fault->code, "too-many-calls") == 0; i++) {
-        const enum cli_exit pause = cli_door_wait(door, refused_wait_s, fault);
+        const enum cli_exit pause = cli_daemon_wait(door, refused_wait_s, fault);
         if (pause != CLI_EXIT_OK && pause != CLI_EXIT_TIMED_OUT) {
             return pause;
         }
@@ -54,8 +54,8 @@ static enum cli_exit ask_patiently(struct cli_door *door, uint64_t from, unsigne
 }
 
 /* Reads at most `max` records from number `from` on and appends them to `records`. */
-static enum cli_exit read_batch(struct cli_door *door, uint64_t from, unsigned max, json_t *records,
-                                struct cli_fault *fault)
+static enum cli_exit read_batch(struct cli_daemon *door, uint64_t from, unsigned max,
+                                json_t *records, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
     const char *line;
@@ -70,13 +70,13 @@ static enum cli_exit read_batch(struct cli_door *door, uint64_t from, unsigned m
         r = json_array_append_new(records, record) < 0 ? -EBADMSG : 1;
     }
     sd_bus_message_unref(reply);
-    return r < 0 ? cli_door_bad_reply(r, ISO_CONTRACT_READ_LOG, fault) : CLI_EXIT_OK;
+    return r < 0 ? cli_daemon_bad_reply(r, ISO_CONTRACT_READ_LOG, fault) : CLI_EXIT_OK;
 }
 
 /* Reads at most `max` records from number *from on, keeps those that match; *from is then the
  * number that comes next. *n_read is how many came, those that the log has dropped are passed over.
  */
-static enum cli_exit read_matching(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit read_matching(struct cli_daemon *door, const struct cli_arguments *arguments,
                                    uint64_t *from, unsigned max, json_t *records, size_t *n_read,
                                    struct cli_fault *fault)
 {
@@ -98,7 +98,7 @@ static enum cli_exit read_matching(struct cli_door *door, const struct cli_argum
 }
 
 /* Those from *from to `until`, at most `count`. */
-static enum cli_exit read_forwards(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit read_forwards(struct cli_daemon *door, const struct cli_arguments *arguments,
                                    size_t count, uint64_t *from, uint64_t until, json_t *records,
                                    struct iso_progress *progress, struct cli_fault *fault)
 {
@@ -133,8 +133,8 @@ static bool is_before_the_day(const json_t *record, const struct cli_arguments *
 }
 
 /* Reads all records from `first` to `last` that there still are. */
-static enum cli_exit read_all(struct cli_door *door, uint64_t first, uint64_t last, json_t *records,
-                              struct cli_fault *fault)
+static enum cli_exit read_all(struct cli_daemon *door, uint64_t first, uint64_t last,
+                              json_t *records, struct cli_fault *fault)
 {
     size_t before = 0;
     enum cli_exit exit = CLI_EXIT_OK;
@@ -170,7 +170,7 @@ static int prepend_matching(const json_t *window, uint64_t last,
 
 /* Puts the matching records from `first` to `last` before those that there are. *more: there are
  * older ones, which may match. */
-static enum cli_exit read_window(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit read_window(struct cli_daemon *door, const struct cli_arguments *arguments,
                                  uint64_t first, uint64_t last, json_t *records, bool *more,
                                  struct cli_fault *fault)
 {
@@ -189,7 +189,7 @@ static enum cli_exit read_window(struct cli_door *door, const struct cli_argumen
 }
 
 /* The last `count` up to `until`: from the end to the beginning, as the last ones are wanted. */
-static enum cli_exit read_backwards(struct cli_door *door, const struct cli_arguments *arguments,
+static enum cli_exit read_backwards(struct cli_daemon *door, const struct cli_arguments *arguments,
                                     size_t count, uint64_t until, json_t *records,
                                     struct iso_progress *progress, struct cli_fault *fault)
 {
@@ -211,7 +211,7 @@ static enum cli_exit read_backwards(struct cli_door *door, const struct cli_argu
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_log_read(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_read(struct cli_daemon *door, const struct cli_arguments *arguments,
                            size_t count, uint64_t *from, json_t *records, struct cli_fault *fault)
 {
     json_t *state = NULL;
@@ -239,7 +239,7 @@ enum cli_exit cli_log_read(struct cli_door *door, const struct cli_arguments *ar
     return exit;
 }
 
-enum cli_exit cli_log_read_new(struct cli_door *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_read_new(struct cli_daemon *door, const struct cli_arguments *arguments,
                                uint64_t *from, json_t *records, struct cli_fault *fault)
 {
     size_t n_read = 0;

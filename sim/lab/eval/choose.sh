@@ -54,5 +54,5 @@ for sensor in ${SENSORS:-truedepth astra kinect2}; do
     done
     evaluate "$sensor-learned" --method hfpc-metric,hfpc --metric "$data/face.metric"
     row hfpc-metric 'shipped, learned metric'
-    row hfpc 'shipped, second look'
+    row hfpc 'shipped, reranked'
 done

@@ -23,7 +23,7 @@ struct result {
     const struct iso_classifier_ops *classifier;
     bool ranked;
     struct iso_retrieval retrieval;
-    struct iso_confusion_rates told;
+    struct iso_confusion_rates rates;
 };
 
 struct study {
@@ -196,7 +196,7 @@ static int measure_classes(const struct study *study, const struct sim_features 
     int32_t *count = calloc(n * n, sizeof *count);
     char directory[PATH_MAX];
     int error = count ? sim_features_classify(features, result->classifier, study->options->seed,
-                                              study->options->threads, count, &result->told)
+                                              study->options->threads, count, &result->rates)
                       : -ENOMEM;
     if (!error) {
         const struct confusion confusion = {study->manifest, count};
@@ -231,7 +231,7 @@ static int measure_ranking(const struct study *study, const struct sim_features 
 static void print_result(const struct result *result, FILE *out)
 {
     const struct iso_retrieval *r = &result->retrieval;
-    const struct iso_confusion_rates *t = &result->told;
+    const struct iso_confusion_rates *t = &result->rates;
     fprintf(out, "%-13s %-13s", result->method->name, result->classifier->name);
     if (result->ranked) {
         struct sim_rate rate = {(size_t)lrint(r->nearest * r->n_queries), (size_t)r->n_queries};
@@ -314,9 +314,9 @@ static void write_measures(const void *context, FILE *out)
         } else {
             fputs(",,,,,,", out);
         }
-        fprintf(out, ",%.6f,%.6f,%.6f,%.6f,%.6f,%.3f,%.3f\n", r->told.tp_rate, r->told.fp_rate,
-                r->told.precision, r->told.recall, r->told.roc_area, study->items->seconds[method],
-                study->items->shape_seconds);
+        fprintf(out, ",%.6f,%.6f,%.6f,%.6f,%.6f,%.3f,%.3f\n", r->rates.tp_rate, r->rates.fp_rate,
+                r->rates.precision, r->rates.recall, r->rates.roc_area,
+                study->items->seconds[method], study->items->shape_seconds);
     }
 }
 

@@ -33,7 +33,7 @@ struct fixture {
     struct iso_frame *frame;
     struct iso_frame coarse;
     struct iso_candidate_finder *finder;
-    struct iso_candidate candidates[ISO_CANDIDATES_MAX];
+    struct iso_nose_candidate candidates[ISO_CANDIDATES_MAX];
     int n_candidates, n_parts;
     bool several;
     struct iso_pose_search search;
@@ -124,7 +124,7 @@ static void a_nose_tip_is_among_the_candidates(void **state)
     assert_int_equal(f->n_parts, 1);
     double closest_mm = INFINITY;
     for (int i = 0; i < f->n_candidates; i++) {
-        const struct iso_candidate *c = &f->candidates[i];
+        const struct iso_nose_candidate *c = &f->candidates[i];
         closest_mm = fmin(closest_mm, iso_norm(iso_sub(c->point_mm, nose)));
         assert_true(c->height_mm >= 7.0 && c->height_mm <= 60.0);
         assert_int_equal(c->part, 0);

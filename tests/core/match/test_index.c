@@ -53,7 +53,7 @@ static struct iso_metric *new_metric(int n_dimensions)
 /* A person's own numbers; with `spread`, one template of that person. */
 static struct iso_metric_vector person_of(const struct iso_metric *m, uint32_t *state)
 {
-    struct iso_metric_vector v = {.n = 1, .worth = 1.0f, .scale = 1.0f};
+    struct iso_metric_vector v = {.n = 1, .weight = 1.0f, .scale = 1.0f};
     for (int d = 0; d < m->n_dimensions; d++) {
         v.mean[d] = sqrtf(m->between[d]) * normal(state);
     }
@@ -68,8 +68,8 @@ static struct iso_metric_vector template_of(const struct iso_metric *m,
     for (int d = 0; d < m->n_dimensions; d++) {
         noisy.mean[d] += spread * normal(state);
     }
-    /* Of another worth each: an eighth to eight of an average template. */
-    noisy.worth = exp2f((float)(int)(*state >> 16 & 7) - 3.5f);
+    /* Of another weight each: an eighth to eight of an average template. */
+    noisy.weight = exp2f((float)(int)(*state >> 16 & 7) - 3.5f);
     iso_metric_vector_add(m, &noisy, &out); /* which scales it */
     return out;
 }
@@ -177,7 +177,7 @@ static void people_come_and_change_and_leave(void **state)
         assert_int_equal(iso_index_find(c->index, number_of(i), &found), 0);
         assert_int_equal(found.n, c->all[i].n);
         assert_int_equal(found.step, c->all[i].step);
-        assert_true(found.worth <= c->all[i].worth && found.worth >= c->all[i].worth);
+        assert_true(found.weight <= c->all[i].weight && found.weight >= c->all[i].weight);
         assert_true(found.scale <= c->all[i].scale && found.scale >= c->all[i].scale);
         assert_memory_equal(found.mean, c->all[i].mean, DIMENSIONS * sizeof(float));
     }

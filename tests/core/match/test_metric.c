@@ -286,7 +286,7 @@ static void a_vector_says_how_noisy_it_is(void **state)
         struct iso_metric_vector v;
         assert_int_equal(iso_metric_project(m, &t, &v), 0);
         assert_true(abs(v.step - step) <= 1);
-        assert_true(fabs((double)v.worth * iso_metric_variance(v.step) - 1.0) < 1e-6);
+        assert_true(fabs((double)v.weight * iso_metric_variance(v.step) - 1.0) < 1e-6);
     }
     iso_metric_free(m);
 }
@@ -305,7 +305,7 @@ static void a_noisy_vector_counts_for_less(void **state)
     assert_int_equal(all.n, 1);
     iso_metric_vector_add(m, &poor, &all);
     assert_int_equal(all.n, 3);
-    assert_int_equal(all.step, 4); /* worth 4 */
+    assert_int_equal(all.step, 4); /* weight 4 */
     assert_true(fabsf(all.mean[0] - 2.0f) < 1e-6f && fabsf(all.mean[1] - 2.0f) < 1e-6f &&
                 fabsf(all.mean[2] - 2.0f) < 1e-6f);
     iso_metric_free(m);

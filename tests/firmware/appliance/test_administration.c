@@ -92,7 +92,7 @@ static void rotates_every_key(void **state)
 {
     static const enum iso_key_use uses[] = {ISO_KEY_GALLERY, ISO_KEY_ANCHOR};
     struct rig *rig = *state;
-    struct iso_key_ring *ring = rig->parts.ring;
+    struct iso_key_ring *ring = rig->borrowed.ring;
     uint32_t before[2];
     const char *remark = NULL;
     struct iso_audit_report report;
@@ -125,12 +125,12 @@ static void what_cannot_be_put_on_record_is_not_done(void **state)
 {
     struct rig *rig = *state;
     const char *remark = NULL;
-    const uint32_t before = iso_key_ring_newest(rig->parts.ring, ISO_KEY_GALLERY);
+    const uint32_t before = iso_key_ring_newest(rig->borrowed.ring, ISO_KEY_GALLERY);
     rig_start(rig);
     rig_fill_disk();
     assert_int_equal(iso_appliance_rotate_keys(rig->appliance, NULL, &remark, NULL), -ENOSPC);
     rig_free_disk();
-    assert_int_equal(iso_key_ring_newest(rig->parts.ring, ISO_KEY_GALLERY), before);
+    assert_int_equal(iso_key_ring_newest(rig->borrowed.ring, ISO_KEY_GALLERY), before);
 }
 
 static void renames_on_record(void **state)
@@ -164,9 +164,9 @@ static void a_rename_reminds_of_the_cards(void **state)
     const char *path = scratch_path(rig->directory, "cards");
     scratch_write_text(path, "17 4711 Ada\n17 4712 carl\n");
     assert_int_equal(iso_cards_load(path, &cards, NULL), 0);
-    rig->parts.cards = cards;
+    rig->borrowed.cards = cards;
     iso_appliance_free(rig->appliance);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_enrol(rig, "ada", 50);
     rig_start(rig);
     assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "ADA", &remark, NULL), 0);
@@ -308,10 +308,10 @@ static void refuses_a_test_that_is_not_safe(void **state)
     assert_int_equal(iso_appliance_lockdown(rig->appliance, true, NULL), 0);
     expect_no_test(rig, -EPERM, "lockdown: nobody is let in");
     assert_int_equal(iso_appliance_lockdown(rig->appliance, false, NULL), 0);
-    assert_int_equal(iso_door_null_set_input(rig->parts.door_io, ISO_DOOR_CONTACT, true), 0);
+    assert_int_equal(iso_door_null_set_input(rig->borrowed.door_io, ISO_DOOR_CONTACT, true), 0);
     rig_run(rig, 100);
     expect_no_test(rig, -EBUSY, "the door is forced, not locked");
-    assert_int_equal(iso_door_null_set_input(rig->parts.door_io, ISO_DOOR_CONTACT, false), 0);
+    assert_int_equal(iso_door_null_set_input(rig->borrowed.door_io, ISO_DOOR_CONTACT, false), 0);
     rig_run(rig, 100);
     assert_int_equal(iso_appliance_test_door(rig->appliance, NULL), 0);
 }

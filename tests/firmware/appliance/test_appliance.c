@@ -501,9 +501,9 @@ static void sends_the_card_of_who_is_let_in(void **state)
     size_t count = 4711;
     scratch_write_text(path, "17 4711 anna\n");
     assert_int_equal(iso_cards_load(path, &cards, NULL), 0);
-    rig->parts.cards = cards;
+    rig->borrowed.cards = cards;
     iso_appliance_free(rig->appliance);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_enrol(rig, "anna", 50);
     rig_enrol(rig, "bob", 80);
     rig_start(rig);
@@ -522,7 +522,7 @@ static void sends_the_card_of_who_is_let_in(void **state)
     assert_true(rig_relay(rig));
     assert_int_equal(iso_door_null_get_card(rig->door_io, &count, &card), 0);
     assert_int_equal(count, 1);
-    rig->parts.cards = NULL;
+    rig->borrowed.cards = NULL;
     iso_cards_free(cards);
 }
 

@@ -23,14 +23,15 @@ static int setup(void **state)
     const struct iso_counter device = puppet_counter(&puppet);
     iso_appliance_free(rig->appliance);
     iso_audit_close(rig->audit);
-    assert_int_equal(iso_state_counter_new(&device, &rig->parts.times, &rig->parts.counter), 0);
-    audit.counter = rig->parts.counter;
-    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
-    assert_int_equal(iso_state_counter_begin(rig->parts.counter, NULL), 0);
+    assert_int_equal(iso_state_counter_new(&device, &rig->borrowed.times, &rig->borrowed.counter),
+                     0);
+    audit.counter = rig->borrowed.counter;
+    assert_int_equal(iso_audit_open(&audit, &rig->borrowed.times, &rig->audit, NULL), 0);
+    assert_int_equal(iso_state_counter_begin(rig->borrowed.counter, NULL), 0);
     assert_int_equal(iso_audit_renew_anchor(rig->audit, NULL), 0);
-    rig->parts.audit = rig->audit;
+    rig->borrowed.audit = rig->audit;
     rig_enrol(rig, "anna", 50);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_start(rig);
     return 0;
 }
@@ -38,7 +39,7 @@ static int setup(void **state)
 static int teardown(void **state)
 {
     struct rig *rig = *state;
-    struct iso_state_counter *counter = rig->parts.counter;
+    struct iso_state_counter *counter = rig->borrowed.counter;
     const int error = rig_teardown(state);
     iso_state_counter_free(counter);
     return error;
@@ -63,7 +64,7 @@ static void a_change_without_a_record_gets_one(void **state)
 {
     struct rig *rig = *state;
     const int before = puppet.increments;
-    iso_state_counter_changed(rig->parts.counter, ISO_STATE_ADMINISTRATOR);
+    iso_state_counter_changed(rig->borrowed.counter, ISO_STATE_ADMINISTRATOR);
     rig_run(rig, 1500); /* a record may be on its way */
     assert_string_equal(rig_record(rig, "counter"), "");
     rig_run(rig, 2500);
@@ -91,7 +92,7 @@ static void a_fault_is_told_and_shown_until_it_is_over(void **state)
     assert_string_equal(iso_appliance_status(rig->appliance).counter_fault, "");
     assert_int_equal(iso_appliance_status(rig->appliance).counter_fault_code, ISO_FAULT_NONE);
     rig_run(rig, 5000);
-    assert_false(iso_state_counter_is_due(rig->parts.counter));
+    assert_false(iso_state_counter_is_due(rig->borrowed.counter));
 }
 
 int main(void)

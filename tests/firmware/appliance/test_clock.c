@@ -57,9 +57,9 @@ static void restart_with(struct rig *rig, uint64_t segment_bytes)
     iso_appliance_stop(rig->appliance);
     iso_appliance_free(rig->appliance);
     iso_audit_close(rig->audit);
-    assert_int_equal(iso_audit_open(&options, &rig->parts.times, &rig->audit, NULL), 0);
-    rig->parts.audit = rig->audit;
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_audit_open(&options, &rig->borrowed.times, &rig->audit, NULL), 0);
+    rig->borrowed.audit = rig->audit;
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     assert_int_equal(iso_appliance_start(rig->appliance, NULL), 0);
 }
 

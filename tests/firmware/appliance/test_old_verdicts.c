@@ -72,7 +72,7 @@ static void open_door(struct rig *rig)
     iso_door_io_close(rig->door_io);
     assert_int_equal(iso_door_io_open_ops(&ops, NULL, 0, &clock, &unpowered, &rig->door_io, NULL),
                      0);
-    rig->parts.door_io = rig->door_io;
+    rig->borrowed.door_io = rig->door_io;
 }
 
 static void open_log(struct rig *rig)
@@ -80,8 +80,8 @@ static void open_log(struct rig *rig)
     struct iso_audit_options audit = stores_audit(rig->directory);
     audit.written = on_written;
     iso_audit_close(rig->audit);
-    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
-    rig->parts.audit = rig->audit;
+    assert_int_equal(iso_audit_open(&audit, &rig->borrowed.times, &rig->audit, NULL), 0);
+    rig->borrowed.audit = rig->audit;
 }
 
 static int setup(void **state)
@@ -93,16 +93,16 @@ static int setup(void **state)
     iso_appliance_free(rig->appliance);
     open_door(rig);
     open_log(rig);
-    puppet_ops = rig->parts.pipeline.ops;
+    puppet_ops = rig->borrowed.pipeline.ops;
     slow_ops = *puppet_ops;
     slow_ops.extract = extract;
-    rig->parts.pipeline.ops = &slow_ops;
+    rig->borrowed.pipeline.ops = &slow_ops;
     rig->config.sensor.stale_ms = STALE_MS;
     rig->config.sensor.pause_ms = 600000;
     rig->asleep_ns = 7 * ISO_NS_PER_S; /* of some time before */
     delays = (struct delays){0};
     rig_enrol(rig, "anna", 50);
-    const int error = iso_appliance_new(&rig->parts, &rig->appliance);
+    const int error = iso_appliance_new(&rig->borrowed, &rig->appliance);
     if (!error) {
         rig_start(rig);
         relay_switchings = 0;
@@ -274,7 +274,7 @@ static void a_slow_sensor_is_told_at_the_start(void **state)
     struct rig *rig = *state;
     rig->sensor.rate_hz = 3;
     iso_appliance_free(rig->appliance);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_start(rig);
     assert_non_null(strstr(rig->warned, "a grant may need 916 ms (2 frames at 3 a second, "));
     const struct iso_appliance_status status = iso_appliance_status(rig->appliance);

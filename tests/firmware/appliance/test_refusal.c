@@ -20,9 +20,9 @@ static int setup(void **state)
     rig->config.lockout.failures = 2;
     rig->config.lockout.attacks = 2;
     rig->config.lockout.first_ms = 60000;
-    rig->parts.lockout_path = path;
+    rig->borrowed.lockout_path = path;
     iso_appliance_free(rig->appliance);
-    return error ? error : iso_appliance_new(&rig->parts, &rig->appliance);
+    return error ? error : iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
 /* Ends the appliance and begins another one, as a service manager would. */
@@ -30,7 +30,7 @@ static void restart(struct rig *rig)
 {
     iso_appliance_stop(rig->appliance);
     iso_appliance_free(rig->appliance);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_start(rig);
 }
 

@@ -132,7 +132,7 @@ static int setup(void **state)
     }
     struct rig *rig = *state;
     iso_appliance_free(rig->appliance);
-    camera = (struct camera){.clock = rig->parts.times.monotonic};
+    camera = (struct camera){.clock = rig->borrowed.times.monotonic};
     camera.frame = (struct iso_frame){
         .camera = {.projection = ISO_PINHOLE,
                    .width_px = WIDTH,
@@ -145,10 +145,10 @@ static int setup(void **state)
         .height_px = HEIGHT,
         .depth_mm = camera.depth_mm,
     };
-    rig->parts.sensor = (struct iso_sensor_source){open_camera, NULL};
+    rig->borrowed.sensor = (struct iso_sensor_source){open_camera, NULL};
     rig->config.sensor.pause_ms = 600000;
     rig_enrol(rig, "anna", 50);
-    const int error = iso_appliance_new(&rig->parts, &rig->appliance);
+    const int error = iso_appliance_new(&rig->borrowed, &rig->appliance);
     if (!error) {
         rig_start(rig);
     }

@@ -66,9 +66,9 @@ static int setup(void **state)
     iso_door_io_close(rig->door_io);
     assert_int_equal(iso_door_io_open_ops(&ops, NULL, 0, &clock, &unpowered, &rig->door_io, NULL),
                      0);
-    rig->parts.door_io = rig->door_io;
+    rig->borrowed.door_io = rig->door_io;
     rig_enrol(rig, "anna", 50);
-    return iso_appliance_new(&rig->parts, &rig->appliance);
+    return iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
 /* Anna stands at the door long enough. */
@@ -112,17 +112,17 @@ static void a_door_without_a_relay_does_what_its_controller_is_told(void **state
     struct iso_cards *cards = NULL;
     scratch_write_text(path, "17 4711 bob\n");
     assert_int_equal(iso_cards_load(path, &cards, NULL), 0);
-    rig->parts.cards = cards;
+    rig->borrowed.cards = cards;
     static const struct iso_option_spec d0 = {.name = "wiegand_d0", .kind = ISO_OPTION_LINE};
     rig->config.door.options = (struct iso_config_options){.n = 1, .list = {{&d0, "D0", 0}}};
     iso_appliance_free(rig->appliance);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_start(rig);
     come(rig);
     assert_non_null(strstr(rig_record(rig, "visit"),
                            "\"verdict\":\"allow\",\"door\":\"not-unlocked\","
                            "\"door_fault\":\"the admitted person has no card number\""));
-    rig->parts.cards = NULL;
+    rig->borrowed.cards = NULL;
     iso_cards_free(cards);
 }
 

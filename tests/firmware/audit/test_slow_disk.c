@@ -33,18 +33,18 @@ static int setup(void **state)
     iso_appliance_free(rig->appliance);
     iso_door_io_close(rig->door_io);
     iso_audit_close(rig->audit);
-    rig->parts.times = iso_times_system();
-    rig->parts.threads = true;
-    rig->sensor.clock = rig->parts.times.monotonic;
-    rig->parts.door_io = rig->door_io = wired_door_open();
+    rig->borrowed.times = iso_times_system();
+    rig->borrowed.threads = true;
+    rig->sensor.clock = rig->borrowed.times.monotonic;
+    rig->borrowed.door_io = rig->door_io = wired_door_open();
     const struct iso_audit_options audit = stores_audit(rig->directory);
-    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
-    rig->parts.audit = rig->audit;
+    assert_int_equal(iso_audit_open(&audit, &rig->borrowed.times, &rig->audit, NULL), 0);
+    rig->borrowed.audit = rig->audit;
     rig->config.door.unlock_ms = UNLOCK_MS;
     rig->config.decision.refractory_ms = 1;
     rig->config.sensor.stale_ms = LONG_MS; /* this machine may have better things to do */
     rig_enrol(rig, "anna", 50);
-    return iso_appliance_new(&rig->parts, &rig->appliance);
+    return iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
 static int teardown(void **state)
@@ -90,7 +90,7 @@ static const char *come(struct rig *rig)
     all[0] = '\0';
     while (!strstr(all, "visit ")) {
         if (rig->sensor.next == rig->sensor.n_frames) {
-            const int64_t now_ns = iso_times_now_ns(&rig->parts.times);
+            const int64_t now_ns = iso_times_now_ns(&rig->borrowed.times);
             puppet_sensor_add(&rig->sensor, now_ns, 50, ISO_CAPTURE_OK);
         }
         (void)iso_appliance_step(rig->appliance);
@@ -291,9 +291,9 @@ static void open_told_log(struct rig *rig, struct iso_journal *to)
     audit.context = to;
     iso_appliance_free(rig->appliance);
     iso_audit_close(rig->audit);
-    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
-    rig->parts.audit = rig->audit;
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_audit_open(&audit, &rig->borrowed.times, &rig->audit, NULL), 0);
+    rig->borrowed.audit = rig->audit;
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
 }
 
 static void a_stuck_journal_keeps_nobody_out(void **state)
@@ -316,7 +316,7 @@ static void a_stuck_journal_keeps_nobody_out(void **state)
     iso_journal_free(to);
     rig->audit = NULL;
     iso_appliance_free(rig->appliance);
-    iso_audit_close(rig->parts.audit);
+    iso_audit_close(rig->borrowed.audit);
     rig->appliance = NULL;
 }
 
@@ -402,7 +402,7 @@ static void a_door_that_works_already_is_taken_over(void **state)
     struct rig *rig = *state;
     struct iso_door_guard *guard = NULL;
     const struct iso_door_guard_options options = iso_door_options_of(
-        &rig->config.door, &rig->parts.times, rig->door_io, true);
+        &rig->config.door, &rig->borrowed.times, rig->door_io, true);
     iso_appliance_free(rig->appliance);
     assert_int_equal(iso_door_guard_new(&options, &guard), 0);
     assert_int_equal(iso_door_guard_start(guard), 0);
@@ -411,9 +411,9 @@ static void a_door_that_works_already_is_taken_over(void **state)
     while (iso_door_guard_look(guard).state != ISO_DOOR_LOCKED) {
         wait_a_moment();
     }
-    const int64_t before_ns = iso_times_now_ns(&rig->parts.times);
-    rig->parts.door = guard;
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    const int64_t before_ns = iso_times_now_ns(&rig->borrowed.times);
+    rig->borrowed.door = guard;
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     const pthread_t thread = start_slowly(rig);
     assert_int_equal(slow_disk_waiting(), 1);
     end_start(thread);
@@ -443,13 +443,13 @@ static int setup_fail_safe(void **state)
     rig->config.sensor.stale_ms = PAUSE_MS;
     rig->config.sensor.silence_ms = 2 * PAUSE_MS;
     rig->sensor.streams = true;
-    return iso_appliance_new(&rig->parts, &rig->appliance);
+    return iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
 /* A frame without anybody, as a camera has one all the time. */
 static void show_nobody(struct rig *rig)
 {
-    const int64_t now_ns = iso_times_now_ns(&rig->parts.times);
+    const int64_t now_ns = iso_times_now_ns(&rig->borrowed.times);
     puppet_sensor_add(&rig->sensor, now_ns, 0, ISO_CAPTURE_NO_FACE);
 }
 
@@ -497,7 +497,7 @@ static void frames_from_before_a_stall_let_nobody_in(void **state)
     wired_door_await(ISO_DOOR_RELAY, 1);
     (void)iso_appliance_step(rig->appliance);
     for (int i = 0; i < 4; i++) {
-        puppet_sensor_add(&rig->sensor, iso_times_now_ns(&rig->parts.times), 60, ISO_CAPTURE_OK);
+        puppet_sensor_add(&rig->sensor, iso_times_now_ns(&rig->borrowed.times), 60, ISO_CAPTURE_OK);
     }
     stall(rig);
     for (int i = 0; i < 6; i++) {

@@ -340,7 +340,7 @@ static void one_service_has_the_name(void **state)
     struct iso_bus *second = NULL;
     struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_bus_open(bus_rig_address(), &second, NULL), 0);
-    assert_int_equal(iso_bus_serve(second, f->rig->appliance, &f->rig->parts, f->event, &fault),
+    assert_int_equal(iso_bus_serve(second, f->rig->appliance, &f->rig->borrowed, f->event, &fault),
                      -EEXIST);
     assert_string_equal(fault.text,
                         "bus: the name org.isotherm.Isotherm: another isothermd has it");

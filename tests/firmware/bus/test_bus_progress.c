@@ -52,7 +52,7 @@ static int64_t quick_now_ns(void *context)
 
 static void set_clock(struct bus_rig *f, int64_t (*now_ns)(void *context))
 {
-    f->rig->parts.times.monotonic = (struct iso_clock){now_ns, &f->rig->now_ns};
+    f->rig->borrowed.times.monotonic = (struct iso_clock){now_ns, &f->rig->now_ns};
 }
 
 static void enrol_many(struct bus_rig *f)

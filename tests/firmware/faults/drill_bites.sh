@@ -220,15 +220,15 @@ mistake 'stale: the newest frame counts, not the oldest' firmware/visit/decision
     '*since_ns = decision->frames[i].t_ns;' '*since_ns = t_ns;'
 mistake 'stale: counted from the verdict' firmware/appliance/appliance_door.c \
     'const int64_t until_ns = since_ns + appliance->suspension.asleep_ns + stale_ns;' \
-    'const int64_t until_ns = iso_times_boot_ns(&appliance->parts.times) + stale_ns + 0 * since_ns;'
+    'const int64_t until_ns = iso_times_boot_ns(&appliance->borrowed.times) + stale_ns + 0 * since_ns;'
 mistake 'suspended: frames from before count' firmware/appliance/appliance_frame.c \
     'frame->t_ns < appliance->suspension.awake_ns' 'frame->t_ns < 0'
 mistake 'suspended: a visit goes on' firmware/appliance/appliance.c \
-    'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times)) {' \
-    'if (iso_suspension_look(&appliance->suspension, &appliance->parts.times) && 0) {'
+    'if (iso_suspension_look(&appliance->suspension, &appliance->borrowed.times)) {' \
+    'if (iso_suspension_look(&appliance->suspension, &appliance->borrowed.times) && 0) {'
 mistake 'suspended: the present time asleep is added' firmware/appliance/appliance_door.c \
     'since_ns + appliance->suspension.asleep_ns + stale_ns;' \
-    'since_ns + iso_times_boot_ns(&appliance->parts.times) - iso_times_now_ns(&appliance->parts.times) + stale_ns;'
+    'since_ns + iso_times_boot_ns(&appliance->borrowed.times) - iso_times_now_ns(&appliance->borrowed.times) + stale_ns;'
 mistake 'suspended: for less than a minute is not seen' firmware/visit/suspension.c \
     'least_ns = 10 * ISO_NS_PER_MS;' 'least_ns = 60000 * ISO_NS_PER_MS;'
 judges=(test_firmware_door_guard)
@@ -282,8 +282,8 @@ rule=5
 judges=(test_firmware_earlier_files)
 mistake 'earlier: nobody compares the stores' firmware/keys/heads.c \
     'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
-mistake 'earlier: the daemon does not ask' firmware/daemon/parts.c \
-    'const int error = iso_heads_check(iso_key_ring_board(parts->ring), fault);' 'const int error = 0;'
+mistake 'earlier: the daemon does not ask' firmware/daemon/components.c \
+    'const int error = iso_heads_check(iso_key_ring_board(borrowed->ring), fault);' 'const int error = 0;'
 mistake 'earlier: one less is taken' firmware/keys/heads.c \
     'store->count < claim->known.count[i]' 'store->count + 1 < claim->known.count[i]'
 mistake 'earlier: anchors know nothing' firmware/audit/anchor.c \
@@ -338,7 +338,7 @@ mistake 'drop: a visit goes on while blind' firmware/appliance/appliance.c \
     firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
     firmware/visit/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
     firmware/appliance/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
-mistake 'gone: the sensor is kept' firmware/appliance/sensor_keeper.c '    close_sensor(keeper, now_ns);
+mistake 'gone: the sensor is kept' firmware/appliance/sensor_supervisor.c '    close_sensor(supervisor, now_ns);
     return ISO_SENSOR_GONE;
 }
 

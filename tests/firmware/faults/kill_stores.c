@@ -279,7 +279,7 @@ static bool is_as(const struct stores *stores, int person, int templates)
     if (!found) {
         return templates == 0;
     }
-    const struct iso_candidates own = iso_gallery_only(stores->gallery, found->id);
+    const struct iso_candidate_list own = iso_gallery_only(stores->gallery, found->id);
     for (int i = 0; i < own.n_entries; i++) {
         if (puppet_face_of(own.entries[i].tmpl) != person + 1) {
             give_up(name, "has the template of another person");

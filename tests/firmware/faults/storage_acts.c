@@ -28,10 +28,10 @@ void storage_world_start(struct storage_world *w)
     assert_int_equal(rig_setup_in(&state, strdup(w->directory)), 0);
     w->rig = state;
     (void)snprintf(w->lockout_path, sizeof w->lockout_path, "%s/lockout", w->directory);
-    w->rig->parts.lockout_path = w->lockout_path;
+    w->rig->borrowed.lockout_path = w->lockout_path;
     w->rig->config.lockout.failures = 1;
     iso_appliance_free(w->rig->appliance);
-    assert_int_equal(iso_appliance_new(&w->rig->parts, &w->rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&w->rig->borrowed, &w->rig->appliance), 0);
     rig_start(w->rig);
 }
 
@@ -41,7 +41,7 @@ void storage_people(struct iso_gallery *gallery, char *text, size_t size)
     const struct iso_person *people = iso_gallery_people(gallery, &n);
     text[0] = '\0';
     for (size_t i = 0; i < n; i++) {
-        const struct iso_candidates own = iso_gallery_only(gallery, people[i].id);
+        const struct iso_candidate_list own = iso_gallery_only(gallery, people[i].id);
         if (strcmp(people[i].name, "zoe") == 0) {
             continue;
         }

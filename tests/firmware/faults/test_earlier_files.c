@@ -141,14 +141,14 @@ static void every_subset_of_missing_files_is_refused(void **state)
 
 /* ---- the version before ---- */
 
-static void expect_people_of_before(struct iso_parts *parts)
+static void expect_people_of_before(struct iso_components *components)
 {
     static const char *const names[] = {"Anna Ek", "Bert"};
     for (int i = 0; i < 2; i++) {
-        const struct iso_person *person = iso_gallery_find(parts->gallery, names[i]);
+        const struct iso_person *person = iso_gallery_find(components->gallery, names[i]);
         assert_non_null(person);
         assert_int_equal(person->enrolled_s, 1000 + i);
-        const struct iso_candidates own = iso_gallery_only(parts->gallery, person->id);
+        const struct iso_candidate_list own = iso_gallery_only(components->gallery, person->id);
         assert_int_equal(own.n_entries, 1);
         assert_int_equal(puppet_face_of(own.entries[0].tmpl), 50 + 30 * i);
     }
@@ -164,23 +164,23 @@ static void a_directory_of_the_version_before_is_upgraded(void **state)
     mix_take(ISOTHERM_SOURCE_DIR "/tests/firmware/state_1", &before);
     assert_int_equal(before.n, 8);
     mix_put_back(world->directory, &before);
-    struct iso_parts *parts = state_rig_open(world->directory);
-    expect_people_of_before(parts);
-    assert_int_equal(iso_audit_verify(parts->audit, 0, NULL, NULL, &report, NULL), 0);
+    struct iso_components *components = state_rig_open(world->directory);
+    expect_people_of_before(components);
+    assert_int_equal(iso_audit_verify(components->audit, 0, NULL, NULL, &report, NULL), 0);
     assert_true(report.sound);
     assert_int_equal(report.first, 1);
     assert_int_equal(report.last, 5);
-    assert_int_equal(iso_lockout_load(parts->lockout_path, parts->ring, &file, NULL), 0);
+    assert_int_equal(iso_lockout_load(components->lockout_path, components->ring, &file, NULL), 0);
     assert_int_equal(file.number, 0);
     assert_int_equal(file.record.failures, 5);
     assert_int_equal(file.record.remaining_ns, 119500 * ISO_NS_PER_MS);
-    state_rig_close(parts);
+    state_rig_close(components);
     state_rig_play(world->directory, "everything", &after);
-    parts = state_rig_open(world->directory);
-    expect_people_of_before(parts);
-    assert_int_equal(iso_audit_verify(parts->audit, 0, NULL, NULL, &report, NULL), 0);
+    components = state_rig_open(world->directory);
+    expect_people_of_before(components);
+    assert_int_equal(iso_audit_verify(components->audit, 0, NULL, NULL, &report, NULL), 0);
     assert_true(report.sound);
-    state_rig_close(parts);
+    state_rig_close(components);
     expect_no_mixture(world->directory, &before, &after, "version before");
     mix_let_go(&before);
     mix_let_go(&after);
@@ -191,12 +191,12 @@ static void a_directory_of_the_version_before_is_upgraded(void **state)
 static void accept(const char *directory, const char *expected)
 {
     struct iso_fault why, fault = {.text = ""};
-    struct iso_parts *parts = state_rig_new(directory, &fault);
-    if (iso_parts_accept_stores(parts, &why, &fault)) {
+    struct iso_components *components = state_rig_new(directory, &fault);
+    if (iso_components_accept_stores(components, &why, &fault)) {
         fail_msg("%s", fault.text);
     }
     assert_non_null(strstr(why.text, expected));
-    state_rig_close(parts);
+    state_rig_close(components);
 }
 
 static int find_accepted(void *context, const char *line)
@@ -236,10 +236,10 @@ static void an_administrator_accepts_an_older_gallery(void **state)
     assert_non_null(strstr(fault.text, "/gallery.db: from an earlier time"));
     accept(world->directory, "/gallery.db: from an earlier time");
     accept(world->directory, ""); /* there is nothing left to accept */
-    struct iso_parts *parts = state_rig_open(world->directory);
-    assert_int_equal(iso_audit_read(parts->audit, 1, UINT32_MAX, find_accepted, &n), 0);
+    struct iso_components *components = state_rig_open(world->directory);
+    assert_int_equal(iso_audit_read(components->audit, 1, UINT32_MAX, find_accepted, &n), 0);
     assert_int_equal(n, 2);
-    state_rig_close(parts);
+    state_rig_close(components);
     mix_let_go(&after);
 }
 
@@ -254,10 +254,11 @@ static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
     replace(world, lost, false);
     assert_int_equal(state_rig_try(world->directory, &fault), -ESTALE);
     accept(world->directory, "/audit.log: from an earlier time");
-    struct iso_parts *parts = state_rig_open(world->directory);
-    assert_int_equal(iso_lockout_load(parts->lockout_path, parts->ring, &file, &fault), 0);
+    struct iso_components *components = state_rig_open(world->directory);
+    assert_int_equal(iso_lockout_load(components->lockout_path, components->ring, &file, &fault),
+                     0);
     assert_true(file.record.lockdown);
-    state_rig_close(parts);
+    state_rig_close(components);
 }
 
 /* ---- interruptions ---- */
@@ -318,9 +319,9 @@ static void try_interruptions(const struct world *world)
     n_moments = 0;
     mix_put_back(world->directory, &world->before);
     watched = world->directory;
-    struct iso_parts *parts = state_rig_open(world->directory);
-    state_rig_everything(parts);
-    state_rig_close(parts);
+    struct iso_components *components = state_rig_open(world->directory);
+    state_rig_everything(components);
+    state_rig_close(components);
     watched = NULL;
     mix_take(world->directory, &after);
     for (size_t i = 0; i < n_moments; i++) {

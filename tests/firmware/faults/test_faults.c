@@ -106,8 +106,8 @@ static void end_appliance(struct world *w)
     iso_audit_close(rig->audit);
     iso_gallery_close(rig->gallery);
     rig->appliance = NULL;
-    rig->parts.audit = rig->audit = NULL;
-    rig->parts.gallery = rig->gallery = NULL;
+    rig->borrowed.audit = rig->audit = NULL;
+    rig->borrowed.gallery = rig->gallery = NULL;
     w->running = false;
     w->oracle.claimed = false;
     w->oracle.n_seen = 0;
@@ -133,11 +133,11 @@ static void begin_appliance(struct world *w)
     audit.sync = false;
     int error = iso_gallery_open(&gallery, &rig->gallery, &fault);
     if (!error) {
-        error = iso_audit_open(&audit, &rig->parts.times, &rig->audit, &fault);
+        error = iso_audit_open(&audit, &rig->borrowed.times, &rig->audit, &fault);
     }
-    rig->parts.gallery = rig->gallery;
-    rig->parts.audit = rig->audit;
-    error = error ? error : iso_appliance_new(&rig->parts, &rig->appliance);
+    rig->borrowed.gallery = rig->gallery;
+    rig->borrowed.audit = rig->audit;
+    error = error ? error : iso_appliance_new(&rig->borrowed, &rig->appliance);
     error = error ? error : iso_appliance_start(rig->appliance, &fault);
     if (error) {
         if (error == -EBADMSG) {
@@ -380,9 +380,9 @@ static void play(int seed)
     assert_int_equal(iso_gallery_add(rig->gallery, &entry, &bob, NULL), 0);
     (void)snprintf(w.lockout_path, sizeof w.lockout_path, "%s",
                    scratch_path(rig->directory, "lockout"));
-    rig->parts.lockout_path = w.lockout_path;
+    rig->borrowed.lockout_path = w.lockout_path;
     iso_appliance_free(rig->appliance);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_start(rig);
     w.oracle.sighted_ns = rig->now_ns;
     for (w.step = 0; w.step < n_steps; w.step++) {

@@ -40,7 +40,7 @@ static int open_log(void *context, struct iso_fault *fault)
     struct iso_audit *audit = NULL;
     struct iso_audit_options options = stores_audit(rig->directory);
     options.path = scratch_path(rig->directory, "b.log");
-    const int error = iso_audit_open(&options, &rig->parts.times, &audit, fault);
+    const int error = iso_audit_open(&options, &rig->borrowed.times, &audit, fault);
     assert_int_equal(audit == NULL, error != 0);
     iso_audit_close(audit);
     return error;
@@ -54,7 +54,7 @@ static void while_it_opens_a_log(void **state)
     struct iso_audit *audit = NULL;
     struct iso_audit_options options = stores_audit(rig->directory);
     options.path = scratch_path(rig->directory, "b.log");
-    assert_int_equal(iso_audit_open(&options, &rig->parts.times, &audit, &fault), 0);
+    assert_int_equal(iso_audit_open(&options, &rig->borrowed.times, &audit, &fault), 0);
     assert_int_equal(iso_audit_append(audit, &record, &fault), 0);
     iso_audit_close(audit);
     assert_true(scarce_memory_exhaust(open_log, rig, MOST) >= 3);
@@ -110,7 +110,7 @@ static int open_pipeline(void *context, struct iso_fault *fault)
         .cohort_path = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
-        .clock = rig->parts.times.monotonic,
+        .clock = rig->borrowed.times.monotonic,
     };
     struct iso_pipeline pipeline = {0};
     const int error = iso_pipeline_open(&options, &pipeline, fault);
@@ -128,7 +128,7 @@ static int make_appliance(void *context, struct iso_fault *fault)
 {
     struct rig *rig = context;
     struct iso_appliance *appliance = NULL;
-    const int error = iso_appliance_new(&rig->parts, &appliance);
+    const int error = iso_appliance_new(&rig->borrowed, &appliance);
     assert_int_equal(appliance == NULL, error != 0);
     iso_appliance_free(appliance);
     return error ? iso_fault_set(fault, error, "out of memory") : 0;

@@ -48,8 +48,8 @@ static void begins_empty_and_private(void **state)
     struct stat status;
     size_t n_people = 1;
     (void)iso_gallery_people(gallery, &n_people);
-    const struct iso_candidates all = iso_gallery_everybody(gallery);
-    const struct iso_candidates one = iso_gallery_only(gallery, 1);
+    const struct iso_candidate_list all = iso_gallery_everybody(gallery);
+    const struct iso_candidate_list one = iso_gallery_only(gallery, 1);
     assert_int_equal(n_people, 0);
     assert_true(iso_candidates_none(&all));
     assert_true(iso_candidates_none(&one));
@@ -65,7 +65,7 @@ static void check_three(struct iso_gallery *gallery)
 {
     size_t n_people = 0;
     const struct iso_person *people = iso_gallery_people(gallery, &n_people);
-    const struct iso_candidates all = iso_gallery_everybody(gallery);
+    const struct iso_candidate_list all = iso_gallery_everybody(gallery);
     assert_int_equal(n_people, 2);
     assert_string_equal(people[0].name, "anna");
     assert_string_equal(people[1].name, "Zo\xc3\xab");
@@ -243,7 +243,7 @@ static void expect_vector(struct iso_gallery *gallery, const struct iso_metric *
         assert_int_equal(iso_metric_project(metric, &tmpl, &one), 0);
         iso_metric_vector_add(metric, &one, &all);
     }
-    const struct iso_candidates own = iso_gallery_only(gallery, person->id);
+    const struct iso_candidate_list own = iso_gallery_only(gallery, person->id);
     assert_int_equal(own.person, person->id);
     assert_int_equal(iso_index_find(own.index, person->id, &found), 0);
     assert_int_equal(found.n, n);
@@ -254,7 +254,7 @@ static void expect_vector(struct iso_gallery *gallery, const struct iso_metric *
 static void expect_index(struct iso_gallery *gallery, const struct iso_metric *metric)
 {
     static const int annas[] = {20, 22}, bobs[] = {60};
-    const struct iso_candidates all = iso_gallery_everybody(gallery);
+    const struct iso_candidate_list all = iso_gallery_everybody(gallery);
     assert_non_null(all.index);
     assert_int_equal(all.person, 0);
     assert_int_equal(all.n_entries, 0);
@@ -276,7 +276,7 @@ static void with_a_metric_it_keeps_an_index_of_vectors(void **state)
     assert_int_equal(add(gallery, "cleo", 70, NULL), 0);
     const int64_t cleo = iso_gallery_find(gallery, "cleo")->id;
     assert_int_equal(iso_gallery_remove(gallery, "cleo", NULL), 0);
-    const struct iso_candidates gone = iso_gallery_only(gallery, cleo);
+    const struct iso_candidate_list gone = iso_gallery_only(gallery, cleo);
     assert_true(iso_candidates_none(&gone));
     expect_index(gallery, metric);
     iso_gallery_close(gallery);

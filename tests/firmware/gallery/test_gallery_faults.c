@@ -170,7 +170,7 @@ static void changed_anywhere_it_lies_never(void **state)
             refused++;
             continue;
         }
-        const struct iso_candidates all = iso_gallery_everybody(gallery);
+        const struct iso_candidate_list all = iso_gallery_everybody(gallery);
         for (int i = 0; i < all.n_entries; i++) {
             const int face = puppet_face_of(all.entries[i].tmpl);
             const struct iso_template wanted = puppet_template(face, PUPPET_ALGORITHM);

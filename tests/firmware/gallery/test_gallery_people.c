@@ -222,8 +222,8 @@ static void the_daemon_warns_of_two_spellings(void **state)
     struct rig *rig = *state;
     iso_appliance_free(rig->appliance);
     iso_gallery_close(rig->gallery);
-    rig->parts.gallery = rig->gallery = open_with_both(rig->directory);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    rig->borrowed.gallery = rig->gallery = open_with_both(rig->directory);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_start(rig);
     assert_non_null(
         strstr(rig->warned, "names of enrolled people that look like another's: 1; isotherm list"));

@@ -115,7 +115,7 @@ static void expect_person(const struct door *door, const char *name, unsigned te
     assert_int_equal(person->enrolled_s, 1000 + face);
     assert_int_equal(person->valid_from_s, 3);
     assert_int_equal(person->valid_until_s, 9);
-    const struct iso_candidates own = iso_gallery_only(door->gallery, person->id);
+    const struct iso_candidate_list own = iso_gallery_only(door->gallery, person->id);
     assert_int_equal(own.n_entries, templates);
     assert_int_equal(puppet_face_of(own.entries[0].tmpl), face);
 }

@@ -159,15 +159,15 @@ static void expect_open(const struct world *world)
 static void accept(const struct world *world, const char *expected)
 {
     struct iso_fault why = {.text = ""}, fault = {.text = ""};
-    struct iso_parts *parts = state_rig_new(world->state, &fault);
-    assert_non_null(parts);
-    if (iso_parts_accept_stores(parts, &why, &fault)) {
+    struct iso_components *components = state_rig_new(world->state, &fault);
+    assert_non_null(components);
+    if (iso_components_accept_stores(components, &why, &fault)) {
         fail_msg("%s", fault.text);
     }
     if (!strstr(why.text, expected)) {
         fail_msg("accepted: %s", why.text);
     }
-    state_rig_close(parts);
+    state_rig_close(components);
 }
 
 /* ---- directories of an earlier time ---- */
@@ -178,8 +178,8 @@ static void a_whole_directory_of_an_earlier_time_is_refused(void **state)
     for (size_t i = 0; i < state_n_histories; i++) {
         struct mix_state before, after;
         char line[80];
-        struct iso_parts *parts = state_rig_open(world->state);
-        state_rig_close(parts);
+        struct iso_components *components = state_rig_open(world->state);
+        state_rig_close(components);
         mix_take(world->state, &before);
         const uint64_t value = value_of_device();
         state_rig_play(world->state, state_histories[i].name, &after);
@@ -248,10 +248,10 @@ static void an_administrator_accepts_an_earlier_directory(void **state)
     accept(world, "is of an earlier time: its counter says");
     expect_open(world);
     accept(world, "");
-    struct iso_parts *parts = state_rig_open(world->state);
-    assert_int_equal(iso_audit_read(parts->audit, 1, UINT32_MAX, count_accepted, &n), 0);
+    struct iso_components *components = state_rig_open(world->state);
+    assert_int_equal(iso_audit_read(components->audit, 1, UINT32_MAX, count_accepted, &n), 0);
     assert_int_equal(n, 2);
-    state_rig_close(parts);
+    state_rig_close(components);
     expect_open(world);
     mix_put_back(world->state, &after); /* what was not chosen is of an earlier time now */
     expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
@@ -276,11 +276,11 @@ static void a_kill_before_the_increment_is_caught_up(void **state)
     const struct world *world = *state;
     struct mix_state ahead;
     const uint64_t value = value_of_device();
-    struct iso_parts *parts = state_rig_open(world->state);
+    struct iso_components *components = state_rig_open(world->state);
     killed = true;
-    state_rig_enrol(parts);
-    state_rig_append(parts, "visit");
-    state_rig_close(parts);
+    state_rig_enrol(components);
+    state_rig_append(components, "visit");
+    state_rig_close(components);
     killed = false;
     mix_take(world->state, &ahead);
     assert_int_equal(value_of_device(), value + 1); /* of the start alone */
@@ -373,21 +373,21 @@ static void a_state_without_a_number_gets_one(void **state)
 static void records_alone_raise_it_once_an_hour(void **state)
 {
     const struct world *world = *state;
-    struct iso_parts *parts = state_rig_open(world->state);
+    struct iso_components *components = state_rig_open(world->state);
     const int start = puppet.increments;
     for (int i = 0; i < 100; i++) {
-        state_rig_append(parts, "visit");
+        state_rig_append(components, "visit");
     }
     assert_int_equal(puppet.increments, start);
     state_rig_now_ns += 3599 * ISO_NS_PER_S;
-    state_rig_append(parts, "visit");
+    state_rig_append(components, "visit");
     assert_int_equal(puppet.increments, start);
     state_rig_now_ns += ISO_NS_PER_S;
-    state_rig_append(parts, "visit");
+    state_rig_append(components, "visit");
     assert_int_equal(puppet.increments, start + 1);
-    state_rig_append(parts, "visit");
+    state_rig_append(components, "visit");
     assert_int_equal(puppet.increments, start + 1);
-    state_rig_close(parts);
+    state_rig_close(components);
     assert_int_equal(puppet.increments, start + 2);
 }
 
@@ -395,38 +395,38 @@ static void changes_raise_it_at_once(void **state)
 {
     const struct world *world = *state;
     static const char *const events[] = {"lockdown", "rotate-keys", "state-accepted"};
-    struct iso_parts *parts = state_rig_open(world->state);
-    state_rig_append(parts, "gallery"); /* its keys were rotated */
+    struct iso_components *components = state_rig_open(world->state);
+    state_rig_append(components, "gallery"); /* its keys were rotated */
     int expected = puppet.increments;
-    state_rig_append(parts, "gallery"); /* as it was */
+    state_rig_append(components, "gallery"); /* as it was */
     assert_int_equal(puppet.increments, expected);
     for (size_t i = 0; i < sizeof events / sizeof *events; i++) {
-        state_rig_append(parts, events[i]);
+        state_rig_append(components, events[i]);
         assert_int_equal(puppet.increments, ++expected);
     }
-    state_rig_enrol(parts);
+    state_rig_enrol(components);
     assert_int_equal(puppet.increments, ++expected);
-    state_rig_close(parts);
+    state_rig_close(components);
 }
 
 /* Whoever provokes lock-outs does not wear out the TPM. */
 static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
 {
     const struct world *world = *state;
-    struct iso_parts *parts = state_rig_open(world->state);
+    struct iso_components *components = state_rig_open(world->state);
     const int start = puppet.increments;
-    state_rig_append(parts, "lockout");
+    state_rig_append(components, "lockout");
     state_rig_now_ns += 1799 * ISO_NS_PER_S;
-    assert_false(iso_state_counter_is_due(parts->counter));
-    state_rig_append(parts, "visit"); /* which might wait for longer */
+    assert_false(iso_state_counter_is_due(components->counter));
+    state_rig_append(components, "visit"); /* which might wait for longer */
     assert_int_equal(puppet.increments, start);
     state_rig_now_ns += ISO_NS_PER_S;
-    assert_true(iso_state_counter_is_due(parts->counter));
+    assert_true(iso_state_counter_is_due(components->counter));
     for (int i = 0; i < 10; i++) {
-        state_rig_append(parts, "lockout");
+        state_rig_append(components, "lockout");
     }
     assert_int_equal(puppet.increments, start + 1);
-    state_rig_close(parts);
+    state_rig_close(components);
 }
 
 /* The increment fails; the number stands still until it succeeds, and then rises again. */
@@ -435,42 +435,42 @@ static void a_failure_is_told_and_tried_again(void **state)
     const struct world *world = *state;
     struct iso_fault fault = {.text = ""};
     int error = 0;
-    struct iso_parts *parts = state_rig_open(world->state);
+    struct iso_components *components = state_rig_open(world->state);
     const uint64_t value = puppet.value;
-    assert_false(iso_state_counter_take_news(parts->counter, &error, &fault));
+    assert_false(iso_state_counter_take_news(components->counter, &error, &fault));
     puppet.error = -EIO;
-    state_rig_append(parts, "lockdown");
-    state_rig_append(parts, "lockdown");
-    assert_true(iso_state_counter_take_news(parts->counter, &error, &fault));
+    state_rig_append(components, "lockdown");
+    state_rig_append(components, "lockdown");
+    assert_true(iso_state_counter_take_news(components->counter, &error, &fault));
     assert_int_equal(error, -EIO);
     assert_non_null(strstr(fault.text, "the puppet"));
-    assert_false(iso_state_counter_take_news(parts->counter, &error, &fault)); /* told once */
+    assert_false(iso_state_counter_take_news(components->counter, &error, &fault)); /* told once */
     assert_int_equal(puppet.value, value);
     puppet.error = 0;
-    state_rig_append(parts, "visit"); /* with any anchor */
+    state_rig_append(components, "visit"); /* with any anchor */
     assert_int_equal(puppet.value, value + 1);
-    assert_true(iso_state_counter_take_news(parts->counter, &error, &fault));
+    assert_true(iso_state_counter_take_news(components->counter, &error, &fault));
     assert_int_equal(error, 0);
-    state_rig_append(parts, "visit"); /* what changed during the failure is owed still */
+    state_rig_append(components, "visit"); /* what changed during the failure is owed still */
     assert_int_equal(puppet.value, value + 2);
-    state_rig_close(parts);
+    state_rig_close(components);
     expect_open(world);
 }
 
 static void an_answer_that_is_lost_does_not_count_twice(void **state)
 {
     const struct world *world = *state;
-    struct iso_parts *parts = state_rig_open(world->state);
+    struct iso_components *components = state_rig_open(world->state);
     const uint64_t value = puppet.value;
     puppet.loses_answer = true;
-    state_rig_append(parts, "lockdown");
+    state_rig_append(components, "lockdown");
     assert_int_equal(puppet.value, value + 1);
-    state_rig_append(parts, "visit"); /* asks anew */
+    state_rig_append(components, "visit"); /* asks anew */
     assert_int_equal(puppet.value, value + 1);
     puppet.loses_answer = false;
-    state_rig_append(parts, "lockdown");
+    state_rig_append(components, "lockdown");
     assert_int_equal(puppet.value, value + 2);
-    state_rig_close(parts);
+    state_rig_close(components);
     expect_open(world);
 }
 
@@ -478,11 +478,11 @@ static void an_answer_that_is_lost_does_not_count_twice(void **state)
 static void somebody_else_who_counts_is_followed(void **state)
 {
     const struct world *world = *state;
-    struct iso_parts *parts = state_rig_open(world->state);
+    struct iso_components *components = state_rig_open(world->state);
     puppet.value += 5;
-    state_rig_append(parts, "lockdown");
-    state_rig_append(parts, "visit");
-    state_rig_close(parts);
+    state_rig_append(components, "lockdown");
+    state_rig_append(components, "visit");
+    state_rig_close(components);
     expect_open(world);
     puppet.value += 5; /* while nobody was there to follow */
     expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
@@ -511,19 +511,19 @@ static void a_thread_counts(void **state)
 {
     const struct world *world = *state;
     struct iso_fault fault = {.text = ""};
-    struct iso_parts *parts = state_rig_new(world->state, &fault);
-    assert_int_equal(iso_parts_open_stores(parts, &fault), 0);
-    assert_int_equal(iso_parts_begin_counter(parts, true, &fault), 0);
-    const uint32_t number = iso_state_counter_next(parts->counter);
-    state_rig_append(parts, "lockdown");
-    wait_for_value(parts->counter, number + 1);
+    struct iso_components *components = state_rig_new(world->state, &fault);
+    assert_int_equal(iso_components_open_stores(components, &fault), 0);
+    assert_int_equal(iso_components_begin_counter(components, true, &fault), 0);
+    const uint32_t number = iso_state_counter_next(components->counter);
+    state_rig_append(components, "lockdown");
+    wait_for_value(components->counter, number + 1);
     killed = true; /* tried again by the thread alone */
-    state_rig_append(parts, "lockdown");
+    state_rig_append(components, "lockdown");
     (void)usleep(50000);
-    assert_false(iso_state_counter_is_due(parts->counter));
+    assert_false(iso_state_counter_is_due(components->counter));
     killed = false;
-    wait_for_value(parts->counter, number + 2);
-    state_rig_close(parts);
+    wait_for_value(components->counter, number + 2);
+    state_rig_close(components);
     assert_int_equal(value_of_device(), number + 3); /* the end counts, too */
     expect_open(world);
 }

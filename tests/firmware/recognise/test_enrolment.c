@@ -76,9 +76,9 @@ static void fails_when_nothing_agrees(void **state)
     assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
 }
 
-static struct iso_candidates first_of(const struct iso_search_entry *entries, int n)
+static struct iso_candidate_list first_of(const struct iso_search_entry *entries, int n)
 {
-    return (struct iso_candidates){.entries = entries, .n_entries = n};
+    return (struct iso_candidate_list){.entries = entries, .n_entries = n};
 }
 
 static void finds_a_duplicate(void **state)

@@ -1,7 +1,7 @@
 /* Nothing is allocated for a frame once the appliance is warm: neither by us nor by a library that
  * we call, from depths to verdict, with many people enrolled. (Images are not looked at here:
  * OpenCV's detector allocates. What follows a verdict is not either: a record in the log. Nor is
- * what SQLite does when somebody comes into the second look who was in none before; the frames
+ * what SQLite does when somebody comes into the reranking who was in none before; the frames
  * after that ask it for nothing.) */
 #include <math.h>
 #include <stdio.h>
@@ -24,13 +24,13 @@ static const char *const recordings[] = {"p01-v1", "x01-v1", "none-nobody1", "no
 enum { RECORDINGS = sizeof recordings / sizeof *recordings };
 
 /* Opens templates as the gallery does, but from memory. */
-struct keeper {
+struct owner {
     struct iso_template tmpl;
     int opened;
 };
 
 struct rig {
-    struct keeper keeper;
+    struct owner owner;
     struct iso_pipeline pipeline;
     struct iso_index *index;
     struct iso_track track;
@@ -59,13 +59,13 @@ static void read_frames(const char *name, struct iso_frame **frames, int *n)
 static int open_template(void *context, int64_t person, struct iso_template *out, int capacity,
                          int *n, struct iso_fault *fault)
 {
-    struct keeper *keeper = context;
+    struct owner *owner = context;
     (void)person;
     (void)fault;
     assert_true(capacity >= 1);
-    *out = keeper->tmpl;
+    *out = owner->tmpl;
     *n = 1;
-    keeper->opened++;
+    owner->opened++;
     return 0;
 }
 
@@ -80,7 +80,7 @@ static void enrol(struct rig *rig)
         rig->pipeline.ops->extract(rig->pipeline.self, rig->frames[0][0], "", &rig->extraction), 0);
     assert_int_equal(iso_metric_project(metric, &rig->extraction.tmpl, &own), 0);
     assert_int_equal(iso_index_put(rig->index, 1, &own), 0);
-    rig->keeper.tmpl = rig->extraction.tmpl;
+    rig->owner.tmpl = rig->extraction.tmpl;
     for (int i = 1; i < PEOPLE; i++) {
         other = own;
         for (int d = 0; d < metric->n_dimensions; d++) {
@@ -112,8 +112,8 @@ static void run_frame(struct rig *rig, const struct iso_frame *frame, int64_t t_
     if (rig->extraction.outcome != ISO_CAPTURE_OK) {
         return;
     }
-    const struct iso_candidates among = {
-        .index = rig->index, .templates = open_template, .keeper = &rig->keeper};
+    const struct iso_candidate_list among = {
+        .index = rig->index, .templates = open_template, .owner = &rig->owner};
     assert_int_equal(
         pipeline->ops->search(pipeline->self, &among, &rig->extraction.tmpl, hits, 2, &n), 0);
     const struct iso_decision_frame face = {t_ns,          hits[0].person, hits[0].score,
@@ -168,14 +168,14 @@ static void a_warm_frame_allocates_nothing(void **state)
     }
     enrol(&rig);
     run_all(&rig, &t_ns);
-    rig.faces = rig.verdicts = rig.allowed = rig.keeper.opened = 0;
+    rig.faces = rig.verdicts = rig.allowed = rig.owner.opened = 0;
     const unsigned long before = counted_memory();
     for (int round = 0; round < ROUNDS; round++) {
         run_all(&rig, &t_ns);
     }
     const unsigned long after = counted_memory();
     print_message("%d faces, %d verdicts (%d allowed), %d people opened, %lu allocations\n",
-                  rig.faces, rig.verdicts, rig.allowed, rig.keeper.opened, after - before);
+                  rig.faces, rig.verdicts, rig.allowed, rig.owner.opened, after - before);
     assert_int_equal(after, before);
     assert_true(rig.faces >= 4 * ROUNDS && rig.allowed >= ROUNDS && rig.verdicts > rig.allowed);
     for (int r = 0; r < RECORDINGS; r++) {

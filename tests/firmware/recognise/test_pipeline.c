@@ -114,13 +114,13 @@ static void refuses_options_out_of_range(void **state)
 }
 
 /* One template is all there is to open. */
-static int open_template(void *keeper, int64_t person, struct iso_template *out, int capacity,
+static int open_template(void *owner, int64_t person, struct iso_template *out, int capacity,
                          int *n, struct iso_fault *fault)
 {
     (void)fault;
     assert_int_equal(person, 31);
     assert_true(capacity >= 1);
-    *out = *(const struct iso_template *)keeper;
+    *out = *(const struct iso_template *)owner;
     *n = 1;
     return 0;
 }
@@ -139,11 +139,11 @@ static void search_an_index(const struct iso_pipeline *pipeline, const struct is
     assert_int_equal(iso_index_reserve(index, 1), 0);
     assert_int_equal(iso_index_put(index, 31, &vector), 0);
     for (int64_t person = 30; person <= 32; person++) {
-        struct iso_template keeper = *tmpl;
-        const struct iso_candidates among = {.index = index,
-                                             .person = person == 30 ? 0 : person,
-                                             .templates = open_template,
-                                             .keeper = &keeper};
+        struct iso_template owner = *tmpl;
+        const struct iso_candidate_list among = {.index = index,
+                                                 .person = person == 30 ? 0 : person,
+                                                 .templates = open_template,
+                                                 .owner = &owner};
         struct iso_search_hit hit;
         int n = 77;
         assert_int_equal(pipeline->ops->search(pipeline->self, &among, tmpl, &hit, 1, &n), 0);
@@ -182,7 +182,7 @@ static void recognise_a_stored_face(const char *metric_path)
     const struct iso_search_entry entries[] = {{.person = 31, .tmpl = &extraction.tmpl}};
     struct iso_search_hit hit;
     int n = 0;
-    const struct iso_candidates among = {.entries = entries, .n_entries = 1};
+    const struct iso_candidate_list among = {.entries = entries, .n_entries = 1};
     assert_int_equal(pipeline.ops->search(pipeline.self, &among, &extraction.tmpl, &hit, 1, &n), 0);
     assert_int_equal(n, 1);
     assert_int_equal(hit.person, 31);

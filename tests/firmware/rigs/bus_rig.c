@@ -86,11 +86,11 @@ int bus_rig_setup(void **state)
     }
     /* The rig's appliance reports to the rig; this one to the bus. */
     iso_appliance_free(fixture.rig->appliance);
-    fixture.rig->parts.events = iso_bus_events(fixture.service, on_message);
-    assert_int_equal(iso_appliance_new(&fixture.rig->parts, &fixture.rig->appliance), 0);
+    fixture.rig->borrowed.events = iso_bus_events(fixture.service, on_message);
+    assert_int_equal(iso_appliance_new(&fixture.rig->borrowed, &fixture.rig->appliance), 0);
     rig_start(fixture.rig);
-    if (iso_bus_serve(fixture.service, fixture.rig->appliance, &fixture.rig->parts, fixture.event,
-                      &fault)) {
+    if (iso_bus_serve(fixture.service, fixture.rig->appliance, &fixture.rig->borrowed,
+                      fixture.event, &fault)) {
         fail_msg("%s", fault.text);
     }
     bus_rig_connect_clients(&fixture);

@@ -254,8 +254,9 @@ static int by_falling_score(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-static int search(void *self, const struct iso_candidates *among, const struct iso_template *probe,
-                  struct iso_search_hit *hits, int capacity, int *n_hits)
+static int search(void *self, const struct iso_candidate_list *among,
+                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
+                  int *n_hits)
 {
     const struct iso_search_entry *entries = among->entries;
     const struct puppet_pipeline *pipeline = self;

@@ -109,7 +109,7 @@ static void open_parts(struct rig *rig)
     const struct iso_clock clock = manual_clock(&rig->now_ns);
     const struct iso_door_outputs unpowered = {{false}};
     rig->sensor.clock = clock;
-    rig->parts = (struct iso_appliance_parts){
+    rig->borrowed = (struct iso_appliance_borrowed){
         .config = &rig->config,
         .times = {clock, manual_clock_now_ns, &rig->wall_ns, {boot_ns, rig}},
         .sensor = puppet_sensor_source(&rig->sensor),
@@ -125,11 +125,11 @@ static void open_parts(struct rig *rig)
     audit.segment_bytes = rig_log.segment_bytes;
     audit.segments = rig_log.segments;
     assert_int_equal(iso_gallery_open(&gallery, &rig->gallery, NULL), 0);
-    assert_int_equal(iso_audit_open(&audit, &rig->parts.times, &rig->audit, NULL), 0);
-    rig->parts.ring = stores_ring(rig->directory);
-    rig->parts.door_io = rig->door_io;
-    rig->parts.gallery = rig->gallery;
-    rig->parts.audit = rig->audit;
+    assert_int_equal(iso_audit_open(&audit, &rig->borrowed.times, &rig->audit, NULL), 0);
+    rig->borrowed.ring = stores_ring(rig->directory);
+    rig->borrowed.door_io = rig->door_io;
+    rig->borrowed.gallery = rig->gallery;
+    rig->borrowed.audit = rig->audit;
 }
 
 int rig_setup(void **state)
@@ -157,7 +157,7 @@ int rig_setup_in(void **state, char *directory)
     rig->config.enroll.stages = 3;
     open_parts(rig);
     *state = rig;
-    return iso_appliance_new(&rig->parts, &rig->appliance);
+    return iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
 int rig_teardown(void **state)

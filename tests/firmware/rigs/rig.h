@@ -16,7 +16,7 @@ struct rig {
     struct iso_door_io *door_io;
     struct iso_gallery *gallery;
     struct iso_audit *audit;
-    struct iso_appliance_parts parts;
+    struct iso_appliance_borrowed borrowed;
     struct iso_appliance *appliance;
     char warned[256]; /* the last line for the system's log that was a warning or worse */
     char told[4096];  /* what it has reported: "door locked start; visit allow anna 2; ..." */

@@ -20,159 +20,161 @@ int (*state_rig_counter)(struct iso_counter *out, struct iso_fault *fault);
 static int64_t wall_ns;
 static struct puppet_pipeline puppet;
 
-struct iso_parts *state_rig_new(const char *directory, struct iso_fault *fault)
+struct iso_components *state_rig_new(const char *directory, struct iso_fault *fault)
 {
-    struct iso_parts *parts = calloc(1, sizeof *parts);
-    assert_non_null(parts);
-    parts->config = iso_config_default();
-    parts->times = (struct iso_times){.monotonic = manual_clock(&state_rig_now_ns),
-                                      .wall_ns = manual_clock_now_ns,
-                                      .wall_context = &wall_ns};
-    parts->pipeline = puppet_pipeline(&puppet);
-    (void)snprintf(parts->config.gallery.path, sizeof parts->config.gallery.path, "%s/gallery.db",
-                   directory);
-    (void)snprintf(parts->config.log.path, sizeof parts->config.log.path, "%s/audit.log",
+    struct iso_components *components = calloc(1, sizeof *components);
+    assert_non_null(components);
+    components->config = iso_config_default();
+    components->times = (struct iso_times){.monotonic = manual_clock(&state_rig_now_ns),
+                                           .wall_ns = manual_clock_now_ns,
+                                           .wall_context = &wall_ns};
+    components->pipeline = puppet_pipeline(&puppet);
+    (void)snprintf(components->config.gallery.path, sizeof components->config.gallery.path,
+                   "%s/gallery.db", directory);
+    (void)snprintf(components->config.log.path, sizeof components->config.log.path, "%s/audit.log",
                    directory);
     if (state_rig_counter) {
         struct iso_counter device = {0};
         if (state_rig_counter(&device, fault)) {
-            free(parts);
+            free(components);
             return NULL;
         }
-        assert_int_equal(iso_state_counter_new(&device, &parts->times, &parts->counter), 0);
+        assert_int_equal(iso_state_counter_new(&device, &components->times, &components->counter),
+                         0);
     }
-    return parts;
+    return components;
 }
 
-void state_rig_close(struct iso_parts *parts)
+void state_rig_close(struct iso_components *components)
 {
-    parts->pipeline = (struct iso_pipeline){0};
-    iso_parts_close(parts);
+    components->pipeline = (struct iso_pipeline){0};
+    iso_components_close(components);
 }
 
 int state_rig_try(const char *directory, struct iso_fault *fault)
 {
-    struct iso_parts *parts = state_rig_new(directory, fault);
+    struct iso_components *components = state_rig_new(directory, fault);
     struct iso_lockout_file file;
-    if (!parts) {
+    if (!components) {
         return -EIO;
     }
-    int error = iso_parts_open_stores(parts, fault);
+    int error = iso_components_open_stores(components, fault);
     if (!error) {
-        error = iso_lockout_load(parts->lockout_path, parts->ring, &file, fault);
+        error = iso_lockout_load(components->lockout_path, components->ring, &file, fault);
         error = error == -ENOENT ? 0 : error;
     }
-    state_rig_close(parts);
+    state_rig_close(components);
     return error;
 }
 
-struct iso_parts *state_rig_open(const char *directory)
+struct iso_components *state_rig_open(const char *directory)
 {
     struct iso_fault fault = {.text = ""};
-    struct iso_parts *parts = state_rig_new(directory, &fault);
-    if (!parts || iso_parts_open_stores(parts, &fault) ||
-        iso_parts_begin_counter(parts, false, &fault)) {
+    struct iso_components *components = state_rig_new(directory, &fault);
+    if (!components || iso_components_open_stores(components, &fault) ||
+        iso_components_begin_counter(components, false, &fault)) {
         fail_msg("%s", fault.text);
     }
-    return parts;
+    return components;
 }
 
 /* ---- what happens in between ---- */
 
-void state_rig_append(struct iso_parts *parts, const char *event)
+void state_rig_append(struct iso_components *components, const char *event)
 {
-    const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
+    const struct iso_gallery_version version = iso_gallery_version(components->gallery);
     struct iso_audit_record record = iso_audit_record_of(event);
     record.gallery = strcmp(event, "gallery") == 0 ? version.gallery : NULL;
     record.gallery_changes = version.changes;
-    assert_int_equal(iso_audit_append(parts->audit, &record, NULL), 0);
+    assert_int_equal(iso_audit_append(components->audit, &record, NULL), 0);
 }
 
-void state_rig_enrol(struct iso_parts *parts)
+void state_rig_enrol(struct iso_components *components)
 {
     struct iso_person person = {.enrolled_s = 1};
     const struct iso_template tmpl = puppet_template(++state_rig_faces, PUPPET_ALGORITHM);
     (void)snprintf(person.name, sizeof person.name, "person %d", state_rig_faces);
-    state_rig_append(parts, "enroll");
-    assert_int_equal(iso_gallery_add(parts->gallery, &person, &tmpl, NULL), 0);
-    state_rig_append(parts, "gallery");
+    state_rig_append(components, "enroll");
+    assert_int_equal(iso_gallery_add(components->gallery, &person, &tmpl, NULL), 0);
+    state_rig_append(components, "gallery");
 }
 
-static void lock_out(struct iso_parts *parts)
+static void lock_out(struct iso_components *components)
 {
     const struct iso_lockout_record record = {.failures = 2, .locks = 1};
-    state_rig_append(parts, "lockout");
-    assert_int_equal(iso_lockout_save(parts->lockout_path, parts->ring, &record, NULL), 0);
+    state_rig_append(components, "lockout");
+    assert_int_equal(iso_lockout_save(components->lockout_path, components->ring, &record, NULL),
+                     0);
 }
 
-static void rotate(struct iso_parts *parts)
+static void rotate(struct iso_components *components)
 {
     uint32_t anchor = 0;
-    state_rig_append(parts, "rotate-keys");
-    assert_int_equal(iso_gallery_rotate(parts->gallery, NULL, NULL), 0);
-    assert_int_equal(iso_audit_rotate_key(parts->audit, NULL), 0);
-    assert_int_equal(iso_key_ring_add(parts->ring, ISO_KEY_ANCHOR, &anchor, NULL), 0);
-    assert_int_equal(iso_gallery_renew_anchor(parts->gallery, NULL), 0);
-    assert_int_equal(iso_audit_renew_anchor(parts->audit, NULL), 0);
-    lock_out(parts);
-    assert_int_equal(iso_key_ring_drop(parts->ring, ISO_KEY_ANCHOR, anchor, NULL), 0);
-    assert_int_equal(iso_key_ring_change_key(parts->ring, NULL), 0);
-    state_rig_append(parts, "rotate-keys");
+    state_rig_append(components, "rotate-keys");
+    assert_int_equal(iso_gallery_rotate(components->gallery, NULL, NULL), 0);
+    assert_int_equal(iso_audit_rotate_key(components->audit, NULL), 0);
+    assert_int_equal(iso_key_ring_add(components->ring, ISO_KEY_ANCHOR, &anchor, NULL), 0);
+    assert_int_equal(iso_gallery_renew_anchor(components->gallery, NULL), 0);
+    assert_int_equal(iso_audit_renew_anchor(components->audit, NULL), 0);
+    lock_out(components);
+    assert_int_equal(iso_key_ring_drop(components->ring, ISO_KEY_ANCHOR, anchor, NULL), 0);
+    assert_int_equal(iso_key_ring_change_key(components->ring, NULL), 0);
+    state_rig_append(components, "rotate-keys");
 }
 
-static void enrolments(struct iso_parts *parts)
+static void enrolments(struct iso_components *components)
 {
     for (int i = 0; i < 3; i++) {
-        state_rig_enrol(parts);
+        state_rig_enrol(components);
     }
 }
 
-static void one_enrolment(struct iso_parts *parts)
+static void one_enrolment(struct iso_components *components)
 {
-    state_rig_append(parts, "claim");
-    state_rig_enrol(parts);
-    state_rig_append(parts, "visit");
+    state_rig_append(components, "claim");
+    state_rig_enrol(components);
+    state_rig_append(components, "visit");
 }
 
-static void records(struct iso_parts *parts)
+static void records(struct iso_components *components)
 {
     for (int i = 0; i < 5; i++) {
-        state_rig_append(parts, "visit");
+        state_rig_append(components, "visit");
     }
 }
 
-static void lock_outs(struct iso_parts *parts)
+static void lock_outs(struct iso_components *components)
 {
     for (int i = 0; i < 3; i++) {
-        lock_out(parts);
+        lock_out(components);
     }
-    state_rig_append(parts, "visit");
+    state_rig_append(components, "visit");
 }
 
-static void segments(struct iso_parts *parts)
+static void segments(struct iso_components *components)
 {
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(iso_audit_rotate_key(parts->audit, NULL), 0);
-        records(parts);
+        assert_int_equal(iso_audit_rotate_key(components->audit, NULL), 0);
+        records(components);
     }
 }
 
 /* The keys in the ring stay, so that the old ring, with its key, opens everything. */
-static void new_key(struct iso_parts *parts)
+static void new_key(struct iso_components *components)
 {
-    state_rig_append(parts, "rotate-keys");
-    assert_int_equal(iso_key_ring_change_key(parts->ring, NULL), 0);
-    state_rig_append(parts, "rotate-keys");
+    state_rig_append(components, "rotate-keys");
+    assert_int_equal(iso_key_ring_change_key(components->ring, NULL), 0);
+    state_rig_append(components, "rotate-keys");
 }
 
-static void everything(struct iso_parts *parts)
+static void everything(struct iso_components *components)
 {
-    state_rig_enrol(parts);
-    lock_out(parts);
-    rotate(parts);
-    state_rig_enrol(parts);
-    lock_outs(parts);
-    records(parts);
+    state_rig_enrol(components);
+    lock_out(components);
+    rotate(components);
+    state_rig_enrol(components);
+    lock_outs(components);
+    records(components);
 }
 
 const struct state_history state_histories[] = {
@@ -188,12 +190,12 @@ const struct state_history state_histories[] = {
 
 const size_t state_n_histories = sizeof state_histories / sizeof *state_histories;
 
-static void play(const char *directory, void (*history)(struct iso_parts *parts),
+static void play(const char *directory, void (*history)(struct iso_components *components),
                  struct mix_state *out)
 {
-    struct iso_parts *parts = state_rig_open(directory);
-    history(parts);
-    state_rig_close(parts);
+    struct iso_components *components = state_rig_open(directory);
+    history(components);
+    state_rig_close(components);
     mix_take(directory, out);
 }
 
@@ -208,12 +210,12 @@ void state_rig_play(const char *directory, const char *name, struct mix_state *o
     fail_msg("there is no history '%s'", name);
 }
 
-static void begin(struct iso_parts *parts)
+static void begin(struct iso_components *components)
 {
-    enrolments(parts);
-    lock_outs(parts);
-    rotate(parts);
-    state_rig_append(parts, "stop");
+    enrolments(components);
+    lock_outs(components);
+    rotate(components);
+    state_rig_append(components, "stop");
 }
 
 void state_rig_begin(const char *directory, struct mix_state *out)
@@ -221,8 +223,8 @@ void state_rig_begin(const char *directory, struct mix_state *out)
     play(directory, begin, out);
 }
 
-void state_rig_everything(struct iso_parts *parts)
+void state_rig_everything(struct iso_components *components)
 {
-    everything(parts);
-    segments(parts);
+    everything(components);
+    segments(components);
 }

@@ -4,7 +4,7 @@
 #define TESTS_FIRMWARE_RIGS_STATE_RIG_H
 
 #include "drivers/counter/counter.h"
-#include "firmware/daemon/parts.h"
+#include "firmware/daemon/components.h"
 #include "tests/firmware/rigs/file_mix.h"
 
 /* The times of the stores, and the number of the face that was enrolled last. */
@@ -15,21 +15,21 @@ extern int state_rig_faces;
 extern int (*state_rig_counter)(struct iso_counter *out, struct iso_fault *fault);
 
 /* Nothing is open yet. */
-struct iso_parts *state_rig_new(const char *directory, struct iso_fault *fault);
-void state_rig_close(struct iso_parts *parts);
+struct iso_components *state_rig_new(const char *directory, struct iso_fault *fault);
+void state_rig_close(struct iso_components *components);
 
 /* As the daemon does: 0, or why nobody is let in, with a fault. */
 int state_rig_try(const char *directory, struct iso_fault *fault);
 
 /* Opens them, and begins to count. */
-struct iso_parts *state_rig_open(const char *directory);
+struct iso_components *state_rig_open(const char *directory);
 
-void state_rig_append(struct iso_parts *parts, const char *event);
-void state_rig_enrol(struct iso_parts *parts);
+void state_rig_append(struct iso_components *components, const char *event);
+void state_rig_enrol(struct iso_components *components);
 
 struct state_history {
     const char *name;
-    void (*play)(struct iso_parts *parts);
+    void (*play)(struct iso_components *components);
 };
 
 /* Everything that changes the stores, a kind each; the last is all of it. */
@@ -43,6 +43,6 @@ void state_rig_play(const char *directory, const char *name, struct mix_state *o
 void state_rig_begin(const char *directory, struct mix_state *out);
 
 /* Everything, and closed segments, on open stores. */
-void state_rig_everything(struct iso_parts *parts);
+void state_rig_everything(struct iso_components *components);
 
 #endif

@@ -42,11 +42,11 @@ static int setup(void **state)
     (void)snprintf(path, sizeof path, "%s", scratch_path(rig->directory, "lockout"));
     rig->config.lockout.failures = 2;
     rig->config.lockout.first_ms = 60000;
-    rig->parts.lockout_path = path;
+    rig->borrowed.lockout_path = path;
     iso_appliance_free(rig->appliance);
     rig_enrol(rig, "anna", 50);
     sector_is_bad = false;
-    return error ? error : iso_appliance_new(&rig->parts, &rig->appliance);
+    return error ? error : iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
 static int teardown(void **state)
@@ -59,7 +59,7 @@ static void restart(struct rig *rig)
 {
     iso_appliance_stop(rig->appliance);
     iso_appliance_free(rig->appliance);
-    assert_int_equal(iso_appliance_new(&rig->parts, &rig->appliance), 0);
+    assert_int_equal(iso_appliance_new(&rig->borrowed, &rig->appliance), 0);
     rig_start(rig);
 }
 

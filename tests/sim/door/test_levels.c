@@ -137,8 +137,9 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
     return counter->error;
 }
 
-static int search(void *self, const struct iso_candidates *among, const struct iso_template *probe,
-                  struct iso_search_hit *hits, int capacity, int *n_hits)
+static int search(void *self, const struct iso_candidate_list *among,
+                  const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
+                  int *n_hits)
 {
     (void)among;
     (void)probe;

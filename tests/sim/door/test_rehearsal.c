@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "firmware/daemon/parts.h"
+#include "firmware/daemon/components.h"
 #include "sim/base/virtual_clock.h"
 #include "sim/door/level_report.h"
 #include "sim/door/rehearsal.h"
@@ -100,7 +100,7 @@ static char *log_of(const char *directory, const char *run)
     (void)snprintf(config.gallery.path, sizeof config.gallery.path, "%s/%s/gallery.db", directory,
                    run);
     (void)snprintf(config.log.path, sizeof config.log.path, "%s/%s/audit.log", directory, run);
-    if (iso_parts_print_log(&config, &times, out, &fault)) {
+    if (iso_components_print_log(&config, &times, out, &fault)) {
         fail_msg("%s", fault.text);
     }
     assert_int_equal(fclose(out), 0);

@@ -1,18 +1,18 @@
-#include "core/shape/classify/gallery.h"
+#include "core/shape/classify/training_set.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-int iso_gallery_init(struct iso_gallery *gallery, const struct iso_labelled *training)
+int iso_training_set_init(struct iso_training_set *gallery, const struct iso_labelled *training)
 {
     size_t n = (size_t)training->n, values = n * (size_t)training->layout->size;
-    struct iso_gallery g = {*training->layout, training->n, training->n_classes, NULL, NULL};
+    struct iso_training_set g = {*training->layout, training->n, training->n_classes, NULL, NULL};
     g.feature = malloc(values * sizeof *g.feature);
     g.label = malloc(n * sizeof *g.label);
     if (!g.feature || !g.label) {
-        iso_gallery_done(&g);
+        iso_training_set_done(&g);
         return -ENOMEM;
     }
     memcpy(g.feature, training->feature, values * sizeof *g.feature);
@@ -21,14 +21,14 @@ int iso_gallery_init(struct iso_gallery *gallery, const struct iso_labelled *tra
     return 0;
 }
 
-void iso_gallery_done(struct iso_gallery *gallery)
+void iso_training_set_done(struct iso_training_set *gallery)
 {
     free(gallery->feature);
     free(gallery->label);
-    *gallery = (struct iso_gallery){0};
+    *gallery = (struct iso_training_set){0};
 }
 
-void iso_gallery_normalise(const struct iso_feature_layout *layout, float *feature)
+void iso_training_set_normalise(const struct iso_feature_layout *layout, float *feature)
 {
     for (int32_t p = 0; p < layout->n_parts; p++) {
         double square = 0.0;
@@ -42,7 +42,8 @@ void iso_gallery_normalise(const struct iso_feature_layout *layout, float *featu
     }
 }
 
-void iso_gallery_score(const struct iso_gallery *gallery, const double *distance, double *score)
+void iso_training_set_score(const struct iso_training_set *gallery, const double *distance,
+                            double *score)
 {
     for (int32_t c = 0; c < gallery->n_classes; c++) {
         score[c] = -INFINITY;

@@ -1,4 +1,4 @@
-/* The second look: its scores are those of core/match/rerank, and the gallery is asked for nobody
+/* The reranker: its scores are those of core/match/rerank, and the gallery is asked for nobody
  * whom it was asked for before, unless it has changed. */
 #include <errno.h>
 #include <math.h>
@@ -6,7 +6,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/recognise/second_look.h"
+#include "firmware/recognise/reranker.h"
 
 enum { PEOPLE = 30 };
 
@@ -29,19 +29,19 @@ static struct iso_upper_face face_of(int who)
 }
 
 /* Has person p with p % 3 + 1 templates, all alike. */
-struct keeper {
+struct owner {
     int opened, error;
 };
 
 static int open_person(void *context, int64_t person, struct iso_template *out, int capacity,
                        int *n, struct iso_fault *fault)
 {
-    struct keeper *keeper = context;
+    struct owner *owner = context;
     (void)fault;
-    if (keeper->error) {
-        return keeper->error;
+    if (owner->error) {
+        return owner->error;
     }
-    keeper->opened++;
+    owner->opened++;
     *n = (int)(person % 3) + 1;
     assert_true(*n <= capacity);
     for (int i = 0; i < *n; i++) {
@@ -53,9 +53,9 @@ static int open_person(void *context, int64_t person, struct iso_template *out, 
 static const struct iso_metric metric = {.rerank = {0.5f, 2.0f, 0.25f}};
 
 struct rig {
-    struct keeper keeper;
-    struct iso_candidates among;
-    struct iso_second_look *look;
+    struct owner owner;
+    struct iso_candidate_list among;
+    struct iso_reranker *look;
     struct iso_template probe; /* person 4 */
     struct iso_search_hit hits[ISO_RERANK_CANDIDATES + 1];
 };
@@ -64,15 +64,15 @@ static int set_up(void **state)
 {
     static struct rig rig;
     rig = (struct rig){.probe = {.upper = face_of(4)}};
-    rig.among = (struct iso_candidates){
-        .templates = open_person, .keeper = &rig.keeper, .version = 1};
+    rig.among = (struct iso_candidate_list){
+        .templates = open_person, .owner = &rig.owner, .version = 1};
     *state = &rig;
-    return iso_second_look_new(&rig.look);
+    return iso_reranker_new(&rig.look);
 }
 
 static int tear_down(void **state)
 {
-    iso_second_look_free(((struct rig *)*state)->look);
+    iso_reranker_free(((struct rig *)*state)->look);
     return 0;
 }
 
@@ -83,7 +83,7 @@ static int look_at(struct rig *rig, int first, int n)
         rig->hits[i] = (struct iso_search_hit){
             .person = first + i, .distance_mm = NAN, .score = 3.0 - 0.1 * i};
     }
-    return iso_second_look_take(rig->look, &metric, &rig->among, &rig->probe, rig->hits, n);
+    return iso_reranker_take(rig->look, &metric, &rig->among, &rig->probe, rig->hits, n);
 }
 
 static void scores_are_fused_and_fall(void **state)
@@ -111,17 +111,17 @@ static void asks_for_nobody_twice(void **state)
 {
     struct rig *rig = *state;
     assert_int_equal(look_at(rig, 1, 10), 0);
-    assert_int_equal(rig->keeper.opened, 10);
+    assert_int_equal(rig->owner.opened, 10);
     assert_int_equal(look_at(rig, 1, 10), 0);
     assert_int_equal(look_at(rig, 6, 10), 0);
     assert_int_equal(look_at(rig, 1, 10), 0);
-    assert_int_equal(rig->keeper.opened, 15);
+    assert_int_equal(rig->owner.opened, 15);
     /* There is room for twenty: those seen longest ago give way, and none of the frame itself. */
     for (int first = 1; first + 9 <= PEOPLE; first++) {
         assert_int_equal(look_at(rig, first, 10), 0);
         assert_int_equal(look_at(rig, first, 10), 0);
     }
-    assert_int_equal(rig->keeper.opened, PEOPLE);
+    assert_int_equal(rig->owner.opened, PEOPLE);
 }
 
 static void a_gallery_that_changed_is_asked_again(void **state)
@@ -130,9 +130,9 @@ static void a_gallery_that_changed_is_asked_again(void **state)
     assert_int_equal(look_at(rig, 1, 3), 0);
     rig->among.version++;
     assert_int_equal(look_at(rig, 1, 3), 0);
-    assert_int_equal(rig->keeper.opened, 6);
-    struct keeper other = {0};
-    rig->among.keeper = &other;
+    assert_int_equal(rig->owner.opened, 6);
+    struct owner other = {0};
+    rig->among.owner = &other;
     assert_int_equal(look_at(rig, 1, 3), 0);
     assert_int_equal(other.opened, 3);
 }
@@ -140,11 +140,11 @@ static void a_gallery_that_changed_is_asked_again(void **state)
 static void what_cannot_be_opened_is_an_error(void **state)
 {
     struct rig *rig = *state;
-    rig->keeper.error = -EBADMSG;
+    rig->owner.error = -EBADMSG;
     assert_int_equal(look_at(rig, 1, 2), -EBADMSG);
-    rig->keeper.error = 0;
+    rig->owner.error = 0;
     assert_int_equal(look_at(rig, 1, 2), 0);
-    assert_int_equal(rig->keeper.opened, 2);
+    assert_int_equal(rig->owner.opened, 2);
     assert_int_equal(look_at(rig, 1, ISO_RERANK_CANDIDATES + 1), -EINVAL);
     assert_int_equal(look_at(rig, 1, -1), -EINVAL);
 }

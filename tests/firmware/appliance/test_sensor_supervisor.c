@@ -5,7 +5,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/base/times.h"
-#include "firmware/appliance/sensor_keeper.h"
+#include "firmware/appliance/sensor_supervisor.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/devices/manual_clock.h"
 
@@ -13,27 +13,27 @@
 
 static int64_t now_ns;
 static struct puppet_sensor sensor;
-static struct iso_sensor_keeper keeper;
+static struct iso_sensor_supervisor supervisor;
 
 static int setup(void **state)
 {
-    const struct iso_sensor_keeper_options options = {.silence_ns = 1000 * MS,
-                                                      .retry_ns = 100 * MS,
-                                                      .retry_max_ns = 700 * MS,
-                                                      .pause_ns = 400 * MS,
-                                                      .stale_ns = 300 * MS};
+    const struct iso_sensor_supervisor_options options = {.silence_ns = 1000 * MS,
+                                                          .retry_ns = 100 * MS,
+                                                          .retry_max_ns = 700 * MS,
+                                                          .pause_ns = 400 * MS,
+                                                          .stale_ns = 300 * MS};
     const struct iso_sensor_source source = puppet_sensor_source(&sensor);
     (void)state;
     now_ns = 1000 * MS;
     sensor = (struct puppet_sensor){.clock = manual_clock(&now_ns)};
-    iso_sensor_keeper_init(&keeper, &options, &source, now_ns);
+    iso_sensor_supervisor_init(&supervisor, &options, &source, now_ns);
     return 0;
 }
 
 static int teardown(void **state)
 {
     (void)state;
-    iso_sensor_keeper_done(&keeper);
+    iso_sensor_supervisor_done(&supervisor);
     assert_int_equal(sensor.opened, sensor.closed);
     return 0;
 }
@@ -41,7 +41,7 @@ static int teardown(void **state)
 static enum iso_sensor_news look(void)
 {
     const struct iso_frame *frame = NULL;
-    return iso_sensor_keeper_look(&keeper, now_ns, &frame);
+    return iso_sensor_supervisor_look(&supervisor, now_ns, &frame);
 }
 
 static void opens_and_hands_out_frames(void **state)
@@ -51,13 +51,13 @@ static void opens_and_hands_out_frames(void **state)
     puppet_sensor_add(&sensor, 1200 * MS, 42, ISO_CAPTURE_OK);
     assert_int_equal(look(), ISO_SENSOR_BACK);
     assert_int_equal(look(), ISO_SENSOR_QUIET);
-    assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), 1200 * MS);
-    assert_string_equal(keeper.model, "");
+    assert_int_equal(iso_sensor_supervisor_due_ns(&supervisor, now_ns), 1200 * MS);
+    assert_string_equal(supervisor.model, "");
     now_ns = 1200 * MS;
-    assert_int_equal(iso_sensor_keeper_look(&keeper, now_ns, &frame), ISO_SENSOR_FRAME);
+    assert_int_equal(iso_sensor_supervisor_look(&supervisor, now_ns, &frame), ISO_SENSOR_FRAME);
     assert_int_equal(frame->t_ns, 1200 * MS);
-    assert_int_equal(keeper.frames, 1);
-    assert_string_equal(keeper.model, "puppet9");
+    assert_int_equal(supervisor.frames, 1);
+    assert_string_equal(supervisor.model, "puppet9");
 }
 
 static void waits_longer_after_each_failure(void **state)
@@ -68,14 +68,14 @@ static void waits_longer_after_each_failure(void **state)
     for (size_t i = 0; i < sizeof tries_ms / sizeof *tries_ms; i++) {
         now_ns = tries_ms[i] * MS - 1;
         if (i > 0) {
-            assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), tries_ms[i] * MS);
+            assert_int_equal(iso_sensor_supervisor_due_ns(&supervisor, now_ns), tries_ms[i] * MS);
             assert_int_equal(look(), ISO_SENSOR_QUIET);
         }
         now_ns = tries_ms[i] * MS;
         assert_int_equal(look(), ISO_SENSOR_FLAW);
-        assert_string_equal(keeper.fault.text, "puppet: will not open");
-        assert_int_equal(keeper.error, -ENODEV);
-        assert_int_equal(keeper.progress, i + 1); /* the program lives, all the same */
+        assert_string_equal(supervisor.fault.text, "puppet: will not open");
+        assert_int_equal(supervisor.error, -ENODEV);
+        assert_int_equal(supervisor.progress, i + 1); /* the program lives, all the same */
     }
     sensor.open_error = 0;
     now_ns = 3800 * MS;
@@ -87,9 +87,9 @@ static void a_sensor_that_does_not_start_is_closed(void **state)
     (void)state;
     sensor.start_error = -EIO;
     assert_int_equal(look(), ISO_SENSOR_FLAW);
-    assert_string_equal(keeper.fault.text, "puppet: will not start");
+    assert_string_equal(supervisor.fault.text, "puppet: will not start");
     assert_int_equal(sensor.closed, 1);
-    assert_null(keeper.sensor);
+    assert_null(supervisor.sensor);
 }
 
 static void opens_again_what_was_lost(void **state)
@@ -99,7 +99,7 @@ static void opens_again_what_was_lost(void **state)
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     sensor.wait_error = -ENODEV;
     assert_int_equal(look(), ISO_SENSOR_GONE);
-    assert_string_equal(keeper.fault.text, "puppet: will not wait");
+    assert_string_equal(supervisor.fault.text, "puppet: will not wait");
     assert_int_equal(sensor.closed, 1);
     sensor.wait_error = 0;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
@@ -117,14 +117,14 @@ static void a_sign_of_life_shortens_the_wait(void **state)
     now_ns += 100 * MS;
     assert_int_equal(look(), ISO_SENSOR_BACK);
     assert_int_equal(look(), ISO_SENSOR_GONE);
-    assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), now_ns + 200 * MS);
+    assert_int_equal(iso_sensor_supervisor_due_ns(&supervisor, now_ns), now_ns + 200 * MS);
     now_ns += 200 * MS;
     assert_int_equal(look(), ISO_SENSOR_BACK);
     sensor.wait_error = 0;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     sensor.wait_error = -EIO;
     assert_int_equal(look(), ISO_SENSOR_GONE);
-    assert_int_equal(iso_sensor_keeper_due_ns(&keeper, now_ns), now_ns + 100 * MS);
+    assert_int_equal(iso_sensor_supervisor_due_ns(&supervisor, now_ns), now_ns + 100 * MS);
 }
 
 static void goes_on_after_a_damaged_frame(void **state)
@@ -143,10 +143,10 @@ static void an_idle_sensor_may_be_idle_for_good(void **state)
     (void)state;
     assert_int_equal(look(), ISO_SENSOR_BACK);
     for (int i = 0; i < 100; i++) {
-        const uint64_t progress = keeper.progress;
-        now_ns = iso_sensor_keeper_due_ns(&keeper, now_ns);
+        const uint64_t progress = supervisor.progress;
+        now_ns = iso_sensor_supervisor_due_ns(&supervisor, now_ns);
         assert_int_equal(look(), ISO_SENSOR_QUIET);
-        assert_int_equal(keeper.progress, progress + 1);
+        assert_int_equal(supervisor.progress, progress + 1);
     }
     assert_int_equal(now_ns, 6000 * MS);
 }
@@ -157,18 +157,18 @@ static void a_silent_stream_is_broken(void **state)
     sensor.streams = true;
     puppet_sensor_add(&sensor, 1500 * MS, 42, ISO_CAPTURE_OK);
     assert_int_equal(look(), ISO_SENSOR_BACK);
-    const uint64_t progress = keeper.progress;
+    const uint64_t progress = supervisor.progress;
     now_ns = 1499 * MS;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
-    assert_int_equal(keeper.progress, progress); /* silence is no sign of life */
+    assert_int_equal(supervisor.progress, progress); /* silence is no sign of life */
     now_ns = 1500 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);
     now_ns = 2499 * MS;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     now_ns = 2500 * MS;
     assert_int_equal(look(), ISO_SENSOR_GONE);
-    assert_string_equal(keeper.fault.text, "sensor puppet: no frame for 1000 ms");
-    assert_int_equal(keeper.fault.code, ISO_FAULT_SENSOR_SILENT);
+    assert_string_equal(supervisor.fault.text, "sensor puppet: no frame for 1000 ms");
+    assert_int_equal(supervisor.fault.code, ISO_FAULT_SENSOR_SILENT);
 }
 
 static void a_pause_is_told_before_the_silence_is_over(void **state)
@@ -179,16 +179,16 @@ static void a_pause_is_told_before_the_silence_is_over(void **state)
     assert_int_equal(look(), ISO_SENSOR_BACK);
     now_ns = 1399 * MS;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
     now_ns = 1400 * MS;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
-    assert_false(keeper.sees);
-    assert_string_equal(keeper.fault.text, "sensor puppet: nothing seen for 400 ms");
-    assert_int_equal(keeper.fault.code, ISO_FAULT_SENSOR_SILENT);
+    assert_false(supervisor.sees);
+    assert_string_equal(supervisor.fault.text, "sensor puppet: nothing seen for 400 ms");
+    assert_int_equal(supervisor.fault.code, ISO_FAULT_SENSOR_SILENT);
     assert_int_equal(sensor.closed, 0);
     now_ns = 1800 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
 }
 
 static void frames_that_come_late_are_no_sight(void **state)
@@ -201,12 +201,12 @@ static void frames_that_come_late_are_no_sight(void **state)
     assert_int_equal(look(), ISO_SENSOR_BACK);
     now_ns = 1300 * MS; /* 300 ms late */
     assert_int_equal(look(), ISO_SENSOR_FRAME);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
     now_ns = 1400 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);
-    assert_false(keeper.sees);
+    assert_false(supervisor.sees);
     assert_int_equal(look(), ISO_SENSOR_FRAME); /* 200 ms late */
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
 }
 
 static void damaged_frames_are_no_sight(void **state)
@@ -216,11 +216,11 @@ static void damaged_frames_are_no_sight(void **state)
     sensor.wait_error = -EBADMSG;
     now_ns = 1399 * MS;
     assert_int_equal(look(), ISO_SENSOR_FLAW);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
     now_ns = 1400 * MS;
     assert_int_equal(look(), ISO_SENSOR_FLAW);
-    assert_false(keeper.sees);
-    assert_string_equal(keeper.fault.text, "puppet: will not wait");
+    assert_false(supervisor.sees);
+    assert_string_equal(supervisor.fault.text, "puppet: will not wait");
 }
 
 static void opening_again_what_was_lost_is_no_sight_yet(void **state)
@@ -228,17 +228,17 @@ static void opening_again_what_was_lost_is_no_sight_yet(void **state)
     (void)state;
     sensor.streams = true;
     assert_int_equal(look(), ISO_SENSOR_BACK);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
     sensor.wait_error = -ENODEV;
     assert_int_equal(look(), ISO_SENSOR_GONE);
-    assert_false(keeper.sees);
+    assert_false(supervisor.sees);
     sensor.wait_error = 0;
     now_ns += 100 * MS;
     assert_int_equal(look(), ISO_SENSOR_BACK);
-    assert_false(keeper.sees);
+    assert_false(supervisor.sees);
     puppet_sensor_add(&sensor, now_ns, 42, ISO_CAPTURE_OK);
     assert_int_equal(look(), ISO_SENSOR_FRAME);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
 }
 
 /* The caller waited for the disk: what the sensor has is looked at before it is called silent. */
@@ -253,12 +253,12 @@ static void a_caller_that_was_held_up_does_not_blame_the_sensor(void **state)
     now_ns = 1100 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);
     now_ns = 11105 * MS;
-    iso_sensor_keeper_excuse(&keeper, 10000 * MS, now_ns);
+    iso_sensor_supervisor_excuse(&supervisor, 10000 * MS, now_ns);
     assert_int_equal(look(), ISO_SENSOR_FRAME);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
     now_ns = 11200 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);
-    assert_true(keeper.sees);
+    assert_true(supervisor.sees);
 }
 
 /* What a sensor did not show before the stall and behind it counts together: one that has died is
@@ -273,14 +273,14 @@ static void a_dead_sensor_is_found_behind_a_stall(void **state)
     assert_int_equal(look(), ISO_SENSOR_FRAME);
     for (int stall = 1; stall <= 3; stall++) {
         now_ns += 10000 * MS;
-        iso_sensor_keeper_excuse(&keeper, 10000 * MS, now_ns);
+        iso_sensor_supervisor_excuse(&supervisor, 10000 * MS, now_ns);
         now_ns += 100 * MS;
         assert_int_equal(look(), ISO_SENSOR_QUIET);
-        assert_true(keeper.sees);
+        assert_true(supervisor.sees);
     }
     now_ns += 100 * MS; /* 400 ms, without the stalls */
     assert_int_equal(look(), ISO_SENSOR_QUIET);
-    assert_false(keeper.sees);
+    assert_false(supervisor.sees);
     now_ns += 600 * MS;
     assert_int_equal(look(), ISO_SENSOR_GONE);
 }

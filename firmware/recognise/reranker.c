@@ -1,4 +1,4 @@
-#include "firmware/recognise/second_look.h"
+#include "firmware/recognise/reranker.h"
 
 #include <errno.h>
 #include <sodium.h>
@@ -17,18 +17,18 @@ struct slot {
     struct iso_upper_face upper[TEMPLATES];
 };
 
-struct iso_second_look {
-    const void *keeper; /* of whom the slots are, ... */
-    uint64_t version;   /* ... and when */
+struct iso_reranker {
+    const void *owner; /* of whom the slots are, ... */
+    uint64_t version;  /* ... and when */
     uint64_t looks;
     struct slot slots[SLOTS];
     struct iso_template opened[TEMPLATES];
     struct iso_rerank_workspace rerank;
 };
 
-int iso_second_look_new(struct iso_second_look **out)
+int iso_reranker_new(struct iso_reranker **out)
 {
-    struct iso_second_look *look = calloc(1, sizeof *look);
+    struct iso_reranker *look = calloc(1, sizeof *look);
     if (!look) {
         return -ENOMEM;
     }
@@ -36,7 +36,7 @@ int iso_second_look_new(struct iso_second_look **out)
     return 0;
 }
 
-void iso_second_look_free(struct iso_second_look *look)
+void iso_reranker_free(struct iso_reranker *look)
 {
     if (look) {
         sodium_memzero(look, sizeof *look);
@@ -44,7 +44,7 @@ void iso_second_look_free(struct iso_second_look *look)
     }
 }
 
-struct iso_rerank_workspace *iso_second_look_workspace(struct iso_second_look *look)
+struct iso_rerank_workspace *iso_reranker_workspace(struct iso_reranker *look)
 {
     return &look->rerank;
 }
@@ -57,30 +57,30 @@ static void forget(struct slot *slot)
     slot->n = 0;
 }
 
-void iso_second_look_forget(struct iso_second_look *look)
+void iso_reranker_forget(struct iso_reranker *look)
 {
     for (int i = 0; look && i < SLOTS; i++) {
         forget(&look->slots[i]);
     }
 }
 
-static void forget_what_changed(struct iso_second_look *look, const struct iso_candidates *among)
+static void forget_what_changed(struct iso_reranker *look, const struct iso_candidate_list *among)
 {
-    if (look->keeper == among->keeper && look->version == among->version) {
+    if (look->owner == among->owner && look->version == among->version) {
         return;
     }
-    iso_second_look_forget(look);
-    look->keeper = among->keeper;
+    iso_reranker_forget(look);
+    look->owner = among->owner;
     look->version = among->version;
 }
 
-static int open_person(struct iso_second_look *look, const struct iso_candidates *among,
+static int open_person(struct iso_reranker *look, const struct iso_candidate_list *among,
                        int64_t person, struct slot *slot)
 {
     struct iso_fault fault;
     int n = 0;
     forget(slot);
-    const int error = among->templates(among->keeper, person, look->opened, TEMPLATES, &n, &fault);
+    const int error = among->templates(among->owner, person, look->opened, TEMPLATES, &n, &fault);
     if (error) {
         return error;
     }
@@ -94,7 +94,7 @@ static int open_person(struct iso_second_look *look, const struct iso_candidates
 }
 
 /* The slot of a person; one that was not used for longest gives way. */
-static int find(struct iso_second_look *look, const struct iso_candidates *among, int64_t person,
+static int find(struct iso_reranker *look, const struct iso_candidate_list *among, int64_t person,
                 struct slot **out)
 {
     struct slot *slot = &look->slots[0];
@@ -117,9 +117,9 @@ static int falling(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-int iso_second_look_take(struct iso_second_look *look, const struct iso_metric *metric,
-                         const struct iso_candidates *among, const struct iso_template *probe,
-                         struct iso_search_hit *hits, int n)
+int iso_reranker_take(struct iso_reranker *look, const struct iso_metric *metric,
+                      const struct iso_candidate_list *among, const struct iso_template *probe,
+                      struct iso_search_hit *hits, int n)
 {
     if (n < 0 || n > ISO_RERANK_CANDIDATES) {
         return -EINVAL;

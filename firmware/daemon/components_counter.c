@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "drivers/counter/tpm2_counter.h"
-#include "firmware/daemon/parts.h"
+#include "firmware/daemon/components.h"
 
-int iso_parts_check_counter(const struct iso_config *config, struct iso_fault *fault)
+int iso_components_check_counter(const struct iso_config *config, struct iso_fault *fault)
 {
     struct iso_fault why = {.text = ""};
     uint32_t index = 0;
@@ -21,12 +21,12 @@ int iso_parts_check_counter(const struct iso_config *config, struct iso_fault *f
                  : 0;
 }
 
-int iso_parts_open_counter(struct iso_parts *parts, struct iso_fault *fault)
+int iso_components_open_counter(struct iso_components *components, struct iso_fault *fault)
 {
-    const struct iso_config_seal *seal = &parts->config.seal;
+    const struct iso_config_seal *seal = &components->config.seal;
     struct iso_counter device = {0};
     uint32_t index = 0;
-    if (parts->counter || seal->counter == ISO_COUNTER_NONE) {
+    if (components->counter || seal->counter == ISO_COUNTER_NONE) {
         return 0;
     }
     int error = iso_tpm2_index_parse(seal->counter_index, &index, fault);
@@ -34,7 +34,7 @@ int iso_parts_open_counter(struct iso_parts *parts, struct iso_fault *fault)
     if (error) {
         return error;
     }
-    error = iso_state_counter_new(&device, &parts->times, &parts->counter);
+    error = iso_state_counter_new(&device, &components->times, &components->counter);
     if (error) {
         iso_counter_close(&device);
         return iso_fault_set(fault, error, "the counter of the state: out of memory");
@@ -52,14 +52,15 @@ static int check_increment(struct iso_state_counter *counter, struct iso_fault *
                : 0;
 }
 
-int iso_parts_begin_counter(struct iso_parts *parts, bool threaded, struct iso_fault *fault)
+int iso_components_begin_counter(struct iso_components *components, bool threaded,
+                                 struct iso_fault *fault)
 {
-    struct iso_state_counter *counter = parts->counter;
+    struct iso_state_counter *counter = components->counter;
     if (!counter) {
         return 0;
     }
     int error = iso_state_counter_begin(counter, fault);
-    error = error ? error : iso_audit_renew_anchor(parts->audit, fault);
+    error = error ? error : iso_audit_renew_anchor(components->audit, fault);
     error = error ? error : check_increment(counter, fault);
     if (!error && threaded) {
         error = iso_state_counter_start_thread(counter);

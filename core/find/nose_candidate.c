@@ -1,4 +1,4 @@
-#include "core/find/candidate.h"
+#include "core/find/nose_candidate.h"
 
 #include <errno.h>
 #include <math.h>
@@ -243,7 +243,7 @@ static int take_highest(struct iso_candidate_finder *f, const struct iso_frame *
 
 int iso_candidates_find(struct iso_candidate_finder *f, const struct iso_frame *frame,
                         const struct iso_candidate_options *options,
-                        struct iso_candidate candidates[ISO_CANDIDATES_MAX], int *n_candidates,
+                        struct iso_nose_candidate candidates[ISO_CANDIDATES_MAX], int *n_candidates,
                         int *n_parts)
 {
     if ((size_t)frame->width_px * (size_t)frame->height_px > f->capacity_px) {
@@ -268,8 +268,8 @@ int iso_candidates_find(struct iso_candidate_finder *f, const struct iso_frame *
             }
             int column = at % frame->width_px, row = at / frame->width_px;
             struct iso_vec3 point = smoothed_point(frame, column, row);
-            candidates[n++] = (struct iso_candidate){point, height_above_ring(frame, column, row),
-                                                     p};
+            candidates[n++] = (struct iso_nose_candidate){point,
+                                                          height_above_ring(frame, column, row), p};
         }
     }
     *n_candidates = n;

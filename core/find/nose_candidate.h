@@ -4,8 +4,8 @@
  * a ring of 40 mm about it (nose tips 15..35 mm, at any pose to 40 degrees). The surface is first
  * split into parts at depth jumps; candidates come part by part, the nearest part first,
  * since of several people the nearest is meant. */
-#ifndef ISO_CORE_FIND_CANDIDATE_H
-#define ISO_CORE_FIND_CANDIDATE_H
+#ifndef ISO_CORE_FIND_NOSE_CANDIDATE_H
+#define ISO_CORE_FIND_NOSE_CANDIDATE_H
 
 #include "core/frame/frame.h"
 
@@ -15,7 +15,7 @@ enum {
     ISO_CANDIDATE_PARTS_MAX = 4,
 };
 
-struct iso_candidate {
+struct iso_nose_candidate {
     struct iso_vec3 point_mm; /* camera frame */
     double height_mm;         /* above the ring's plane */
     int part;                 /* 0: the nearest part of the scene */
@@ -36,7 +36,7 @@ void iso_candidate_finder_free(struct iso_candidate_finder *finder);
  * finder's capacity. */
 int iso_candidates_find(struct iso_candidate_finder *finder, const struct iso_frame *frame,
                         const struct iso_candidate_options *options,
-                        struct iso_candidate candidates[ISO_CANDIDATES_MAX], int *n_candidates,
+                        struct iso_nose_candidate candidates[ISO_CANDIDATES_MAX], int *n_candidates,
                         int *n_parts) __attribute__((warn_unused_result));
 
 #endif

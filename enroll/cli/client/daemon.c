@@ -1,4 +1,4 @@
-#include "enroll/cli/client/door.h"
+#include "enroll/cli/client/daemon.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -16,10 +16,10 @@
 
 enum { CALL_TIMEOUT_US = 10 * 1000 * 1000 };
 
-struct cli_door {
+struct cli_daemon {
     sd_bus *bus;
     sd_event *event;
-    cli_door_signal_fn handler;
+    cli_daemon_signal_fn handler;
     void *context;
     bool done, interrupted, gone; /* why a wait ended */
     uint64_t heard;               /* how many signals the handler was called for */
@@ -59,13 +59,13 @@ static int connect_bus(const struct cli_bus *bus, sd_bus **out)
 static int on_bus_gone(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
     (void)signal, (void)error;
-    ((struct cli_door *)context)->gone = true;
+    ((struct cli_daemon *)context)->gone = true;
     return 0;
 }
 
 static int on_owner_changed(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
-    struct cli_door *door = context;
+    struct cli_daemon *door = context;
     const char *name, *before, *after;
 
     (void)error;
@@ -76,7 +76,7 @@ static int on_owner_changed(sd_bus_message *signal, void *context, sd_bus_error 
 }
 
 /* Both are installed without waiting for the bus, which has them before any later call of ours. */
-static int watch_daemon(struct cli_door *door)
+static int watch_daemon(struct cli_daemon *door)
 {
     int r = sd_bus_add_match_async(
         door->bus, NULL,
@@ -91,10 +91,10 @@ static int watch_daemon(struct cli_door *door)
                                      NULL, door);
 }
 
-enum cli_exit cli_door_open(const struct cli_bus *bus, struct cli_door **out,
-                            struct cli_fault *fault)
+enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out,
+                              struct cli_fault *fault)
 {
-    struct cli_door *door = calloc(1, sizeof *door);
+    struct cli_daemon *door = calloc(1, sizeof *door);
     const char *unique;
     int r;
 
@@ -108,14 +108,14 @@ enum cli_exit cli_door_open(const struct cli_bus *bus, struct cli_door **out,
     r = r < 0 ? r : sd_bus_attach_event(door->bus, door->event, SD_EVENT_PRIORITY_NORMAL);
     r = r < 0 ? r : watch_daemon(door);
     if (r < 0) {
-        cli_door_close(door);
+        cli_daemon_close(door);
         return no_bus(r, bus, fault);
     }
     *out = door;
     return CLI_EXIT_OK;
 }
 
-void cli_door_close(struct cli_door *door)
+void cli_daemon_close(struct cli_daemon *door)
 {
     if (!door) {
         return;
@@ -128,8 +128,8 @@ void cli_door_close(struct cli_door *door)
     free(door);
 }
 
-enum cli_exit cli_door_message(struct cli_door *door, const char *method, sd_bus_message **out,
-                               struct cli_fault *fault)
+enum cli_exit cli_daemon_message(struct cli_daemon *door, const char *method, sd_bus_message **out,
+                                 struct cli_fault *fault)
 {
     const int r = sd_bus_message_new_method_call(door->bus, out, ISO_CONTRACT_NAME,
                                                  ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE, method);
@@ -140,31 +140,31 @@ enum cli_exit cli_door_message(struct cli_door *door, const char *method, sd_bus
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_door_send(struct cli_door *door, sd_bus_message *call, sd_bus_message **reply,
-                            struct cli_fault *fault)
+enum cli_exit cli_daemon_send(struct cli_daemon *door, sd_bus_message *call, sd_bus_message **reply,
+                              struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
     const int r = sd_bus_call(door->bus, call, 0, &error, reply);
 
     if (r < 0) {
-        exit = cli_door_error(&error, r, sd_bus_message_get_member(call), fault);
+        exit = cli_daemon_error(&error, r, sd_bus_message_get_member(call), fault);
     }
     sd_bus_error_free(&error);
     sd_bus_message_unref(call);
     return exit;
 }
 
-enum cli_exit cli_door_call(struct cli_door *door, const char *method, sd_bus_message **reply,
-                            struct cli_fault *fault)
+enum cli_exit cli_daemon_call(struct cli_daemon *door, const char *method, sd_bus_message **reply,
+                              struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
-    const enum cli_exit exit = cli_door_message(door, method, &call, fault);
+    const enum cli_exit exit = cli_daemon_message(door, method, &call, fault);
 
-    return exit ? exit : cli_door_send(door, call, reply, fault);
+    return exit ? exit : cli_daemon_send(door, call, reply, fault);
 }
 
-enum cli_exit cli_door_bad_reply(int error, const char *method, struct cli_fault *fault)
+enum cli_exit cli_daemon_bad_reply(int error, const char *method, struct cli_fault *fault)
 {
     return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",
                          "%s: the daemon's answer is not understood (%s); do `isotherm --version` "
@@ -173,7 +173,7 @@ enum cli_exit cli_door_bad_reply(int error, const char *method, struct cli_fault
 }
 
 /* The connection that has the daemon's name now; the caller frees *owner. */
-static int find_owner(struct cli_door *door, sd_bus_error *error, char **owner)
+static int find_owner(struct cli_daemon *door, sd_bus_error *error, char **owner)
 {
     sd_bus_message *reply = NULL;
     const char *name;
@@ -190,7 +190,7 @@ static int find_owner(struct cli_door *door, sd_bus_error *error, char **owner)
     return r;
 }
 
-enum cli_exit cli_door_has_daemon(struct cli_door *door, bool *has, struct cli_fault *fault)
+enum cli_exit cli_daemon_has_daemon(struct cli_daemon *door, bool *has, struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
@@ -198,7 +198,7 @@ enum cli_exit cli_door_has_daemon(struct cli_door *door, bool *has, struct cli_f
     const int r = find_owner(door, &error, &owner);
 
     if (r < 0 && !sd_bus_error_has_name(&error, SD_BUS_ERROR_NAME_HAS_NO_OWNER)) {
-        exit = cli_door_error(&error, r, "GetNameOwner", fault);
+        exit = cli_daemon_error(&error, r, "GetNameOwner", fault);
     } else {
         *has = r >= 0;
     }
@@ -209,7 +209,7 @@ enum cli_exit cli_door_has_daemon(struct cli_door *door, bool *has, struct cli_f
 
 static int on_signal(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
-    struct cli_door *door = context;
+    struct cli_daemon *door = context;
 
     (void)error;
     door->heard++;
@@ -221,8 +221,9 @@ static int on_signal(sd_bus_message *signal, void *context, sd_bus_error *error)
 
 /* The match names the connection, not the service: anybody may send a signal straight to us, past
  * the bus's own matching, and only a connection's name is compared on our side. */
-enum cli_exit cli_door_subscribe(struct cli_door *door, const char *member,
-                                 cli_door_signal_fn handler, void *context, struct cli_fault *fault)
+enum cli_exit cli_daemon_subscribe(struct cli_daemon *door, const char *member,
+                                   cli_daemon_signal_fn handler, void *context,
+                                   struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
@@ -235,7 +236,7 @@ enum cli_exit cli_door_subscribe(struct cli_door *door, const char *member,
               : sd_bus_match_signal(door->bus, NULL, owner, ISO_CONTRACT_PATH,
                                     ISO_CONTRACT_INTERFACE, member, on_signal, door);
     if (r < 0) {
-        exit = cli_door_error(&error, r, "AddMatch", fault);
+        exit = cli_daemon_error(&error, r, "AddMatch", fault);
     }
     free(owner);
     sd_bus_error_free(&error);
@@ -258,11 +259,11 @@ static void handle_interrupt(int number)
 static int on_interrupt(sd_event_source *source, int fd, uint32_t events, void *context)
 {
     (void)source, (void)fd, (void)events;
-    ((struct cli_door *)context)->interrupted = true;
+    ((struct cli_daemon *)context)->interrupted = true;
     return 0;
 }
 
-static int catch_interrupt(struct cli_door *door)
+static int catch_interrupt(struct cli_daemon *door)
 {
     const struct sigaction action = {.sa_handler = handle_interrupt, .sa_flags = SA_RESTART};
 
@@ -276,7 +277,7 @@ static int catch_interrupt(struct cli_door *door)
     return sd_event_add_io(door->event, NULL, interrupt_fd, EPOLLIN, on_interrupt, door);
 }
 
-enum cli_exit cli_door_catch_interrupt(struct cli_door *door, struct cli_fault *fault)
+enum cli_exit cli_daemon_catch_interrupt(struct cli_daemon *door, struct cli_fault *fault)
 {
     const int r = catch_interrupt(door);
 
@@ -303,7 +304,7 @@ static int on_reply(sd_bus_message *reply, void *context, sd_bus_error *error)
 }
 
 /* Dispatches what comes until the reply is there, or nothing has come for CALL_TIMEOUT_US. */
-static int await_reply(struct cli_door *door, sd_bus_message **reply)
+static int await_reply(struct cli_daemon *door, sd_bus_message **reply)
 {
     uint64_t heard = door->heard, deadline_us = now_us() + CALL_TIMEOUT_US;
 
@@ -321,8 +322,8 @@ static int await_reply(struct cli_door *door, sd_bus_message **reply)
     return sd_bus_is_open(door->bus) > 0 ? 0 : -ECONNRESET;
 }
 
-enum cli_exit cli_door_send_and_listen(struct cli_door *door, sd_bus_message *call,
-                                       sd_bus_message **reply, struct cli_fault *fault)
+enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *door, sd_bus_message *call,
+                                         sd_bus_message **reply, struct cli_fault *fault)
 {
     const char *method = sd_bus_message_get_member(call);
     sd_bus_error error = SD_BUS_ERROR_NULL;
@@ -337,7 +338,7 @@ enum cli_exit cli_door_send_and_listen(struct cli_door *door, sd_bus_message *ca
     r = r < 0 ? sd_bus_error_set_errno(&error, r)
               : sd_bus_error_copy(&error, sd_bus_message_get_error(answer));
     if (r < 0) {
-        exit = cli_door_error(&error, r, method, fault);
+        exit = cli_daemon_error(&error, r, method, fault);
     } else if (reply) {
         *reply = sd_bus_message_ref(answer);
     }
@@ -348,7 +349,7 @@ enum cli_exit cli_door_send_and_listen(struct cli_door *door, sd_bus_message *ca
     return exit;
 }
 
-enum cli_exit cli_door_wait(struct cli_door *door, double timeout_s, struct cli_fault *fault)
+enum cli_exit cli_daemon_wait(struct cli_daemon *door, double timeout_s, struct cli_fault *fault)
 {
     const bool forever = timeout_s <= 0;
     const uint64_t deadline_us = now_us() + (forever ? 0 : (uint64_t)(timeout_s * 1e6));

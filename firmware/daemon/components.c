@@ -1,4 +1,4 @@
-#include "firmware/daemon/parts.h"
+#include "firmware/daemon/components.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -18,9 +18,9 @@ static const char *or_shipped(const char *path, const char *shipped)
     return *path ? path : shipped;
 }
 
-static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
+static int open_pipeline(struct iso_components *components, struct iso_fault *fault)
 {
-    const struct iso_config *config = &parts->config;
+    const struct iso_config *config = &components->config;
     struct iso_pipeline_options options = {
         .head_path = or_shipped(config->model.head, iso_shipped_model()),
         .metric_path = config->match.method == ISO_MATCH_BY_METRIC
@@ -29,7 +29,7 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
         .cohort_path = or_shipped(config->model.cohort, iso_shipped_cohort()),
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
-        .clock = parts->times.monotonic,
+        .clock = components->times.monotonic,
         .image = config->recognition.intensity,
         .cascade_path = config->recognition.cascade,
     };
@@ -37,17 +37,17 @@ static int open_pipeline(struct iso_parts *parts, struct iso_fault *fault)
     options.extract.distance_max_mm = config->sensor.distance_max_mm;
     options.extract.track = true;
     if (config->process.threads > 1) {
-        const int error = iso_crew_new(config->process.threads, &parts->crew);
+        const int error = iso_crew_new(config->process.threads, &components->crew);
         if (error) {
             return iso_fault_set(fault, error, "%d threads: %s", config->process.threads,
                                  error == -ENOMEM ? "out of memory" : strerror(-error));
         }
-        options.extract.tasks = iso_crew_tasks(parts->crew);
+        options.extract.tasks = iso_crew_tasks(components->crew);
     }
     options.match.trim = config->match.trim;
     options.match.icp_iterations = config->match.icp_iterations;
     options.match.transform = config->match.transform;
-    return iso_pipeline_open(&options, &parts->pipeline, fault);
+    return iso_pipeline_open(&options, &components->pipeline, fault);
 }
 
 /* What may be different later: the chip is plugged in, udev has set the permissions, another
@@ -123,16 +123,16 @@ static int check_places(const struct iso_config *config, struct iso_fault *fault
 }
 
 /* Everything that needs neither a device nor a store. */
-static int open_files(struct iso_parts *parts, struct iso_fault *fault)
+static int open_files(struct iso_components *components, struct iso_fault *fault)
 {
-    const struct iso_config *config = &parts->config;
-    int error = open_pipeline(parts, fault);
+    const struct iso_config *config = &components->config;
+    int error = open_pipeline(components, fault);
     if (!error && *config->door.cards) {
-        error = iso_cards_load(config->door.cards, &parts->cards, fault);
+        error = iso_cards_load(config->door.cards, &components->cards, fault);
     }
     error = error ? error : check_sensor(config, fault);
     error = error ? error : check_door(config, fault);
-    error = error ? error : iso_parts_check_counter(config, fault);
+    error = error ? error : iso_components_check_counter(config, fault);
     return error ? error : check_places(config, fault);
 }
 
@@ -147,35 +147,35 @@ static int new_door(const struct iso_config *config, const struct iso_times *tim
 static const struct iso_door_outputs unpowered;
 
 /* Lines that are not there yet are no reason not to start: the door is at fault until they are. */
-static int open_door(struct iso_parts *parts, struct iso_fault *fault)
+static int open_door(struct iso_components *components, struct iso_fault *fault)
 {
-    int error = new_door(&parts->config, &parts->times, &parts->door_io, fault);
+    int error = new_door(&components->config, &components->times, &components->door_io, fault);
     if (!error) {
-        error = iso_door_io_reopen(parts->door_io, &unpowered, fault);
+        error = iso_door_io_reopen(components->door_io, &unpowered, fault);
     }
     return passes(error) ? 0 : error;
 }
 
-static int start_door(struct iso_parts *parts, struct iso_fault *fault)
+static int start_door(struct iso_components *components, struct iso_fault *fault)
 {
     const struct iso_door_guard_options options = iso_door_options_of(
-        &parts->config.door, &parts->times, parts->door_io, true);
-    int error = iso_door_guard_new(&options, &parts->door);
-    error = error ? error : iso_door_guard_start(parts->door);
+        &components->config.door, &components->times, components->door_io, true);
+    int error = iso_door_guard_new(&options, &components->door);
+    error = error ? error : iso_door_guard_start(components->door);
     return error ? iso_fault_set(fault, error, "the door has no thread: %s", strerror(-error)) : 0;
 }
 
-static void stop_door(struct iso_parts *parts)
+static void stop_door(struct iso_components *components)
 {
-    if (parts->door) {
-        iso_door_guard_stop(parts->door);
-        iso_door_guard_free(parts->door);
+    if (components->door) {
+        iso_door_guard_stop(components->door);
+        iso_door_guard_free(components->door);
     }
 }
 
-static int open_ring(struct iso_parts *parts, struct iso_fault *fault)
+static int open_ring(struct iso_components *components, struct iso_fault *fault)
 {
-    const struct iso_config *config = &parts->config;
+    const struct iso_config *config = &components->config;
     char ring[ISO_CONFIG_TEXT_SIZE + 8], key[ISO_CONFIG_TEXT_SIZE + 8];
     (void)snprintf(ring, sizeof ring, "%s.keys", config->gallery.path);
     (void)snprintf(key, sizeof key, "%s.key", config->gallery.path);
@@ -184,15 +184,16 @@ static int open_ring(struct iso_parts *parts, struct iso_fault *fault)
         .file = or_shipped(config->seal.key, key),
         .credentials = config->seal.credentials,
     };
-    return iso_key_ring_open(&place, &parts->ring, fault);
+    return iso_key_ring_open(&place, &components->ring, fault);
 }
 
 enum { LOG_SEGMENTS = 8 };
 
-static int open_log(struct iso_parts *parts, struct iso_fault *fault)
+static int open_log(struct iso_components *components, struct iso_fault *fault)
 {
-    const struct iso_config *config = &parts->config;
-    const int error = config->log.journal ? iso_journal_new(sd_journal_sendv, &parts->journal) : 0;
+    const struct iso_config *config = &components->config;
+    const int error = config->log.journal ? iso_journal_new(sd_journal_sendv, &components->journal)
+                                          : 0;
     if (error) {
         return iso_fault_set(fault, error, "the journal: %s", strerror(-error));
     }
@@ -202,91 +203,93 @@ static int open_log(struct iso_parts *parts, struct iso_fault *fault)
         .segment_bytes = (uint64_t)config->log.max_mib * (1 << 20) / LOG_SEGMENTS,
         .segments = LOG_SEGMENTS - 1,
         .migrate = config->seal.migrate,
-        .ring = parts->ring,
-        .counter = parts->counter,
-        .written = parts->journal ? iso_journal_record : NULL,
-        .context = parts->journal,
+        .ring = components->ring,
+        .counter = components->counter,
+        .written = components->journal ? iso_journal_record : NULL,
+        .context = components->journal,
     };
-    return iso_audit_open(&options, &parts->times, &parts->audit, fault);
+    return iso_audit_open(&options, &components->times, &components->audit, fault);
 }
 
-static int open_gallery(struct iso_parts *parts, struct iso_fault *fault)
+static int open_gallery(struct iso_components *components, struct iso_fault *fault)
 {
-    const struct iso_config *config = &parts->config;
-    const struct iso_pipeline *pipeline = &parts->pipeline;
+    const struct iso_config *config = &components->config;
+    const struct iso_pipeline *pipeline = &components->pipeline;
     const struct iso_gallery_options options = {
         .path = config->gallery.path,
         .capacity = config->gallery.capacity,
         .algorithm = pipeline->ops->algorithm(pipeline->self),
         .metric = pipeline->ops->metric ? pipeline->ops->metric(pipeline->self) : NULL,
-        .ring = parts->ring,
+        .ring = components->ring,
         .migrate = config->seal.migrate,
     };
-    return iso_gallery_open(&options, &parts->gallery, fault);
+    return iso_gallery_open(&options, &components->gallery, fault);
 }
 
 /* The lock-out's memory is beside the audit log, if it has no place of its own. */
-static void place_lockout(struct iso_parts *parts)
+static void place_lockout(struct iso_components *components)
 {
     static const char name[] = "lockout";
-    const struct iso_config *config = &parts->config;
+    const struct iso_config *config = &components->config;
     const size_t length = directory_length(config->log.path);
     if (*config->lockout.path) {
-        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%s", config->lockout.path);
+        (void)snprintf(components->lockout_path, sizeof components->lockout_path, "%s",
+                       config->lockout.path);
     } else {
-        (void)snprintf(parts->lockout_path, sizeof parts->lockout_path, "%.*s%s", (int)length,
-                       config->log.path, name);
+        (void)snprintf(components->lockout_path, sizeof components->lockout_path, "%.*s%s",
+                       (int)length, config->log.path, name);
     }
 }
 
 /* What the lock-out file knows of the other stores is compared with theirs. Whether it can be used
  * is for the appliance to say, which shuts the door if not. */
-static void look_at_lockout(const struct iso_parts *parts)
+static void look_at_lockout(const struct iso_components *components)
 {
     struct iso_lockout_file file;
     struct iso_fault fault;
-    (void)!iso_lockout_load(parts->lockout_path, parts->ring, &file, &fault);
+    (void)!iso_lockout_load(components->lockout_path, components->ring, &file, &fault);
 }
 
 /* A gallery that is put back with its anchor is behind what the log says of it. */
-int iso_parts_compare_stores(const struct iso_parts *parts, struct iso_fault *fault)
+int iso_components_compare_stores(const struct iso_components *components, struct iso_fault *fault)
 {
-    const int error = iso_heads_check(iso_key_ring_board(parts->ring), fault);
+    const int error = iso_heads_check(iso_key_ring_board(components->ring), fault);
     if (error) {
         return error;
     }
-    const struct iso_gallery_version version = iso_gallery_version(parts->gallery);
-    const uint64_t known = iso_audit_gallery_changes(parts->audit, version.gallery);
+    const struct iso_gallery_version version = iso_gallery_version(components->gallery);
+    const uint64_t known = iso_audit_gallery_changes(components->audit, version.gallery);
     if (version.changes < known) {
         return iso_fault_set_code(
             fault, ISO_FAULT_GALLERY_OLD, -ESTALE,
             "%s: an old gallery, the log knows %llu changes more; put the newest in its place",
-            parts->config.gallery.path, (unsigned long long)(known - version.changes));
+            components->config.gallery.path, (unsigned long long)(known - version.changes));
     }
-    return parts->counter ? iso_state_counter_check(parts->counter, parts->config.log.path, fault)
-                          : 0;
+    return components->counter
+               ? iso_state_counter_check(components->counter, components->config.log.path, fault)
+               : 0;
 }
 
-int iso_parts_open_each_store(struct iso_parts *parts, struct iso_fault *fault)
+int iso_components_open_each_store(struct iso_components *components, struct iso_fault *fault)
 {
-    place_lockout(parts);
-    int error = open_ring(parts, fault);
+    place_lockout(components);
+    int error = open_ring(components, fault);
     if (!error) {
-        look_at_lockout(parts);
+        look_at_lockout(components);
     }
-    error = error ? error : open_gallery(parts, fault);
-    error = error ? error : iso_parts_open_counter(parts, fault);
-    return error ? error : open_log(parts, fault);
+    error = error ? error : open_gallery(components, fault);
+    error = error ? error : iso_components_open_counter(components, fault);
+    return error ? error : open_log(components, fault);
 }
 
-int iso_parts_open_stores(struct iso_parts *parts, struct iso_fault *fault)
+int iso_components_open_stores(struct iso_components *components, struct iso_fault *fault)
 {
-    const int error = iso_parts_open_each_store(parts, fault);
-    return error ? error : iso_parts_compare_stores(parts, fault);
+    const int error = iso_components_open_each_store(components, fault);
+    return error ? error : iso_components_compare_stores(components, fault);
 }
 
-int iso_parts_rest_door(const struct iso_config *config, const struct iso_times *times,
-                        struct iso_fault *fault)
+int iso_components_rest_door(const struct iso_config *config, const struct iso_times *times,
+                             struct iso_fault *fault)
 {
     struct iso_door_io *io = NULL;
     int error = new_door(config, times, &io, fault);
@@ -297,7 +300,7 @@ int iso_parts_rest_door(const struct iso_config *config, const struct iso_times 
     return error;
 }
 
-int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fault)
+int iso_components_load_modules(const struct iso_config *config, struct iso_fault *fault)
 {
     int error = iso_sensor_load(config->sensor.backend, fault);
     if (!error && config->seal.counter == ISO_COUNTER_TPM2) {
@@ -310,69 +313,70 @@ int iso_parts_load_modules(const struct iso_config *config, struct iso_fault *fa
     return lacking == -ENOENT && !*config->recognition.cascade ? 0 : lacking;
 }
 
-/* Nothing is open yet. NULL for want of memory; iso_parts_close ends it. */
-static struct iso_parts *new_parts(const struct iso_config *config, const struct iso_times *times)
+/* Nothing is open yet. NULL for want of memory; iso_components_close ends it. */
+static struct iso_components *new_parts(const struct iso_config *config,
+                                        const struct iso_times *times)
 {
-    struct iso_parts *parts = calloc(1, sizeof *parts);
-    if (parts) {
-        parts->config = *config;
-        parts->times = *times;
+    struct iso_components *components = calloc(1, sizeof *components);
+    if (components) {
+        components->config = *config;
+        components->times = *times;
     }
-    return parts;
+    return components;
 }
 
-int iso_parts_check(const struct iso_config *config, const struct iso_times *times,
-                    struct iso_fault *fault)
+int iso_components_check(const struct iso_config *config, const struct iso_times *times,
+                         struct iso_fault *fault)
 {
-    struct iso_parts *parts = new_parts(config, times);
-    if (!parts) {
+    struct iso_components *components = new_parts(config, times);
+    if (!components) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    const int error = open_files(parts, fault);
-    iso_parts_close(parts);
+    const int error = open_files(components, fault);
+    iso_components_close(components);
     return error;
 }
 
-int iso_parts_open(const struct iso_config *config, const struct iso_times *times, bool threads,
-                   struct iso_parts **out, struct iso_fault *fault)
+int iso_components_open(const struct iso_config *config, const struct iso_times *times,
+                        bool threads, struct iso_components **out, struct iso_fault *fault)
 {
-    struct iso_parts *parts = new_parts(config, times);
-    if (!parts) {
+    struct iso_components *components = new_parts(config, times);
+    if (!components) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    parts->threads = threads;
-    int error = open_files(parts, fault);
+    components->threads = threads;
+    int error = open_files(components, fault);
     if (!error) {
-        error = open_door(parts, fault);
+        error = open_door(components, fault);
     }
     if (!error && threads) {
-        error = start_door(parts, fault);
+        error = start_door(components, fault);
     }
     if (!error) {
-        error = iso_parts_open_stores(parts, fault);
+        error = iso_components_open_stores(components, fault);
     }
     if (error) {
-        iso_parts_close(parts);
+        iso_components_close(components);
         return error;
     }
-    *out = parts;
+    *out = components;
     return 0;
 }
 
-int iso_parts_accept(const struct iso_config *config, const struct iso_times *times, FILE *out,
-                     struct iso_fault *fault)
+int iso_components_accept(const struct iso_config *config, const struct iso_times *times, FILE *out,
+                          struct iso_fault *fault)
 {
     struct iso_fault why;
-    struct iso_parts *parts = new_parts(config, times);
-    if (!parts) {
+    struct iso_components *components = new_parts(config, times);
+    if (!components) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    int error = open_files(parts, fault);
-    error = error ? error : iso_parts_accept_stores(parts, &why, fault);
+    int error = open_files(components, fault);
+    error = error ? error : iso_components_accept_stores(components, &why, fault);
     if (!error) {
         fprintf(out, "%s\n", why.text[0] ? "accepted and put on record" : "nothing to accept");
     }
-    iso_parts_close(parts);
+    iso_components_close(components);
     return error;
 }
 
@@ -381,81 +385,81 @@ static int print_line(void *context, const char *line)
     return fprintf(context, "%s\n", line) < 0 ? -EIO : 0;
 }
 
-static int print_log(struct iso_parts *parts, FILE *out, struct iso_fault *fault)
+static int print_log(struct iso_components *components, FILE *out, struct iso_fault *fault)
 {
     struct iso_audit_report report;
-    int error = iso_audit_verify(parts->audit, 0, NULL, NULL, &report, fault);
+    int error = iso_audit_verify(components->audit, 0, NULL, NULL, &report, fault);
     if (!error && !report.sound) {
         error = iso_fault_set_code(fault, ISO_FAULT_LOG_DAMAGED, -EBADMSG, "%s: %s",
-                                   parts->config.log.path, report.flaw);
+                                   components->config.log.path, report.flaw);
     }
-    if (!error && iso_audit_read(parts->audit, 1, UINT32_MAX, print_line, out)) {
-        error = iso_fault_set(fault, -EIO, "%s: cannot be read", parts->config.log.path);
+    if (!error && iso_audit_read(components->audit, 1, UINT32_MAX, print_line, out)) {
+        error = iso_fault_set(fault, -EIO, "%s: cannot be read", components->config.log.path);
     }
     return error;
 }
 
-int iso_parts_print_log(const struct iso_config *config, const struct iso_times *times, FILE *out,
-                        struct iso_fault *fault)
+int iso_components_print_log(const struct iso_config *config, const struct iso_times *times,
+                             FILE *out, struct iso_fault *fault)
 {
-    struct iso_parts *parts = new_parts(config, times);
-    if (!parts) {
+    struct iso_components *components = new_parts(config, times);
+    if (!components) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    int error = open_ring(parts, fault);
-    error = error ? error : open_log(parts, fault);
-    error = error ? error : print_log(parts, out, fault);
-    iso_parts_close(parts);
+    int error = open_ring(components, fault);
+    error = error ? error : open_log(components, fault);
+    error = error ? error : print_log(components, out, fault);
+    iso_components_close(components);
     return error;
 }
 
-void iso_parts_close(struct iso_parts *parts)
+void iso_components_close(struct iso_components *components)
 {
-    if (parts) {
-        stop_door(parts);
-        iso_door_io_close(parts->door_io);
-        iso_cards_free(parts->cards);
-        if (parts->counter) {
+    if (components) {
+        stop_door(components);
+        iso_door_io_close(components->door_io);
+        iso_cards_free(components->cards);
+        if (components->counter) {
             /* Comes to the disk with the last anchor of the log. */
-            iso_state_counter_changed(parts->counter, ISO_STATE_ADMINISTRATOR);
+            iso_state_counter_changed(components->counter, ISO_STATE_ADMINISTRATOR);
         }
-        iso_audit_close(parts->audit);
-        iso_journal_free(parts->journal);
-        iso_state_counter_free(parts->counter);
-        iso_gallery_close(parts->gallery);
-        iso_key_ring_close(parts->ring);
-        iso_pipeline_close(&parts->pipeline);
-        iso_crew_free(parts->crew);
-        free(parts);
+        iso_audit_close(components->audit);
+        iso_journal_free(components->journal);
+        iso_state_counter_free(components->counter);
+        iso_gallery_close(components->gallery);
+        iso_key_ring_close(components->ring);
+        iso_pipeline_close(&components->pipeline);
+        iso_crew_free(components->crew);
+        free(components);
     }
 }
 
 static int open_sensor(void *context, struct iso_sensor **out, struct iso_fault *fault)
 {
-    const struct iso_parts *parts = context;
+    const struct iso_components *components = context;
     struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
-    const size_t n = iso_config_sensor_options(&parts->config, options);
-    return iso_sensor_open(parts->config.sensor.backend, options, n, &parts->times.monotonic, out,
-                           fault);
+    const size_t n = iso_config_sensor_options(&components->config, options);
+    return iso_sensor_open(components->config.sensor.backend, options, n,
+                           &components->times.monotonic, out, fault);
 }
 
-struct iso_appliance_parts iso_parts_lend(struct iso_parts *parts,
-                                          const struct iso_appliance_events *events)
+struct iso_appliance_borrowed iso_components_lend(struct iso_components *components,
+                                                  const struct iso_appliance_events *events)
 {
-    return (struct iso_appliance_parts){
-        .config = &parts->config,
-        .times = parts->times,
-        .sensor = {open_sensor, parts},
-        .pipeline = parts->pipeline,
-        .door_io = parts->door_io,
-        .door = parts->door,
-        .threads = parts->threads,
-        .cards = parts->cards,
-        .ring = parts->ring,
-        .counter = parts->counter,
-        .lockout_path = parts->lockout_path,
-        .gallery = parts->gallery,
-        .audit = parts->audit,
+    return (struct iso_appliance_borrowed){
+        .config = &components->config,
+        .times = components->times,
+        .sensor = {open_sensor, components},
+        .pipeline = components->pipeline,
+        .door_io = components->door_io,
+        .door = components->door,
+        .threads = components->threads,
+        .cards = components->cards,
+        .ring = components->ring,
+        .counter = components->counter,
+        .lockout_path = components->lockout_path,
+        .gallery = components->gallery,
+        .audit = components->audit,
         .events = *events,
     };
 }

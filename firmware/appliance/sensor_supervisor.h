@@ -14,11 +14,11 @@
  * has still to show that it works.
  *
  * Both times count what the sensor has to answer for. While the caller itself is held up, by a slow
- * disk say, nobody looks what the sensor has; the caller says so by iso_sensor_keeper_excuse, and
- * that time does not count. The rule for frames is another: a late one is of no use, whoever made
- * it late. */
-#ifndef ISO_FIRMWARE_APPLIANCE_SENSOR_KEEPER_H
-#define ISO_FIRMWARE_APPLIANCE_SENSOR_KEEPER_H
+ * disk say, nobody looks what the sensor has; the caller says so by iso_sensor_supervisor_excuse,
+ * and that time does not count. The rule for frames is another: a late one is of no use, whoever
+ * made it late. */
+#ifndef ISO_FIRMWARE_APPLIANCE_SENSOR_SUPERVISOR_H
+#define ISO_FIRMWARE_APPLIANCE_SENSOR_SUPERVISOR_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -32,14 +32,14 @@ struct iso_sensor_source {
     void *context;
 };
 
-struct iso_sensor_keeper_options {
+struct iso_sensor_supervisor_options {
     int64_t silence_ns, retry_ns, retry_max_ns;
     int64_t pause_ns; /* how old the last frame of use may be until nothing is seen */
     int64_t stale_ns; /* a frame that comes so long after its exposure is of none */
 };
 
-struct iso_sensor_keeper {
-    struct iso_sensor_keeper_options options;
+struct iso_sensor_supervisor {
+    struct iso_sensor_supervisor_options options;
     struct iso_sensor_source source;
     struct iso_sensor *sensor; /* RUNNING; NULL: AWAY */
     int64_t try_ns;            /* AWAY: when to try next */
@@ -66,23 +66,25 @@ enum iso_sensor_news {
 };
 
 /* AWAY, to be tried at once; the first sensor to be opened is believed to see. */
-void iso_sensor_keeper_init(struct iso_sensor_keeper *keeper,
-                            const struct iso_sensor_keeper_options *options,
-                            const struct iso_sensor_source *source, int64_t now_ns);
+void iso_sensor_supervisor_init(struct iso_sensor_supervisor *supervisor,
+                                const struct iso_sensor_supervisor_options *options,
+                                const struct iso_sensor_source *source, int64_t now_ns);
 
 /* Looks what the sensor has, without waiting for it. *frame belongs to the sensor, until the next
  * call. */
-enum iso_sensor_news iso_sensor_keeper_look(struct iso_sensor_keeper *keeper, int64_t now_ns,
-                                            const struct iso_frame **frame);
+enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *supervisor,
+                                                int64_t now_ns, const struct iso_frame **frame);
 
 /* Before the next look: the caller was held up for the last held_up_ns and did not look, although
  * it should have. A sensor that is dead is found as many milliseconds later, and no more. */
-void iso_sensor_keeper_excuse(struct iso_sensor_keeper *keeper, int64_t held_up_ns, int64_t now_ns);
+void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
+                                  int64_t now_ns);
 
 /* When to look again, if nothing is to be missed. */
-int64_t iso_sensor_keeper_due_ns(const struct iso_sensor_keeper *keeper, int64_t now_ns);
+int64_t iso_sensor_supervisor_due_ns(const struct iso_sensor_supervisor *supervisor,
+                                     int64_t now_ns);
 
 /* Closes the sensor. */
-void iso_sensor_keeper_done(struct iso_sensor_keeper *keeper);
+void iso_sensor_supervisor_done(struct iso_sensor_supervisor *supervisor);
 
 #endif

@@ -1,10 +1,10 @@
 /* What classifiers keep of the features they learn from. */
-#ifndef ISO_CORE_SHAPE_CLASSIFY_GALLERY_H
-#define ISO_CORE_SHAPE_CLASSIFY_GALLERY_H
+#ifndef ISO_CORE_SHAPE_CLASSIFY_TRAINING_SET_H
+#define ISO_CORE_SHAPE_CLASSIFY_TRAINING_SET_H
 
 #include "core/shape/classify/classifier.h"
 
-struct iso_gallery {
+struct iso_training_set {
     struct iso_feature_layout layout;
     int32_t n, n_classes;
     float *feature; /* [n][layout.size] */
@@ -12,15 +12,16 @@ struct iso_gallery {
 };
 
 /* A copy. -ENOMEM. */
-int iso_gallery_init(struct iso_gallery *gallery, const struct iso_labelled *training)
+int iso_training_set_init(struct iso_training_set *gallery, const struct iso_labelled *training)
     __attribute__((warn_unused_result));
-void iso_gallery_done(struct iso_gallery *gallery);
+void iso_training_set_done(struct iso_training_set *gallery);
 
 /* Makes each part of a feature of unit length; a part of zeros stays. */
-void iso_gallery_normalise(const struct iso_feature_layout *layout, float *feature);
+void iso_training_set_normalise(const struct iso_feature_layout *layout, float *feature);
 
 /* For each class the lowest of its distances, as a score: the higher the better. */
-void iso_gallery_score(const struct iso_gallery *gallery, const double *distance, double *score);
+void iso_training_set_score(const struct iso_training_set *gallery, const double *distance,
+                            double *score);
 
 /* The operations of core/shape/classify/classifier.h that this library has. */
 extern const struct iso_classifier_ops iso_classifier_nn_l1, iso_classifier_nn_l2,

@@ -1,7 +1,7 @@
 /* Whom a probe is compared with: some templates, or an index of people. Refers to what is
  * elsewhere, which stays as it is as long as this is used. */
-#ifndef ISO_FIRMWARE_GALLERY_CANDIDATES_H
-#define ISO_FIRMWARE_GALLERY_CANDIDATES_H
+#ifndef ISO_FIRMWARE_GALLERY_CANDIDATE_LIST_H
+#define ISO_FIRMWARE_GALLERY_CANDIDATE_LIST_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,7 +11,7 @@
 #include "core/match/search.h"
 
 /* All zero: nobody. */
-struct iso_candidates {
+struct iso_candidate_list {
     const struct iso_search_entry *entries; /* those of one person side by side */
     int n_entries;
     const struct iso_index *index; /* if not NULL: instead of the entries ... */
@@ -20,13 +20,13 @@ struct iso_candidates {
     /* OPTIONAL, with an index: what opens the templates of one of its people, as
      * iso_gallery_templates does, and a number that is another one whenever they may have changed.
      * NULL: nobody is looked at again. */
-    int (*templates)(void *keeper, int64_t person, struct iso_template *out, int capacity, int *n,
+    int (*templates)(void *owner, int64_t person, struct iso_template *out, int capacity, int *n,
                      struct iso_fault *fault);
-    void *keeper;
+    void *owner;
     uint64_t version;
 };
 
-static inline bool iso_candidates_none(const struct iso_candidates *among)
+static inline bool iso_candidates_none(const struct iso_candidate_list *among)
 {
     return !among->index && among->n_entries == 0;
 }

@@ -1,0 +1,203 @@
+#include "firmware/appliance/sensor_supervisor.h"
+
+#include <errno.h>
+#include <stdio.h>
+
+#include "drivers/base/times.h"
+
+/* For a back end that neither blocks nor says when it has something. */
+enum { LOOK_NS = 5 * ISO_NS_PER_MS };
+
+void iso_sensor_supervisor_init(struct iso_sensor_supervisor *supervisor,
+                                const struct iso_sensor_supervisor_options *options,
+                                const struct iso_sensor_source *source, int64_t now_ns)
+{
+    *supervisor = (struct iso_sensor_supervisor){
+        .options = *options,
+        .source = *source,
+        .try_ns = now_ns,
+        .wait_ns = options->retry_ns,
+        .sees = true,
+    };
+}
+
+static void note_fault(struct iso_sensor_supervisor *supervisor, int error,
+                       const struct iso_fault *fault)
+{
+    supervisor->error = error;
+    supervisor->fault = *fault;
+    if (!fault->text[0]) {
+        (void)iso_fault_set_code(&supervisor->fault, ISO_FAULT_SENSOR_FAILED, error,
+                                 "sensor: failed without a reason");
+    }
+}
+
+static void close_sensor(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    iso_sensor_close(supervisor->sensor);
+    supervisor->sensor = NULL;
+    supervisor->sees = false;
+    supervisor->try_ns = now_ns + supervisor->wait_ns;
+    supervisor->wait_ns *= 2;
+    if (supervisor->wait_ns > supervisor->options.retry_max_ns) {
+        supervisor->wait_ns = supervisor->options.retry_max_ns;
+    }
+}
+
+/* A try that comes to an end, well or not, is a sign that the program lives: a sensor that is
+ * unplugged is no reason for the watchdog to kill a door that is in its safe state. */
+static enum iso_sensor_news try_to_open(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    struct iso_fault fault = {.text = ""};
+    supervisor->progress++;
+    int error = supervisor->source.open(supervisor->source.context, &supervisor->sensor, &fault);
+    if (error) {
+        supervisor->sensor = NULL;
+    } else {
+        error = iso_sensor_start(supervisor->sensor, &fault);
+    }
+    if (error) {
+        note_fault(supervisor, error, &fault);
+        close_sensor(supervisor, now_ns);
+        return ISO_SENSOR_FLAW;
+    }
+    supervisor->heard_ns = supervisor->seen_ns = now_ns;
+    return ISO_SENSOR_BACK;
+}
+
+/* What was there at t_ns is known. */
+static void sign_of_sight(struct iso_sensor_supervisor *supervisor, int64_t t_ns)
+{
+    supervisor->seen_ns = t_ns;
+    supervisor->sees = true;
+}
+
+/* Nothing of any use has come. Returns true if it has become too long just now. */
+static bool loses_sight(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    if (!supervisor->sees || now_ns - supervisor->seen_ns < supervisor->options.pause_ns) {
+        return false;
+    }
+    supervisor->sees = false;
+    return true;
+}
+
+/* The same; it is the fault. */
+static void doubt_sight(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    struct iso_fault fault;
+    if (loses_sight(supervisor, now_ns)) {
+        note_fault(supervisor,
+                   iso_fault_set_code(&fault, ISO_FAULT_SENSOR_SILENT, -ETIMEDOUT,
+                                      "sensor %s: nothing seen for %lld ms",
+                                      iso_sensor_name(supervisor->sensor),
+                                      (long long)((now_ns - supervisor->seen_ns) / ISO_NS_PER_MS)),
+                   &fault);
+    }
+}
+
+static void sign_of_life(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    supervisor->progress++;
+    supervisor->heard_ns = now_ns;
+    supervisor->wait_ns = supervisor->options.retry_ns;
+}
+
+/* The back end had nothing. Whether that is a sign of life, or silence. */
+static enum iso_sensor_news note_nothing(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    int64_t due_ns;
+    if (iso_sensor_next_due_ns(supervisor->sensor, &due_ns) == 0) {
+        sign_of_life(supervisor, now_ns);
+        sign_of_sight(supervisor, now_ns);
+        return ISO_SENSOR_QUIET;
+    }
+    if (now_ns - supervisor->heard_ns < supervisor->options.silence_ns) {
+        doubt_sight(supervisor, now_ns);
+        return ISO_SENSOR_QUIET;
+    }
+    struct iso_fault fault;
+    note_fault(supervisor,
+               iso_fault_set_code(&fault, ISO_FAULT_SENSOR_SILENT, -EIO,
+                                  "sensor %s: no frame for %lld ms",
+                                  iso_sensor_name(supervisor->sensor),
+                                  (long long)((now_ns - supervisor->heard_ns) / ISO_NS_PER_MS)),
+               &fault);
+    close_sensor(supervisor, now_ns);
+    return ISO_SENSOR_GONE;
+}
+
+/* A frame shows what was there when it was exposed, not when it comes. */
+static void note_sight(struct iso_sensor_supervisor *supervisor, int64_t t_ns, int64_t now_ns)
+{
+    const int64_t age_ns = now_ns - t_ns;
+    if (age_ns < supervisor->options.stale_ns && age_ns < supervisor->options.pause_ns) {
+        sign_of_sight(supervisor, t_ns);
+    } else {
+        doubt_sight(supervisor, now_ns);
+    }
+}
+
+enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *supervisor,
+                                                int64_t now_ns, const struct iso_frame **frame)
+{
+    struct iso_fault fault = {.text = ""};
+    if (!supervisor->sensor) {
+        return now_ns >= supervisor->try_ns ? try_to_open(supervisor, now_ns) : ISO_SENSOR_QUIET;
+    }
+    const int error = iso_sensor_wait(supervisor->sensor, now_ns, frame, &fault);
+    if (error == -ETIMEDOUT) {
+        return note_nothing(supervisor, now_ns);
+    }
+    if (error == 0) {
+        struct iso_sensor_description description;
+        sign_of_life(supervisor, now_ns);
+        note_sight(supervisor, (*frame)->t_ns, now_ns);
+        supervisor->frames++;
+        if (iso_sensor_describe(supervisor->sensor, &description) == 0) {
+            (void)snprintf(supervisor->model, sizeof supervisor->model, "%s", description.model);
+            (void)snprintf(supervisor->calibration, sizeof supervisor->calibration, "%s",
+                           description.calibration);
+            supervisor->calibration_code = description.calibration_code;
+            supervisor->repeats = description.repeats;
+        }
+        return ISO_SENSOR_FRAME;
+    }
+    note_fault(supervisor, error, &fault);
+    if (error == -EBADMSG) {
+        supervisor->heard_ns = now_ns;
+        (void)loses_sight(supervisor, now_ns);
+        return ISO_SENSOR_FLAW;
+    }
+    close_sensor(supervisor, now_ns);
+    return ISO_SENSOR_GONE;
+}
+
+static int64_t later_by(int64_t t_ns, int64_t by_ns, int64_t now_ns)
+{
+    return t_ns + by_ns < now_ns ? t_ns + by_ns : now_ns;
+}
+
+void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
+                                  int64_t now_ns)
+{
+    if (supervisor->sensor) {
+        supervisor->heard_ns = later_by(supervisor->heard_ns, held_up_ns, now_ns);
+        supervisor->seen_ns = later_by(supervisor->seen_ns, held_up_ns, now_ns);
+    }
+}
+
+int64_t iso_sensor_supervisor_due_ns(const struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    int64_t due_ns;
+    if (!supervisor->sensor) {
+        return supervisor->try_ns;
+    }
+    return iso_sensor_next_due_ns(supervisor->sensor, &due_ns) == 0 ? due_ns : now_ns + LOOK_NS;
+}
+
+void iso_sensor_supervisor_done(struct iso_sensor_supervisor *supervisor)
+{
+    iso_sensor_close(supervisor->sensor);
+    supervisor->sensor = NULL;
+}

@@ -1,0 +1,59 @@
+/* Stores of different times, taken as they are: an administrator's decision, on record. */
+#include <errno.h>
+#include <stdlib.h>
+
+#include "firmware/daemon/components.h"
+#include "firmware/visit/lockout_file.h"
+
+static int record(struct iso_components *components, const char *why, struct iso_fault *fault)
+{
+    const struct iso_gallery_version version = iso_gallery_version(components->gallery);
+    struct iso_audit_record record = iso_audit_record_of("state-accepted");
+    record.gallery = version.gallery;
+    record.gallery_changes = version.changes;
+    record.note = why;
+    return iso_audit_append(components->audit, &record, fault);
+}
+
+/* What cannot be read may have been the worst: the door stays shut until `lockdown off`. */
+static int renew_lockout(const struct iso_components *components, struct iso_fault *fault)
+{
+    struct iso_lockout_file file;
+    if (iso_lockout_load(components->lockout_path, components->ring, &file, NULL)) {
+        file = (struct iso_lockout_file){.record = {.lockdown = true}};
+    }
+    return iso_lockout_save(components->lockout_path, components->ring, &file.record, fault);
+}
+
+/* Every file that knew of another one is written anew, the log before all others, as they are to
+ * know its head. After an interruption it is done once more. */
+static int renew(struct iso_components *components, const char *why, struct iso_fault *fault)
+{
+    int error = record(components, why, fault);
+    error = error ? error : iso_audit_renew_anchor(components->audit, fault);
+    error = error ? error : iso_key_ring_renew(components->ring, fault);
+    error = error ? error : iso_gallery_renew(components->gallery, fault);
+    error = error ? error : renew_lockout(components, fault);
+    error = error ? error : record(components, why, fault); /* of the gallery as it is now */
+    return error ? error : iso_audit_renew_anchor(components->audit, fault);
+}
+
+int iso_components_accept_stores(struct iso_components *components, struct iso_fault *why,
+                                 struct iso_fault *fault)
+{
+    *why = (struct iso_fault){.text = ""};
+    int error = iso_components_open_each_store(components, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_components_compare_stores(components, why);
+    if (error && error != -ESTALE) { /* the counter's device, about which nothing can be decided */
+        return iso_fault_set_code(fault, why->code, error, "%s", why->text);
+    }
+    if (!error) {
+        return 0;
+    }
+    iso_heads_accept(iso_key_ring_board(components->ring));
+    error = iso_components_begin_counter(components, false, fault);
+    return error ? error : renew(components, why->text, fault);
+}
