@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "drivers/file/data_file.h"
-#include "firmware/recognise/reranker.h"
+#include "firmware/recognise/method/reranker.h"
 
 enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
 

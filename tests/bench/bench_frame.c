@@ -19,7 +19,7 @@
 #include "drivers/base/shipped.h"
 #include "drivers/base/times.h"
 #include "firmware/gallery/gallery.h"
-#include "firmware/recognise/reranker.h"
+#include "firmware/recognise/method/reranker.h"
 #include "firmware/visit/decision.h"
 #include "sim/base/data_file.h"
 #include "sim/corpus/corpus.h"

@@ -6,7 +6,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/recognise/reranker.h"
+#include "firmware/recognise/method/reranker.h"
 
 enum { PEOPLE = 30 };
 

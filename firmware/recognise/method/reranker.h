@@ -4,8 +4,8 @@
  * Whoever stands before the camera is compared with much the same few people frame after frame, so
  * the upper faces opened last are kept, until the gallery changes: most frames ask the database for
  * nothing. Biometric: wiped when they give way and when it is freed. Used by one thread. */
-#ifndef ISO_FIRMWARE_RECOGNISE_RERANKER_H
-#define ISO_FIRMWARE_RECOGNISE_RERANKER_H
+#ifndef ISO_FIRMWARE_RECOGNISE_METHOD_RERANKER_H
+#define ISO_FIRMWARE_RECOGNISE_METHOD_RERANKER_H
 
 #include "core/match/rerank.h"
 #include "firmware/gallery/candidate_list.h"

@@ -1,4 +1,4 @@
-#include "firmware/recognise/reranker.h"
+#include "firmware/recognise/method/reranker.h"
 
 #include <errno.h>
 #include <sodium.h>
