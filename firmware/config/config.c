@@ -298,7 +298,7 @@ double iso_config_threshold_among(const struct iso_config *config, size_t n_peop
     const struct iso_config_decision *decision = &config->decision;
     const bool is_set = decision->threshold < 0.0 || decision->threshold > 0.0;
     const double times = (double)n_people / (double)ISO_CONFIG_PEOPLE_AT_LEVEL;
-    if (is_set || config->match.method != ISO_MATCH_BY_METRIC || times <= 1.0) {
+    if (is_set || !iso_method_at(config->match.method)->calibrated || times <= 1.0) {
         return iso_config_threshold(config);
     }
     return iso_config_threshold(config) + log10(times);

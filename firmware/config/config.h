@@ -58,11 +58,9 @@ struct iso_config_recognition {
     char cascade[ISO_CONFIG_TEXT_SIZE];
 };
 
-/* How two faces are compared: by the learned metric, or by the distance of their curves. */
-enum iso_match_method { ISO_MATCH_BY_METRIC = 0, ISO_MATCH_BY_DISTANCE };
-
+/* How two faces are compared. */
 struct iso_config_match {
-    enum iso_match_method method;
+    enum iso_method method;
     double trim;
     int icp_iterations;
     enum iso_icp_transform transform;
@@ -190,8 +188,8 @@ double iso_config_threshold(const struct iso_config *config);
  * stranger, so that above ISO_CONFIG_PEOPLE_AT_LEVEL the level's score rises by the common
  * logarithm of how many times more there are: 100 people take 1 more, 1,000 take 2 more. A
  * stranger's visit is then let in no more often than the level says, however many are enrolled. A
- * threshold that is set stands, and so does a comparison by distance, whose score is no
- * probability. */
+ * threshold that is set stands, and so does the score of a method that is not calibrated, since it
+ * is no probability (firmware/recognise/method/method.h). */
 enum { ISO_CONFIG_PEOPLE_AT_LEVEL = 10 };
 double iso_config_threshold_among(const struct iso_config *config, size_t n_people);
 

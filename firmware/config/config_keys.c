@@ -4,6 +4,18 @@
 
 #define AT(section, field) offsetof(struct iso_config, section.field)
 
+/* What the list of recognition methods says of them: "|a|b", and a line of help. */
+#define METHOD(name, about) "|" #name
+static const char method_choices[] =
+#include "firmware/recognise/method/methods.def"
+    ;
+#undef METHOD
+#define METHOD(name, about) "; " #name ": " about
+static const char method_help[] = "what compares two templates"
+#include "firmware/recognise/method/methods.def"
+    ;
+#undef METHOD
+
 const struct iso_config_key iso_config_keys[] = {
     {"sensor", "backend", ISO_CONFIG_TEXT, AT(sensor, backend), 0, 0, NULL, "replay",
      "driver of the depth sensor"},
@@ -67,8 +79,8 @@ const struct iso_config_key iso_config_keys[] = {
     {"recognition", "cascade", ISO_CONFIG_TEXT, AT(recognition, cascade), 0, 0, NULL, "",
      "the cascade that looks for the face in it; the one of the build if empty"},
 
-    {"match", "method", ISO_CONFIG_CHOICE, AT(match, method), 0, 0, "metric|distance", "metric",
-     "what compares two templates: the learned metric, or the distance of their curves"},
+    {"match", "method", ISO_CONFIG_CHOICE, AT(match, method), 0, 0, &method_choices[1], "metric",
+     method_help},
     {"match", "trim", ISO_CONFIG_NUMBER, AT(match, trim), 0.5, 1, NULL, "0.8",
      "share of a template's points that counts in a distance, the closest ones"},
     {"match", "icp_iterations", ISO_CONFIG_COUNT, AT(match, icp_iterations), 1, 100, NULL, "10",

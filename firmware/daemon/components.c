@@ -18,15 +18,26 @@ static const char *or_shipped(const char *path, const char *shipped)
     return *path ? path : shipped;
 }
 
+/* The file that a method was trained to: the one that [model] names, or the installed one. */
+static const char *data_path_of(const struct iso_config *config,
+                                const struct iso_method_ops *method)
+{
+    for (size_t i = 0; method->data_key && i < iso_config_n_keys; i++) {
+        const struct iso_config_key *key = &iso_config_keys[i];
+        if (strcmp(key->section, "model") == 0 && strcmp(key->name, method->data_key) == 0) {
+            return or_shipped((const char *)config + key->offset, method->installed_data());
+        }
+    }
+    return "";
+}
+
 static int open_pipeline(struct iso_components *components, struct iso_fault *fault)
 {
     const struct iso_config *config = &components->config;
     struct iso_pipeline_options options = {
         .head_path = or_shipped(config->model.head, iso_shipped_model()),
-        .metric_path = config->match.method == ISO_MATCH_BY_METRIC
-                           ? or_shipped(config->model.metric, iso_shipped_metric())
-                           : NULL,
-        .cohort_path = or_shipped(config->model.cohort, iso_shipped_cohort()),
+        .method = config->match.method,
+        .data_path = data_path_of(config, iso_method_at(config->match.method)),
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = components->times.monotonic,

@@ -1,24 +1,17 @@
 #include "firmware/recognise/pipeline.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "drivers/file/data_file.h"
-#include "firmware/recognise/method/reranker.h"
-
-enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
 
 struct pipeline {
     struct iso_head_model *head;
-    struct iso_metric *metric;     /* NULL: by cohort */
-    struct iso_reranker *reranker; /* NULL: by cohort */
-    struct iso_cohort *cohort;
-    struct iso_icp_workspace *registration; /* NULL: by metric */
     struct iso_extractor *extractor;
-    struct iso_match_options match;
+    const struct iso_method_ops *method;
+    void *comparison; /* the method's own state; NULL: it is not open */
     enum iso_image_check image;
     struct iso_fault image_lacks; /* why there is no face_check; "" if there is, or need not be */
     struct iso_face_check *face_check; /* NULL: images are not checked */
@@ -57,76 +50,18 @@ static int pipeline_extract(void *self, const struct iso_frame *frame, const cha
     return error;
 }
 
-/* One person of an index: verification. */
-static int score_one(const struct pipeline *pipeline, const struct iso_candidate_list *among,
-                     const struct iso_metric_vector *probe, struct iso_search_hit *hits,
-                     int capacity, int *n_hits)
-{
-    struct iso_metric_vector person;
-    const bool known = capacity > 0 && iso_index_find(among->index, among->person, &person) == 0;
-    if (known) {
-        hits[0] = (struct iso_search_hit){
-            .person = among->person,
-            .distance_mm = NAN,
-            .score = iso_metric_score(pipeline->metric, &person, probe),
-        };
-        explicit_bzero(&person, sizeof person);
-    }
-    *n_hits = known;
-    return 0;
-}
-
-/* The best by the metric, then the best of those after reranking. */
-static int search_index(const struct pipeline *pipeline, const struct iso_candidate_list *among,
-                        const struct iso_template *tmpl, struct iso_search_hit *hits, int capacity,
-                        int *n_hits)
-{
-    enum { SHORTLIST = ISO_RERANK_CANDIDATES };
-    struct iso_search_hit best[SHORTLIST];
-    struct iso_metric_vector probe;
-    int n = 0;
-    int error = iso_metric_project(pipeline->metric, tmpl, &probe);
-    if (error) {
-        return error;
-    }
-    error = among->person ? score_one(pipeline, among, &probe, best, SHORTLIST, &n)
-                          : iso_index_search(among->index, &probe, best, SHORTLIST, &n);
-    explicit_bzero(&probe, sizeof probe);
-    if (!error && among->templates) {
-        error = iso_reranker_take(pipeline->reranker, pipeline->metric, among, tmpl, best, n);
-    }
-    if (error) {
-        return error;
-    }
-    *n_hits = n < capacity ? n : capacity;
-    for (int i = 0; i < *n_hits; i++) {
-        hits[i] = best[i];
-    }
-    return 0;
-}
-
 static int pipeline_search(void *self, const struct iso_candidate_list *among,
                            const struct iso_template *probe, struct iso_search_hit *hits,
                            int capacity, int *n_hits)
 {
     const struct pipeline *pipeline = self;
-    if (among->index) {
-        return search_index(pipeline, among, probe, hits, capacity, n_hits);
-    }
-    if (pipeline->metric) {
-        return iso_search_by_metric(iso_reranker_workspace(pipeline->reranker), among->entries,
-                                    among->n_entries, probe, pipeline->metric, hits, capacity,
-                                    n_hits);
-    }
-    const int error = iso_search(pipeline->registration, among->entries, among->n_entries, probe,
-                                 pipeline->cohort, &pipeline->match, hits, capacity, n_hits);
-    explicit_bzero(pipeline->registration, sizeof *pipeline->registration);
-    return error;
+    return pipeline->method->search(pipeline->comparison, among, probe, hits, capacity, n_hits);
 }
 
 static const struct iso_metric *pipeline_metric(const void *self)
 {
-    return ((const struct pipeline *)self)->metric;
+    const struct pipeline *pipeline = self;
+    return pipeline->method->metric ? pipeline->method->metric(pipeline->comparison) : NULL;
 }
 
 static uint32_t pipeline_algorithm(const void *self)
@@ -162,10 +97,9 @@ static void pipeline_close(void *self)
     struct pipeline *pipeline = self;
     iso_face_check_free(pipeline->face_check);
     iso_extractor_free(pipeline->extractor);
-    iso_reranker_free(pipeline->reranker);
-    iso_metric_free(pipeline->metric);
-    iso_cohort_free(pipeline->cohort);
-    free(pipeline->registration);
+    if (pipeline->comparison) {
+        pipeline->method->close(pipeline->comparison);
+    }
     iso_head_model_free(pipeline->head);
     free(pipeline);
 }
@@ -173,7 +107,9 @@ static void pipeline_close(void *self)
 static void pipeline_forget(void *self)
 {
     const struct pipeline *pipeline = self;
-    iso_reranker_forget(pipeline->reranker);
+    if (pipeline->method->forget) {
+        pipeline->method->forget(pipeline->comparison);
+    }
 }
 
 static const struct iso_pipeline_ops ops = {
@@ -189,16 +125,6 @@ static const struct iso_pipeline_ops ops = {
     .image_lacks = pipeline_image_lacks,
 };
 
-static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
-{
-    return iso_fault_set_code(fault,
-                              error == -ENOMEM ? ISO_FAULT_OUT_OF_MEMORY : ISO_FAULT_MODEL_DAMAGED,
-                              error, "%s: %s", path,
-                              error == -ENOMEM ? "out of memory"
-                              : what           ? what
-                                               : "damaged");
-}
-
 static int load_head(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
 {
     void *bytes = NULL;
@@ -210,60 +136,7 @@ static int load_head(struct pipeline *pipeline, const char *path, struct iso_fau
     }
     error = iso_head_model_parse(bytes, size, &pipeline->head, &what);
     free(bytes);
-    return error ? refuse(path, error, what, fault) : 0;
-}
-
-/* What templates are compared with has to be of their algorithm. */
-static int check_algorithm(const struct pipeline *pipeline, const char *path, uint32_t algorithm,
-                           struct iso_fault *fault)
-{
-    const uint32_t own = iso_extractor_algorithm(pipeline->extractor);
-    return algorithm == own
-               ? 0
-               : iso_fault_set_code(
-                     fault, ISO_FAULT_MODEL_MISFIT, -EINVAL,
-                     "%s: made with another head model or other options (%08x, not %08x)", path,
-                     algorithm, own);
-}
-
-static int load_metric(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
-{
-    void *bytes = NULL;
-    size_t size = 0;
-    const char *what = NULL;
-    int error = iso_data_file_read(path, ISO_METRIC_BYTES_MAX, &bytes, &size, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_metric_parse(bytes, size, &pipeline->metric, &what);
-    free(bytes);
-    if (error) {
-        return refuse(path, error, what, fault);
-    }
-    error = check_algorithm(pipeline, path, pipeline->metric->algorithm, fault);
-    return error || iso_reranker_new(&pipeline->reranker) == 0
-               ? error
-               : iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
-}
-
-static int load_cohort(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
-{
-    void *bytes = NULL;
-    size_t size = 0;
-    const char *what = NULL;
-    int error = iso_data_file_read(path, COHORT_BYTES_MAX, &bytes, &size, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_cohort_parse(bytes, size, &pipeline->cohort, &what);
-    free(bytes);
-    if (error) {
-        return refuse(path, error, what, fault);
-    }
-    pipeline->registration = calloc(1, sizeof *pipeline->registration);
-    return pipeline->registration
-               ? check_algorithm(pipeline, path, iso_cohort_algorithm(pipeline->cohort), fault)
-               : iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
+    return error ? iso_method_refuse(path, error, what, fault) : 0;
 }
 
 static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_options *options,
@@ -276,6 +149,18 @@ static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_o
     return error ? iso_fault_set(fault, error, "extractor: %s",
                                  error == -EINVAL ? "options out of range" : "out of memory")
                  : 0;
+}
+
+static int open_method(struct pipeline *pipeline, const struct iso_pipeline_options *options,
+                       struct iso_fault *fault)
+{
+    const struct iso_method_setup setup = {
+        .data_path = options->data_path ? options->data_path : "",
+        .algorithm = iso_extractor_algorithm(pipeline->extractor),
+        .match = options->match,
+    };
+    pipeline->method = iso_method_at(options->method);
+    return pipeline->method->open(&setup, &pipeline->comparison, fault);
 }
 
 /* A cascade that is named has to be there. Without one, a machine that lacks the module or its data
@@ -303,15 +188,13 @@ int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pip
     if (!pipeline) {
         return iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
     }
-    pipeline->match = options->match;
     pipeline->image = options->image;
     int error = load_head(pipeline, options->head_path, fault);
     if (!error) {
         error = make_extractor(pipeline, options, fault);
     }
     if (!error) {
-        error = options->metric_path ? load_metric(pipeline, options->metric_path, fault)
-                                     : load_cohort(pipeline, options->cohort_path, fault);
+        error = open_method(pipeline, options, fault);
     }
     if (!error) {
         error = make_face_check(pipeline, options, fault);

@@ -1,7 +1,8 @@
 /* From a frame to those in the gallery who look most like it: the class that the appliance sees, so
  * that a test can put something else in its place, and the real one.
  *
- * The real one owns extractor, head model, metric or cohort, and options. One pipeline is used by
+ * The real one owns extractor, head model, an open recognition method (method/method.h), and
+ * options. One pipeline is used by
  * one thread; nothing is allocated per frame. */
 #ifndef ISO_FIRMWARE_RECOGNISE_PIPELINE_H
 #define ISO_FIRMWARE_RECOGNISE_PIPELINE_H
@@ -12,7 +13,7 @@
 #include "core/base/fault.h"
 #include "core/extract/extract.h"
 #include "drivers/vision/face_check.h"
-#include "firmware/gallery/candidate_list.h"
+#include "firmware/recognise/method/method.h"
 
 struct iso_pipeline_ops {
     /* The template of a frame, or why there is none: out->outcome. `sensor` is the model of the
@@ -20,10 +21,8 @@ struct iso_pipeline_ops {
     int (*extract)(void *self, const struct iso_frame *frame, const char *sensor,
                    struct iso_extraction *out);
 
-    /* The best people among these for a probe, as iso_search_by_metric or iso_search (with the
-     * pipeline's metric, or cohort and options); of an index: the ISO_RERANK_CANDIDATES best by the
-     * metric are looked at again (reranker.h). -ENODATA: the probe has too few points to say
-     * anything about it; what opening templates says. */
+    /* The best people among these for a probe: `search` of the recognition method, with its errors
+     * (method/method.h). */
     int (*search)(void *self, const struct iso_candidate_list *among,
                   const struct iso_template *probe, struct iso_search_hit *hits, int capacity,
                   int *n_hits);
@@ -67,21 +66,21 @@ struct iso_pipeline {
 
 struct iso_pipeline_options {
     const char *head_path;
-    const char *metric_path;            /* NULL: distances normalised by the cohort */
-    const char *cohort_path;            /* not read with a metric */
+    enum iso_method method;             /* what compares templates */
+    const char *data_path;              /* the method's data file; NULL or "": none */
     struct iso_extract_options extract; /* sensor and clock are set by the pipeline */
-    struct iso_match_options match;
-    struct iso_clock clock; /* for the times of the stages */
+    struct iso_match_options match;     /* for methods that register templates */
+    struct iso_clock clock;             /* for the times of the stages */
     enum iso_image_check image;
     const char *cascade_path; /* NULL or "": the one that the build found */
 };
 
-/* Reads model and metric or cohort and makes everything ready. -ENOENT and other errors of reading
- * the files, -EBADMSG one of them is damaged, -EINVAL options out of range or a metric or cohort
- * that was made with another model or other options, -ENOMEM; each with a line. A cascade that is
- * named has to be good: errors of iso_face_check_new; without one, the module `vision` or the
- * build's own cascade may be missing (-ENOENT): images are then not checked. What options->clock
- * points to must outlive the pipeline. */
+/* Reads the head model and the method's data file, and makes everything ready. -ENOENT and other
+ * errors of reading the files, -EBADMSG one of them is damaged, -EINVAL options out of range or a
+ * data file that was made with another model or other options, -ENOMEM; each with a fault. A
+ * cascade that is named has to be good: errors of iso_face_check_new; without one, the module
+ * `vision` or the build's own cascade may be missing (-ENOENT): images are then not checked. What
+ * options->clock points to must outlive the pipeline. */
 int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pipeline *out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 

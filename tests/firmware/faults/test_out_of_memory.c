@@ -107,7 +107,8 @@ static int open_pipeline(void *context, struct iso_fault *fault)
     struct rig *rig = context;
     const struct iso_pipeline_options options = {
         .head_path = ISOTHERM_SOURCE_DIR "/core/data/head.model",
-        .cohort_path = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
+        .method = ISO_METHOD_distance,
+        .data_path = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = rig->borrowed.times.monotonic,

@@ -33,7 +33,8 @@ static int group_setup(void **state)
     const struct iso_config config = iso_config_default();
     const struct iso_pipeline_options options = {
         .head_path = ISOTHERM_SOURCE_DIR "/core/data/head.model",
-        .cohort_path = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
+        .method = ISO_METHOD_distance,
+        .data_path = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = iso_times_system().monotonic,

@@ -141,7 +141,7 @@ static void a_warm_frame_allocates_nothing(void **state)
     static struct rig rig;
     struct iso_pipeline_options options = {
         .head_path = ISOTHERM_SOURCE_DIR "/core/data/head.model",
-        .metric_path = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
+        .data_path = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = iso_times_system().monotonic,

@@ -71,7 +71,8 @@ static struct iso_pipeline_options options(enum iso_image_check image)
 {
     return (struct iso_pipeline_options){
         .head_path = ISOTHERM_SOURCE_DIR "/core/data/head.model",
-        .cohort_path = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
+        .method = ISO_METHOD_distance,
+        .data_path = ISOTHERM_SOURCE_DIR "/core/data/cohort.templates",
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = iso_times_system().monotonic,

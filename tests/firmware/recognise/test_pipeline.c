@@ -20,7 +20,8 @@ static struct iso_pipeline_options options(void)
 {
     return (struct iso_pipeline_options){
         .head_path = HEAD,
-        .cohort_path = COHORT,
+        .method = ISO_METHOD_distance,
+        .data_path = COHORT,
         .extract = iso_extract_options_default(),
         .match = iso_match_options_default(),
         .clock = iso_times_system().monotonic,
@@ -46,9 +47,9 @@ static void names_files_that_are_not_there(void **state)
     wanted.head_path = "/nonexistent/head.model";
     expect_refusal(&wanted, -ENOENT, "/nonexistent/head.model: No such file or directory");
     wanted = options();
-    wanted.cohort_path = "/nonexistent/cohort";
+    wanted.data_path = "/nonexistent/cohort";
     expect_refusal(&wanted, -ENOENT, "/nonexistent/cohort: No such file or directory");
-    wanted.cohort_path = "/";
+    wanted.data_path = "/";
     expect_refusal(&wanted, -EISDIR, "/: is a directory, not a file");
 }
 
@@ -70,9 +71,9 @@ static void refuses_damaged_files(void **state)
     wanted.head_path = cut(*state, HEAD, 1);
     expect_refusal(&wanted, -EBADMSG, "/cut: ");
     wanted = options();
-    wanted.cohort_path = cut(*state, COHORT, 100);
+    wanted.data_path = cut(*state, COHORT, 100);
     expect_refusal(&wanted, -EBADMSG, "/cut: ");
-    wanted.cohort_path = HEAD;
+    wanted.data_path = HEAD;
     expect_refusal(&wanted, -EBADMSG, "/head.model: ");
     char *longer = calloc(1, ISO_HEAD_BYTES_MAX + 1);
     assert_non_null(longer);
@@ -94,13 +95,14 @@ static void refuses_a_cohort_of_other_options(void **state)
 static void refuses_a_metric_that_is_damaged_or_of_other_options(void **state)
 {
     struct iso_pipeline_options wanted = options();
-    wanted.metric_path = "/nonexistent/metric";
+    wanted.method = ISO_METHOD_metric;
+    wanted.data_path = "/nonexistent/metric";
     expect_refusal(&wanted, -ENOENT, "/nonexistent/metric: No such file or directory");
-    wanted.metric_path = cut(*state, METRIC, 100);
+    wanted.data_path = cut(*state, METRIC, 100);
     expect_refusal(&wanted, -EBADMSG, "/cut: metric file: truncated");
-    wanted.metric_path = COHORT;
+    wanted.data_path = COHORT;
     expect_refusal(&wanted, -EBADMSG, "not a metric file");
-    wanted.metric_path = METRIC;
+    wanted.data_path = METRIC;
     wanted.extract.smoothing_mm += 1;
     expect_refusal(&wanted, -EINVAL, "made with another head model or other options");
 }
@@ -164,7 +166,10 @@ static void recognise_a_stored_face(const char *metric_path)
     struct iso_recording *recording = NULL;
     struct iso_frame *frame = NULL;
     struct iso_extraction extraction;
-    wanted.metric_path = metric_path;
+    if (metric_path) {
+        wanted.method = ISO_METHOD_metric;
+        wanted.data_path = metric_path;
+    }
     if (iso_pipeline_open(&wanted, &pipeline, &fault)) {
         fail_msg("%s", fault.text);
     }

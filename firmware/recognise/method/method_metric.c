@@ -1,0 +1,139 @@
+/* The method `metric`: the learned metric scores every person, and the best ones are reranked by
+ * their upper faces (core/match/metric.h, rerank.h). */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/base/shipped.h"
+#include "firmware/recognise/method/method.h"
+#include "firmware/recognise/method/reranker.h"
+
+struct by_metric {
+    struct iso_metric *metric;
+    struct iso_reranker *reranker;
+};
+
+static void metric_close(void *self)
+{
+    struct by_metric *method = self;
+    iso_reranker_free(method->reranker);
+    iso_metric_free(method->metric);
+    free(method);
+}
+
+static int load(struct by_metric *method, const struct iso_method_setup *setup,
+                struct iso_fault *fault)
+{
+    void *bytes = NULL;
+    size_t size = 0;
+    const char *what = NULL;
+    int error = iso_method_read(setup, ISO_METRIC_BYTES_MAX, &bytes, &size, fault);
+    if (error) {
+        return error;
+    }
+    error = iso_metric_parse(bytes, size, &method->metric, &what);
+    free(bytes);
+    if (error) {
+        return iso_method_refuse(setup->data_path, error, what, fault);
+    }
+    return iso_method_check_algorithm(setup, method->metric->algorithm, fault);
+}
+
+static int metric_open(const struct iso_method_setup *setup, void **self, struct iso_fault *fault)
+{
+    struct by_metric *method = calloc(1, sizeof *method);
+    if (!method || iso_reranker_new(&method->reranker)) {
+        free(method);
+        return iso_fault_set(fault, -ENOMEM, "method metric: out of memory");
+    }
+    const int error = load(method, setup, fault);
+    if (error) {
+        metric_close(method);
+        return error;
+    }
+    *self = method;
+    return 0;
+}
+
+/* One person of an index: verification. */
+static int score_one(const struct by_metric *method, const struct iso_candidate_list *among,
+                     const struct iso_metric_vector *probe, struct iso_search_hit *hits,
+                     int capacity, int *n_hits)
+{
+    struct iso_metric_vector person;
+    const bool known = capacity > 0 && iso_index_find(among->index, among->person, &person) == 0;
+    if (known) {
+        hits[0] = (struct iso_search_hit){
+            .person = among->person,
+            .distance_mm = NAN,
+            .score = iso_metric_score(method->metric, &person, probe),
+        };
+        explicit_bzero(&person, sizeof person);
+    }
+    *n_hits = known;
+    return 0;
+}
+
+/* The best by the metric, then the best of those after reranking. */
+static int search_index(const struct by_metric *method, const struct iso_candidate_list *among,
+                        const struct iso_template *tmpl, struct iso_search_hit *hits, int capacity,
+                        int *n_hits)
+{
+    enum { SHORTLIST = ISO_RERANK_CANDIDATES };
+    struct iso_search_hit best[SHORTLIST];
+    struct iso_metric_vector probe;
+    int n = 0;
+    int error = iso_metric_project(method->metric, tmpl, &probe);
+    if (error) {
+        return error;
+    }
+    error = among->person ? score_one(method, among, &probe, best, SHORTLIST, &n)
+                          : iso_index_search(among->index, &probe, best, SHORTLIST, &n);
+    explicit_bzero(&probe, sizeof probe);
+    if (!error && among->templates) {
+        error = iso_reranker_take(method->reranker, method->metric, among, tmpl, best, n);
+    }
+    if (error) {
+        return error;
+    }
+    *n_hits = n < capacity ? n : capacity;
+    for (int i = 0; i < *n_hits; i++) {
+        hits[i] = best[i];
+    }
+    return 0;
+}
+
+static int metric_search(void *self, const struct iso_candidate_list *among,
+                         const struct iso_template *probe, struct iso_search_hit *hits,
+                         int capacity, int *n_hits)
+{
+    const struct by_metric *method = self;
+    if (among->index) {
+        return search_index(method, among, probe, hits, capacity, n_hits);
+    }
+    return iso_search_by_metric(iso_reranker_workspace(method->reranker), among->entries,
+                                among->n_entries, probe, method->metric, hits, capacity, n_hits);
+}
+
+static const struct iso_metric *metric_of(const void *self)
+{
+    return ((const struct by_metric *)self)->metric;
+}
+
+static void metric_forget(void *self)
+{
+    iso_reranker_forget(((const struct by_metric *)self)->reranker);
+}
+
+const struct iso_method_ops iso_method_metric_ops = {
+    .name = "metric",
+    .data_key = "metric",
+    .installed_data = iso_shipped_metric,
+    .calibrated = true,
+    .open = metric_open,
+    .search = metric_search,
+    .metric = metric_of,
+    .forget = metric_forget,
+    .close = metric_close,
+};
