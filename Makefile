@@ -13,7 +13,9 @@
 #   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps
 #   make races    runs the tests of what has threads under the thread sanitizer
 #   make drill-bites  builds mistakes into a copy of the tree; the tests of faults have to find each of them
-#   make nightly  what is rare and slow: NIGHTLY_KILLS kills, storage-faults, drill, races, drill-bites; `make levels` is apart
+#   make check-clang  builds with clang and runs every test
+#   make nightly  what is rare and slow: check-clang, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults, drill,
+#                 races, drill-bites; `make levels` is apart
 #   make levels   counts who is refused and let in at each security level in 3,000 visits: an hour; ICT=DIR has the head model
 #   make packages makes the Debian packages in build/packages and checks them
 #   make packages-arm64  cross-builds those of arm64 in build/packages-arm64
@@ -26,10 +28,11 @@ FUZZ_SECONDS ?= 20
 FUZZ_SEED ?= 1
 KILLS ?= 1000
 NIGHTLY_KILLS ?= 1000
+NIGHTLY_FUZZ_SECONDS ?= 300
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check install clean
+.PHONY: demo check check-clang vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check install clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -42,6 +45,12 @@ check:
 	cmake --preset dev
 	cmake --build --preset dev
 	ctest --preset dev -j $(JOBS)
+
+check-clang:
+	cmake/install_packages.sh build test gate
+	cmake --preset clang
+	cmake --build --preset clang
+	ctest --preset clang -j $(JOBS)
 
 vm-check: packages
 	cmake/install_packages.sh build test vm install
@@ -103,6 +112,8 @@ drill-bites:
 	tests/firmware/faults/drill_bites.sh build/dev
 
 nightly:
+	$(MAKE) check-clang
+	$(MAKE) fuzz FUZZ_SECONDS=$(NIGHTLY_FUZZ_SECONDS)
 	$(MAKE) kills KILLS=$(NIGHTLY_KILLS)
 	$(MAKE) storage-faults
 	$(MAKE) drill
