@@ -12,7 +12,6 @@
 #include <stdint.h>
 
 #include "core/base/capture.h"
-#include "core/base/tasks.h"
 #include "core/frame/frame.h"
 #include "core/landmark/occlusion.h"
 #include "core/landmark/shape_fit.h"
@@ -57,8 +56,6 @@ struct iso_extract_options {
     double yaw_max_rad, pitch_max_rad;        /* beyond: turn-left and so on: 40 degrees */
     bool track;                               /* look for the face where it was just before: no */
     enum iso_heat_method heat;
-    const struct iso_tasks *tasks; /* who works on the landmarks' heat (outlives the extractor, has
-                                      at most 16 workers); NULL: the caller. No other template. */
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* written into templates */
     int64_t (*now_ns)(void *context);     /* monotonic clock for stage times; NULL: no times */
     void *now_context;

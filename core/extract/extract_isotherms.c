@@ -65,9 +65,6 @@ static int make_mesh_with_sources(struct iso_extractor *x)
 int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out)
 {
     x->on_grid = x->options.heat == ISO_HEAT_GRID;
-    if (x->on_grid) {
-        iso_tasks_expect(x->options.tasks); /* heat comes next: who helps gets up meanwhile */
-    }
     memset(&out->tmpl, 0, sizeof out->tmpl);
     iso__extract_upper_face(x->patch, &out->tmpl.upper);
     int error = x->on_grid ? make_grid(x) : make_mesh_with_sources(x);
@@ -108,11 +105,10 @@ static int release_on_grid(struct iso_extractor *x)
     const struct iso_heat_grid_request request = {
         .sources = x->grid_sources,
         .n_sources = ISO_LANDMARKS,
-        .t_mm2 = &x->options.t_mm2,
-        .n_times = 1,
+        .t_mm2 = x->options.t_mm2,
         .radius_mm = radius_mm,
     };
-    int error = iso_heat_grid(x->heat_grid, x->grid, &request, x->options.tasks);
+    int error = iso_heat_grid(x->heat_grid, x->grid, &request);
     if (error == -ERANGE) { /* too stiff: the general way, with the same mass */
         x->on_grid = false;
         error = make_mesh_with_sources(x);
@@ -150,7 +146,7 @@ static void trace_on_grid(struct iso_extractor *x, struct iso_template *tmpl)
 {
     struct iso_heated_grid face = {.grid = x->grid, .patch = x->patch};
     for (int l = 0; l < ISO_LANDMARKS; l++) {
-        face.heat[l] = iso_heat_grid_column(x->heat_grid, l, 0);
+        face.heat[l] = iso_heat_grid_column(x->heat_grid, l);
     }
     memcpy(face.landmark_mm, x->source_mm, sizeof face.landmark_mm);
     iso_face_isotherms_on_grid(x->grid_tracer, &face, tmpl);
@@ -190,7 +186,7 @@ const double *iso_extractor_heat(const struct iso_extractor *x, enum iso_landmar
 {
     double *heat = &x->heat[(size_t)landmark * (size_t)iso_extractor_mesh(x)->n_vertices];
     if (x->on_grid) { /* the mesh's vertices are the grid's, row by row */
-        const float *column = iso_heat_grid_column(x->heat_grid, (int)landmark, 0).value;
+        const float *column = iso_heat_grid_column(x->heat_grid, (int)landmark).value;
         int32_t n = 0;
         for (int row = 0; row < x->grid->height; row++) {
             for (int i = row * x->grid->stride; i < row * x->grid->stride + x->grid->width; i++) {

@@ -10,8 +10,6 @@
 /* Raised with every change of code that moves the points of a template. */
 enum { ALGORITHM_REVISION = 3 };
 
-enum { WORKERS_MAX = 16 };
-
 struct iso_extract_options iso_extract_options_default(void)
 {
     return (struct iso_extract_options){
@@ -53,7 +51,6 @@ static bool options_sane(const struct iso_extract_options *o)
                 in_range(o->distance_max_mm, o->distance_min_mm, 10000.0) &&
                 (o->heat == ISO_HEAT_GRID || o->heat == ISO_HEAT_DIRECT ||
                  o->heat == ISO_HEAT_SPECTRAL) &&
-                (!o->tasks || in_range(o->tasks->n_workers, 1, WORKERS_MAX)) &&
                 in_range(o->yaw_max_rad, 0.0, M_PI_2) && in_range(o->pitch_max_rad, 0.0, M_PI_2) &&
                 memchr(o->sensor, '\0', sizeof o->sensor) != NULL;
     for (int r = 0; sane && r < o->n_radii; r++) {
@@ -187,13 +184,8 @@ static int new_heat(struct iso_extractor *x, int32_t n_px)
         x->heat = calloc(ISO_LANDMARKS * (size_t)n_px, sizeof *x->heat);
         error = x->heat ? 0 : -ENOMEM;
     }
-    const struct iso_heat_grid_options on_grid = {
-        .n_sources = ISO_LANDMARKS,
-        .n_times = 1,
-        .n_workers = x->options.tasks ? x->options.tasks->n_workers : 1,
-    };
     if (!error) {
-        error = iso_heat_grid_new(x->grid, &on_grid, &x->heat_grid);
+        error = iso_heat_grid_new(x->grid, ISO_LANDMARKS, &x->heat_grid);
     }
     return error ? error : iso_grid_tracer_new(x->grid, &x->grid_tracer);
 }

@@ -100,8 +100,8 @@ enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *cleaned,
                                         const struct iso_extraction *out);
 
-/* extract_isotherms.c: the patch as a surface with the sources on it, and the upper face (while who
- * helps with the heat gets up); their heat; the rest of the template. */
+/* extract_isotherms.c: the patch as a surface with the sources on it, and the upper face; the heat
+ * of the sources; the rest of the template. */
 int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out);
 int iso__extract_heat(struct iso_extractor *x);
 int iso__extract_isotherms(struct iso_extractor *x, struct iso_template *tmpl);

@@ -189,12 +189,18 @@ static char *next_line(char *line, int size, void *context)
     return line;
 }
 
-/* A key that is not the appliance's: an option of a back end, or nothing that is known. */
+/* A key that is not the appliance's: an obsolete one, an option of a back end, or an unknown one.
+ */
 static int on_other_key(struct parse *parse, const char *section, const char *name,
                         const char *value)
 {
     struct iso_fault why = {.text = ""};
     struct iso__config_pending *pending = NULL;
+    const char *obsolete = iso_config_find_obsolete(section, name);
+    if (obsolete) {
+        parse->config.obsolete = obsolete;
+        return 1;
+    }
     if (strcmp(section, iso__config_sensor_class.section) == 0) {
         pending = &parse->sensor;
     } else if (strcmp(section, iso__config_door_class.section) == 0) {

@@ -129,7 +129,6 @@ struct iso_config_bus {
 
 struct iso_config_process {
     bool confine;
-    int threads;
 };
 
 struct iso_config_model {
@@ -153,6 +152,7 @@ struct iso_config {
     struct iso_config_bus bus;
     struct iso_config_process process;
     struct iso_config_model model;
+    const char *obsolete; /* the last obsolete key in the file, "[section] name"; NULL: none */
 };
 
 enum iso_config_type {
@@ -175,6 +175,10 @@ struct iso_config_key {
 
 extern const struct iso_config_key iso_config_keys[];
 extern const size_t iso_config_n_keys;
+
+/* A key that an earlier version had: "[section] name"; NULL for every other key. A file that still
+ * has such a key, with whatever value, is accepted, so that the daemon starts after an upgrade. */
+const char *iso_config_find_obsolete(const char *section, const char *name);
 
 /* Whether the door has a lock of its own; false if it only sends card numbers to an access
  * controller, which has one. */

@@ -1,6 +1,7 @@
 /* The table of all configuration keys. */
 #include "firmware/config/config.h"
-#include "firmware/recognise/crew.h"
+
+#include <string.h>
 
 #define AT(section, field) offsetof(struct iso_config, section.field)
 
@@ -183,8 +184,6 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"process", "confine", ISO_CONFIG_SWITCH, AT(process, confine), 0, 0, NULL, "yes",
      "give up what the daemon does not need of files and system calls (Landlock, seccomp)"},
-    {"process", "threads", ISO_CONFIG_COUNT, AT(process, threads), 1, ISO_CREW_MAX, NULL, "1",
-     "how many threads work on the heat of a face"},
 
     {"model", "head", ISO_CONFIG_TEXT, AT(model, head), 0, 0, NULL, "",
      "the head model; the installed one if empty"},
@@ -198,3 +197,9 @@ const size_t iso_config_n_keys = sizeof iso_config_keys / sizeof *iso_config_key
 
 _Static_assert(sizeof iso_config_keys / sizeof *iso_config_keys <= ISO_CONFIG_KEYS_MAX,
                "ISO_CONFIG_KEYS_MAX is too small");
+
+const char *iso_config_find_obsolete(const char *section, const char *name)
+{
+    return strcmp(section, "process") == 0 && strcmp(name, "threads") == 0 ? "[process] threads"
+                                                                           : NULL;
+}

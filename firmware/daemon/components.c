@@ -47,14 +47,6 @@ static int open_pipeline(struct iso_components *components, struct iso_fault *fa
     options.extract.distance_min_mm = config->sensor.distance_min_mm;
     options.extract.distance_max_mm = config->sensor.distance_max_mm;
     options.extract.track = true;
-    if (config->process.threads > 1) {
-        const int error = iso_crew_new(config->process.threads, &components->crew);
-        if (error) {
-            return iso_fault_set(fault, error, "%d threads: %s", config->process.threads,
-                                 error == -ENOMEM ? "out of memory" : strerror(-error));
-        }
-        options.extract.tasks = iso_crew_tasks(components->crew);
-    }
     options.match.trim = config->match.trim;
     options.match.icp_iterations = config->match.icp_iterations;
     options.match.transform = config->match.transform;
@@ -440,7 +432,6 @@ void iso_components_close(struct iso_components *components)
         iso_gallery_close(components->gallery);
         iso_key_ring_close(components->ring);
         iso_pipeline_close(&components->pipeline);
-        iso_crew_free(components->crew);
         free(components);
     }
 }

@@ -8,12 +8,10 @@
 #include "firmware/appliance/appliance.h"
 #include "firmware/audit/journal.h"
 #include "firmware/door/door_guard.h"
-#include "firmware/recognise/crew.h"
 
 struct iso_components {
     struct iso_config config;
     struct iso_times times;
-    struct iso_crew *crew; /* NULL: one thread */
     struct iso_pipeline pipeline;
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
@@ -39,7 +37,7 @@ int iso_components_load_modules(const struct iso_config *config, struct iso_faul
  * the directories of the stores have to exist, model files and cards are loaded; nothing is written
  * and no device is touched. A device that is missing is no fault here, since the daemon waits for
  * it. The installed state directory may be missing: the service manager makes it at the start. The
- * errors of iso_sensor_check, iso_door_io_check, iso_crew_new, iso_pipeline_open and
+ * errors of iso_sensor_check, iso_door_io_check, iso_pipeline_open and
  * iso_cards_load; -ENOENT there is no such directory. */
 int iso_components_check(const struct iso_config *config, const struct iso_times *times,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -47,7 +45,7 @@ int iso_components_check(const struct iso_config *config, const struct iso_times
 /* Opens them: first what is only read, then the door's lines, then the stores. With `threads` the
  * door is put to work as soon as its lines are open, so that the exit button does not wait for a
  * slow disk: the door is locked then, and nobody is let in before there is an appliance. Every
- * error of iso_components_check, iso_crew_new, iso_pipeline_open, iso_key_ring_open,
+ * error of iso_components_check, iso_pipeline_open, iso_key_ring_open,
  * iso_gallery_open, iso_audit_open, iso_cards_load, iso_door_io_open and iso_door_guard_start, with
  * nothing left open and the door's lines without power; -ESTALE if one of the stores is of an
  * earlier time than another knows (heads.h). But with -ENODEV, -EBUSY, -EACCES or -EIO of the door

@@ -179,7 +179,6 @@ static const char *const allowed[] = {
     "sched_get_priority_max",
     "sched_get_priority_min",
     "sched_getscheduler",
-    "sched_setaffinity",
     "sched_yield",
     "set_robust_list",
     "set_thread_area",

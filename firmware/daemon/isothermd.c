@@ -147,6 +147,16 @@ static int check(const char *path, const struct iso_config *config, struct iso_f
     return error;
 }
 
+static void warn_of_obsolete(const char *path, const struct iso_config *config)
+{
+    if (config->obsolete) {
+        char line[512];
+        (void)snprintf(line, sizeof line, "%s: %s is obsolete and has no effect; remove it", path,
+                       config->obsolete);
+        iso_daemon_say(LOG_WARNING, line);
+    }
+}
+
 static int run(const struct arguments *arguments)
 {
     const struct iso_times times = iso_times_system();
@@ -156,6 +166,7 @@ static int run(const struct arguments *arguments)
     error = error ? error : take_bus(arguments->bus, &config, &fault);
     if (!error) {
         take_surroundings(&config);
+        warn_of_obsolete(arguments->config, &config);
     }
     if (!error && arguments->check_config) {
         error = check(arguments->config, &config, &fault);

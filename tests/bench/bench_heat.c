@@ -1,6 +1,6 @@
 /* Heat of twelve landmarks and their isotherms, side by side with what a user would pick instead:
- * milliseconds, error, memory, growth with vertices and threads. One thread unless said otherwise,
- * processor time of the thread, so that what else the machine does is not counted. */
+ * milliseconds, error, memory, growth with vertices. One thread, and processor time of that thread,
+ * so that what else the machine does is not counted. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include "core/heat/grid/grid_step.h"
-#include "firmware/recognise/crew.h"
 #include "sim/base/options.h"
 #include "sim/lab/draw/plot.h"
 #include "sim/lab/match/latency.h"
@@ -212,45 +211,6 @@ static void print_bound(const struct heat_case *c, int seconds)
     }
 }
 
-enum { CREWS = 3 };
-
-/* Wall time of the grid's heat by 1, 2 and 4 threads in turn, so that what else the machine does
- * meets them alike. */
-static void print_threads(struct heat_case c)
-{
-    static int64_t took_ns[CREWS][REPEATS_MAX];
-    struct iso_crew *crew[CREWS];
-    void *state[CREWS];
-    double best[CREWS], median[CREWS];
-    printf("\nThreads, wall time of heat on the grid, r = %g mm (best tells what idle cores do, the"
-           " median what this machine was doing)\n",
-           c.radius_mm);
-    for (int k = 0; k < CREWS; k++) {
-        if (iso_crew_new(1 << k, &crew[k])) {
-            quit("threads", -ENOMEM);
-        }
-        c.tasks = iso_crew_tasks(crew[k]);
-        state[k] = heat_methods[HEAT_METHOD_GRID].open(&c);
-    }
-    for (int i = 0; i < REPEATS_MAX * CREWS; i++) {
-        const int k = i % CREWS;
-        c.tasks = iso_crew_tasks(crew[k]);
-        const int64_t begin_ns = sim_wall_ns(NULL);
-        if (!state[k] || heat_methods[HEAT_METHOD_GRID].heat(state[k], &c)) {
-            quit("grid", -ENOMEM);
-        }
-        took_ns[k][i / CREWS] = sim_wall_ns(NULL) - begin_ns;
-    }
-    for (int k = 0; k < CREWS; k++) {
-        heat_methods[HEAT_METHOD_GRID].close(state[k]);
-        iso_crew_free(crew[k]);
-        median[k] = sim_latency_of(took_ns[k], REPEATS_MAX).median_ms;
-        best[k] = (double)took_ns[k][0] * 1e-6; /* they are sorted now */
-        printf("  %d: best %.3f ms (x %.2f), median %.3f ms (x %.2f)\n", 1 << k, best[k],
-               best[0] / best[k], median[k], median[0] / median[k]);
-    }
-}
-
 /* Times of all methods at all sizes, the table of one, and how they grow. */
 static void print_growth(const struct options *options, double n_vertices[SIZES],
                          double total_ms[METHODS_MAX][SIZES])
@@ -278,7 +238,6 @@ static void print_growth(const struct options *options, double n_vertices[SIZES]
         if (s == SIZE_OF_TABLE) {
             print_errors(&c, options->methods);
             print_bound(&c, options->seconds);
-            print_threads(c);
         }
         heat_case_done(&c);
     }
@@ -333,7 +292,7 @@ int main(int argc, char **argv)
     struct options options = {.seconds = 1, .methods = n_heat_methods};
     const struct sim_option_set set = {own_options, sizeof own_options / sizeof *own_options,
                                        &options};
-    struct iso_fault fault = {{0}};
+    struct iso_fault fault = {.text = ""};
     enum sim_options_outcome outcome = sim_options_parse(argc, argv, &set, 1, &fault);
     if (outcome == SIM_OPTIONS_HELP) {
         puts("Usage: bench_heat [OPTION...]\n");

@@ -28,7 +28,6 @@ done
 grep -E '^(recording|p01-enrol|p01-v1|p02-enrol|p02-v1|none-photo1),' "$story_source/sim/stored/manifest.csv" >"$corpus/manifest.csv"
 {
     printf '[sensor]\npath = %s/p01-v1\nloop = yes\n' "$corpus"
-    printf '[process]\nthreads = 2\n'
     stores_conf
 } >"$story_directory/isotherm.conf"
 

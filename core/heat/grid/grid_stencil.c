@@ -8,7 +8,7 @@
 
 #include "core/base/lanes.h"
 
-/* Rows that share one row of the plane `bound`: a band has all of them. */
+/* BLOCK: rows that share one row of the plane `bound`. */
 enum { PLANES = 7, BLOCK = 8 };
 
 int iso_grid_stencil_new(const struct iso_grid *grid, struct iso_grid_stencil **out)
@@ -75,10 +75,10 @@ static inline void add_triangles(struct cells *c, const iso_lanes z[4], int k,
 
 #define ADD(plane, value) ISO_LANES_STORE(plane, ISO_LANES_LOAD(plane) + (value))
 
-/* The edges of L from the triangles: part of a row of cells, in whole groups of lanes. What belongs
- * to pixels of the row itself, of the row below, or both. */
+/* The edges of L from the triangles of a part of a row of cells, in whole groups of lanes. `below`:
+ * the row of pixels below the cells belongs to the window too. */
 static inline void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, int row,
-                           ptrdiff_t left, ptrdiff_t end, bool own, bool below)
+                           ptrdiff_t left, ptrdiff_t end, bool below)
 {
     const ptrdiff_t w = s->stride, from = row * w + left, to = row * w + end;
     float *bound = s->bound - row % BLOCK * w;
@@ -91,14 +91,12 @@ static inline void add_row(struct iso_grid_stencil *s, const struct iso_grid *gr
         add_triangles(&c, z, 1, &grid->cell_mm2[1][i], (float)grid->pitch_mm);
         add_triangles(&c, z, 2, &grid->cell_mm2[2][i], (float)grid->pitch_mm);
         add_triangles(&c, z, 3, &grid->cell_mm2[3][i], (float)grid->pitch_mm);
-        if (own) {
-            ADD(&s->east[i], c.top);
-            ADD(&s->south[i], c.left);
-            ADD(&s->south[i + 1], c.right);
-            ISO_LANES_STORE(&s->south_east[i], c.falling);
-            ISO_LANES_STORE(&s->south_west[i], c.rising);
-            ISO_LANES_STORE(&bound[i], c.bound);
-        }
+        ADD(&s->east[i], c.top);
+        ADD(&s->south[i], c.left);
+        ADD(&s->south[i + 1], c.right);
+        ISO_LANES_STORE(&s->south_east[i], c.falling);
+        ISO_LANES_STORE(&s->south_west[i], c.rising);
+        ISO_LANES_STORE(&bound[i], c.bound);
         if (below) {
             ADD(&s->east[i + w], c.bottom);
         }
@@ -146,93 +144,27 @@ static void scale_row(struct iso_grid_stencil *s, ptrdiff_t from, ptrdiff_t to)
     }
 }
 
-/* The rows of a band, from the one above the window, whose cells have triangles at the window's
- * pixels too. */
-struct band {
-    int first;      /* row of all bands */
-    int begin, end; /* rows of this one */
-    int bottom;     /* end of all */
-};
-
-/* Where a band begins: on a whole block, but for the first. */
-static int border(int first, int bottom, int band)
-{
-    const int row = first + (bottom - first) * band / ISO_GRID_STENCIL_BANDS;
-    const int block = row / BLOCK * BLOCK;
-    return band == ISO_GRID_STENCIL_BANDS ? bottom : block > first ? block : first;
-}
-
-static struct band band_of(struct iso_grid_window window, int band)
-{
-    const int first = window.row > 0 ? window.row - 1 : 0;
-    const int bottom = window.row + window.height;
-    return (struct band){
-        .first = first,
-        .begin = border(first, bottom, band),
-        .end = border(first, bottom, band + 1),
-        .bottom = bottom,
-    };
-}
-
-/* Zeroes the band's rows in all planes; who has the first row, and the last band, also what lies
- * above and below. (A low window leaves the first bands without a row.) */
-static void clear_band(struct iso_grid_stencil *s, const struct iso_grid *grid, struct band rows,
-                       int band)
-{
-    const bool first = rows.begin == rows.first && rows.end > rows.begin;
-    const size_t origin = iso_grid_plane_origin(grid), stride = (size_t)s->stride;
-    const size_t begin = first ? 0 : origin + (size_t)rows.begin * stride;
-    const size_t end = band == ISO_GRID_STENCIL_BANDS - 1 ? s->plane_size
-                                                          : origin + (size_t)rows.end * stride;
-    for (size_t plane = 0; plane < PLANES; plane++) {
-        memset(&s->memory[plane * s->plane_size + begin], 0, (end - begin) * sizeof *s->memory);
-    }
-}
-
-/* The edges at the band's own pixels: those below it are the next band's, which works the row above
- * itself out once more. */
-static void add_band(struct iso_grid_stencil *s, const struct iso_grid *grid,
-                     struct iso_grid_window window, struct band rows)
-{
-    const ptrdiff_t left = window.column > 0 ? window.column - ISO_LANES : 0;
-    const ptrdiff_t end = window.column + window.width, w = s->stride;
-    for (int row = rows.begin > rows.first ? rows.begin - 1 : rows.first; row < rows.end; row++) {
-        const bool own = row >= rows.begin, below = row + 1 < rows.end;
-        if (row + 1 < grid->height && (own || below)) {
-            add_row(s, grid, row, left, end, own, below);
-        }
-        if (own && row >= window.row) {
-            root_row(s, grid, row * w + window.column, row * w + end);
-        }
-    }
-}
-
-void iso_grid_stencil_build_band(struct iso_grid_stencil *s, const struct iso_grid *grid,
-                                 struct iso_grid_window window, int step, int band)
-{
-    const struct band rows = band_of(window, band);
-    const ptrdiff_t end = window.column + window.width, w = s->stride;
-    if (step == 0) {
-        clear_band(s, grid, rows, band);
-        add_band(s, grid, window, rows);
-        return;
-    }
-    for (int row = rows.begin > window.row ? rows.begin : window.row; row < rows.end; row++) {
-        if (step == 1) {
-            sum_row(s, row * w + window.column, row * w + end);
-        } else {
-            scale_row(s, row * w + window.column, row * w + end);
-        }
-    }
-}
-
 void iso_grid_stencil_build(struct iso_grid_stencil *s, const struct iso_grid *grid,
                             struct iso_grid_window window)
 {
-    for (int step = 0; step < ISO_GRID_STENCIL_STEPS; step++) {
-        for (int band = 0; band < ISO_GRID_STENCIL_BANDS; band++) {
-            iso_grid_stencil_build_band(s, grid, window, step, band);
+    const ptrdiff_t w = s->stride, end = window.column + window.width;
+    const ptrdiff_t left = window.column > 0 ? window.column - ISO_LANES : 0;
+    /* The cells of the row above the window have triangles at the window's pixels too. */
+    const int first = window.row > 0 ? window.row - 1 : 0, bottom = window.row + window.height;
+    memset(s->memory, 0, PLANES * s->plane_size * sizeof *s->memory);
+    for (int row = first; row < bottom; row++) {
+        if (row + 1 < grid->height) {
+            add_row(s, grid, row, left, end, row + 1 < bottom);
         }
+    }
+    for (int row = window.row; row < bottom; row++) {
+        root_row(s, grid, row * w + window.column, row * w + end);
+    }
+    for (int row = window.row; row < bottom; row++) {
+        sum_row(s, row * w + window.column, row * w + end);
+    }
+    for (int row = window.row; row < bottom; row++) {
+        scale_row(s, row * w + window.column, row * w + end);
     }
 }
 

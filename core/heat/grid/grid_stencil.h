@@ -37,12 +37,6 @@ void iso_grid_stencil_free(struct iso_grid_stencil *stencil);
 void iso_grid_stencil_build(struct iso_grid_stencil *stencil, const struct iso_grid *grid,
                             struct iso_grid_window window);
 
-/* The same by several threads: step 0, 1, 2, one after the other; of each all bands, in any order
- * and at the same time. To the bit what iso_grid_stencil_build makes. */
-enum { ISO_GRID_STENCIL_STEPS = 3, ISO_GRID_STENCIL_BANDS = 6 };
-void iso_grid_stencil_build_band(struct iso_grid_stencil *stencil, const struct iso_grid *grid,
-                                 struct iso_grid_window window, int step, int band);
-
 /* No eigenvalue of A restricted to a window exceeds this, 1/mm^2: the largest over single triangles
  * (Fried 1972) of the window and of the few rows that share its blocks of eight. That of a triangle
  * with cotangents of sum s and the mass A / 3 at each corner is 3 / A times (s + sqrt(s^2 - 3)) /

@@ -15,14 +15,7 @@
 
 #include "core/heat/grid/grid_stencil.h"
 
-enum { ISO_GRID_SUMS_MAX = 8, ISO_GRID_STEPS_MAX = 4 };
-
-/* Sums that are gathered along the way: sum[j] += weight[j] * the new values. */
-struct iso_grid_sums {
-    int n; /* 0..ISO_GRID_SUMS_MAX */
-    float weight[ISO_GRID_SUMS_MAX];
-    float *sum[ISO_GRID_SUMS_MAX]; /* planes */
-};
+enum { ISO_GRID_STEPS_MAX = 4 };
 
 /* What a step adds at single pixels of its window. */
 struct iso_grid_load {
@@ -39,11 +32,10 @@ struct iso_grid_step {
     const float *y;
     float *io;
     struct iso_grid_load load;
-    struct iso_grid_sums sums; /* of io, once it has its load */
 };
 
 /* One step after the other, 1..ISO_GRID_STEPS_MAX of them: the y of each is the io of the one
- * before it and its io the y of that. Sums are planes of their own. */
+ * before it and its io the y of that. */
 typedef void iso_grid_sweep(const struct iso_grid_stencil *a, const struct iso_grid_step *steps,
                             int n_steps);
 

@@ -17,29 +17,20 @@
 #ifndef ISO_CORE_HEAT_GRID_HEAT_GRID_H
 #define ISO_CORE_HEAT_GRID_HEAT_GRID_H
 
-#include "core/base/tasks.h"
 #include "core/surface/grid.h"
-
-enum { ISO_HEAT_GRID_TIMES_MAX = 8 };
 
 #define ISO_HEAT_GRID_STIFFNESS_MAX 3500.0
 
-struct iso_heat_grid_options {
-    int n_sources; /* most sources of a call, 1..64 */
-    int n_times;   /* most times of a call, 1..ISO_HEAT_GRID_TIMES_MAX */
-    int n_workers; /* as of the tasks that will be handed in; 0 = 1 */
-};
-
-/* What is asked for: heat columns at some times, right out to a radius about their sources. */
+/* What is asked for: the heat columns of some sources at a time, right out to a radius about each
+ * source. */
 struct iso_heat_grid_request {
     const struct iso_grid_point *sources;
     int n_sources;
-    const double *t_mm2; /* [n_times] */
-    int n_times;
+    double t_mm2;
     double radius_mm;
 };
 
-/* What a release took. */
+/* The work of a call. */
 struct iso_heat_grid_effort {
     int steps;            /* products with A, of all sources */
     double pixels;        /* that these worked on */
@@ -49,22 +40,19 @@ struct iso_heat_grid_effort {
 /* The solver: planes for grids of the given one's size. */
 struct iso_heat_grid;
 
-/* -EINVAL for options out of range, -ENOMEM. */
-int iso_heat_grid_new(const struct iso_grid *grid, const struct iso_heat_grid_options *options,
-                      struct iso_heat_grid **out) __attribute__((warn_unused_result));
+/* n_sources: most sources of a call, 1..64. -EINVAL if it is out of range, -ENOMEM. */
+int iso_heat_grid_new(const struct iso_grid *grid, int n_sources, struct iso_heat_grid **out)
+    __attribute__((warn_unused_result));
 void iso_heat_grid_free(struct iso_heat_grid *solver);
 
-/* Releases heat on the grid's surface; the sources are raced for, by `tasks` (may be NULL, else
- * outlives the solver), and who comes too late works on the solver alone, not on the grid. -EINVAL
- * for a request beyond the options, a time or radius <= 0, a source with a corner that is no vertex
- * or a grid of another size; -ERANGE if the surface is too stiff for the longest time. */
+/* Releases heat on the grid's surface. -EINVAL for more sources than the solver was made for, a
+ * time or radius <= 0, a source with a corner that is no vertex or a grid of another size; -ERANGE
+ * if the surface is too stiff for the time. */
 int iso_heat_grid(struct iso_heat_grid *solver, const struct iso_grid *grid,
-                  const struct iso_heat_grid_request *request, const struct iso_tasks *tasks)
-    __attribute__((warn_unused_result));
+                  const struct iso_heat_grid_request *request) __attribute__((warn_unused_result));
 
 /* Of the last call that returned 0; valid until the next call. Columns in 1/mm^2. */
-struct iso_grid_field iso_heat_grid_column(const struct iso_heat_grid *solver, int source,
-                                           int time);
+struct iso_grid_field iso_heat_grid_column(const struct iso_heat_grid *solver, int source);
 struct iso_heat_grid_effort iso_heat_grid_effort(const struct iso_heat_grid *solver);
 
 #endif

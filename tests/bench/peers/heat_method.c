@@ -92,12 +92,7 @@ static void close_grid(void *state)
 static void *open_grid(const struct heat_case *c)
 {
     struct on_grid *g = calloc(1, sizeof *g);
-    const struct iso_heat_grid_options options = {
-        .n_sources = ISO_LANDMARKS,
-        .n_times = 1,
-        .n_workers = c->tasks ? c->tasks->n_workers : 1,
-    };
-    if (!g || iso_heat_grid_new(c->surface.grid, &options, &g->solver) ||
+    if (!g || iso_heat_grid_new(c->surface.grid, ISO_LANDMARKS, &g->solver) ||
         iso_grid_tracer_new(c->surface.grid, &g->tracer)) {
         close_grid(g);
         return NULL;
@@ -111,11 +106,10 @@ static int heat_on_grid(void *state, const struct heat_case *c)
     const struct iso_heat_grid_request request = {
         .sources = c->grid_source,
         .n_sources = ISO_LANDMARKS,
-        .t_mm2 = &c->t_mm2,
-        .n_times = 1,
+        .t_mm2 = c->t_mm2,
         .radius_mm = c->radius_mm,
     };
-    return iso_heat_grid(g->solver, c->surface.grid, &request, c->tasks);
+    return iso_heat_grid(g->solver, c->surface.grid, &request);
 }
 
 static int isotherms_on_grid(void *state, const struct heat_case *c,
@@ -123,7 +117,7 @@ static int isotherms_on_grid(void *state, const struct heat_case *c,
 {
     struct on_grid *g = state;
     for (int l = 0; l < ISO_LANDMARKS; l++) {
-        struct iso_grid_field field = iso_heat_grid_column(g->solver, l, 0);
+        struct iso_grid_field field = iso_heat_grid_column(g->solver, l);
         double level;
         out[l].n = 0;
         if (iso_grid_tracer_run(g->tracer, c->surface.grid, &field, c->radius_mm, &level) > 0) {

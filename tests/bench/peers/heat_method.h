@@ -4,7 +4,6 @@
 
 #include <stdbool.h>
 
-#include "core/base/tasks.h"
 #include "core/isotherm/isotherm.h"
 #include "core/landmark/landmark.h"
 #include "tests/core/surfaces/grid_surface.h"
@@ -18,7 +17,6 @@ struct heat_case {
     struct iso_vec3 centre_mm[ISO_LANDMARKS];
     double t_mm2, radius_mm;
     int n_points;
-    const struct iso_tasks *tasks; /* for the grid; NULL: one thread */
 };
 
 /* A face of about so many vertices; a failure ends the program. */

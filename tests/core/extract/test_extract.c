@@ -18,7 +18,6 @@
 #include "drivers/recording/recording.h"
 #include "tests/core/surfaces/rendered_head.h"
 #include "tests/core/surfaces/shipped_model.h"
-#include "tests/core/surfaces/tasks_backwards.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;
@@ -250,23 +249,6 @@ static void heat_too_stiff_for_the_grid_is_released_on_the_mesh(void **state)
     assert_true(distance_of_method(f, ISO_HEAT_DIRECT) < 0.2);
 }
 
-static void who_works_on_the_heat_does_not_matter(void **state)
-{
-    struct fixture *f = *state;
-    assert_int_equal(outcome_of_mean(f, 0, 0, iso_vec3(0, 0, 600)), ISO_CAPTURE_OK);
-    struct iso_template alone = f->out.tmpl;
-    int n_run = 0;
-    const struct iso_tasks tasks = tasks_backwards(&n_run);
-    struct iso_extractor *shared = NULL;
-    f->options.tasks = &tasks;
-    assert_int_equal(iso_extractor_new(f->model, &f->options, &shared), 0);
-    assert_int_equal(iso_extractor_run(shared, f->frame, &f->out), 0);
-    /* The operator by bands; the heat of each landmark. */
-    assert_int_equal(n_run, ISO_GRID_STENCIL_STEPS * ISO_GRID_STENCIL_BANDS + ISO_LANDMARKS);
-    assert_memory_equal(&f->out.tmpl, &alone, sizeof alone);
-    iso_extractor_free(shared);
-}
-
 static void the_mesh_and_its_heat_can_be_shown(void **state)
 {
     struct fixture *f = *state;
@@ -316,7 +298,7 @@ static void stages_are_charged_by_the_clock_handed_in(void **state)
 static void bad_options_are_refused(void **state)
 {
     struct fixture *f = *state;
-    struct iso_extract_options bad[25];
+    struct iso_extract_options bad[23];
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         bad[i] = f->options;
     }
@@ -343,9 +325,6 @@ static void bad_options_are_refused(void **state)
     bad[20].heat = (enum iso_heat_method)3;
     memset(bad[21].sensor, 'a', sizeof bad[21].sensor); /* does not end */
     bad[22].radius_mm[0] = 101.0;                       /* beyond the crop */
-    const struct iso_tasks nobody = {.n_workers = 0}, crowd = {.n_workers = 17};
-    bad[23].tasks = &nobody;
-    bad[24].tasks = &crowd;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct iso_extractor *none = NULL;
         assert_int_equal(iso_extractor_new(f->model, &bad[i], &none), -EINVAL);
@@ -528,7 +507,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(all_ways_to_the_heat_agree, set_up, tear_down),
         cmocka_unit_test_setup_teardown(heat_too_stiff_for_the_grid_is_released_on_the_mesh, set_up,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(who_works_on_the_heat_does_not_matter, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_mesh_and_its_heat_can_be_shown, set_up, tear_down),
         cmocka_unit_test_setup_teardown(stages_are_charged_by_the_clock_handed_in, set_up,
                                         tear_down),

@@ -96,14 +96,13 @@ static void compare_source(const struct grid_surface *s, enum iso_mass mass, int
             const struct iso_heat_grid_request request = {
                 .sources = &point,
                 .n_sources = 1,
-                .t_mm2 = &t_mm2[j],
-                .n_times = 1,
+                .t_mm2 = t_mm2[j],
                 .radius_mm = radius_mm[r],
             };
             struct iso_isotherm a, b;
-            assert_int_equal(iso_heat_grid(solver, s->grid, &request, NULL), 0);
+            assert_int_equal(iso_heat_grid(solver, s->grid, &request), 0);
             assert_true(on_mesh(s, mesh_tracer, &exact[(size_t)j * n], centre, radius_mm[r], &a));
-            on_grid(s, grid_tracer, iso_heat_grid_column(solver, 0, 0), centre, radius_mm[r], &b);
+            on_grid(s, grid_tracer, iso_heat_grid_column(solver, 0), centre, radius_mm[r], &b);
             add(&error[j][r], &a, &b);
         }
     }
@@ -118,8 +117,7 @@ static void compare(enum iso_mass mass, const char *name, const double limit_mm[
     struct grid_surface s = grid_surface_mean_face(2.0);
     struct error error[TIMES][RADII] = {0};
     struct iso_heat_grid *solver = NULL;
-    const struct iso_heat_grid_options options = {.n_sources = 1, .n_times = 1};
-    assert_int_equal(iso_heat_grid_new(s.grid, &options, &solver), 0);
+    assert_int_equal(iso_heat_grid_new(s.grid, 1, &solver), 0);
     for (int source = 0; source < SOURCES; source++) {
         compare_source(&s, mass, source, solver, error);
     }

@@ -121,6 +121,19 @@ static void reads_every_type(void **state)
     assert_int_equal(config.door.held_ms, 30000);
 }
 
+/* A file that was written for an earlier version. */
+static void accepts_and_names_an_obsolete_key(void **state)
+{
+    (void)state;
+    struct iso_config config = {.obsolete = NULL};
+    assert_int_equal(iso_config_parse("c", "[process]\nthreads = 2\nconfine = no", &config, NULL),
+                     0);
+    assert_string_equal(config.obsolete, "[process] threads");
+    assert_false(config.process.confine);
+    assert_int_equal(iso_config_parse("c", "[process]\nconfine = yes", &config, NULL), 0);
+    assert_null(config.obsolete);
+}
+
 static void refuses(const char *text, const char *message)
 {
     struct iso_config config = {.door.unlock_ms = 4711};
@@ -458,6 +471,7 @@ int main(void)
         cmocka_unit_test(the_threshold_grows_with_the_people),
         cmocka_unit_test(every_default_is_sound),
         cmocka_unit_test(reads_every_type),
+        cmocka_unit_test(accepts_and_names_an_obsolete_key),
         cmocka_unit_test(refuses_what_it_does_not_know),
         cmocka_unit_test(hands_options_to_the_back_end_that_is_named),
         cmocka_unit_test(lets_pass_what_is_empty),

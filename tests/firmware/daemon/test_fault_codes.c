@@ -28,7 +28,7 @@ static const char *write_configuration(const char *directory, const char *more)
                    "[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\nsync = no\n"
                    "[bus]\naddress = unix:path=/nonexistent\n"
                    "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n%s\n"
-                   "[process]\nthreads = 1\nconfine = no\n",
+                   "[process]\nconfine = no\n",
                    directory, directory, directory, more);
     scratch_write_text(path, text);
     return path;

@@ -42,8 +42,7 @@ static const char *write_configuration(const char *directory, const char *bus, c
     (void)snprintf(text, sizeof text,
                    "[sensor]\npath = %s/slot\n"
                    "[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\n[bus]\naddress = %s\n"
-                   "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n%s\n"
-                   "[process]\nthreads = 2\n",
+                   "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n%s\n",
                    directory, directory, directory, bus, more);
     scratch_write_text(path, text);
     return path;
@@ -123,6 +122,18 @@ static void checks_a_configuration(void **state)
     run_expect(&run, 0);
     assert_non_null(strstr(run.out, "/c.conf: sound\n"));
     assert_false(scratch_exists(scratch_path(*state, "g.db")));
+    run_free(&run);
+}
+
+static void warns_of_an_obsolete_key(void **state)
+{
+    const char *const old = write_configuration(*state, "system", "[process]\nthreads = 2\n");
+    const char *const argv[] = {PROGRAM, "--check-config", "--config", old, NULL};
+    struct run run;
+    run_start(&run, argv);
+    run_finish(&run);
+    expect_end(&run, 0, "/c.conf: [process] threads is obsolete and has no effect; remove it\n");
+    assert_non_null(strstr(run.out, "/c.conf: sound\n"));
     run_free(&run);
 }
 
@@ -347,6 +358,7 @@ int main(void)
         cmocka_unit_test(refuses_a_wrong_command_line),
         cmocka_unit_test(says_that_it_cannot_be_read),
         cmocka_unit_test_setup_teardown(checks_a_configuration, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(warns_of_an_obsolete_key, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(says_why_it_does_not_start, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(says_what_is_wrong_with_its_data, scratch_setup,
