@@ -1,0 +1,111 @@
+/* What a fit of the head model says of itself: its residuals, its landmarks and how sure they are.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "core/landmark/pose_tally.h"
+#include "core/landmark/shape_fitter.h"
+
+/* Residuals of neighbouring vertices are alike, since the model's own error is smooth. There are
+ * thus fewer independent residuals than vertices. The number was measured, so that sigma_mm is
+ * about the true error. */
+static const double correlated_vertices = 12.0;
+
+void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                        const struct iso_rigid *pose, struct iso_pose_fit *out)
+{
+    struct iso_pose_tally tally = {0};
+    memset(f->residual_mm, 0, f->model->n_vertices * sizeof *f->residual_mm);
+    memset(f->meeting, ISO_MEETING_TURNED_AWAY, f->model->n_vertices * sizeof *f->meeting);
+    for (int i = 0; i < f->n_face; i++) {
+        uint32_t vertex = f->face[i];
+        double r = 0.0;
+        enum iso_meeting meeting = iso_meet(frame, iso_rigid_apply(pose, f->shape[vertex]),
+                                            iso_mat3_apply(&pose->rotation, f->normal[vertex]), &r);
+        f->meeting[vertex] = (uint8_t)meeting;
+        f->residual_mm[vertex] = (float)r;
+        iso_pose_tally_add(&tally, meeting, r);
+    }
+    out->camera_from_face = *pose;
+    iso_pose_tally_finish(&tally, out);
+}
+
+/* Root mean square of coefficients, which are copied. */
+static double copy_coefficients(const double *from, uint32_t n, float *to)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        to[k] = (float)from[k];
+        sum += from[k] * from[k];
+    }
+    return n > 0 ? sqrt(sum / n) : 0.0;
+}
+
+/* Row of how one coordinate of a point of the head in the camera frame moves with the unknowns. */
+static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
+                           struct iso_head_point point, int axis, int n,
+                           double j[ISO__SHAPE_UNKNOWNS_MAX])
+{
+    const uint32_t *corner = f->model->triangles[point.triangle];
+    struct iso_vec3 along = {axis == 0, axis == 1, axis == 2};
+    struct iso_vec3 arm = iso_mat3_apply(&pose->rotation,
+                                         iso_head_point_on(f->model, f->fitted, point));
+    struct iso_vec3 turn = iso_cross(arm, along);
+    const double rigid[ISO__SHAPE_POSE] = {turn.x, turn.y, turn.z, along.x, along.y, along.z};
+    memcpy(j, rigid, sizeof rigid);
+    for (int k = ISO__SHAPE_POSE; k < n; k++) {
+        const float *mode = iso__shape_mode(f->model, (uint32_t)(k - ISO__SHAPE_POSE));
+        struct iso_vec3 moved = {0, 0, 0};
+        for (int c = 0; c < 3; c++) {
+            const float *m = &mode[3 * (size_t)corner[c]];
+            double w = (double)point.weight[c];
+            moved.x += w * (double)m[0];
+            moved.y += w * (double)m[1];
+            moved.z += w * (double)m[2];
+        }
+        j[k] = iso_dot(along, iso_mat3_apply(&pose->rotation, moved));
+    }
+}
+
+/* Covariance of a point at the minimum: J H^-1 J' s^2, with H = L L' left by the last step, and s
+ * the residual. (Gauss-Newton's; e.g. Triggs et al. 2000, sec. 9.) */
+static double point_sigma_mm(const struct iso_shape_fitter *f, const struct iso_shape_fit *fit,
+                             struct iso_head_point point, int n)
+{
+    double trace = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        double j[ISO__SHAPE_UNKNOWNS_MAX];
+        point_jacobian(f, &fit->pose.camera_from_face, point, axis, n, j);
+        for (int a = 0; a < n; a++) { /* L y = j; j' H^-1 j = y' y */
+            double sum = j[a];
+            for (int b = 0; b < a; b++) {
+                sum -= f->h[a * n + b] * j[b];
+            }
+            j[a] = sum / f->h[a * n + a];
+            trace += j[a] * j[a];
+        }
+    }
+    return sqrt(trace * fit->pose.cost_mm2 * correlated_vertices);
+}
+
+void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                       const struct iso__shape_state *state, struct iso_shape_fit *out)
+{
+    const struct iso_head_model *model = f->model;
+    int n = ISO__SHAPE_POSE + f->n_modes;
+    memset(out, 0, sizeof *out);
+    iso__shape_measure(f, frame, &state->pose, &out->pose);
+    out->identity_norm = copy_coefficients(state->coefficient, model->n_identity, out->identity);
+    out->expression_norm = copy_coefficients(state->coefficient + model->n_identity,
+                                             model->n_expression, out->expression);
+    memcpy(f->fitted, f->shape, model->n_vertices * sizeof *f->fitted);
+    for (int i = 0; i < ISO_LANDMARKS_IBUG; i++) {
+        out->ibug_mm[i] = iso_head_point_on(model, f->fitted, model->landmarks[i]);
+    }
+    iso__shape_make(f, state->coefficient, (int)model->n_identity);
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        struct iso_head_point point = model->landmarks[iso_landmark_ibug[l]];
+        out->neutral_mm[l] = iso_head_point_on(model, f->shape, point);
+        out->sigma_mm[l] = point_sigma_mm(f, out, point, n);
+    }
+}

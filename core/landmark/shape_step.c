@@ -1,0 +1,141 @@
+/* The steps of the head model's fit: the head of a state, and Gauss-Newton from one state to the
+ * next. */
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/base/gram.h"
+#include "core/base/solve.h"
+#include "core/landmark/normals.h"
+#include "core/landmark/shape_fitter.h"
+
+const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k)
+{
+    size_t stride = 3 * (size_t)model->n_vertices;
+    return k < model->n_identity ? &model->identity_mm[k * stride]
+                                 : &model->expression_mm[(k - model->n_identity) * stride];
+}
+
+void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes)
+{
+    _Alignas(ISO_GRAM_ALIGNMENT) float c[ISO_HEAD_IDENTITY_MAX + ISO_HEAD_EXPRESSION_MAX] = {0};
+    for (int k = 0; k < n_modes; k++) {
+        c[k] = (float)coefficient[k];
+    }
+    for (uint32_t i = 0; i < f->model->n_vertices; i++) {
+        const float *x = iso__shape_modes_at(f, i), *y = x + f->mode_stride,
+                    *z = y + f->mode_stride;
+        iso_lanes sum[3] = {{0}};
+        for (int k = 0; k < f->mode_stride; k += ISO_GRAM_LANES) {
+            iso_lanes some = iso_lanes_at(c + k);
+            sum[0] += some * iso_lanes_at(x + k);
+            sum[1] += some * iso_lanes_at(y + k);
+            sum[2] += some * iso_lanes_at(z + k);
+        }
+        f->shape[i] = iso_add(
+            f->model->mean_mm[i],
+            iso_vec3(iso_lanes_sum(sum[0]), iso_lanes_sum(sum[1]), iso_lanes_sum(sum[2])));
+    }
+}
+
+void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state)
+{
+    iso__shape_make(f, state->coefficient, f->n_modes);
+    iso_head_normals(f->model, f->shape, f->normal);
+}
+
+/* Row of the Jacobian, times a factor: turn and shift of the head, then its modes along the normal.
+ */
+static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
+                     uint32_t vertex, struct iso_vec3 normal, int n, double factor, float *row)
+{
+    struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, f->shape[vertex]);
+    struct iso_vec3 turn = iso_scale(factor, iso_cross(arm, normal));
+    struct iso_vec3 shift = iso_scale(factor, normal);
+    const double rigid[ISO__SHAPE_POSE] = {turn.x, turn.y, turn.z, shift.x, shift.y, shift.z};
+    for (int k = 0; k < ISO__SHAPE_POSE; k++) {
+        row[k] = (float)rigid[k];
+    }
+    struct iso_vec3 along = iso_scale(factor, f->normal[vertex]);
+    float ax = (float)along.x, ay = (float)along.y, az = (float)along.z;
+    const float *x = iso__shape_modes_at(f, vertex), *y = x + f->mode_stride,
+                *z = y + f->mode_stride;
+    for (int k = 0; k < n - ISO__SHAPE_POSE; k++) {
+        row[ISO__SHAPE_POSE + k] = ax * x[k] + ay * y[k] + az * z[k];
+    }
+}
+
+/* Normal equations over n unknowns from the first n_vertices of the face, into f->h and g; returns
+ * how many of them were measured. */
+static int build_equations(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                           const struct iso_rigid *pose, const struct iso__shape_unknowns *unknowns,
+                           double g[ISO__SHAPE_UNKNOWNS_MAX])
+{
+    int measured = 0, n_rows = 0, n = unknowns->n;
+    int width = iso_gram_stride(n + 1);
+    for (int i = 0; i < unknowns->n_vertices && i < f->n_face; i++) {
+        uint32_t vertex = f->face[i];
+        struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, f->normal[vertex]);
+        double r;
+        if (iso_meet(frame, iso_rigid_apply(pose, f->shape[vertex]), normal, &r) !=
+            ISO_MEETING_MEASURED) {
+            continue;
+        }
+        measured++;
+        double w = iso_tukey(r, unknowns->cutoff_mm);
+        w *= f->model->region[vertex] & ISO_HEAD_RIGID ? 1.0 : f->options.soft_weight;
+        if (w > 0.0) {
+            float *row = &f->rows[(size_t)n_rows++ * (size_t)width];
+            double factor = sqrt(w);
+            fill_row(f, pose, vertex, normal, n, factor, row);
+            row[n] = (float)(-factor * r);
+            for (int k = n + 1; k < width; k++) {
+                row[k] = 0.0f;
+            }
+        }
+    }
+    iso_gram(f->rows, n_rows, n + 1, f->gram);
+    for (int a = 0; a < n; a++) {
+        memcpy(&f->h[a * n], &f->gram[a * (n + 1)], (size_t)n * sizeof *f->h);
+        g[a] = f->gram[n * (n + 1) + a];
+    }
+    return measured;
+}
+
+/* The modes' priors pull their coefficients to 0. */
+static void add_priors(struct iso_shape_fitter *f, const double *coefficient, int n,
+                       double g[ISO__SHAPE_UNKNOWNS_MAX])
+{
+    int identity = (int)f->model->n_identity;
+    for (int k = 0; k < n - ISO__SHAPE_POSE; k++) {
+        double stiffness = k < identity ? f->options.identity_stiffness_mm2
+                                        : f->options.expression_stiffness_mm2;
+        f->h[(k + ISO__SHAPE_POSE) * n + k + ISO__SHAPE_POSE] += stiffness;
+        g[k + ISO__SHAPE_POSE] -= stiffness * coefficient[k];
+    }
+}
+
+int iso__shape_step(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                    const struct iso__shape_unknowns *unknowns, struct iso__shape_state *state)
+{
+    double g[ISO__SHAPE_UNKNOWNS_MAX];
+    int n = unknowns->n;
+    if (build_equations(f, frame, &state->pose, unknowns, g) < ISO__SHAPE_MEASURED_MIN) {
+        return -ENODATA;
+    }
+    add_priors(f, state->coefficient, n, g);
+    if (iso_cholesky_factorise(f->h, n)) {
+        return -ENODATA;
+    }
+    iso_cholesky_solve(f->h, n, g);
+    struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(g[0], g[1], g[2]));
+    state->pose.rotation = iso_mat3_mul(&turn, &state->pose.rotation);
+    state->pose.translation_mm = iso_add(state->pose.translation_mm, iso_vec3(g[3], g[4], g[5]));
+    for (int k = 0; k < n - ISO__SHAPE_POSE; k++) {
+        state->coefficient[k] += g[k + ISO__SHAPE_POSE];
+    }
+    if (n > ISO__SHAPE_POSE) {
+        iso__shape_set(f, state);
+    }
+    return 0;
+}
