@@ -77,9 +77,11 @@ int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out)
 static int release_directly(struct iso_extractor *x, enum iso_mass mass)
 {
     int error = iso_stiffness_mass(x->mesh, mass, x->stiffness, x->mass);
-    return error ? error
-                 : iso_heat_direct(x->direct, x->mesh, x->stiffness, x->mass, x->sources,
-                                   ISO_LANDMARKS, &x->options.t_mm2, 1, x->heat);
+    if (!error) {
+        error = iso_heat_direct(x->direct, x->mesh, x->stiffness, x->mass, x->sources,
+                                ISO_LANDMARKS, &x->options.t_mm2, 1, x->heat);
+    }
+    return error;
 }
 
 static int release_spectrally(struct iso_extractor *x)
@@ -112,7 +114,9 @@ static int release_on_grid(struct iso_extractor *x)
     if (error == -ERANGE) { /* too stiff: the general way, with the same mass */
         x->on_grid = false;
         error = make_mesh_with_sources(x);
-        error = error ? error : release_directly(x, ISO_MASS_LUMPED);
+        if (!error) {
+            error = release_directly(x, ISO_MASS_LUMPED);
+        }
     }
     return error;
 }

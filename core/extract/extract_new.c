@@ -163,7 +163,10 @@ static int new_patch(struct iso_extractor *x, int32_t *n_px)
         x->adjacent = calloc(2 * (size_t)*n_px, sizeof *x->adjacent);
         error = x->adjacent ? 0 : -ENOMEM;
     }
-    return error ? error : iso_grid_new(grid->width_px, grid->height_px, &x->grid);
+    if (!error) {
+        error = iso_grid_new(grid->width_px, grid->height_px, &x->grid);
+    }
+    return error;
 }
 
 static int new_heat(struct iso_extractor *x, int32_t n_px)
@@ -187,7 +190,10 @@ static int new_heat(struct iso_extractor *x, int32_t n_px)
     if (!error) {
         error = iso_heat_grid_new(x->grid, ISO_LANDMARKS, &x->heat_grid);
     }
-    return error ? error : iso_grid_tracer_new(x->grid, &x->grid_tracer);
+    if (!error) {
+        error = iso_grid_tracer_new(x->grid, &x->grid_tracer);
+    }
+    return error;
 }
 
 int iso_extractor_new(const struct iso_head_model *model, const struct iso_extract_options *options,
@@ -205,9 +211,15 @@ int iso_extractor_new(const struct iso_head_model *model, const struct iso_extra
     x->algorithm = algorithm_of(model, options);
     int32_t n_px = 0;
     int error = new_find(x);
-    error = error ? error : new_surface(x);
-    error = error ? error : new_patch(x, &n_px);
-    error = error ? error : new_heat(x, n_px);
+    if (!error) {
+        error = new_surface(x);
+    }
+    if (!error) {
+        error = new_patch(x, &n_px);
+    }
+    if (!error) {
+        error = new_heat(x, n_px);
+    }
     if (error) {
         iso_extractor_free(x);
         return error;

@@ -71,7 +71,10 @@ static int diagonalise(struct attempt *a)
         memcpy(&a->ritz[j * m], &l->t[j * (size_t)l->capacity], m * sizeof(double));
     }
     int info = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', l->size, a->ritz, l->size, a->value);
-    return info == 0 ? 0 : info == LAPACK_WORK_MEMORY_ERROR ? -ENOMEM : -ENOTRECOVERABLE;
+    if (info == 0) {
+        return 0;
+    }
+    return info == LAPACK_WORK_MEMORY_ERROR ? -ENOMEM : -ENOTRECOVERABLE;
 }
 
 /* Whether what A sends out of V from the k-th vector, and so from all before, is small. */
@@ -112,8 +115,11 @@ static int iterate(struct attempt *a)
             }
             check = l->size + 2 * l->block + a->k / 8;
         }
-        if (error || full) {
-            return error ? error : -EAGAIN;
+        if (!error && full) {
+            error = -EAGAIN;
+        }
+        if (error) {
+            return error;
         }
     }
 }
@@ -134,8 +140,11 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
     while (found < a->k && lambda_of(a, found) < limit) {
         found++;
     }
-    int error = iso_factor_count_below(factor, stiffness, limit, mass, &below);
-    return error ? error : below > found ? -EAGAIN : 0;
+    const int error = iso_factor_count_below(factor, stiffness, limit, mass, &below);
+    if (error) {
+        return error;
+    }
+    return below > found ? -EAGAIN : 0;
 }
 
 /* The last k vectors of T, turned round so that lambda ascends, on V. */
@@ -164,11 +173,21 @@ static int solve(const struct iso_symmetric *stiffness, const struct iso_symmetr
     struct iso_factor *factor = NULL;
     a.value = calloc((size_t)capacity, sizeof *a.value);
     int error = a.value ? 0 : -ENOMEM;
-    error = error ? error : iso_factor_new(pairs->n, stiffness->nnz, &factor);
-    error = error ? error : iso_factor_compute(factor, 1.0, stiffness, a.shift, mass);
-    error = error ? error : iso_lanczos_init(&a.lanczos, mass, factor, block, capacity);
-    error = error ? error : iterate(&a);
-    error = error ? error : count_again(&a, factor, stiffness, mass);
+    if (!error) {
+        error = iso_factor_new(pairs->n, stiffness->nnz, &factor);
+    }
+    if (!error) {
+        error = iso_factor_compute(factor, 1.0, stiffness, a.shift, mass);
+    }
+    if (!error) {
+        error = iso_lanczos_init(&a.lanczos, mass, factor, block, capacity);
+    }
+    if (!error) {
+        error = iterate(&a);
+    }
+    if (!error) {
+        error = count_again(&a, factor, stiffness, mass);
+    }
     if (!error) {
         extract(&a, pairs);
     }

@@ -78,8 +78,12 @@ int iso_heat_direct_new(const struct iso_heat_direct_options *options, struct is
     h->ops = iso_block_ops();
     h->u = calloc((size_t)(o.krylov + 1) * ISO_BLOCK_MAX * (size_t)o.n_capacity, sizeof *h->u);
     int error = h->u ? 0 : -ENOMEM;
-    error = error ? error : iso_factor_new(o.n_capacity, o.nnz_capacity, &h->factor);
-    error = error ? error : iso_permuted_new(o.n_capacity, o.nnz_capacity, &h->mass);
+    if (!error) {
+        error = iso_factor_new(o.n_capacity, o.nnz_capacity, &h->factor);
+    }
+    if (!error) {
+        error = iso_permuted_new(o.n_capacity, o.nnz_capacity, &h->mass);
+    }
     if (error) {
         iso_heat_direct_free(h);
         return error;
@@ -263,8 +267,12 @@ int iso_heat_direct(struct iso_heat_direct *h, const struct iso_mesh *mesh,
     }
     struct work w = {.gamma = h->options.gamma_over_t * t_max};
     int error = iso_factor_compute(h->factor, w.gamma, stiffness, 1.0, mass);
-    error = error ? error : iso_factor_ldl(h->factor, &w.ldl, &w.order);
-    error = error ? error : iso_permuted_fill(h->mass, mass, w.order, &w.mass);
+    if (!error) {
+        error = iso_factor_ldl(h->factor, &w.ldl, &w.order);
+    }
+    if (!error) {
+        error = iso_permuted_fill(h->mass, mass, w.order, &w.mass);
+    }
     const size_t stride = (size_t)n_times * (size_t)mass->n;
     for (int first = 0; first < n_sources && !error; first += ISO_BLOCK_MAX) {
         const int left = n_sources - first, n_block = left < ISO_BLOCK_MAX ? left : ISO_BLOCK_MAX;

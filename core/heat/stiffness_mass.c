@@ -204,7 +204,9 @@ static int assemble(const struct iso_mesh *mesh, enum iso_mass kind, const doubl
         return -ENOSPC;
     }
     int error = make_pattern(mesh, stiffness);
-    error = error ? error : copy_pattern(stiffness, mass);
+    if (!error) {
+        error = copy_pattern(stiffness, mass);
+    }
     if (error) {
         return error;
     }

@@ -160,7 +160,9 @@ int iso__grid_band_find(struct iso__grid_band *band, const struct iso_grid *grid
             return -ERANGE;
         }
         uint32_t width = high - low;
-        low = too_high ? (low > width ? low - width : 1) : low;
+        if (too_high) {
+            low = low > width ? low - width : 1;
+        }
         high = f_high > 0.0 ? high + width : high;
     }
 }

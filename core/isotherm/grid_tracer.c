@@ -33,7 +33,9 @@ int iso_grid_tracer_new(const struct iso_grid *grid, struct iso_grid_tracer **ou
     }
     t->passed = calloc(iso_grid_plane_size(grid), 1);
     int error = t->passed ? iso__grid_band_init(&t->band, grid) : -ENOMEM;
-    error = error ? error : iso_tracer_new(2 * grid->width * grid->height, &t->curves);
+    if (!error) {
+        error = iso_tracer_new(2 * grid->width * grid->height, &t->curves);
+    }
     if (error) {
         iso_grid_tracer_free(t);
         return error;

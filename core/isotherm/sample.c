@@ -115,7 +115,10 @@ int iso_isotherm_sample_arc(struct iso_curve curve, struct iso_vec3 landmark_mm,
     out->closed = curve.closed;
     int32_t segments = curve.closed ? curve.n : curve.n - 1;
     int32_t step = signed_area(curve, landmark_mm) >= 0.0 ? 1 : curve.n - 1;
-    int32_t at = curve.closed ? uppermost(curve, landmark_mm) : (step == 1 ? 0 : curve.n - 1);
+    int32_t at = step == 1 ? 0 : curve.n - 1;
+    if (curve.closed) {
+        at = uppermost(curve, landmark_mm);
+    }
     /* An open curve's last point is its end; a closed one's would be its first again. */
     double spacing = length_of(curve, segments) / (curve.closed ? n_points : n_points - 1);
     double walked = 0.0; /* arc length from the start to the point `at` */

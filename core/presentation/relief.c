@@ -91,7 +91,9 @@ int iso_relief_measure(const struct iso_frame *frame, const struct iso_rigid *ca
         relief.nose_mm = n_tip > 0 ? iso_above_plane(plane, iso_scale(1.0 / n_tip, tip)) : 0.0;
         error = iso_plane_fit(points, n, ISO_RELIEF_LIMIT_MM, plane, &relief.flat);
     }
-    error = error ? error : iso_bent_sheet_fit(points, n, ISO_RELIEF_LIMIT_MM, &relief.bent);
+    if (!error) {
+        error = iso_bent_sheet_fit(points, n, ISO_RELIEF_LIMIT_MM, &relief.bent);
+    }
     if (error) {
         return error;
     }

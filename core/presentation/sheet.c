@@ -185,7 +185,9 @@ static int describe(struct iso_sheet_finder *f, const struct iso_frame *frame,
                               .limit_mm = limit_mm * fmax(1.0, farther)};
     int n = sample(f, frame, part, points);
     int error = iso_plane_fit(points, n, sheet.limit_mm, plane, &sheet.flat);
-    error = error ? error : iso_bent_sheet_fit(points, n, sheet.limit_mm, &sheet.bent);
+    if (!error) {
+        error = iso_bent_sheet_fit(points, n, sheet.limit_mm, &sheet.bent);
+    }
     if (!error) {
         outline(f, frame, part, &sheet);
         *out = sheet;

@@ -84,7 +84,11 @@ static void make_whole(struct iso_face_patch *patch)
     spread(patch, INSIDE, JOINED);
     for (int i = 0; i < n; i++) {
         bool border = i < side || i >= n - side || i % side == 0 || i % side == side - 1;
-        d[i] = d[i] & JOINED ? INSIDE : border ? OUTSIDE : 0;
+        if (d[i] & JOINED) {
+            d[i] = INSIDE;
+        } else {
+            d[i] = border ? OUTSIDE : 0;
+        }
     }
     spread(patch, 0, OUTSIDE);
     for (int i = 0; i < n; i++) {
@@ -162,7 +166,9 @@ int iso_face_patch_new(const struct iso_head_model *model,
     if (p->frame.depth_mm && p->mean_depth && p->residual && p->domain && p->measured) {
         error = iso_fill_new(p->side, p->side, &p->fill);
     }
-    error = error ? error : draw_mean(p, model);
+    if (!error) {
+        error = draw_mean(p, model);
+    }
     if (error) {
         iso_face_patch_free(p);
         return error;

@@ -80,11 +80,18 @@ static void pull(const struct level *fine, struct level *coarse)
     }
 }
 
-static float clamped(const struct level *level, int column, int row)
+static int clamp(int index, int n)
 {
-    column = column < 0 ? 0 : column >= level->width ? level->width - 1 : column;
-    row = row < 0 ? 0 : row >= level->height ? level->height - 1 : row;
-    return level->value[row * level->width + column];
+    if (index < 0) {
+        return 0;
+    }
+    return index < n ? index : n - 1;
+}
+
+/* The value of the nearest cell that exists. */
+static float value_near(const struct level *level, int column, int row)
+{
+    return level->value[clamp(row, level->height) * level->width + clamp(column, level->width)];
 }
 
 /* Gives the empty cells of a finer level the bilinear value of the coarser one. */
@@ -99,10 +106,10 @@ static void push(const struct level *coarse, struct level *fine)
             /* A fine cell's centre lies a quarter cell off its coarse cell's centre. */
             int u = column / 2, v = row / 2;
             int du = column % 2 ? 1 : -1, dv = row % 2 ? 1 : -1;
-            fine->value[i] = 0.5625f * clamped(coarse, u, v) +
-                             0.1875f * clamped(coarse, u + du, v) +
-                             0.1875f * clamped(coarse, u, v + dv) +
-                             0.0625f * clamped(coarse, u + du, v + dv);
+            fine->value[i] = 0.5625f * value_near(coarse, u, v) +
+                             0.1875f * value_near(coarse, u + du, v) +
+                             0.1875f * value_near(coarse, u, v + dv) +
+                             0.0625f * value_near(coarse, u + du, v + dv);
         }
     }
 }

@@ -167,7 +167,10 @@ static bool weigh(int k, double s, double t, double weight[3])
     double along = middle & 1 ? 1.0 - s : s, down = middle >> 1 ? 1.0 - t : t;
     for (int c = 0; c < 3; c++) {
         int corner = iso_cell_corners[k][c];
-        weight[c] = corner == middle ? 1.0 - along - down : corner == (middle ^ 1) ? along : down;
+        weight[c] = corner == (middle ^ 1) ? along : down;
+        if (corner == middle) {
+            weight[c] = 1.0 - along - down;
+        }
         if (weight[c] < -1e-12) {
             return false;
         }

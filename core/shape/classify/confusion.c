@@ -25,7 +25,7 @@ static double roc_area(const double *score, const int32_t *label, int32_t n, int
             if (label[j] != class) {
                 double a = score[(size_t)i * (size_t)n_classes + (size_t) class];
                 double b = score[(size_t)j * (size_t)n_classes + (size_t) class];
-                above += a > b ? 1.0 : a == b ? 0.5 : 0.0;
+                above += 0.5 * ((a > b) + (a >= b)); /* half for a tie */
                 pairs += 1.0;
             }
         }

@@ -49,10 +49,18 @@ int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_de
     struct iso_fourier *fourier = NULL;
     iso_heat_times_alpha(google_unit * shape->total_area, 2.0, 0.0, 1.0 / 16.0, GOOGLE_TIMES, t);
     int error = course ? make_bags(shape, 1, GOOGLE_AMPLITUDES, out) : -ENOMEM;
-    error = error ? error : iso_describe_parts(out, 0, NULL);
-    error = error ? error : iso_fourier_new(GOOGLE_TIMES - 1, GOOGLE_AMPLITUDES, &fourier);
-    error = error ? error : iso_heat_signature(shape->pairs, 0, t, GOOGLE_TIMES, course);
-    error = error ? error : iso_si_hks(fourier, course, shape->mesh->n_vertices, out->local);
+    if (!error) {
+        error = iso_describe_parts(out, 0, NULL);
+    }
+    if (!error) {
+        error = iso_fourier_new(GOOGLE_TIMES - 1, GOOGLE_AMPLITUDES, &fourier);
+    }
+    if (!error) {
+        error = iso_heat_signature(shape->pairs, 0, t, GOOGLE_TIMES, course);
+    }
+    if (!error) {
+        error = iso_si_hks(fourier, course, shape->mesh->n_vertices, out->local);
+    }
     iso_fourier_free(fourier);
     free(course);
     return error;
@@ -66,8 +74,12 @@ static int amplitudes_of(const struct iso_eigenpairs *pairs, double total_area, 
     struct iso_fourier *fourier = NULL;
     iso_heat_times_alpha(w_unit * total_area, 2.0, 0.01, 1.0 / 16.0, W_TIMES, t);
     int error = course ? iso_fourier_new(W_TIMES, W_AMPLITUDES, &fourier) : -ENOMEM;
-    error = error ? error : iso_heat_signature(pairs, 0, t, W_TIMES, course);
-    error = error ? error : iso_si_hk(fourier, course, pairs->n, local);
+    if (!error) {
+        error = iso_heat_signature(pairs, 0, t, W_TIMES, course);
+    }
+    if (!error) {
+        error = iso_si_hk(fourier, course, pairs->n, local);
+    }
     iso_fourier_free(fourier);
     free(course);
     return error;
@@ -119,18 +131,29 @@ static int describe_colours(const struct iso_shape *shape, struct iso_shape_desc
 int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     int error = describe_channels(shape, out);
-    return error ? error : iso_describe_parts(out, 0, NULL);
+    if (!error) {
+        error = iso_describe_parts(out, 0, NULL);
+    }
+    return error;
 }
 
 int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     int error = describe_channels(shape, out);
-    return error ? error : describe_colours(shape, out);
+    if (!error) {
+        error = describe_colours(shape, out);
+    }
+    return error;
 }
 
 int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     int error = make_bags(shape, 1, W_AMPLITUDES, out);
-    error = error ? error : amplitudes_of(shape->pairs, shape->total_area, out->local);
-    return error ? error : describe_colours(shape, out);
+    if (!error) {
+        error = amplitudes_of(shape->pairs, shape->total_area, out->local);
+    }
+    if (!error) {
+        error = describe_colours(shape, out);
+    }
+    return error;
 }

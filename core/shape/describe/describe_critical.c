@@ -82,7 +82,9 @@ static int describe_temperatures(const struct iso_shape *shape,
     const int32_t sizes[] = {TIMES * BINS + EIGENVALUES};
     struct bench bench;
     int error = bench_init(&bench, shape, last_time_td);
-    error = error ? error : iso_describe_parts(out, 1, sizes);
+    if (!error) {
+        error = iso_describe_parts(out, 1, sizes);
+    }
     if (!error) {
         share_weight(&bench, points->n);
         iso_describe_eigenvalues(shape, EIGENVALUES, eigenvalue_weight, &out->whole[TIMES * BINS]);
@@ -98,7 +100,9 @@ int iso_describe_cp_td(const struct iso_shape *shape, struct iso_shape_descripti
 {
     struct iso_critical_points points = {0};
     int error = iso_shape_critical_points(shape, &points);
-    error = error ? error : describe_temperatures(shape, &points, out);
+    if (!error) {
+        error = describe_temperatures(shape, &points, out);
+    }
     iso_critical_points_done(&points);
     return error;
 }
@@ -107,14 +111,15 @@ int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_descr
 {
     int32_t coldest = 0;
     double *mean = malloc((size_t)shape->mesh->n_vertices * sizeof *mean);
-    int error = mean ? 0 : -ENOMEM;
-    error = error ? error
-                  : iso_heat_mean_signature(shape->pairs, mean_time * shape->total_area, mean);
+    int error = mean ? iso_heat_mean_signature(shape->pairs, mean_time * shape->total_area, mean)
+                     : -ENOMEM;
     for (int32_t v = 0; !error && v < shape->mesh->n_vertices; v++) {
         coldest = mean[v] < mean[coldest] ? v : coldest;
     }
     struct iso_critical_points point = {1, &coldest};
-    error = error ? error : describe_temperatures(shape, &point, out);
+    if (!error) {
+        error = describe_temperatures(shape, &point, out);
+    }
     free(mean);
     return error;
 }
@@ -130,7 +135,9 @@ static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier
                           float *amplitude, float *histogram)
 {
     int error = iso_heat_from_vertex(bench->shape->pairs, source, 1, bench->t, TIMES, bench->heat);
-    error = error ? error : iso_si_hk(fourier, bench->heat, bench->n, amplitude);
+    if (!error) {
+        error = iso_si_hk(fourier, bench->heat, bench->n, amplitude);
+    }
     if (error) {
         return error;
     }
@@ -152,8 +159,12 @@ static int describe_amplitudes(const struct iso_shape *shape,
     struct iso_fourier *fourier = NULL;
     float *amplitude = malloc((size_t)shape->mesh->n_vertices * AMPLITUDES * sizeof *amplitude);
     int error = bench_init(&bench, shape, last_time_hk);
-    error = error || amplitude ? error : -ENOMEM;
-    error = error ? error : iso_fourier_new(TIMES, AMPLITUDES, &fourier);
+    if (!error && !amplitude) {
+        error = -ENOMEM;
+    }
+    if (!error) {
+        error = iso_fourier_new(TIMES, AMPLITUDES, &fourier);
+    }
     if (!error) {
         share_weight(&bench, points->n);
     }
@@ -174,8 +185,12 @@ int iso_describe_cp_hk_plain(const struct iso_shape *shape, struct iso_shape_des
     const int32_t sizes[] = {BINS, BINS, BINS, BINS, BINS, BINS, 1};
     struct iso_critical_points points = {0};
     int error = iso_shape_critical_points(shape, &points);
-    error = error ? error : iso_describe_parts(out, AMPLITUDES + 1, sizes);
-    error = error ? error : describe_amplitudes(shape, &points, out->whole);
+    if (!error) {
+        error = iso_describe_parts(out, AMPLITUDES + 1, sizes);
+    }
+    if (!error) {
+        error = describe_amplitudes(shape, &points, out->whole);
+    }
     if (!error) {
         out->whole[AMPLITUDES * BINS] = per_point * (float)points.n;
     }
@@ -188,8 +203,12 @@ int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_descripti
     const int32_t sizes[] = {BINS, BINS, BINS, BINS, BINS, BINS, 1, EIGENVALUES};
     struct iso_critical_points points = {0};
     int error = iso_shape_critical_points(shape, &points);
-    error = error ? error : iso_describe_parts(out, AMPLITUDES + 2, sizes);
-    error = error ? error : describe_amplitudes(shape, &points, out->whole);
+    if (!error) {
+        error = iso_describe_parts(out, AMPLITUDES + 2, sizes);
+    }
+    if (!error) {
+        error = describe_amplitudes(shape, &points, out->whole);
+    }
     if (!error) {
         out->whole[AMPLITUDES * BINS] = per_point * (float)points.n;
         iso_describe_eigenvalues(shape, EIGENVALUES, 1.0, &out->whole[AMPLITUDES * BINS + 1]);

@@ -35,8 +35,9 @@ int iso_describe_td(const struct iso_shape *shape, struct iso_shape_description 
     const int32_t sizes[] = {TD_BINS};
     double *mean = malloc((size_t)shape->mesh->n_vertices * sizeof *mean);
     int error = mean ? iso_describe_parts(out, 1, sizes) : -ENOMEM;
-    error = error ? error
-                  : iso_heat_mean_signature(shape->pairs, td_time * shape->total_area, mean);
+    if (!error) {
+        error = iso_heat_mean_signature(shape->pairs, td_time * shape->total_area, mean);
+    }
     if (!error) {
         double least = mean[0], most = mean[0];
         for (int32_t v = 1; v < shape->mesh->n_vertices; v++) {

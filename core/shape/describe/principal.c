@@ -62,7 +62,9 @@ int iso_principal_init(const float *const *vector, int32_t n, int32_t size, int3
     double *product = calloc((size_t)n * (size_t)n, sizeof *product);
     double *value = calloc((size_t)n, sizeof *value), *sum = calloc((size_t)size, sizeof *sum);
     int error = p.mean && p.component && centred && product && value && sum ? 0 : -ENOMEM;
-    error = error ? error : fill_centred(vector, n, &p, centred);
+    if (!error) {
+        error = fill_centred(vector, n, &p, centred);
+    }
     if (!error) {
         cblas_dsyrk(CblasRowMajor, CblasLower, CblasNoTrans, n, size, 1.0, centred, size, 0.0,
                     product, n);

@@ -141,10 +141,13 @@ static int assemble(struct iso_shape *shape)
 {
     int32_t n = shape->mesh->n_vertices, nnz = n + 3 * shape->mesh->n_triangles;
     int error = iso_symmetric_new(n, nnz, &shape->stiffness);
-    error = error ? error : iso_symmetric_new(n, nnz, &shape->mass);
-    return error ? error
-                 : iso_stiffness_mass(shape->mesh, ISO_MASS_CONSISTENT, shape->stiffness,
-                                      shape->mass);
+    if (!error) {
+        error = iso_symmetric_new(n, nnz, &shape->mass);
+    }
+    if (!error) {
+        error = iso_stiffness_mass(shape->mesh, ISO_MASS_CONSISTENT, shape->stiffness, shape->mass);
+    }
+    return error;
 }
 
 /* Neighbours are where the matrices have entries: the lower triangle, then its mirror image. */
@@ -195,7 +198,9 @@ static int find_boundary(struct iso_shape *shape)
     uint8_t *one_edge = calloc(n, 1);
     shape->near_boundary = calloc(n, 1);
     int error = adjacent && one_edge && shape->near_boundary ? 0 : -ENOMEM;
-    error = error ? error : iso_mesh_adjacency(shape->mesh, adjacent);
+    if (!error) {
+        error = iso_mesh_adjacency(shape->mesh, adjacent);
+    }
     if (!error) {
         iso_mesh_boundary(shape->mesh, (const int32_t(*)[3])adjacent, shape->near_boundary);
         widen(shape, shape->near_boundary, one_edge);
@@ -232,17 +237,21 @@ static int solve_weighted(struct iso_shape *shape)
     int32_t n = shape->mesh->n_vertices, room = shape->stiffness->nnz_capacity;
     double *density = malloc((size_t)n * sizeof *density);
     int error = density ? 0 : -ENOMEM;
-    error = error ? error : iso_symmetric_new(n, room, &stiffness);
-    error = error ? error : iso_symmetric_new(n, room, &mass);
+    if (!error) {
+        error = iso_symmetric_new(n, room, &stiffness);
+    }
+    if (!error) {
+        error = iso_symmetric_new(n, room, &mass);
+    }
     for (int c = 0; !error && c < ISO_CHANNELS; c++) {
         for (int32_t v = 0; v < n; v++) {
             density[v] = fmax(ISO_SHAPE_DENSITY_MIN, (double)shape->colour[v].channel[c]);
         }
         error = iso_stiffness_mass_weighted(shape->mesh, ISO_MASS_CONSISTENT, density, stiffness,
                                             mass);
-        error = error
-                    ? error
-                    : solve(shape, stiffness, mass, ISO_SHAPE_WEIGHTED_PAIRS, &shape->weighted[c]);
+        if (!error) {
+            error = solve(shape, stiffness, mass, ISO_SHAPE_WEIGHTED_PAIRS, &shape->weighted[c]);
+        }
     }
     iso_symmetric_free(stiffness);
     iso_symmetric_free(mass);
@@ -261,14 +270,25 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
         return -ENOMEM;
     }
     int error = take_part(mesh, colour, shape);
-    error = error ? error : measure_area(shape);
-    error = error ? error : assemble(shape);
-    error = error ? error : find_neighbours(shape);
-    error = error ? error : find_boundary(shape);
-    error = error ? error
-                  : solve(shape, shape->stiffness, shape->mass, n_pairs ? n_pairs : ISO_SHAPE_PAIRS,
-                          &shape->pairs);
-    error = error || !colour ? error : solve_weighted(shape);
+    if (!error) {
+        error = measure_area(shape);
+    }
+    if (!error) {
+        error = assemble(shape);
+    }
+    if (!error) {
+        error = find_neighbours(shape);
+    }
+    if (!error) {
+        error = find_boundary(shape);
+    }
+    if (!error) {
+        error = solve(shape, shape->stiffness, shape->mass, n_pairs ? n_pairs : ISO_SHAPE_PAIRS,
+                      &shape->pairs);
+    }
+    if (!error && colour) {
+        error = solve_weighted(shape);
+    }
     if (error) {
         iso_shape_free(shape);
         return error;
