@@ -206,7 +206,7 @@ struct passage {
 
 /* The end of a step, which is charged with the time since the end of the step before. False: the
  * step failed, or found the frame unusable and has set the outcome. */
-static bool passed(struct passage *passage, enum iso_stage stage, int error)
+static bool end_stage(struct passage *passage, enum iso_stage stage, int error)
 {
     const int64_t after_ns = now_ns(passage->x);
     passage->out->stage_ns[stage] = after_ns - passage->before_ns;
@@ -230,8 +230,8 @@ static bool stands_well(const struct passage *passage, const struct iso_pose_fit
 
 /* The steps from a frame to a template, or to the face patch if that is the last one asked for. A
  * face that is tracked need not be looked for. */
-static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
-               bool tracked, struct iso_extraction *out)
+static int run_stages(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
+                      bool tracked, struct iso_extraction *out)
 {
     struct passage p = {.x = x, .frame = frame, .out = out, .before_ns = now_ns(x)};
     struct iso_pose_fit fit = {.camera_from_face = x->track.camera_from_face, .in_image = 1.0};
@@ -242,19 +242,19 @@ static int run(struct iso_extractor *x, const struct iso_frame *frame, enum iso_
     if (tracked) {
         out->outcome = ISO_CAPTURE_OK;
     }
-    bool usable = tracked || (passed(&p, ISO_STAGE_REGION, find_face(x, frame, &fit, out)) &&
+    bool usable = tracked || (end_stage(&p, ISO_STAGE_REGION, find_face(x, frame, &fit, out)) &&
                               stands_well(&p, &fit));
-    usable = usable && passed(&p, ISO_STAGE_CLEAN,
-                              iso_clean(x->cleaner, frame, *nose_mm, radius_mm,
-                                        ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned));
-    usable = usable && passed(&p, ISO_STAGE_FIT, fit_head(x, frame, cleaned, &fit, out));
+    usable = usable && end_stage(&p, ISO_STAGE_CLEAN,
+                                 iso_clean(x->cleaner, frame, *nose_mm, radius_mm,
+                                           ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned));
+    usable = usable && end_stage(&p, ISO_STAGE_FIT, fit_head(x, frame, cleaned, &fit, out));
     usable = usable && stands_well(&p, &fit);
-    usable = usable && passed(&p, ISO_STAGE_PATCH, make_patch(x, cleaned, out));
+    usable = usable && end_stage(&p, ISO_STAGE_PATCH, make_patch(x, cleaned, out));
     usable = usable && last > ISO_STAGE_PATCH;
-    usable = usable && passed(&p, ISO_STAGE_MESH, iso__extract_surface(x, out));
-    usable = usable && passed(&p, ISO_STAGE_HEAT, iso__extract_heat(x));
+    usable = usable && end_stage(&p, ISO_STAGE_MESH, iso__extract_surface(x, out));
+    usable = usable && end_stage(&p, ISO_STAGE_HEAT, iso__extract_heat(x));
     if (usable) {
-        (void)passed(&p, ISO_STAGE_ISOTHERM, iso__extract_isotherms(x, &out->tmpl));
+        (void)end_stage(&p, ISO_STAGE_ISOTHERM, iso__extract_isotherms(x, &out->tmpl));
     }
     return p.error;
 }
@@ -264,7 +264,7 @@ static int run_anew(struct iso_extractor *x, const struct iso_frame *frame, enum
 {
     memset(&x->extraction, 0, sizeof x->extraction);
     x->extraction.outcome = ISO_CAPTURE_NO_FACE;
-    return run(x, frame, last, tracked, &x->extraction);
+    return run_stages(x, frame, last, tracked, &x->extraction);
 }
 
 static int check_and_run(struct iso_extractor *extractor, const struct iso_frame *frame,

@@ -229,7 +229,7 @@ int iso_extractor_new(const struct iso_head_model *model, const struct iso_extra
 }
 
 /* What is left of a face in the plain buffers; the other workspaces overwrite their own. */
-static void wipe(struct iso_extractor *x)
+static void wipe_face(struct iso_extractor *x)
 {
     if (x->coarse.depth_mm) {
         explicit_bzero(x->coarse.depth_mm, ISO_EXTRACT_COARSE_PX_MAX * sizeof *x->coarse.depth_mm);
@@ -254,7 +254,7 @@ void iso_extractor_free(struct iso_extractor *extractor)
         return;
     }
     struct iso_extractor *x = extractor;
-    wipe(x);
+    wipe_face(x);
     free(x->coarse.depth_mm);
     free(x->parts);
     iso_candidate_finder_free(x->finder);

@@ -60,8 +60,8 @@ void iso_candidate_finder_free(struct iso_candidate_finder *finder)
     }
 }
 
-static bool joined(const struct iso_frame *frame, int a, int b,
-                   const struct iso_candidate_options *options)
+static bool are_joined(const struct iso_frame *frame, int a, int b,
+                       const struct iso_candidate_options *options)
 {
     double za = (double)frame->depth_mm[a], zb = (double)frame->depth_mm[b];
     return zb > 0.0 && zb >= options->near_mm && zb <= options->far_mm &&
@@ -69,8 +69,9 @@ static bool joined(const struct iso_frame *frame, int a, int b,
 }
 
 /* Labels the part that holds `seed`; returns its area, mm^2, and its mean depth. */
-static double flood(struct iso_candidate_finder *f, const struct iso_frame *frame, int seed,
-                    int32_t label, const struct iso_candidate_options *options, double *mean_mm)
+static double flood_part(struct iso_candidate_finder *f, const struct iso_frame *frame, int seed,
+                         int32_t label, const struct iso_candidate_options *options,
+                         double *mean_mm)
 {
     int w = frame->width_px, h = frame->height_px, head = 0, tail = 0;
     double area = 0.0, sum_z = 0.0;
@@ -85,7 +86,7 @@ static double flood(struct iso_candidate_finder *f, const struct iso_frame *fram
         const int next[4] = {column > 0 ? at - 1 : -1, column < w - 1 ? at + 1 : -1,
                              row > 0 ? at - w : -1, row < h - 1 ? at + w : -1};
         for (int k = 0; k < 4; k++) {
-            if (next[k] >= 0 && f->part[next[k]] < 0 && joined(frame, at, next[k], options)) {
+            if (next[k] >= 0 && f->part[next[k]] < 0 && are_joined(frame, at, next[k], options)) {
                 f->part[next[k]] = label;
                 f->queue[tail++] = next[k];
             }
@@ -106,11 +107,11 @@ static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *fr
         f->part[i] = -1;
     }
     for (int i = 0; i < n_px; i++) {
-        if (f->part[i] >= 0 || !joined(frame, i, i, options)) {
+        if (f->part[i] >= 0 || !are_joined(frame, i, i, options)) {
             continue;
         }
         double mean;
-        double area = flood(f, frame, i, label, options, &mean);
+        double area = flood_part(f, frame, i, label, options, &mean);
         if (area >= part_area_mm2) {
             int at = n < ISO_CANDIDATE_PARTS_MAX ? n++ : n;
             for (; at > 0 && parts[at - 1].mean_mm > mean; at--) {

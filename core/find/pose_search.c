@@ -129,8 +129,9 @@ static bool much_alike(const struct iso_rigid *a, const struct iso_rigid *b)
 }
 
 /* Goes on from every pose of a ranking and keeps the best that differ. */
-static struct ranking refine(const struct iso_pose_search *search, const struct ranking *from,
-                             const struct iso_pose_options *options, int room)
+static struct ranking refine_ranking(const struct iso_pose_search *search,
+                                     const struct ranking *from,
+                                     const struct iso_pose_options *options, int room)
 {
     struct ranking refined = {.room = room};
     for (int i = 0; i < from->n; i++) {
@@ -160,8 +161,8 @@ static bool best_of(const struct iso_pose_search *search, const struct ranking *
         .iterations = 5, .cutoff_first_mm = 20.0, .cutoff_last_mm = 12.0};
     const struct iso_pose_options fine = {
         .iterations = 6, .cutoff_first_mm = 12.0, .cutoff_last_mm = 8.0};
-    struct ranking settled = refine(search, finalists, &middle, REFINED);
-    struct ranking refined = refine(search, &settled, &fine, FITTED);
+    struct ranking settled = refine_ranking(search, finalists, &middle, REFINED);
+    struct ranking refined = refine_ranking(search, &settled, &fine, FITTED);
     bool found = false;
     for (int i = 0; i < refined.n; i++) {
         struct iso_shape_fit fit;

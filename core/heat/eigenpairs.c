@@ -58,7 +58,7 @@ static double total_mass(const struct iso_symmetric *mass)
 }
 
 /* Diagonalises T. */
-static int diagonalise(struct attempt *a)
+static int diagonalise_basis(struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;
     size_t m = (size_t)l->size;
@@ -78,7 +78,7 @@ static int diagonalise(struct attempt *a)
 }
 
 /* Whether what A sends out of V from the k-th vector, and so from all before, is small. */
-static bool converged(const struct attempt *a)
+static bool has_converged(const struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;
     for (int32_t i = 0; i < a->k; i++) {
@@ -101,7 +101,7 @@ static bool converged(const struct attempt *a)
 
 /* Lets the basis grow until all k pairs are in it. -EAGAIN if it may grow no further: where
  * eigenvalues are multiple, small blocks come to their end without all copies. */
-static int iterate(struct attempt *a)
+static int grow_basis(struct attempt *a)
 {
     struct iso_lanczos *l = &a->lanczos;
     int32_t check = a->k + a->k / 2 + 3 * l->block;
@@ -109,8 +109,8 @@ static int iterate(struct attempt *a)
         int error = iso_lanczos_step(l);
         bool whole = l->pending == 0, full = l->size + l->pending > l->capacity;
         if (!error && (l->size >= check || whole || full)) {
-            error = diagonalise(a);
-            if (!error && (whole || converged(a))) {
+            error = diagonalise_basis(a);
+            if (!error && (whole || has_converged(a))) {
                 return 0;
             }
             check = l->size + 2 * l->block + a->k / 8;
@@ -148,7 +148,7 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
 }
 
 /* The last k vectors of T, turned round so that lambda ascends, on V. */
-static void extract(struct attempt *a, struct iso_eigenpairs *pairs)
+static void extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
     const struct iso_lanczos *l = &a->lanczos;
     size_t m = (size_t)l->size;
@@ -163,8 +163,9 @@ static void extract(struct attempt *a, struct iso_eigenpairs *pairs)
                 first, l->size, 0.0, pairs->phi, l->n);
 }
 
-static int solve(const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
-                 int32_t block, double tolerance, struct iso_eigenpairs *pairs)
+static int solve_with_blocks(const struct iso_symmetric *stiffness,
+                             const struct iso_symmetric *mass, int32_t block, double tolerance,
+                             struct iso_eigenpairs *pairs)
 {
     struct attempt a = {.k = pairs->k, .shift = 4.0 * M_PI / total_mass(mass)};
     a.tolerance = fmax(tolerance, least_tolerance);
@@ -183,13 +184,13 @@ static int solve(const struct iso_symmetric *stiffness, const struct iso_symmetr
         error = iso_lanczos_init(&a.lanczos, mass, factor, block, capacity);
     }
     if (!error) {
-        error = iterate(&a);
+        error = grow_basis(&a);
     }
     if (!error) {
         error = count_again(&a, factor, stiffness, mass);
     }
     if (!error) {
-        extract(&a, pairs);
+        extract_pairs(&a, pairs);
     }
     iso_factor_free(factor);
     iso_lanczos_done(&a.lanczos);
@@ -208,7 +209,7 @@ int iso_eigenpairs_new(const struct iso_symmetric *stiffness, const struct iso_s
     struct iso_eigenpairs *pairs = pairs_alloc(n, k);
     int error = pairs ? -EAGAIN : -ENOMEM;
     for (int32_t block = BLOCK; error == -EAGAIN && block <= BLOCK_MAX; block *= 2) {
-        error = solve(stiffness, mass, block, tolerance, pairs);
+        error = solve_with_blocks(stiffness, mass, block, tolerance, pairs);
     }
     if (error) {
         iso_eigenpairs_free(pairs);

@@ -84,7 +84,7 @@ static int error_of(const struct iso_factor *f)
 }
 
 /* Takes over a new pattern and analyses it. */
-static int analyse(struct iso_factor *f, const struct iso_symmetric *pattern)
+static int analyse_pattern(struct iso_factor *f, const struct iso_symmetric *pattern)
 {
     cholmod_free_factor(&f->l, &f->common);
     f->sum->n = pattern->n;
@@ -98,8 +98,8 @@ static int analyse(struct iso_factor *f, const struct iso_symmetric *pattern)
 }
 
 /* LDL' of a * stiffness + b * mass, whatever the signs of D. */
-static int factorise(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
-                     double b, const struct iso_symmetric *mass)
+static int factorise_matrix(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
+                            double b, const struct iso_symmetric *mass)
 {
     if (stiffness->n != mass->n || stiffness->nnz != mass->nnz) {
         return -EINVAL;
@@ -108,7 +108,7 @@ static int factorise(struct iso_factor *f, double a, const struct iso_symmetric 
         return -ENOSPC;
     }
     if (!f->l || !same_pattern(f->sum, stiffness)) {
-        int error = analyse(f, stiffness);
+        int error = analyse_pattern(f, stiffness);
         if (error) {
             return error;
         }
@@ -144,7 +144,7 @@ static int32_t pivots_not_positive(const struct iso_factor *f)
 int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
                        double b, const struct iso_symmetric *mass)
 {
-    int error = factorise(f, a, stiffness, b, mass);
+    int error = factorise_matrix(f, a, stiffness, b, mass);
     if (!error && pivots_not_positive(f) > 0) { /* LDL' also exists for indefinite matrices */
         error = -EDOM;
         cholmod_free_factor(&f->l, &f->common);
@@ -155,7 +155,7 @@ int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetri
 int iso_factor_count_below(struct iso_factor *f, const struct iso_symmetric *stiffness,
                            double limit, const struct iso_symmetric *mass, int32_t *count)
 {
-    int error = factorise(f, 1.0, stiffness, -limit, mass);
+    int error = factorise_matrix(f, 1.0, stiffness, -limit, mass);
     if (error) {
         return error;
     }
@@ -164,14 +164,14 @@ int iso_factor_count_below(struct iso_factor *f, const struct iso_symmetric *sti
     return 0;
 }
 
-static bool computed(const struct iso_factor *f)
+static bool is_computed(const struct iso_factor *f)
 {
     return f->l && f->l->xtype == CHOLMOD_REAL;
 }
 
 int iso_factor_solve(struct iso_factor *f, const double *right, int n_right, double *solution)
 {
-    if (!computed(f)) {
+    if (!is_computed(f)) {
         return -EDOM;
     }
     size_t n = f->l->n, columns = (size_t)n_right;
@@ -193,7 +193,7 @@ int iso_factor_solve(struct iso_factor *f, const double *right, int n_right, dou
 
 int iso_factor_ldl(const struct iso_factor *f, struct iso_ldl *ldl, const int32_t **order)
 {
-    if (!computed(f) || f->l->is_super || f->l->is_ll) {
+    if (!is_computed(f) || f->l->is_super || f->l->is_ll) {
         return -EDOM;
     }
     *ldl = (struct iso_ldl){(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x};

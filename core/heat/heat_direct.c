@@ -109,7 +109,7 @@ static int lanes_of(const struct work *w)
 }
 
 /* Block j of the Lanczos vectors. */
-static double *block(const struct iso_heat_direct *h, const struct work *w, int j)
+static double *block_at(const struct iso_heat_direct *h, const struct work *w, int j)
 {
     return &h->u[(size_t)j * (size_t)w->mass.n * (size_t)lanes_of(w)];
 }
@@ -130,8 +130,8 @@ static void put_loads(const struct iso_mesh *mesh, const struct iso_surface_poin
 
 /* What |u|, from its square, makes of the next vector: a norm of nothing means that the space is
  * exhausted, and everything that follows becomes 0. */
-static void measure(struct spaces *k, int j, const struct work *w, const double *square,
-                    const double *total)
+static void measure_next(struct spaces *k, int j, const struct work *w, const double *square,
+                         const double *total)
 {
     for (int s = 0; s < lanes_of(w); s++) {
         const double norm = sqrt(fmax(square[s], 0.0));
@@ -146,11 +146,11 @@ static void build_krylov(struct iso_heat_direct *h, const struct work *w)
 {
     struct spaces *k = &h->spaces;
     double energy[ISO_BLOCK_MAX], square[ISO_BLOCK_MAX], total[ISO_BLOCK_MAX];
-    h->ops->solve(&w->ldl, w->width, block(h, w, 0), energy);
+    h->ops->solve(&w->ldl, w->width, block_at(h, w, 0), energy);
     for (int j = 0;; j++) {
-        double *u = block(h, w, j), *next = block(h, w, j + 1);
+        double *u = block_at(h, w, j), *next = block_at(h, w, j + 1);
         h->ops->multiply(&w->mass, w->width, u, next, square, total);
-        measure(k, j, w, square, total);
+        measure_next(k, j, w, square, total);
         h->ops->solve(&w->ldl, w->width, next, energy);
         double weight[3][ISO_BLOCK_MAX]; /* of S u, u and the vector before u */
         for (int s = 0; s < lanes_of(w); s++) {
@@ -163,12 +163,12 @@ static void build_krylov(struct iso_heat_direct *h, const struct work *w)
         if (j + 1 == h->options.krylov) {
             return;
         }
-        h->ops->mix(w->mass.n, w->width, weight, u, block(h, w, j > 0 ? j - 1 : 0), next);
+        h->ops->mix(w->mass.n, w->width, weight, u, block_at(h, w, j > 0 ? j - 1 : 0), next);
     }
 }
 
 /* The least change of the coefficients that makes the total heat 1. */
-static void conserve(const double *total, int m, double *c)
+static void conserve_heat(const double *total, int m, double *c)
 {
     double heat = 0.0, square = 0.0;
     for (int i = 0; i < m; i++) {
@@ -182,8 +182,8 @@ static void conserve(const double *total, int m, double *c)
 
 /* Coefficients of the heat column of source s in the Lanczos vectors, c = |v| g(T) e1, conserving
  * heat; weight is what they are of what is kept of those. */
-static int coefficients(const struct iso_heat_direct *h, int s, double t_mm2, double gamma,
-                        double (*weight)[ISO_BLOCK_MAX])
+static int coefficients_of(const struct iso_heat_direct *h, int s, double t_mm2, double gamma,
+                           double (*weight)[ISO_BLOCK_MAX])
 {
     const int m = h->options.krylov;
     const struct spaces *k = &h->spaces;
@@ -206,7 +206,7 @@ static int coefficients(const struct iso_heat_direct *h, int s, double t_mm2, do
             c[i] += k->beta[0][s] * g * z[j * m] * z[j * m + i];
         }
     }
-    conserve(total, m, c);
+    conserve_heat(total, m, c);
     for (int i = 0; i < m; i++) {
         weight[i][s] = c[i] * k->scale[i][s];
     }
@@ -221,12 +221,12 @@ static int put_columns(struct iso_heat_direct *h, const struct work *w, int n_so
     double weight[ISO_HEAT_KRYLOV_MAX][ISO_BLOCK_MAX] = {{0}};
     int error = 0;
     for (int s = 0; s < n_sources && !error; s++) {
-        error = coefficients(h, s, t_mm2, w->gamma, weight);
+        error = coefficients_of(h, s, t_mm2, w->gamma, weight);
     }
     if (error) {
         return error;
     }
-    double *sum = block(h, w, m);
+    double *sum = block_at(h, w, m);
     h->ops->combine(w->mass.n, w->width, h->u, m, (const double(*)[ISO_BLOCK_MAX])weight, sum);
     for (int32_t i = 0; i < w->mass.n; i++) {
         double *to = &out[w->order[i]];

@@ -117,7 +117,7 @@ static int make_pattern(const struct iso_mesh *mesh, struct iso_symmetric *a)
     return 0;
 }
 
-static void add(struct iso_symmetric *a, int32_t i, int32_t j, double value)
+static void add_entry(struct iso_symmetric *a, int32_t i, int32_t j, double value)
 {
     int32_t column = i < j ? i : j, row = i < j ? j : i, at = a->column_start[column];
     while (a->row[at] != row) {
@@ -165,15 +165,15 @@ static void add_triangle(const struct iso_mesh *mesh, int32_t t, enum iso_mass k
         /* Cotangent of the angle at corner k, between edges k + 1 and k + 2. */
         double cotangent = -iso_dot(edge[(k + 1) % 3], edge[(k + 2) % 3]) / (2.0 * area);
         double conducted = 0.5 * h.mean * cotangent;
-        add(stiffness, p, q, -conducted);
-        add(stiffness, p, p, conducted);
-        add(stiffness, q, q, conducted);
+        add_entry(stiffness, p, q, -conducted);
+        add_entry(stiffness, p, p, conducted);
+        add_entry(stiffness, q, q, conducted);
         if (kind == ISO_MASS_CONSISTENT) {
             double opposite = h.at[(k + 1) % 3] + h.at[(k + 2) % 3];
-            add(mass, p, q, area * (opposite / 60.0 + h.mean / 20.0));
-            add(mass, v[k], v[k], area * (h.at[k] / 15.0 + h.mean / 10.0));
+            add_entry(mass, p, q, area * (opposite / 60.0 + h.mean / 20.0));
+            add_entry(mass, v[k], v[k], area * (h.at[k] / 15.0 + h.mean / 10.0));
         } else { /* the sum of a row of those */
-            add(mass, v[k], v[k], area * (h.at[k] / 12.0 + h.mean / 4.0));
+            add_entry(mass, v[k], v[k], area * (h.at[k] / 12.0 + h.mean / 4.0));
         }
     }
 }
@@ -194,8 +194,8 @@ static int copy_pattern(const struct iso_symmetric *stiffness, struct iso_symmet
 }
 
 /* A density of NULL is 1 everywhere. */
-static int assemble(const struct iso_mesh *mesh, enum iso_mass kind, const double *density,
-                    struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+static int assemble_matrices(const struct iso_mesh *mesh, enum iso_mass kind, const double *density,
+                             struct iso_symmetric *stiffness, struct iso_symmetric *mass)
 {
     if (mesh->n_vertices < 1 || iso_mesh_check(mesh, NULL)) {
         return -EINVAL;
@@ -223,7 +223,7 @@ static int assemble(const struct iso_mesh *mesh, enum iso_mass kind, const doubl
 int iso_stiffness_mass(const struct iso_mesh *mesh, enum iso_mass kind,
                        struct iso_symmetric *stiffness, struct iso_symmetric *mass)
 {
-    return assemble(mesh, kind, NULL, stiffness, mass);
+    return assemble_matrices(mesh, kind, NULL, stiffness, mass);
 }
 
 int iso_stiffness_mass_weighted(const struct iso_mesh *mesh, enum iso_mass kind,
@@ -235,5 +235,5 @@ int iso_stiffness_mass_weighted(const struct iso_mesh *mesh, enum iso_mass kind,
             return -EINVAL;
         }
     }
-    return assemble(mesh, kind, density, stiffness, mass);
+    return assemble_matrices(mesh, kind, density, stiffness, mass);
 }

@@ -107,7 +107,7 @@ static bool point_fits(const struct iso_head_point *point, uint32_t n_triangles)
 
 /* What is wrong with the contents of a model whose counts are in range; NULL if nothing is. One
  * judgement for reader and writer, so that nothing is written that would not be read. */
-static const char *inconsistency(const struct iso_head_model *model)
+static const char *inconsistency_of(const struct iso_head_model *model)
 {
     uint32_t n = model->n_vertices;
     for (uint32_t i = 0; i < n; i++) {
@@ -236,10 +236,10 @@ static const char *parse_contents(const uint8_t *p, struct iso_head_model *model
     }
     p = read_modes(p, model->n_identity, n, model->identity_mm);
     (void)read_modes(p, model->n_expression, n, model->expression_mm);
-    return inconsistency(model);
+    return inconsistency_of(model);
 }
 
-static int refuse(const char **fault, const char *text)
+static int refuse_file(const char **fault, const char *text)
 {
     if (fault) {
         *fault = text;
@@ -250,16 +250,16 @@ static int refuse(const char **fault, const char *text)
 static int check_header(const uint8_t *p, size_t size, const char **fault)
 {
     if (size < HEADER_BYTES || memcmp(p, magic, sizeof magic - 1) != 0) {
-        return refuse(fault, "not a head model");
+        return refuse_file(fault, "not a head model");
     }
     if (p[sizeof magic - 1] != (uint8_t)magic[sizeof magic - 1]) {
-        return refuse(fault, "head model: of another version");
+        return refuse_file(fault, "head model: of another version");
     }
     if (iso_get_u32(p + 8) != size || size > ISO_HEAD_BYTES_MAX) {
-        return refuse(fault, "head model: truncated or too long");
+        return refuse_file(fault, "head model: truncated or too long");
     }
     if (iso_get_u32(p + 12) != iso_crc32(0, p + CHECKED_FROM, size - CHECKED_FROM)) {
-        return refuse(fault, "head model: checksum is wrong");
+        return refuse_file(fault, "head model: checksum is wrong");
     }
     return 0;
 }
@@ -276,13 +276,13 @@ int iso_head_model_parse(const void *bytes, size_t size, struct iso_head_model *
     error = iso_head_model_new(iso_get_u32(p + 16), iso_get_u32(p + 20), iso_get_u32(p + 24),
                                iso_get_u32(p + 28), &model);
     if (error) {
-        return error == -EINVAL ? refuse(fault, "head model: a count is out of range") : error;
+        return error == -EINVAL ? refuse_file(fault, "head model: a count is out of range") : error;
     }
     const char *wrong = file_bytes(model) == size ? parse_contents(p, model)
                                                   : "head model: size does not fit the counts";
     if (wrong) {
         iso_head_model_free(model);
-        return refuse(fault, wrong);
+        return refuse_file(fault, wrong);
     }
     model->crc32 = iso_get_u32(p + 12);
     *out = model;
@@ -293,7 +293,7 @@ int iso_head_model_serialise(const struct iso_head_model *model, void **bytes, s
 {
     if (!counts_in_range(model->n_vertices, model->n_triangles, model->n_identity,
                          model->n_expression) ||
-        inconsistency(model)) {
+        inconsistency_of(model)) {
         return -EINVAL;
     }
     size_t total = file_bytes(model);

@@ -54,7 +54,7 @@ int iso_index_new(const struct iso_metric *metric, struct iso_index **out)
 }
 
 /* Only the rows in use: the others were never touched, or wiped before. */
-static void forget(struct iso_index *index)
+static void wipe_rows(struct iso_index *index)
 {
     if (index->n > 0) {
         explicit_bzero(index->row, index->n * sizeof *index->row);
@@ -67,7 +67,7 @@ static void forget(struct iso_index *index)
 void iso_index_free(struct iso_index *index)
 {
     if (index) {
-        forget(index);
+        wipe_rows(index);
         free(index->views);
         free(index);
     }
@@ -92,7 +92,7 @@ int iso_index_reserve(struct iso_index *index, size_t n_people)
         memcpy(row, index->row, index->n * sizeof *row);
         memcpy(mean, index->mean, index->n * index->stride * sizeof *mean);
     }
-    forget(index);
+    wipe_rows(index);
     index->row = row;
     index->mean = mean;
     index->capacity = capacity;
@@ -274,7 +274,7 @@ struct candidate {
 };
 
 /* By falling score; of equal ones the first row stays first. Returns how many there are. */
-static int keep(struct candidate *best, int n, int capacity, struct candidate candidate)
+static int keep_candidate(struct candidate *best, int n, int capacity, struct candidate candidate)
 {
     int i = n < capacity ? n : capacity - 1;
     for (; i > 0 && best[i - 1].score < candidate.score; i--) {
@@ -284,8 +284,8 @@ static int keep(struct candidate *best, int n, int capacity, struct candidate ca
     return n < capacity ? n + 1 : n;
 }
 
-static int scan(const struct iso_index *index, const struct view *views, struct candidate *best,
-                int capacity)
+static int scan_people(const struct iso_index *index, const struct view *views,
+                       struct candidate *best, int capacity)
 {
     double worst = -INFINITY; /* of a full list */
     int n = 0;
@@ -294,7 +294,7 @@ static int scan(const struct iso_index *index, const struct view *views, struct 
         const struct view *view = &views[row->step - ISO_METRIC_STEP_MIN];
         const double score = score_of(view, mean_at(index, i), row->scale, index->stride);
         if (n < capacity || score > worst) {
-            n = keep(best, n, capacity, (struct candidate){i, score});
+            n = keep_candidate(best, n, capacity, (struct candidate){i, score});
             worst = best[n - 1].score;
         }
     }
@@ -320,7 +320,7 @@ int iso_index_search(const struct iso_index *index, const struct iso_metric_vect
             make_view(index->metric, probe, k + ISO_METRIC_STEP_MIN, &views[k]);
         }
     }
-    const int n = capacity > 0 ? scan(index, views, best, capacity) : 0;
+    const int n = capacity > 0 ? scan_people(index, views, best, capacity) : 0;
     for (int i = 0; i < n; i++) {
         vector_at(index, best[i].at, &person);
         const struct iso_search_hit hit = {

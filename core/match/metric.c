@@ -39,8 +39,8 @@ static struct iso_vec3 mean_at(const struct curves *curves, int k)
     return vector_of(&curves->metric->curve_mm[(size_t)3 * (size_t)k]);
 }
 
-static void collect(const struct iso_metric *metric, const struct iso_template *t,
-                    struct curves *curves)
+static void collect_curves(const struct iso_metric *metric, const struct iso_template *t,
+                           struct curves *curves)
 {
     curves->metric = metric;
     curves->tmpl = t;
@@ -55,7 +55,7 @@ static void collect(const struct iso_metric *metric, const struct iso_template *
     }
 }
 
-static bool enough(const struct curves *curves)
+static bool enough_curves(const struct curves *curves)
 {
     int present = 0;
     for (int k = 0; k < curves->n; k++) {
@@ -91,8 +91,8 @@ static int register_curves(const struct iso_metric *metric, const struct iso_tem
         tmpl->n_points != metric->n_points) {
         return -EINVAL;
     }
-    collect(metric, tmpl, curves);
-    return enough(curves) ? fit_to_mean(curves, mean_from_face) : -ENODATA;
+    collect_curves(metric, tmpl, curves);
+    return enough_curves(curves) ? fit_to_mean(curves, mean_from_face) : -ENODATA;
 }
 
 static void curve_residual(const struct curves *curves, const struct iso_rigid *mean_from_face,

@@ -92,7 +92,7 @@ void iso_metric_free(struct iso_metric *metric)
     }
 }
 
-static int refuse(const char **fault, const char *text)
+static int refuse_file(const char **fault, const char *text)
 {
     if (fault) {
         *fault = text;
@@ -173,18 +173,18 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
 {
     const uint8_t *p = bytes;
     if (size < HEADER_BYTES + SHAPE_BYTES || memcmp(p, magic, sizeof magic) != 0) {
-        return refuse(fault, "not a metric file of version 3");
+        return refuse_file(fault, "not a metric file of version 3");
     }
     if (iso_get_u32(p + 8) != size) {
-        return refuse(fault, "metric file: truncated or too long");
+        return refuse_file(fault, "metric file: truncated or too long");
     }
     if (iso_get_u32(p + 12) != iso_crc32(0, p + HEADER_BYTES, size - HEADER_BYTES)) {
-        return refuse(fault, "metric file: checksum is wrong");
+        return refuse_file(fault, "metric file: checksum is wrong");
     }
     struct iso_metric shape = {0};
     p = get_shape(p + HEADER_BYTES, &shape);
     if (!shape_sane(&shape) || file_size(&shape) != size) {
-        return refuse(fault, "metric file: sizes out of range");
+        return refuse_file(fault, "metric file: sizes out of range");
     }
     memcpy(shape.origin, p, (size_t)shape.n_origins * ISO_METRIC_ORIGIN_MAX);
     p += (size_t)shape.n_origins * ISO_METRIC_ORIGIN_MAX;
@@ -192,7 +192,7 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
         shape.node[i] = iso_get_u16(p);
     }
     if (!nodes_sane(&shape)) {
-        return refuse(fault, "metric file: nodes out of range");
+        return refuse_file(fault, "metric file: nodes out of range");
     }
     struct iso_metric *m = NULL;
     int error = iso_metric_new(&shape, &m);
@@ -204,7 +204,7 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
     get_axes(get_floats(p, m->n_dimensions, m->centre), m);
     if (!numbers_sane(m)) {
         iso_metric_free(m);
-        return refuse(fault, "metric file: numbers out of range");
+        return refuse_file(fault, "metric file: numbers out of range");
     }
     *out = m;
     return 0;

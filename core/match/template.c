@@ -169,8 +169,8 @@ static bool bytes_whole(const uint8_t *bytes, size_t size, const struct iso_temp
 }
 
 /* Everything but the upper face, which is written to *upper: all zero if there is none. */
-static int check(const uint8_t *p, size_t size, struct iso_template_facts *facts,
-                 struct iso_upper_face *upper)
+static int check_bytes(const uint8_t *p, size_t size, struct iso_template_facts *facts,
+                       struct iso_upper_face *upper)
 {
     if (size < HEADER_BYTES + 4 || memcmp(p, magic, sizeof magic) != 0) {
         return -EBADMSG;
@@ -199,7 +199,7 @@ int iso_template_check(const void *bytes, size_t size, struct iso_template_facts
 {
     struct iso_template_facts facts;
     struct iso_upper_face upper;
-    const int error = check(bytes, size, &facts, &upper);
+    const int error = check_bytes(bytes, size, &facts, &upper);
     explicit_bzero(&upper, sizeof upper);
     if (!error) {
         *out = facts;
@@ -212,7 +212,7 @@ int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
     const uint8_t *p = bytes;
     struct iso_template_facts facts;
     struct iso_upper_face upper;
-    const int error = check(p, size, &facts, &upper);
+    const int error = check_bytes(p, size, &facts, &upper);
     if (!error) {
         memset(out, 0, sizeof *out);
         out->algorithm = facts.algorithm;

@@ -66,8 +66,8 @@ static bool corner_of(double x_mm, double y_mm, struct corner *out)
 }
 
 /* Between two nodes side by side, c, and the two below, d. */
-static bool interpolate(const struct iso_upper_node *c, const struct iso_upper_node *d,
-                        const struct corner *corner, struct iso_upper_place *out)
+static bool interpolate_nodes(const struct iso_upper_node *c, const struct iso_upper_node *d,
+                              const struct corner *corner, struct iso_upper_place *out)
 {
     const float a = corner->a, b = corner->b;
     const float w[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
@@ -90,8 +90,8 @@ bool iso_upper_surface_at(const struct iso_upper_surface *surface, double x_mm, 
 {
     struct corner corner;
     return corner_of(x_mm, y_mm, &corner) &&
-           interpolate(&surface->node[corner.v][corner.u], &surface->node[corner.v + 1][corner.u],
-                       &corner, out);
+           interpolate_nodes(&surface->node[corner.v][corner.u],
+                             &surface->node[corner.v + 1][corner.u], &corner, out);
 }
 
 bool iso_upper_face_at(const struct iso_upper_face *face, double x_mm, double y_mm,
@@ -104,7 +104,7 @@ bool iso_upper_face_at(const struct iso_upper_face *face, double x_mm, double y_
     const struct iso_upper_node c[2] = {node_of(face, at.u, at.v), node_of(face, at.u + 1, at.v)};
     const struct iso_upper_node d[2] = {node_of(face, at.u, at.v + 1),
                                         node_of(face, at.u + 1, at.v + 1)};
-    return interpolate(c, d, &at, out);
+    return interpolate_nodes(c, d, &at, out);
 }
 
 /* The plane of the surface under a point; false where it was not measured. */
@@ -197,7 +197,7 @@ static int pair_all(struct iso_upper_workspace *work, int n_points, int stride,
 }
 
 /* Takes the step; returns how far the face moves by it. */
-static double move(const double x[6], struct iso_rigid *gallery_from_probe)
+static double move_pose(const double x[6], struct iso_rigid *gallery_from_probe)
 {
     const struct iso_vec3 w = iso_vec3(x[0], x[1], x[2]), t = iso_vec3(x[3], x[4], x[5]);
     const struct iso_rigid step = {iso_mat3_rotation(w), t};
@@ -224,7 +224,7 @@ int iso_upper_fit(struct iso_upper_workspace *work, const struct iso_upper_face 
         if (stride == 1 && (error || i == ITERATIONS_MAX)) {
             break;
         }
-        const double step_mm = error ? 0.0 : move(x, &found.gallery_from_probe);
+        const double step_mm = error ? 0.0 : move_pose(x, &found.gallery_from_probe);
         if (stride == 1 && step_mm < step_small_mm) {
             break;
         }

@@ -103,14 +103,14 @@ __attribute__((noinline)) static int solve_sheet(struct sheet *s, double cutoff_
 }
 
 /* Adds one residual to the figures of a fit. */
-static void tally(struct iso_sheet_fit *fit, double r, double limit_mm)
+static void add_residual(struct iso_sheet_fit *fit, double r, double limit_mm)
 {
     double size = fabs(r);
     fit->rms_mm += size < limit_mm ? r * r : limit_mm * limit_mm;
     fit->inlier_share += size < 0.5 * limit_mm ? 1.0 : 0.0;
 }
 
-static void finish(struct iso_sheet_fit *fit, int n)
+static void finish_fit(struct iso_sheet_fit *fit, int n)
 {
     fit->rms_mm = sqrt(fit->rms_mm / n);
     fit->inlier_share /= n;
@@ -144,16 +144,16 @@ static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double
     struct iso_sheet_fit fit = {.angle_rad = angle_rad, .bend_mm = bend_of(&sheet)};
     double limit = steps < STEPS ? cutoffs[steps] * limit_mm : limit_mm;
     for (int i = 0; i < n; i++) {
-        tally(&fit, above_sheet(&sheet, i), limit);
+        add_residual(&fit, above_sheet(&sheet, i), limit);
     }
-    finish(&fit, n);
+    finish_fit(&fit, n);
     *out = fit;
     return 0;
 }
 
 /* Turns the angle by up to `turn` to either side if that fits better. */
-static void refine(const struct iso_vec3 *points_mm, int n, double limit_mm, double turn,
-                   struct iso_sheet_fit *best)
+static void refine_turn(const struct iso_vec3 *points_mm, int n, double limit_mm, double turn,
+                        struct iso_sheet_fit *best)
 {
     double middle = best->angle_rad;
     for (int side = -1; side <= 1; side += 2) {
@@ -185,7 +185,7 @@ int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,
     }
     /* A roll of 60 mm that is met 7 degrees off is missed by millimetres: down to 1 degree. */
     for (double turn = 0.5 * M_PI / ANGLES; turn > 0.015; turn *= 0.5) {
-        refine(points_mm, n, limit_mm, turn, &best);
+        refine_turn(points_mm, n, limit_mm, turn, &best);
     }
     *out = best;
     return 0;
@@ -220,9 +220,9 @@ int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, doub
     }
     struct iso_sheet_fit fit = {0};
     for (int i = 0; i < n; i++) {
-        tally(&fit, iso_above_plane(x, points_mm[i]), limit_mm);
+        add_residual(&fit, iso_above_plane(x, points_mm[i]), limit_mm);
     }
-    finish(&fit, n);
+    finish_fit(&fit, n);
     memcpy(plane, x, sizeof x);
     *out = fit;
     return 0;

@@ -31,13 +31,13 @@ struct tile {
     uint32_t hash;
 };
 
-static uint32_t mix(uint32_t hash, uint32_t value)
+static uint32_t mix_hash(uint32_t hash, uint32_t value)
 {
     return (hash ^ value) * UINT32_C(0x9e3779b1) ^ (hash >> 15);
 }
 
 /* The last steps of MurmurHash3 (Appleby): every bit depends on every other. */
-static uint32_t finish(uint32_t hash)
+static uint32_t finish_hash(uint32_t hash)
 {
     hash = (hash ^ (hash >> 16)) * UINT32_C(0x85ebca6b);
     hash = (hash ^ (hash >> 13)) * UINT32_C(0xc2b2ae35);
@@ -65,7 +65,7 @@ static float depth_at(const struct view *view, int u, int v)
 static void read_tile(const struct view *view, struct tile *tile)
 {
     float before_mm = 0.0F;
-    tile->hash = mix(mix(UINT32_C(0x6a09e667), (uint32_t)tile->x), (uint32_t)tile->y);
+    tile->hash = mix_hash(mix_hash(UINT32_C(0x6a09e667), (uint32_t)tile->x), (uint32_t)tile->y);
     for (int i = 0; i < SAMPLES; i++) {
         const int u = tile->x * view->pitch_px + i % SIDE * view->pitch_px / SIDE;
         const int v = tile->y * view->pitch_px + i / SIDE * view->pitch_px / SIDE;
@@ -77,9 +77,9 @@ static void read_tile(const struct view *view, struct tile *tile)
             tile->slopes += step != 0;
             before_mm = z_mm;
         }
-        tile->hash = mix(tile->hash, (uint32_t)step);
+        tile->hash = mix_hash(tile->hash, (uint32_t)step);
     }
-    tile->hash = finish(tile->hash);
+    tile->hash = finish_hash(tile->hash);
 }
 
 static int pitch_of(const struct iso_camera *camera)

@@ -81,8 +81,8 @@ static int next_measured(const struct iso_frame *frame, int column, int row, int
     return -1;
 }
 
-static struct part flood(struct iso_sheet_finder *f, const struct iso_frame *frame, int seed,
-                         int32_t label, double near_mm, double far_mm)
+static struct part flood_part(struct iso_sheet_finder *f, const struct iso_frame *frame, int seed,
+                              int32_t label, double near_mm, double far_mm)
 {
     static const int steps[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     int head = 0, tail = 0, w = frame->width_px;
@@ -115,8 +115,8 @@ static struct part flood(struct iso_sheet_finder *f, const struct iso_frame *fra
 }
 
 /* Points of a part, about its middle, evenly picked. */
-static int sample(const struct iso_sheet_finder *f, const struct iso_frame *frame,
-                  const struct part *part, struct iso_vec3 points[2 * SAMPLES])
+static int sample_points(const struct iso_sheet_finder *f, const struct iso_frame *frame,
+                         const struct part *part, struct iso_vec3 points[2 * SAMPLES])
 {
     int every = part->pixels / SAMPLES + 1, seen = 0, n = 0;
     struct iso_vec3 middle = {0, 0, 0};
@@ -133,8 +133,8 @@ static int sample(const struct iso_sheet_finder *f, const struct iso_frame *fram
 }
 
 /* What lies between the part's pixels in rows and in columns. */
-static void outline(struct iso_sheet_finder *f, const struct iso_frame *frame,
-                    const struct part *part, struct iso_sheet *out)
+static void describe_outline(struct iso_sheet_finder *f, const struct iso_frame *frame,
+                             const struct part *part, struct iso_sheet *out)
 {
     int w = frame->width_px, h = frame->height_px, inside = 0, holes = 0, ends = 0, at_border = 0;
     for (int column = 0; column < w; column++) {
@@ -175,21 +175,21 @@ static void outline(struct iso_sheet_finder *f, const struct iso_frame *frame,
     out->hole_share = inside > 0 ? (double)holes / inside : 0.0;
 }
 
-static int describe(struct iso_sheet_finder *f, const struct iso_frame *frame,
-                    const struct part *part, struct iso_sheet *out)
+static int describe_sheet(struct iso_sheet_finder *f, const struct iso_frame *frame,
+                          const struct part *part, struct iso_sheet *out)
 {
     struct iso_vec3 *points = f->points_mm;
     double plane[3], farther = part->mean_mm / limit_at_mm;
     struct iso_sheet sheet = {.area_mm2 = part->area_mm2,
                               .distance_mm = part->mean_mm,
                               .limit_mm = limit_mm * fmax(1.0, farther)};
-    int n = sample(f, frame, part, points);
+    int n = sample_points(f, frame, part, points);
     int error = iso_plane_fit(points, n, sheet.limit_mm, plane, &sheet.flat);
     if (!error) {
         error = iso_bent_sheet_fit(points, n, sheet.limit_mm, &sheet.bent);
     }
     if (!error) {
-        outline(f, frame, part, &sheet);
+        describe_outline(f, frame, part, &sheet);
         *out = sheet;
     }
     return error;
@@ -211,12 +211,12 @@ int iso_sheet_find(struct iso_sheet_finder *finder, const struct iso_frame *coar
         if (finder->label[i] >= 0 || !in_range((double)coarse->depth_mm[i], near_mm, far_mm)) {
             continue;
         }
-        struct part part = flood(finder, coarse, i, label++, near_mm, far_mm);
+        struct part part = flood_part(finder, coarse, i, label++, near_mm, far_mm);
         if (part.area_mm2 >= area_min_mm2 && part.mean_mm < nearest.mean_mm) {
             nearest = part;
         }
     }
-    if (!isfinite(nearest.mean_mm) || describe(finder, coarse, &nearest, out)) {
+    if (!isfinite(nearest.mean_mm) || describe_sheet(finder, coarse, &nearest, out)) {
         return -ENOENT;
     }
     return 0;

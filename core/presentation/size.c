@@ -39,7 +39,7 @@ struct state {
 };
 
 /* Every so many of the rigid vertices. */
-static int choose(const struct iso_head_model *model, uint32_t vertex[VERTICES])
+static int choose_vertices(const struct iso_head_model *model, uint32_t vertex[VERTICES])
 {
     int rigid = 0, n = 0, seen = 0;
     for (uint32_t i = 0; i < model->n_vertices; i++) {
@@ -58,8 +58,8 @@ static int choose(const struct iso_head_model *model, uint32_t vertex[VERTICES])
     return n;
 }
 
-static void fill(struct iso_sizer *s, const struct iso_head_model *model, const uint32_t *vertex,
-                 const struct iso_vec3 *normals)
+static void fill_sizer(struct iso_sizer *s, const struct iso_head_model *model,
+                       const uint32_t *vertex, const struct iso_vec3 *normals)
 {
     for (int i = 0; i < s->n; i++) {
         s->point_mm[i] = model->mean_mm[vertex[i]];
@@ -74,7 +74,7 @@ static void fill(struct iso_sizer *s, const struct iso_head_model *model, const 
 int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
 {
     uint32_t vertex[VERTICES];
-    int n = choose(model, vertex);
+    int n = choose_vertices(model, vertex);
     if (n < VERTICES_MIN) {
         return -EINVAL;
     }
@@ -93,7 +93,7 @@ int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
         return -ENOMEM;
     }
     iso_head_normals(model, model->mean_mm, normals);
-    fill(s, model, vertex, normals);
+    fill_sizer(s, model, vertex, normals);
     free(normals);
     *out = s;
     return 0;
@@ -120,7 +120,7 @@ static struct iso_vec3 vertex_of(const struct iso_sizer *s, const struct state *
     return iso_scale(state->scale, p);
 }
 
-static void apply(const double *g, int n_modes, struct state *state)
+static void apply_step(const double *g, int n_modes, struct state *state)
 {
     struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(g[0], g[1], g[2]));
     state->pose.rotation = iso_mat3_mul(&turn, &state->pose.rotation);
@@ -131,8 +131,8 @@ static void apply(const double *g, int n_modes, struct state *state)
     }
 }
 
-static int step(const struct iso_sizer *s, const struct iso_frame *frame, double cutoff_mm,
-                int n_modes, struct state *state)
+static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, double cutoff_mm,
+                     int n_modes, struct state *state)
 {
     double h[UNKNOWNS_MAX * UNKNOWNS_MAX] = {0}, g[UNKNOWNS_MAX] = {0};
     int measured = 0, n = SIMILARITY + n_modes;
@@ -174,7 +174,7 @@ static int step(const struct iso_sizer *s, const struct iso_frame *frame, double
         return -ENODATA;
     }
     iso_cholesky_solve(h, n, g);
-    apply(g, n_modes, state);
+    apply_step(g, n_modes, state);
     return state->scale > scale_min && state->scale < scale_max ? 0 : -ENODATA;
 }
 
@@ -205,7 +205,7 @@ int iso_size_measure(const struct iso_sizer *sizer, const struct iso_frame *fram
         double cutoff = cutoff_first_mm;
         error = 0;
         for (int i = 0; i < STEPS && !error; i++, cutoff *= fall) {
-            error = step(sizer, frame, cutoff, 0, &state);
+            error = take_step(sizer, frame, cutoff, 0, &state);
         }
         double cost = error ? INFINITY : cost_of(sizer, frame, &state, 0);
         if (cost < least) {
@@ -215,7 +215,7 @@ int iso_size_measure(const struct iso_sizer *sizer, const struct iso_frame *fram
     }
     error = isfinite(least) ? 0 : -ENODATA;
     for (int i = 0; i < STEPS_SHAPED && !error; i++) {
-        error = step(sizer, frame, cutoff_last_mm, sizer->n_modes, &best);
+        error = take_step(sizer, frame, cutoff_last_mm, sizer->n_modes, &best);
     }
     if (!error) {
         *out = (struct iso_size){best.scale, cost_of(sizer, frame, &best, sizer->n_modes)};
@@ -224,7 +224,7 @@ int iso_size_measure(const struct iso_sizer *sizer, const struct iso_frame *fram
 }
 
 /* Sum of squared distances of the rigid vertices from their middle. */
-static double spread(const struct iso_head_model *model, const struct iso_vec3 *vertex_mm)
+static double spread_of(const struct iso_head_model *model, const struct iso_vec3 *vertex_mm)
 {
     struct iso_vec3 sum = {0, 0, 0};
     double squares = 0.0;
@@ -241,5 +241,5 @@ static double spread(const struct iso_head_model *model, const struct iso_vec3 *
 
 double iso_size_of_fit(const struct iso_head_model *model, const struct iso_vec3 *vertex_mm)
 {
-    return sqrt(spread(model, vertex_mm) / spread(model, model->mean_mm));
+    return sqrt(spread_of(model, vertex_mm) / spread_of(model, model->mean_mm));
 }

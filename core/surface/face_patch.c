@@ -23,7 +23,7 @@ struct iso_face_patch {
     struct iso_fill *fill;
 };
 
-static size_t pixels(const struct iso_face_patch *patch)
+static size_t count_pixels(const struct iso_face_patch *patch)
 {
     return (size_t)patch->side * (size_t)patch->side;
 }
@@ -57,7 +57,7 @@ static bool too_steep(const struct iso_face_patch *patch, int column, int row)
 }
 
 /* Spreads a mark from pixels that carry it to their four neighbours whose domain is `over`. */
-static void spread(struct iso_face_patch *patch, uint8_t over, uint8_t mark)
+static void spread_mark(struct iso_face_patch *patch, uint8_t over, uint8_t mark)
 {
     int side = patch->side;
     uint8_t *d = patch->domain;
@@ -81,7 +81,7 @@ static void make_whole(struct iso_face_patch *patch)
     int side = patch->side, n = side * side;
     uint8_t *d = patch->domain;
     d[n / 2] = INSIDE | JOINED;
-    spread(patch, INSIDE, JOINED);
+    spread_mark(patch, INSIDE, JOINED);
     for (int i = 0; i < n; i++) {
         bool border = i < side || i >= n - side || i % side == 0 || i % side == side - 1;
         if (d[i] & JOINED) {
@@ -90,7 +90,7 @@ static void make_whole(struct iso_face_patch *patch)
             d[i] = border ? OUTSIDE : 0;
         }
     }
-    spread(patch, 0, OUTSIDE);
+    spread_mark(patch, 0, OUTSIDE);
     for (int i = 0; i < n; i++) {
         d[i] = !(d[i] & OUTSIDE) && patch->mean_depth[i] > 0.0f;
         patch->mean_depth[i] = d[i] ? patch->mean_depth[i] : 0.0f;
@@ -157,11 +157,11 @@ int iso_face_patch_new(const struct iso_head_model *model,
         .cy_px = half,
     };
     p->frame.width_px = p->frame.height_px = p->side;
-    p->frame.depth_mm = calloc(pixels(p), sizeof(float));
-    p->mean_depth = calloc(pixels(p), sizeof(float));
-    p->residual = calloc(pixels(p), sizeof(float));
-    p->domain = calloc(pixels(p), 1);
-    p->measured = calloc(pixels(p), 1);
+    p->frame.depth_mm = calloc(count_pixels(p), sizeof(float));
+    p->mean_depth = calloc(count_pixels(p), sizeof(float));
+    p->residual = calloc(count_pixels(p), sizeof(float));
+    p->domain = calloc(count_pixels(p), 1);
+    p->measured = calloc(count_pixels(p), 1);
     int error = -ENOMEM;
     if (p->frame.depth_mm && p->mean_depth && p->residual && p->domain && p->measured) {
         error = iso_fill_new(p->side, p->side, &p->fill);
@@ -181,10 +181,11 @@ void iso_face_patch_free(struct iso_face_patch *patch)
 {
     if (patch) {
         if (patch->residual) { /* biometric data; the mean's planes are not */
-            explicit_bzero(patch->residual, pixels(patch) * sizeof *patch->residual);
+            explicit_bzero(patch->residual, count_pixels(patch) * sizeof *patch->residual);
         }
         if (patch->frame.depth_mm) {
-            explicit_bzero(patch->frame.depth_mm, pixels(patch) * sizeof *patch->frame.depth_mm);
+            explicit_bzero(patch->frame.depth_mm,
+                           count_pixels(patch) * sizeof *patch->frame.depth_mm);
         }
         iso_fill_free(patch->fill);
         free(patch->frame.depth_mm);
@@ -218,7 +219,7 @@ double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surfa
     draw_surface(patch, surface, camera_from_face);
     float *depth = patch->frame.depth_mm;
     size_t inside = 0, measured = 0;
-    for (size_t i = 0; i < pixels(patch); i++) {
+    for (size_t i = 0; i < count_pixels(patch); i++) {
         float residual = depth[i] - patch->mean_depth[i];
         patch->measured[i] = patch->domain[i] && depth[i] > 0.0f &&
                              fabsf(residual) <= (float)patch->options.outlier_mm;
@@ -231,7 +232,7 @@ double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surfa
         iso_fill_smooth(patch->fill, patch->domain,
                         patch->options.smoothing_mm / patch->options.spacing_mm, patch->residual);
     }
-    for (size_t i = 0; i < pixels(patch); i++) {
+    for (size_t i = 0; i < count_pixels(patch); i++) {
         depth[i] = patch->domain[i] ? patch->mean_depth[i] + patch->residual[i] : 0.0f;
     }
     return inside > 0 ? (double)measured / (double)inside : 0.0;

@@ -60,7 +60,7 @@ void iso_fill_free(struct iso_fill *fill)
 }
 
 /* Averages each 2 x 2 of a finer level. */
-static void pull(const struct level *fine, struct level *coarse)
+static void pull_level(const struct level *fine, struct level *coarse)
 {
     for (int row = 0; row < coarse->height; row++) {
         for (int column = 0; column < coarse->width; column++) {
@@ -80,7 +80,7 @@ static void pull(const struct level *fine, struct level *coarse)
     }
 }
 
-static int clamp(int index, int n)
+static int clamp_index(int index, int n)
 {
     if (index < 0) {
         return 0;
@@ -91,11 +91,12 @@ static int clamp(int index, int n)
 /* The value of the nearest cell that exists. */
 static float value_near(const struct level *level, int column, int row)
 {
-    return level->value[clamp(row, level->height) * level->width + clamp(column, level->width)];
+    const int u = clamp_index(column, level->width), v = clamp_index(row, level->height);
+    return level->value[v * level->width + u];
 }
 
 /* Gives the empty cells of a finer level the bilinear value of the coarser one. */
-static void push(const struct level *coarse, struct level *fine)
+static void push_level(const struct level *coarse, struct level *fine)
 {
     for (int row = 0; row < fine->height; row++) {
         for (int column = 0; column < fine->width; column++) {
@@ -115,8 +116,8 @@ static void push(const struct level *coarse, struct level *fine)
 }
 
 /* Gauss-Seidel sweeps of Laplace's equation over the filled-in pixels. */
-static void relax(const struct level *plane, const uint8_t *domain, const uint8_t *known,
-                  float *value)
+static void relax_plane(const struct level *plane, const uint8_t *domain, const uint8_t *known,
+                        float *value)
 {
     int w = plane->width, h = plane->height;
     for (int sweep = 0; sweep < RELAXATIONS; sweep++) {
@@ -149,15 +150,15 @@ void iso_fill_holes(struct iso_fill *fill, const uint8_t *domain, const uint8_t 
         base->value[i] = value[i];
     }
     for (int i = 1; i < fill->n_levels; i++) {
-        pull(&fill->level[i - 1], &fill->level[i]);
+        pull_level(&fill->level[i - 1], &fill->level[i]);
     }
     for (int i = fill->n_levels - 1; i > 0; i--) {
-        push(&fill->level[i], &fill->level[i - 1]);
+        push_level(&fill->level[i], &fill->level[i - 1]);
     }
     for (int i = 0; i < n; i++) {
         value[i] = domain[i] ? base->value[i] : 0.0f;
     }
-    relax(base, domain, known, value);
+    relax_plane(base, domain, known, value);
 }
 
 /* One direction of the Gaussian: `step` 1 along rows or the width along columns. Value and weight

@@ -161,7 +161,7 @@ int iso_grid_build(struct iso_grid *grid, const struct iso_frame *frame, double 
 
 /* Weights of the place (s, t) of a cell, both 0..1, in the triangle that leaves out corner k, in
  * the order of its corners; false if it lies outside. */
-static bool weigh(int k, double s, double t, double weight[3])
+static bool weigh_corners(int k, double s, double t, double weight[3])
 {
     int middle = 3 - k;
     double along = middle & 1 ? 1.0 - s : s, down = middle >> 1 ? 1.0 - t : t;
@@ -190,7 +190,7 @@ int iso_grid_locate(const struct iso_grid *grid, double column, double row,
     struct iso_cell_list list = iso_cell_list(grid->cell[at]);
     for (int h = 0; h < list.count; h++) {
         struct iso_grid_point found;
-        if (weigh(list.left_out[h], column - u, row - v, found.weight)) {
+        if (weigh_corners(list.left_out[h], column - u, row - v, found.weight)) {
             for (int c = 0; c < 3; c++) {
                 int corner = iso_cell_corners[list.left_out[h]][c];
                 found.corner[c] = iso_grid_corner(grid, at, corner);

@@ -63,7 +63,7 @@ static const char *mesh_fault(const struct iso_mesh *mesh)
     return fault;
 }
 
-static int reserve(void **array, size_t element, int32_t wanted, int32_t *capacity)
+static int reserve_array(void **array, size_t element, int32_t wanted, int32_t *capacity)
 {
     if (wanted <= *capacity) {
         return 0;
@@ -82,10 +82,12 @@ static int reserve(void **array, size_t element, int32_t wanted, int32_t *capaci
 int iso_mesh_reserve(struct iso_mesh *mesh, int32_t n_vertices, int32_t n_triangles)
 {
     void *vertices = mesh->vertices_mm, *triangles = mesh->triangles;
-    int error = reserve(&vertices, sizeof *mesh->vertices_mm, n_vertices, &mesh->vertex_capacity);
+    int error = reserve_array(&vertices, sizeof *mesh->vertices_mm, n_vertices,
+                              &mesh->vertex_capacity);
     mesh->vertices_mm = vertices;
     if (!error) {
-        error = reserve(&triangles, sizeof *mesh->triangles, n_triangles, &mesh->triangle_capacity);
+        error = reserve_array(&triangles, sizeof *mesh->triangles, n_triangles,
+                              &mesh->triangle_capacity);
         mesh->triangles = triangles;
     }
     return error;
@@ -192,8 +194,8 @@ static int compare_pieces(const void *a, const void *b)
 }
 
 /* Labels all triangles joined to a seed; returns their area. */
-static double flood(const struct iso_mesh *mesh, const int32_t (*adjacent)[3], int32_t seed,
-                    int32_t label, int32_t *component, int32_t *stack)
+static double flood_piece(const struct iso_mesh *mesh, const int32_t (*adjacent)[3], int32_t seed,
+                          int32_t label, int32_t *component, int32_t *stack)
 {
     int32_t top = 0;
     double area = 0.0;
@@ -226,7 +228,7 @@ int32_t iso_mesh_components(const struct iso_mesh *mesh, const int32_t (*adjacen
     memset(component, 0xff, (n - 1) * sizeof *component);
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         if (component[t] < 0) {
-            double area = flood(mesh, adjacent, t, pieces, component, stack);
+            double area = flood_piece(mesh, adjacent, t, pieces, component, stack);
             piece[pieces] = (struct piece){pieces, area};
             pieces++;
         }

@@ -234,7 +234,7 @@ int iso_triangulate(struct iso_triangulator *t, const struct iso_frame *frame,
 }
 
 /* Barycentric weights of (s, t) in a triangle of a cell's corners; false if it lies outside. */
-static bool weigh(const uint8_t corner[3], double s, double t, double weight[3])
+static bool weigh_corners(const uint8_t corner[3], double s, double t, double weight[3])
 {
     double x[3], y[3];
     for (int k = 0; k < 3; k++) {
@@ -260,7 +260,7 @@ int iso_triangulate_locate(const struct iso_triangulator *triangulator, double c
     const struct cell *cell = &t->cells[v * t->width_px + u];
     for (int h = 0; h < cell->count; h++) {
         struct iso_surface_point found = {.triangle = cell->first + h};
-        if (weigh(cell->corner[h], column - u, row - v, found.weight)) {
+        if (weigh_corners(cell->corner[h], column - u, row - v, found.weight)) {
             for (int k = 0; k < 3; k++) {
                 found.weight[k] = fmax(found.weight[k], 0.0);
             }
@@ -286,8 +286,8 @@ static int32_t triangle_on(const struct cell *cell, int p, int q, int32_t except
 }
 
 /* The triangle across the edge between corners p < q of the cell at (column, row). */
-static int32_t across(const struct iso_triangulator *t, int column, int row, int p, int q,
-                      int32_t self)
+static int32_t triangle_across(const struct iso_triangulator *t, int column, int row, int p, int q,
+                               int32_t self)
 {
     const struct cell *cell = &t->cells[row * t->width_px + column];
     if (p == 0 && q == 1) {
@@ -315,7 +315,8 @@ void iso_triangulate_adjacency(const struct iso_triangulator *triangulator, int3
                 int32_t self = cell->first + h;
                 for (int k = 0; k < 3; k++) {
                     int p = cell->corner[h][(k + 1) % 3], q = cell->corner[h][(k + 2) % 3];
-                    adjacent[self][k] = across(t, column, row, p < q ? p : q, p < q ? q : p, self);
+                    adjacent[self][k] = triangle_across(t, column, row, p < q ? p : q,
+                                                        p < q ? q : p, self);
                 }
             }
         }

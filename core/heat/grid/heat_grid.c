@@ -41,7 +41,7 @@ struct iso_heat_grid {
     struct iso_heat_grid_effort effort;
 };
 
-static float *plane(const struct iso_heat_grid *h, int index)
+static float *plane_of(const struct iso_heat_grid *h, int index)
 {
     return h->planes + (size_t)index * h->plane_size + h->plane_origin;
 }
@@ -66,7 +66,7 @@ int iso_heat_grid_new(const struct iso_grid *grid, int n_sources, struct iso_hea
         return -ENOMEM;
     }
     for (int i = 0; i < VECTORS; i++) {
-        h->vector[i] = plane(h, n_sources + i);
+        h->vector[i] = plane_of(h, n_sources + i);
     }
     *out = h;
     return 0;
@@ -161,7 +161,8 @@ static struct iso_grid_step *add_step(struct recurrence *r, int number, double h
 /* Clenshaw's recurrence (1955) from the last term down, b_k = c_k v + 2 x b_{k+1} - b_{k+2} and the
  * sum c_0 v + x b_1 - b_2. It needs no separate sum, and it starts where the coefficients are
  * small, which keeps rounding small. Returns the vector that holds the sum. */
-static const float *expand(struct iso_heat_grid *h, const struct column *column, int terms)
+static const float *expand_exponential(struct iso_heat_grid *h, const struct column *column,
+                                       int terms)
 {
     struct recurrence r = {.h = h, .column = column, .now = h->vector[0], .before = h->vector[1]};
     const struct iso_grid_load first = load_of(h, &column->source, h->c[terms - 1]);
@@ -190,7 +191,7 @@ static void release_one(struct iso_heat_grid *h, int source, double t_mm2, doubl
 {
     const struct column *column = &h->columns[source];
     const int terms = iso_chebyshev_exp(0.5 * t_mm2 * column->lambda, tolerance, h->c);
-    scale_by_root(h, column->window, expand(h, column, terms), plane(h, source));
+    scale_by_root(h, column->window, expand_exponential(h, column, terms), plane_of(h, source));
     for (int i = 0; i < VECTORS; i++) {
         clear_window(h->vector[i], h->stencil->stride, column->window);
     }
@@ -236,7 +237,7 @@ static void build_operator(struct iso_heat_grid *h, const struct iso_grid *grid,
     struct iso_grid_window all = iso_heat_window(grid, &request->sources[0], reach_mm);
     for (int s = 0; s < request->n_sources; s++) {
         struct column *column = &h->columns[s];
-        clear_window(plane(h, s), h->stencil->stride, column->window);
+        clear_window(plane_of(h, s), h->stencil->stride, column->window);
         column->source = request->sources[s];
         column->window = iso_heat_window(grid, &request->sources[s], reach_mm);
         all = iso_heat_window_join(all, column->window);
@@ -271,7 +272,7 @@ int iso_heat_grid(struct iso_heat_grid *h, const struct iso_grid *grid,
 
 struct iso_grid_field iso_heat_grid_column(const struct iso_heat_grid *h, int source)
 {
-    return (struct iso_grid_field){h->columns[source].window, plane(h, source)};
+    return (struct iso_grid_field){h->columns[source].window, plane_of(h, source)};
 }
 
 struct iso_heat_grid_effort iso_heat_grid_effort(const struct iso_heat_grid *h)

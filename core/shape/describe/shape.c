@@ -137,7 +137,7 @@ static int measure_area(struct iso_shape *shape)
     return 0;
 }
 
-static int assemble(struct iso_shape *shape)
+static int assemble_matrices(struct iso_shape *shape)
 {
     int32_t n = shape->mesh->n_vertices, nnz = n + 3 * shape->mesh->n_triangles;
     int error = iso_symmetric_new(n, nnz, &shape->stiffness);
@@ -181,7 +181,7 @@ static int find_neighbours(struct iso_shape *shape)
 }
 
 /* Marks all neighbours of marked vertices. */
-static void widen(const struct iso_shape *shape, const uint8_t *from, uint8_t *to)
+static void widen_marks(const struct iso_shape *shape, const uint8_t *from, uint8_t *to)
 {
     for (int32_t v = 0; v < shape->mesh->n_vertices; v++) {
         to[v] = from[v];
@@ -203,8 +203,8 @@ static int find_boundary(struct iso_shape *shape)
     }
     if (!error) {
         iso_mesh_boundary(shape->mesh, (const int32_t(*)[3])adjacent, shape->near_boundary);
-        widen(shape, shape->near_boundary, one_edge);
-        widen(shape, one_edge, shape->near_boundary);
+        widen_marks(shape, shape->near_boundary, one_edge);
+        widen_marks(shape, one_edge, shape->near_boundary);
     }
     free(adjacent);
     free(one_edge);
@@ -223,8 +223,9 @@ static bool valid_colours(const struct iso_colour *colour, int32_t n)
     return true;
 }
 
-static int solve(const struct iso_shape *shape, const struct iso_symmetric *stiffness,
-                 const struct iso_symmetric *mass, int32_t wanted, struct iso_eigenpairs **out)
+static int solve_pairs(const struct iso_shape *shape, const struct iso_symmetric *stiffness,
+                       const struct iso_symmetric *mass, int32_t wanted,
+                       struct iso_eigenpairs **out)
 {
     int32_t most = shape->mesh->n_vertices / 2;
     return iso_eigenpairs_new(stiffness, mass, wanted < most ? wanted : most, pairs_tolerance, out);
@@ -250,7 +251,8 @@ static int solve_weighted(struct iso_shape *shape)
         error = iso_stiffness_mass_weighted(shape->mesh, ISO_MASS_CONSISTENT, density, stiffness,
                                             mass);
         if (!error) {
-            error = solve(shape, stiffness, mass, ISO_SHAPE_WEIGHTED_PAIRS, &shape->weighted[c]);
+            error = solve_pairs(shape, stiffness, mass, ISO_SHAPE_WEIGHTED_PAIRS,
+                                &shape->weighted[c]);
         }
     }
     iso_symmetric_free(stiffness);
@@ -274,7 +276,7 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
         error = measure_area(shape);
     }
     if (!error) {
-        error = assemble(shape);
+        error = assemble_matrices(shape);
     }
     if (!error) {
         error = find_neighbours(shape);
@@ -283,8 +285,8 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
         error = find_boundary(shape);
     }
     if (!error) {
-        error = solve(shape, shape->stiffness, shape->mass, n_pairs ? n_pairs : ISO_SHAPE_PAIRS,
-                      &shape->pairs);
+        error = solve_pairs(shape, shape->stiffness, shape->mass,
+                            n_pairs ? n_pairs : ISO_SHAPE_PAIRS, &shape->pairs);
     }
     if (!error && colour) {
         error = solve_weighted(shape);
