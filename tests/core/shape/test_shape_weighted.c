@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,70 +103,93 @@ static void any_density_keeps_the_operator_what_it_is(void **state)
     iso_mesh_free(mesh);
 }
 
+enum { CORNERS = 4, TRIANGLES = 2 };
+
+static const int32_t two_triangles[TRIANGLES][3] = {{0, 1, 2}, {1, 3, 2}};
+
+/* Two triangles that share an edge. */
+static struct iso_mesh *new_two_triangles(void)
+{
+    struct iso_mesh *mesh = NULL;
+    assert_int_equal(iso_mesh_new(CORNERS, TRIANGLES, &mesh), 0);
+    const struct iso_vec3 at[CORNERS] = {{0, 0, 0}, {4, 1, 0}, {1, 3, 2}, {5, 4, 1}};
+    memcpy(mesh->vertices_mm, at, sizeof at);
+    memcpy(mesh->triangles, two_triangles, sizeof two_triangles);
+    mesh->n_vertices = CORNERS;
+    mesh->n_triangles = TRIANGLES;
+    return mesh;
+}
+
+/* Integrals over one triangle by Monte Carlo: those of h phi_i phi_j are added to b. Returns the
+ * mean of h. */
+static double sample_triangle(const struct iso_mesh *mesh, int t, const double h[CORNERS],
+                              double b[CORNERS][CORNERS])
+{
+    enum { SAMPLES = 400000 };
+    const int32_t *corner = two_triangles[t];
+    const double area = iso_mesh_triangle_area(mesh, t);
+    double mean = 0.0;
+    for (int s = 0; s < SAMPLES; s++) {
+        double u = drand48(), v = drand48();
+        const double phi[3] = {u + v > 1.0 ? u + v - 1.0 : 1.0 - u - v, u + v > 1.0 ? 1.0 - u : u,
+                               u + v > 1.0 ? 1.0 - v : v};
+        double density = 0.0;
+        for (int i = 0; i < 3; i++) {
+            density += phi[i] * h[corner[i]];
+        }
+        mean += density / SAMPLES;
+        for (int i = 0; i < 9; i++) {
+            b[corner[i / 3]][corner[i % 3]] += phi[i / 3] * phi[i % 3] * density * area / SAMPLES;
+        }
+    }
+    return mean;
+}
+
+/* column[j][i]: entry (i, j) of a. */
+static void columns_of(const struct iso_symmetric *a, double column[CORNERS][CORNERS])
+{
+    for (int j = 0; j < CORNERS; j++) {
+        double unit[CORNERS] = {0};
+        unit[j] = 1.0;
+        iso_symmetric_multiply(a, unit, column[j]);
+    }
+}
+
+/* The stiffness of one triangle by itself, without a density. */
+static void stiffness_of_triangle(const struct iso_mesh *mesh, int t,
+                                  double column[CORNERS][CORNERS])
+{
+    struct iso_mesh one = *mesh;
+    one.triangles = &mesh->triangles[t];
+    one.n_triangles = 1;
+    struct matrices alone = matrices_of(&one, ISO_MASS_CONSISTENT);
+    columns_of(alone.stiffness, column);
+    matrices_free(&alone);
+}
+
 /* Equations 5.11 and 5.12, and 5.13 with h averaged over the triangle: integrals over two triangles
- * that share an edge, with a density of 0.2 to 5 at the corners. */
+ * that share an edge, with a density of 0.2 to 5 at the corners. The stiffness is that of each
+ * triangle by itself, times the density's mean as it was sampled. */
 static void entries_are_weighted_integrals(void **state)
 {
     (void)state;
-    struct iso_mesh *mesh = NULL;
-    assert_int_equal(iso_mesh_new(4, 2, &mesh), 0);
-    const struct iso_vec3 at[4] = {{0, 0, 0}, {4, 1, 0}, {1, 3, 2}, {5, 4, 1}};
-    const int32_t corner[2][3] = {{0, 1, 2}, {1, 3, 2}};
-    const double h[4] = {0.2, 5.0, 1.3, 2.6};
-    memcpy(mesh->vertices_mm, at, sizeof at);
-    memcpy(mesh->triangles, corner, sizeof corner);
-    mesh->n_vertices = 4;
-    mesh->n_triangles = 2;
+    const double h[CORNERS] = {0.2, 5.0, 1.3, 2.6};
+    struct iso_mesh *mesh = new_two_triangles();
     struct matrices m = weighted_of(mesh, ISO_MASS_CONSISTENT, h);
-    enum { SAMPLES = 400000 };
-    double b[4][4] = {{0}}, mean[2] = {0};
+    double b[CORNERS][CORNERS] = {{0}}, mean[TRIANGLES], conducted[TRIANGLES][CORNERS][CORNERS];
+    double mass[CORNERS][CORNERS], stiffness[CORNERS][CORNERS];
     srand48(512);
-    for (int t = 0; t < 2; t++) {
-        double area = iso_mesh_triangle_area(mesh, t);
-        for (int s = 0; s < SAMPLES; s++) {
-            double u = drand48(), v = drand48();
-            const double phi[3] = {u + v > 1.0 ? u + v - 1.0 : 1.0 - u - v,
-                                   u + v > 1.0 ? 1.0 - u : u, u + v > 1.0 ? 1.0 - v : v};
-            double density = 0.0;
-            for (int i = 0; i < 3; i++) {
-                density += phi[i] * h[corner[t][i]];
-            }
-            mean[t] += density / SAMPLES;
-            for (int i = 0; i < 9; i++) {
-                b[corner[t][i / 3]][corner[t][i % 3]] += phi[i / 3] * phi[i % 3] * density * area /
-                                                         SAMPLES;
-            }
-        }
+    for (int t = 0; t < TRIANGLES; t++) {
+        mean[t] = sample_triangle(mesh, t, h, b);
+        stiffness_of_triangle(mesh, t, conducted[t]);
     }
-    double unit[4], image[4], conducted[2][4][4] = {{{0}}};
-    for (int j = 0; j < 4; j++) {
-        memset(unit, 0, sizeof unit);
-        unit[j] = 1.0;
-        iso_symmetric_multiply(m.mass, unit, image);
-        for (int i = 0; i < 4; i++) {
-            assert_near(image[i], b[i][j], 0.01 * b[j][j]);
-        }
-    }
-    /* The stiffness of each triangle by itself, times the density's mean as it was sampled. */
-    for (int t = 0; t < 2; t++) {
-        struct iso_mesh one = *mesh;
-        one.triangles = &mesh->triangles[t];
-        one.n_triangles = 1;
-        struct matrices alone = matrices_of(&one, ISO_MASS_CONSISTENT);
-        for (int j = 0; j < 4; j++) {
-            memset(unit, 0, sizeof unit);
-            unit[j] = 1.0;
-            iso_symmetric_multiply(alone.stiffness, unit, conducted[t][j]);
-        }
-        matrices_free(&alone);
-    }
-    for (int j = 0; j < 4; j++) {
-        memset(unit, 0, sizeof unit);
-        unit[j] = 1.0;
-        iso_symmetric_multiply(m.stiffness, unit, image);
-        for (int i = 0; i < 4; i++) {
-            assert_near(image[i], mean[0] * conducted[0][j][i] + mean[1] * conducted[1][j][i],
-                        0.01);
+    columns_of(m.mass, mass);
+    columns_of(m.stiffness, stiffness);
+    for (int j = 0; j < CORNERS; j++) {
+        for (int i = 0; i < CORNERS; i++) {
+            assert_near(mass[j][i], b[i][j], 0.01 * b[j][j]);
+            assert_near(stiffness[j][i],
+                        mean[0] * conducted[0][j][i] + mean[1] * conducted[1][j][i], 0.01);
         }
     }
     matrices_free(&m);

@@ -1,0 +1,33 @@
+/* An extractor with the shipped head model, and a frame in which the mean head is rendered. */
+#ifndef TESTS_CORE_EXTRACT_EXTRACT_RIG_H
+#define TESTS_CORE_EXTRACT_EXTRACT_RIG_H
+
+#include "core/extract/extract.h"
+
+struct extract_rig {
+    struct iso_head_model *model;
+    struct iso_extract_options options; /* at first the defaults */
+    struct iso_extractor *extractor;
+    struct iso_frame *frame;
+    struct iso_extraction out; /* of the last run */
+};
+
+/* The set-up and the tear-down of a cmocka test whose state is the rig. */
+int extract_rig_new(void **state);
+int extract_rig_free(void **state);
+
+/* A new extractor with the options that the rig has now. */
+void extract_rig_renew(struct extract_rig *rig);
+
+/* Draws the mean head alone into the frame. */
+void extract_rig_draw(struct extract_rig *rig, double yaw_deg, double pitch_deg,
+                      struct iso_vec3 nose_mm);
+
+/* Runs the extractor on the frame, which must succeed. */
+enum iso_capture extract_rig_run(struct extract_rig *rig);
+
+/* Both. */
+enum iso_capture extract_rig_outcome(struct extract_rig *rig, double yaw_deg, double pitch_deg,
+                                     struct iso_vec3 nose_mm);
+
+#endif

@@ -1,0 +1,33 @@
+/* A head model of five vertices, and its file. */
+#ifndef TESTS_CORE_LANDMARK_SMALL_HEAD_MODEL_H
+#define TESTS_CORE_LANDMARK_SMALL_HEAD_MODEL_H
+
+#include "core/landmark/head_model.h"
+
+/* Where things are in the file of the small model, by the layout of head_model.h. */
+enum {
+    N_VERTICES = 5,
+    N_TRIANGLES = 3,
+    N_IDENTITY = 2,
+    N_EXPRESSION = 1,
+    AT_SIZE = 8,
+    AT_CRC = 12,
+    AT_COUNTS = 16,
+    AT_MEAN = 32,
+    AT_TRIANGLES = AT_MEAN + 12 * N_VERTICES,
+    AT_REGION = AT_TRIANGLES + 6 * N_TRIANGLES,
+    AT_LANDMARKS = AT_REGION + N_VERTICES,
+    AT_MODES = AT_LANDMARKS + 68 * 16,
+    SIZE = AT_MODES + (N_IDENTITY + N_EXPRESSION) * (4 + 6 * N_VERTICES),
+};
+
+/* No two numbers alike, so that nothing can be swapped unnoticed. */
+struct iso_head_model *small_head_model(void);
+
+/* Its file of SIZE bytes, to be freed. */
+uint8_t *small_head_model_file(void);
+
+/* Makes the checksum right again after a change. */
+void small_head_model_seal(uint8_t *file, size_t size);
+
+#endif

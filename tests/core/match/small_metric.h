@@ -1,0 +1,13 @@
+/* A metric of two landmarks and three nodes, on which numbers can be worked out. */
+#ifndef TESTS_CORE_MATCH_SMALL_METRIC_H
+#define TESTS_CORE_MATCH_SMALL_METRIC_H
+
+#include "core/match/metric.h"
+
+enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
+
+/* Mean curves that lie in no plane, of landmarks 1 and 4; heights at three nodes of the upper face;
+ * axes that look at all of it. */
+struct iso_metric *small_metric(void);
+
+#endif
