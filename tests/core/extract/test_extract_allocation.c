@@ -13,32 +13,9 @@
 #include "core/extract/extract.h"
 #include "tests/core/surfaces/rendered_head.h"
 #include "tests/core/surfaces/shipped_model.h"
+#include "tests/support/memory/scarce_memory.h"
 
-enum { NEVER = -1, ALLOCATIONS_MAX = 200 };
-
-static int allocations;              /* so far */
-static int allocations_left = NEVER; /* until one fails */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-
-static bool denied(void)
-{
-    allocations++;
-    return allocations_left != NEVER && allocations_left-- == 0;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return denied() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return denied() ? NULL : __real_calloc(n, size);
-}
+enum { ALLOCATIONS_MAX = 200 };
 
 static void frames_are_run_without_allocating(void **state)
 {
@@ -57,9 +34,10 @@ static void frames_are_run_without_allocating(void **state)
             frame->depth_mm[k] = 0.0f;
         }
         rendered_head_draw(frame, model, NULL, 1.0, &pose);
-        int before = allocations;
+        scarce_memory_left = ALLOCATIONS_MAX;
         assert_int_equal(iso_extractor_run(extractor, frame, out), 0);
-        assert_int_equal(allocations, before);
+        assert_int_equal(scarce_memory_left, ALLOCATIONS_MAX);
+        scarce_memory_left = -1;
         assert_int_equal(out->outcome == ISO_CAPTURE_OK, i < 3);
     }
     iso_extractor_free(extractor);
@@ -77,10 +55,10 @@ static void a_new_extractor_survives_any_failed_allocation(void **state)
     for (int error = -ENOMEM; error; n++) {
         char untouched;
         struct iso_extractor *extractor = (struct iso_extractor *)(void *)&untouched;
-        allocations_left = n;
+        scarce_memory_left = n;
         error = iso_extractor_new(model, &options, &extractor);
-        bool reached = allocations_left == NEVER;
-        allocations_left = NEVER;
+        bool reached = scarce_memory_left < 0;
+        scarce_memory_left = -1;
         if (error) {
             assert_true(reached);
             assert_int_equal(error, -ENOMEM);

@@ -7,7 +7,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -18,30 +17,9 @@
 #include "core/surface/triangulate.h"
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/shapes.h"
+#include "tests/support/memory/scarce_memory.h"
 
-enum { COUNTING_OFF = -1, ALLOCATIONS_MAX = 50 };
-
-static int allocations_left = COUNTING_OFF; /* until one fails */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-
-static bool denied(void)
-{
-    return allocations_left != COUNTING_OFF && allocations_left-- == 0;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return denied() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return denied() ? NULL : __real_calloc(n, size);
-}
+enum { ALLOCATIONS_MAX = 50 };
 
 /* Calls `make` with the first, second, ... allocation failing until it succeeds. Returns how many
  * there are. */
@@ -50,10 +28,10 @@ static int deny_in_turn(int (*make)(void **out), void (*release)(void *made))
     for (int n = 0; n < ALLOCATIONS_MAX; n++) {
         char untouched;
         void *made = &untouched;
-        allocations_left = n;
+        scarce_memory_left = n;
         int error = make(&made);
-        bool reached = allocations_left == COUNTING_OFF;
-        allocations_left = COUNTING_OFF;
+        bool reached = scarce_memory_left < 0;
+        scarce_memory_left = -1;
         if (error == 0) {
             release(made);
             return n;
@@ -129,15 +107,15 @@ static void topology_survives_any_failed_allocation(void **state)
     (void)state;
     struct iso_mesh *mesh = shape_sheet(3, 3, 1.0);
     int32_t adjacent[8][3], piece[8];
-    allocations_left = 0;
+    scarce_memory_left = 0;
     assert_int_equal(iso_mesh_adjacency(mesh, adjacent), -ENOMEM);
-    allocations_left = COUNTING_OFF;
+    scarce_memory_left = -1;
     assert_int_equal(iso_mesh_adjacency(mesh, adjacent), 0);
     int n = 0;
     for (int32_t pieces = -ENOMEM; pieces != 1; n++) {
-        allocations_left = n;
+        scarce_memory_left = n;
         pieces = iso_mesh_components(mesh, (const int32_t(*)[3])adjacent, piece);
-        allocations_left = COUNTING_OFF;
+        scarce_memory_left = -1;
         assert_true(pieces == 1 || pieces == -ENOMEM);
         assert_true(n < ALLOCATIONS_MAX);
     }
