@@ -1,5 +1,5 @@
 /* The file of card numbers. */
-#include "firmware/gallery/cards.h"
+#include "firmware/door/cards.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

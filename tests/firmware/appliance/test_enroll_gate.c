@@ -5,7 +5,7 @@
 
 #include "drivers/base/times.h"
 #include "firmware/appliance/enroll_gate.h"
-#include "firmware/appliance/view.h"
+#include "firmware/sensor/view.h"
 #include "tests/firmware/rigs/puppets.h"
 
 static const struct iso_enroll_gate gate = {

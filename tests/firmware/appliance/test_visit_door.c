@@ -9,7 +9,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "firmware/gallery/cards.h"
+#include "firmware/door/cards.h"
 #include "tests/firmware/rigs/rig.h"
 #include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"

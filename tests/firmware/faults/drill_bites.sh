@@ -338,7 +338,7 @@ mistake 'drop: a visit goes on while blind' firmware/appliance/appliance.c \
     firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
     firmware/visit/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
     firmware/appliance/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
-mistake 'gone: the sensor is kept' firmware/appliance/sensor_supervisor.c '    close_sensor(supervisor, now_ns);
+mistake 'gone: the sensor is kept' firmware/sensor/sensor_supervisor.c '    close_sensor(supervisor, now_ns);
     return ISO_SENSOR_GONE;
 }
 

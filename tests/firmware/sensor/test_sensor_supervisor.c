@@ -5,7 +5,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/base/times.h"
-#include "firmware/appliance/sensor_supervisor.h"
+#include "firmware/sensor/sensor_supervisor.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/devices/manual_clock.h"
 

@@ -1,4 +1,4 @@
-#include "firmware/appliance/sensor_supervisor.h"
+#include "firmware/sensor/sensor_supervisor.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "firmware/gallery/cards.h"
+#include "firmware/door/cards.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -17,8 +17,8 @@
  * disk say, nobody looks what the sensor has; the caller says so by iso_sensor_supervisor_excuse,
  * and that time does not count. The rule for frames is another: a late one is of no use, whoever
  * made it late. */
-#ifndef ISO_FIRMWARE_APPLIANCE_SENSOR_SUPERVISOR_H
-#define ISO_FIRMWARE_APPLIANCE_SENSOR_SUPERVISOR_H
+#ifndef ISO_FIRMWARE_SENSOR_SENSOR_SUPERVISOR_H
+#define ISO_FIRMWARE_SENSOR_SENSOR_SUPERVISOR_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/gallery/cards.h"
+#include "firmware/door/cards.h"
 #include "tests/support/scratch.h"
 
 static void finds_everybodys_card(void **state)

@@ -1,4 +1,4 @@
-#include "firmware/appliance/view.h"
+#include "firmware/sensor/view.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* What the sensor sees, in words and numbers, for who installs or aims it. Of a face it says where
  * it is and how well it was measured, and nothing that tells one face from another: no template, no
  * landmark, no shape. */
-#ifndef ISO_FIRMWARE_APPLIANCE_VIEW_H
-#define ISO_FIRMWARE_APPLIANCE_VIEW_H
+#ifndef ISO_FIRMWARE_SENSOR_VIEW_H
+#define ISO_FIRMWARE_SENSOR_VIEW_H
 
 #include <stdbool.h>
 

@@ -4,8 +4,8 @@
  *
  * such as "17 4711 anna"; the name is all that stands behind the second blank. Empty lines and
  * lines that begin with '#' say nothing. Read strictly: no name and no number twice. */
-#ifndef ISO_FIRMWARE_GALLERY_CARDS_H
-#define ISO_FIRMWARE_GALLERY_CARDS_H
+#ifndef ISO_FIRMWARE_DOOR_CARDS_H
+#define ISO_FIRMWARE_DOOR_CARDS_H
 
 #include "core/base/fault.h"
 #include "drivers/door/wiegand.h"
