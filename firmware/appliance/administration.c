@@ -10,7 +10,7 @@
 
 #include "drivers/file/disk_wait.h"
 #include "drivers/terminal/words.h"
-#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/appliance_calls.h"
 
 static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
 {
@@ -304,9 +304,9 @@ static int may_test_door(const struct iso_appliance *appliance, struct iso_fault
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         return iso_fault_set(fault, -EBUSY, "the camera is claimed, the door is not watched");
     }
-    if (iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE) {
+    if (iso__appliance_lock_reason(appliance) != ISO_REASON_NONE) {
         return iso_fault_set(fault, -EPERM, "%s: nobody is let in",
-                             appliance->lockout.lockdown ? "lockdown" : "locked out");
+                             appliance->lockout.state.lockdown ? "lockdown" : "locked out");
     }
     if (!iso_config_has_relay(appliance->borrowed.config)) {
         return iso_fault_set(fault, -ENODEV, "the door has no relay: [door] relay is empty");

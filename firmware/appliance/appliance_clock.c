@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <syslog.h>
 
-#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/appliance_calls.h"
 #include "firmware/contract/validity.h"
 
 /* A clock that is kept right by the network is corrected by less. */
@@ -63,9 +63,10 @@ static void tell_right(struct iso_appliance *appliance)
 /* A clock that is not set keeps nobody out, but those with time limits. */
 enum iso_fault_code iso__appliance_clock_code(const struct iso_appliance *appliance)
 {
-    return appliance->clock_fault.text[0]       ? appliance->clock_fault.code
-           : iso_wall_is_set(wall_s(appliance)) ? ISO_FAULT_NONE
-                                                : ISO_FAULT_CLOCK_UNSET;
+    if (appliance->clock_fault.text[0]) {
+        return appliance->clock_fault.code;
+    }
+    return iso_wall_is_set(wall_s(appliance)) ? ISO_FAULT_NONE : ISO_FAULT_CLOCK_UNSET;
 }
 
 void iso__appliance_clock_time(struct iso_appliance *appliance)

@@ -5,8 +5,9 @@
 #include <string.h>
 #include <syslog.h>
 
+#include "drivers/process/thread.h"
 #include "drivers/terminal/words.h"
-#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/appliance_calls.h"
 #include "firmware/config/door_options.h"
 
 static bool is_alarm(const struct iso_door_news *news)
@@ -31,8 +32,8 @@ static void post(struct iso_appliance *appliance, const char *reason, const char
 static void record_folded(struct iso_appliance *appliance, bool ending)
 {
     struct iso_door_burst burst;
-    while (iso_door_events_next(&appliance->recorded, ending, iso__appliance_now_ns(appliance),
-                                &burst)) {
+    while (iso_door_events_next(&appliance->door_news.recorded, ending,
+                                iso__appliance_now_ns(appliance), &burst)) {
         post(appliance, "chatter", burst.text, 0);
     }
 }
@@ -44,13 +45,13 @@ static void record_change(void *context, const struct iso_door_news *news)
 {
     struct iso_appliance *appliance = context;
     const int64_t age_ns = iso_times_boot_ns(&appliance->borrowed.times) - news->t_ns;
-    (void)pthread_mutex_lock(&appliance->recorded_mutex);
+    (void)pthread_mutex_lock(&appliance->door_news.mutex);
     record_folded(appliance, false);
-    if (iso_door_events_take(&appliance->recorded, news,
+    if (iso_door_events_take(&appliance->door_news.recorded, news,
                              iso__appliance_now_ns(appliance) - age_ns)) {
         post(appliance, iso_door_event_name(news->cause), iso_door_state_name(news->state), age_ns);
     }
-    (void)pthread_mutex_unlock(&appliance->recorded_mutex);
+    (void)pthread_mutex_unlock(&appliance->door_news.mutex);
 }
 
 static void tell_change(struct iso_appliance *appliance, const struct iso_door_news *news)
@@ -70,8 +71,8 @@ static void tell_folded(struct iso_appliance *appliance, bool ending)
 {
     const struct iso_appliance_events *events = &appliance->borrowed.events;
     struct iso_door_burst burst;
-    while (iso_door_events_next(&appliance->reported, ending, iso__appliance_now_ns(appliance),
-                                &burst)) {
+    while (iso_door_events_next(&appliance->door_news.reported, ending,
+                                iso__appliance_now_ns(appliance), &burst)) {
         iso__appliance_say(appliance, LOG_WARNING, "door: %s", burst.text);
         events->door_changed(events->context, iso_door_state_name(burst.state),
                              iso_door_event_name(burst.cause));
@@ -80,9 +81,9 @@ static void tell_folded(struct iso_appliance *appliance, bool ending)
 
 static void flush_folded(struct iso_appliance *appliance, bool ending)
 {
-    (void)pthread_mutex_lock(&appliance->recorded_mutex);
+    (void)pthread_mutex_lock(&appliance->door_news.mutex);
     record_folded(appliance, ending);
-    (void)pthread_mutex_unlock(&appliance->recorded_mutex);
+    (void)pthread_mutex_unlock(&appliance->door_news.mutex);
     tell_folded(appliance, ending);
 }
 
@@ -93,35 +94,29 @@ void iso__appliance_flush_door(struct iso_appliance *appliance)
 
 int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance)
 {
-    (void)pthread_mutex_lock(&appliance->recorded_mutex);
-    const int64_t record_ns = iso_door_events_due_ns(&appliance->recorded);
-    (void)pthread_mutex_unlock(&appliance->recorded_mutex);
-    const int64_t tell_ns = iso_door_events_due_ns(&appliance->reported);
+    (void)pthread_mutex_lock(&appliance->door_news.mutex);
+    const int64_t record_ns = iso_door_events_due_ns(&appliance->door_news.recorded);
+    (void)pthread_mutex_unlock(&appliance->door_news.mutex);
+    const int64_t tell_ns = iso_door_events_due_ns(&appliance->door_news.reported);
     return record_ns < tell_ns ? record_ns : tell_ns;
 }
 
 void iso__appliance_tell_door(struct iso_appliance *appliance)
 {
     struct iso_door_news news;
-    struct iso_fault fault;
     size_t missed = 0;
-    int error = 0;
     flush_folded(appliance, false);
     while (iso_door_guard_next(appliance->door, &news, &missed)) {
         if (missed > 0) {
             iso__appliance_say(appliance, LOG_WARNING, "%zu changes of the door were not told",
                                missed);
         }
-        if (iso_door_events_take(&appliance->reported, &news, iso__appliance_now_ns(appliance))) {
+        if (iso_door_events_take(&appliance->door_news.reported, &news,
+                                 iso__appliance_now_ns(appliance))) {
             tell_change(appliance, &news);
         }
     }
-    if (iso_audit_writer_take_result(appliance->log, &error, &fault)) {
-        const int said = appliance->log_error; /* each fault once, until the log is written again */
-        iso__appliance_note_storage(appliance, error, &fault);
-        (void)iso__appliance_say_fault(appliance, error == said ? 0 : error, &fault);
-        appliance->log_error = error;
-    }
+    iso__appliance_tell_log(appliance);
 }
 
 int iso__appliance_new_door(struct iso_appliance *appliance)
@@ -129,6 +124,7 @@ int iso__appliance_new_door(struct iso_appliance *appliance)
     const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     const struct iso_door_guard_options options = iso_door_options_of(
         &borrowed->config->door, &borrowed->times, borrowed->door_io, borrowed->threads);
+    iso_thread_mutex_init(&appliance->door_news.mutex);
     appliance->door = borrowed->door;
     return borrowed->door ? 0 : iso_door_guard_new(&options, &appliance->door);
 }
@@ -140,6 +136,7 @@ void iso__appliance_free_door(struct iso_appliance *appliance)
     } else {
         iso_door_guard_free(appliance->door);
     }
+    (void)pthread_mutex_destroy(&appliance->door_news.mutex);
 }
 
 /* Changes that happened before the log was open, more than could be kept. */

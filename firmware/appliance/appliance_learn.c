@@ -5,7 +5,7 @@
 #include <syslog.h>
 
 #include "core/base/capture.h"
-#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/appliance_calls.h"
 #include "firmware/gallery/gallery_forget.h"
 #include "firmware/recognise/learning.h"
 
@@ -25,8 +25,8 @@ static bool is_like(const struct iso_appliance *appliance,
     if (among.n_entries == 0 || n - among.n_entries >= options->templates) {
         return false;
     }
-    const int error = pipeline->ops->search(pipeline->self, &among, &appliance->extraction.tmpl,
-                                            &hit, 1, &n_hits);
+    const int error = pipeline->ops->search(pipeline->self, &among,
+                                            &appliance->face.extraction.tmpl, &hit, 1, &n_hits);
     return !error && n_hits == 1 && hit.score >= options->score;
 }
 
@@ -67,7 +67,7 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
     if (iso__appliance_record(appliance, &record)) {
         return;
     }
-    struct iso_template *learned = &appliance->extraction.tmpl;
+    struct iso_template *learned = &appliance->face.extraction.tmpl;
     learned->learned = true;
     const int error = iso_gallery_add(gallery, &person, learned, &fault);
     learned->learned = false;
@@ -85,8 +85,8 @@ void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verd
 {
     const struct iso_config_update *config = &appliance->borrowed.config->update;
     const struct iso_learning_options options = {config->templates, config->score};
-    if (iso_learning_is_sure(&options, &appliance->decision, verdict) &&
-        appliance->image.contradicted == 0 &&
+    if (iso_learning_is_sure(&options, &appliance->visit.decision, verdict) &&
+        appliance->visit.image.contradicted == 0 &&
         iso__appliance_enroll_gate(appliance) == ISO_CAPTURE_OK &&
         may_learn(appliance, &options, verdict->person)) {
         keep(appliance, verdict);

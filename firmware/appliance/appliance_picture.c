@@ -1,7 +1,7 @@
 /* One picture of what the camera sees, for the client that has the claim. */
 #include <errno.h>
 
-#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/appliance_calls.h"
 
 /* A camera that works shows a frame sooner than that. */
 static const int64_t patience_ns = 3 * ISO_NS_PER_S;
@@ -15,24 +15,22 @@ static int may_ask(const struct iso_appliance *appliance, struct iso_fault *faul
         return iso_fault_set(fault, -EBUSY, "%s goes on, stop it first",
                              iso_appliance_mode_name(appliance->mode));
     }
-    if (appliance->picture_due) {
+    if (appliance->picture.due) {
         return iso_fault_set(fault, -EBUSY, "the picture asked for before has still to come");
     }
-    if (!appliance->supervisor.sensor) {
-        return iso_fault_set_code(fault, appliance->supervisor.fault.code, -ENODEV, "%s",
-                                  appliance->supervisor.fault.text);
-    }
-    return 0;
+    return iso__appliance_has_sensor(appliance, fault);
 }
 
 int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_audit_record record = iso_audit_record_of("picture");
     int error = may_ask(appliance, fault);
-    error = error ? error : iso__appliance_record_first(appliance, &record, fault);
     if (!error) {
-        appliance->picture_due = true;
-        appliance->picture_end_ns = iso_times_now_ns(&appliance->borrowed.times) + patience_ns;
+        error = iso__appliance_record_first(appliance, &record, fault);
+    }
+    if (!error) {
+        appliance->picture.due = true;
+        appliance->picture.end_ns = iso_times_now_ns(&appliance->borrowed.times) + patience_ns;
     }
     return error;
 }
@@ -41,8 +39,8 @@ int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fau
 static void answer(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
     const struct iso_appliance_events *events = &appliance->borrowed.events;
-    if (appliance->picture_due) {
-        appliance->picture_due = false;
+    if (appliance->picture.due) {
+        appliance->picture.due = false;
         events->picture(events->context, frame);
     }
 }
@@ -57,9 +55,14 @@ void iso__appliance_picture_drop(struct iso_appliance *appliance)
     answer(appliance, NULL);
 }
 
+int64_t iso__appliance_picture_due_ns(const struct iso_appliance *appliance)
+{
+    return appliance->picture.due ? appliance->picture.end_ns : ISO_NEVER_NS;
+}
+
 void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns)
 {
-    if (appliance->picture_due && now_ns >= appliance->picture_end_ns) {
+    if (appliance->picture.due && now_ns >= appliance->picture.end_ns) {
         answer(appliance, NULL);
     }
 }

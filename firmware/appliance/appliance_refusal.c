@@ -5,26 +5,25 @@
 #include <syslog.h>
 
 #include "drivers/file/storage_fault.h"
-#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/appliance_calls.h"
 #include "firmware/keys/heads.h"
 #include "firmware/visit/lockout_file.h"
 
 static const int64_t save_again_ns = ISO_NS_PER_S, read_again_ns = 3 * ISO_NS_PER_S;
 
-/* What the file says is not known, and the disk may let it be read later. */
-static bool is_unread(const struct iso_appliance *appliance)
+bool iso__appliance_lockout_is_unread(const struct iso_appliance *appliance)
 {
-    return appliance->lockout_read_ns != ISO_NEVER_NS;
+    return appliance->lockout.read_ns != ISO_NEVER_NS;
 }
 
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     const struct iso_lockout_record record = iso_lockout_record_of(
-        &appliance->lockout, iso__appliance_now_ns(appliance));
-    if (is_unread(appliance)) {
-        return iso_fault_set_code(fault, appliance->lockout_fault.code, -EIO, "%s",
-                                  appliance->lockout_fault.text);
+        &appliance->lockout.state, iso__appliance_now_ns(appliance));
+    if (iso__appliance_lockout_is_unread(appliance)) {
+        return iso_fault_set_code(fault, appliance->lockout.fault.code, -EIO, "%s",
+                                  appliance->lockout.fault.text);
     }
     return *borrowed->lockout_path
                ? iso_lockout_save(borrowed->lockout_path, borrowed->ring, &record, fault)
@@ -34,14 +33,14 @@ int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_faul
 /* What cannot be kept is still true until the next restart, and tried again until it can. */
 static int save(struct iso_appliance *appliance, struct iso_fault *out)
 {
-    const bool said = appliance->lockout_save_ns != ISO_NEVER_NS;
+    const bool said = appliance->lockout.save_ns != ISO_NEVER_NS;
     struct iso_fault fault = {.text = ""};
-    appliance->lockout_save_ns = ISO_NEVER_NS;
+    appliance->lockout.save_ns = ISO_NEVER_NS;
     const int error = iso__appliance_keep_lockout(appliance, &fault);
     if (!error) {
         return 0;
     }
-    appliance->lockout_save_ns = iso__appliance_now_ns(appliance) + save_again_ns;
+    appliance->lockout.save_ns = iso__appliance_now_ns(appliance) + save_again_ns;
     if (!said) {
         (void)iso__appliance_say_fault(appliance, error, &fault);
     }
@@ -53,7 +52,7 @@ static int save(struct iso_appliance *appliance, struct iso_fault *out)
 static bool is_kept(const struct iso_appliance *appliance)
 {
     const struct iso_lockout_record wanted = iso_lockout_record_of(
-        &appliance->lockout, iso__appliance_now_ns(appliance));
+        &appliance->lockout.state, iso__appliance_now_ns(appliance));
     const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     struct iso_lockout_file file;
     if (iso_lockout_read(borrowed->lockout_path, borrowed->ring, &file, NULL)) {
@@ -72,7 +71,7 @@ static int save_or_undo(struct iso_appliance *appliance, const struct iso_lockou
 {
     const int error = save(appliance, fault);
     if (error && !is_kept(appliance)) {
-        appliance->lockout = *before;
+        appliance->lockout.state = *before;
         return error;
     }
     return 0;
@@ -86,7 +85,7 @@ static void suspect(struct iso_appliance *appliance, int error, const struct iso
     record.reason = error == -ESTALE ? "stale" : "damaged";
     record.note = fault->text;
     char tag[ISO_FAULT_TAG_SIZE];
-    appliance->lockout.lockdown = true;
+    appliance->lockout.state.lockdown = true;
     iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until `isotherm lockdown off`%s",
                        fault->text, iso_fault_tag(fault->code, tag));
     (void)iso__appliance_record(appliance, &record);
@@ -118,16 +117,16 @@ static int load(const struct iso_appliance *appliance, struct iso_lockout_file *
 /* Takes what the file says. A lockdown that began before it could be read goes on. */
 static void take_file(struct iso_appliance *appliance, const struct iso_lockout_file *file)
 {
-    const bool lockdown = appliance->lockout.lockdown;
-    iso_lockout_restore(&appliance->lockout, &file->record, iso__appliance_now_ns(appliance));
-    const bool added = lockdown && !appliance->lockout.lockdown;
-    appliance->lockout.lockdown = lockdown || appliance->lockout.lockdown;
+    const bool lockdown = appliance->lockout.state.lockdown;
+    iso_lockout_restore(&appliance->lockout.state, &file->record, iso__appliance_now_ns(appliance));
+    const bool added = lockdown && !appliance->lockout.state.lockdown;
+    appliance->lockout.state.lockdown = lockdown || appliance->lockout.state.lockdown;
     if (file->number == 0 || added) { /* from now on there is a sealed one, and it is known */
         (void)!save(appliance, NULL);
     }
-    if (iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE) {
+    if (iso_lockout_refusal(&appliance->lockout.state) != ISO_REASON_NONE) {
         iso__appliance_say(appliance, LOG_WARNING, "%s, as before the restart",
-                           iso_reason_name(iso_lockout_refusal(&appliance->lockout)));
+                           iso_reason_name(iso_lockout_refusal(&appliance->lockout.state)));
     }
 }
 
@@ -148,14 +147,14 @@ static void record_reading(struct iso_appliance *appliance, const char *reason, 
 
 static void try_again_later(struct iso_appliance *appliance, const struct iso_fault *fault)
 {
-    const bool said = is_unread(appliance);
-    appliance->lockout_read_ns = iso__appliance_now_ns(appliance) + read_again_ns;
-    appliance->lockout_fault = *fault;
-    appliance->lockout_fault.code = ISO_FAULT_LOCKOUT_UNREADABLE;
+    const bool said = iso__appliance_lockout_is_unread(appliance);
+    appliance->lockout.read_ns = iso__appliance_now_ns(appliance) + read_again_ns;
+    appliance->lockout.fault = *fault;
+    appliance->lockout.fault.code = ISO_FAULT_LOCKOUT_UNREADABLE;
     if (!said) {
         char tag[ISO_FAULT_TAG_SIZE];
         iso__appliance_say(appliance, LOG_ERR, "%s: nobody is let in until it can be read%s",
-                           fault->text, iso_fault_tag(appliance->lockout_fault.code, tag));
+                           fault->text, iso_fault_tag(appliance->lockout.fault.code, tag));
         record_reading(appliance, "unreadable", fault->text);
     }
 }
@@ -164,7 +163,7 @@ static void try_again_later(struct iso_appliance *appliance, const struct iso_fa
  * them before the start, unless it could not be read then. */
 static void read_file(struct iso_appliance *appliance)
 {
-    const bool again = is_unread(appliance);
+    const bool again = iso__appliance_lockout_is_unread(appliance);
     struct iso_lockout_file file;
     struct iso_fault fault = {.text = ""};
     int error = load(appliance, &file, &fault);
@@ -172,7 +171,7 @@ static void read_file(struct iso_appliance *appliance)
         try_again_later(appliance, &fault);
         return;
     }
-    appliance->lockout_read_ns = ISO_NEVER_NS;
+    appliance->lockout.read_ns = ISO_NEVER_NS;
     if (!error && again) {
         error = iso_heads_check(iso_key_ring_board(appliance->borrowed.ring), &fault);
     }
@@ -182,7 +181,7 @@ static void read_file(struct iso_appliance *appliance)
     }
     take_file(appliance, &file);
     if (again) {
-        iso_decision_reset(&appliance->decision); /* who was not compared begins anew */
+        iso__appliance_decide_anew(appliance); /* who was not compared begins anew */
         iso__appliance_say(appliance, LOG_NOTICE, "the lock-out file can be read again");
         record_reading(appliance, "readable", NULL);
     }
@@ -198,26 +197,42 @@ void iso__appliance_start_lockout(struct iso_appliance *appliance)
         .longest_ns = config->longest_ms * ISO_NS_PER_MS,
         .forget_ns = config->forget_ms * ISO_NS_PER_MS,
     };
-    iso_lockout_init(&appliance->lockout, &options);
-    appliance->lockout_save_ns = ISO_NEVER_NS;
-    appliance->lockout_read_ns = ISO_NEVER_NS;
+    iso_lockout_init(&appliance->lockout.state, &options);
+    appliance->lockout.save_ns = ISO_NEVER_NS;
+    appliance->lockout.read_ns = ISO_NEVER_NS;
     if (!appliance->borrowed.lockout_path) {
         appliance->borrowed.lockout_path = "";
     }
     read_file(appliance);
 }
 
+enum iso_reason iso__appliance_lock_reason(const struct iso_appliance *appliance)
+{
+    return iso_lockout_refusal(&appliance->lockout.state);
+}
+
 static bool is_locked(const struct iso_appliance *appliance)
 {
-    return iso_lockout_refusal(&appliance->lockout) != ISO_REASON_NONE;
+    return iso__appliance_lock_reason(appliance) != ISO_REASON_NONE;
+}
+
+int64_t iso__appliance_lockout_due_ns(const struct iso_appliance *appliance)
+{
+    int64_t due_ns = iso_lockout_due_ns(&appliance->lockout.state);
+    due_ns = appliance->lockout.save_ns < due_ns ? appliance->lockout.save_ns : due_ns;
+    return appliance->lockout.read_ns < due_ns ? appliance->lockout.read_ns : due_ns;
 }
 
 static enum iso_reason refusal_of(const struct iso_appliance *appliance)
 {
-    return is_locked(appliance)   ? iso_lockout_refusal(&appliance->lockout)
-           : is_unread(appliance) ? ISO_REASON_NO_LOCKOUT
-           : iso_gallery_state(appliance->borrowed.gallery, NULL) ? ISO_REASON_NO_GALLERY
-                                                                  : ISO_REASON_NONE;
+    if (is_locked(appliance)) {
+        return iso__appliance_lock_reason(appliance);
+    }
+    if (iso__appliance_lockout_is_unread(appliance)) {
+        return ISO_REASON_NO_LOCKOUT;
+    }
+    return iso_gallery_state(appliance->borrowed.gallery, NULL) ? ISO_REASON_NO_GALLERY
+                                                                : ISO_REASON_NONE;
 }
 
 bool iso__appliance_is_shut(const struct iso_appliance *appliance)
@@ -227,21 +242,21 @@ bool iso__appliance_is_shut(const struct iso_appliance *appliance)
 
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
 {
-    if (t_ns >= appliance->lockout_read_ns) {
+    if (t_ns >= appliance->lockout.read_ns) {
         read_file(appliance);
     }
     const bool was_locked = is_locked(appliance);
-    if (t_ns >= appliance->lockout_save_ns) {
+    if (t_ns >= appliance->lockout.save_ns) {
         (void)!save(appliance, NULL);
     }
-    if (!iso_lockout_time(&appliance->lockout, t_ns)) {
+    if (!iso_lockout_time(&appliance->lockout.state, t_ns)) {
         return;
     }
     if (was_locked && !is_locked(appliance)) {
         struct iso_audit_record record = iso_audit_record_of("lockout");
         record.reason = "over";
         (void)iso__appliance_note(appliance, &record);
-        iso_decision_reset(&appliance->decision); /* who was not compared begins anew */
+        iso__appliance_decide_anew(appliance); /* who was not compared begins anew */
     }
     (void)!save(appliance, NULL);
 }
@@ -251,12 +266,12 @@ static void record_lock(struct iso_appliance *appliance)
 {
     char note[64];
     struct iso_audit_record record = iso_audit_record_of("lockout");
-    const int64_t left_ns = iso_lockout_remaining_ns(&appliance->lockout,
+    const int64_t left_ns = iso_lockout_remaining_ns(&appliance->lockout.state,
                                                      iso__appliance_now_ns(appliance));
     record.reason = "locked";
     (void)snprintf(note, sizeof note, "%.0f s: %d failures, %d attacks",
-                   (double)left_ns / (double)ISO_NS_PER_S, appliance->lockout.failures,
-                   appliance->lockout.attacks);
+                   (double)left_ns / (double)ISO_NS_PER_S, appliance->lockout.state.failures,
+                   appliance->lockout.state.attacks);
     record.note = note;
     (void)iso__appliance_note(appliance, &record);
     iso__appliance_say(appliance, LOG_WARNING, "nobody is let in for %s", note);
@@ -265,12 +280,12 @@ static void record_lock(struct iso_appliance *appliance)
 void iso__appliance_count_verdict(struct iso_appliance *appliance,
                                   const struct iso_verdict *verdict)
 {
-    const int agree = appliance->decision.options.agree;
-    const bool remembered = appliance->lockout.failures > 0;
-    if (iso_lockout_verdict(&appliance->lockout, verdict, agree,
+    const int agree = appliance->visit.decision.options.agree;
+    const bool remembered = appliance->lockout.state.failures > 0;
+    if (iso_lockout_verdict(&appliance->lockout.state, verdict, agree,
                             iso__appliance_now_ns(appliance))) {
         record_lock(appliance);
-        iso_decision_reset(&appliance->decision);
+        iso__appliance_decide_anew(appliance);
         (void)!save(appliance, NULL);
     } else if (iso_lockout_counts(verdict, agree) || (verdict->allow && remembered)) {
         (void)!save(appliance, NULL);
@@ -300,17 +315,18 @@ static int record_act(struct iso_appliance *appliance, const char *event, const 
 
 int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const struct iso_lockout before = appliance->lockout;
-    if (is_unread(appliance)) { /* it may hold a lockdown, which this does not end */
-        return iso_fault_set_code(fault, appliance->lockout_fault.code, -EIO, "%s",
-                                  appliance->lockout_fault.text);
+    const struct iso_lockout before = appliance->lockout.state;
+    if (iso__appliance_lockout_is_unread(
+            appliance)) { /* it may hold a lockdown, which this does not end */
+        return iso_fault_set_code(fault, appliance->lockout.fault.code, -EIO, "%s",
+                                  appliance->lockout.fault.text);
     }
     int error = record_act(appliance, "lockout", "cleared", fault);
     if (error) {
         return error;
     }
-    iso_lockout_clear(&appliance->lockout);
-    iso_decision_reset(&appliance->decision);
+    iso_lockout_clear(&appliance->lockout.state);
+    iso__appliance_decide_anew(appliance);
     error = save_or_undo(appliance, &before, fault);
     if (error) {
         iso_storage_add(fault, "the lock-out is as before");
@@ -325,8 +341,8 @@ static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fau
 {
     const int error = record_act(appliance, "lockdown", "on", fault);
     struct iso_fault own = {.text = ""};
-    appliance->lockout.lockdown = true;
-    iso_decision_reset(&appliance->decision);
+    appliance->lockout.state.lockdown = true;
+    iso__appliance_decide_anew(appliance);
     const int unkept = save(appliance, &own);
     if (!unkept) {
         return error;
@@ -338,18 +354,18 @@ static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fau
 /* This replaces a file that cannot be read, too. */
 static int end_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const struct iso_lockout before = appliance->lockout;
-    const int64_t read_ns = appliance->lockout_read_ns;
+    const struct iso_lockout before = appliance->lockout.state;
+    const int64_t read_ns = appliance->lockout.read_ns;
     int error = record_act(appliance, "lockdown", "off", fault);
     if (error) {
         return error;
     }
-    appliance->lockout.lockdown = false;
-    appliance->lockout_read_ns = ISO_NEVER_NS;
-    iso_decision_reset(&appliance->decision);
+    appliance->lockout.state.lockdown = false;
+    appliance->lockout.read_ns = ISO_NEVER_NS;
+    iso__appliance_decide_anew(appliance);
     error = save_or_undo(appliance, &before, fault);
     if (error) {
-        appliance->lockout_read_ns = read_ns;
+        appliance->lockout.read_ns = read_ns;
         iso_storage_add(fault, "the lockdown goes on");
     }
     return error;
@@ -359,6 +375,6 @@ int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_
 {
     const int error = on ? begin_lockdown(appliance, fault) : end_lockdown(appliance, fault);
     iso__appliance_say(appliance, LOG_NOTICE, "lockdown %s",
-                       appliance->lockout.lockdown ? "on" : "off");
+                       appliance->lockout.state.lockdown ? "on" : "off");
     return error;
 }

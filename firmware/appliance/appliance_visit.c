@@ -5,7 +5,7 @@
 #include <syslog.h>
 
 #include "drivers/terminal/words.h"
-#include "firmware/appliance/appliance_state.h"
+#include "firmware/appliance/appliance_calls.h"
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config)
 {
@@ -77,7 +77,7 @@ static struct iso_audit_record record_of(const struct iso_appliance *appliance, 
     record.threshold = iso__appliance_threshold(appliance);
     record.frames = verdict->frames;
     record.sensor = iso__appliance_sensor_state(appliance);
-    if (iso_image_tally_text(&appliance->image, image)) {
+    if (iso_image_tally_text(&appliance->visit.image, image)) {
         record.note = image;
     }
     if (verdict->attack_frames > 0) {
@@ -115,10 +115,11 @@ static void refuse(struct iso_appliance *appliance, struct iso_visit *visit)
 /* The door that did not unlock has a fault, or is at fault for another reason. */
 static void note_answer(struct iso_appliance *appliance, struct iso_visit *visit)
 {
-    appliance->door_look = iso_door_guard_look(appliance->door);
+    appliance->outcome.door_look = iso_door_guard_look(appliance->door);
     visit->door_fault = visit->door != ISO_DOOR_DID_NOT_UNLOCK ? ""
-                        : appliance->door_look.fault.text[0]   ? appliance->door_look.fault.text
-                                                               : "the door is at fault";
+                        : appliance->outcome.door_look.fault.text[0]
+                            ? appliance->outcome.door_look.fault.text
+                            : "the door is at fault";
 }
 
 /* The card of the person who is let in, whatever spelling of the name the file has. Of an old
@@ -136,7 +137,7 @@ static const struct iso_card *card_of(const struct iso_appliance *appliance, con
  * does; a door without a lock of its own did not unlock then. */
 static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
 {
-    struct iso_fault *fault = &appliance->card_fault;
+    struct iso_fault *fault = &appliance->outcome.card_fault;
     const struct iso_card *card = card_of(appliance, visit->person);
     int error = -ENOENT;
     if (iso_door_guard_look(appliance->door).state != ISO_DOOR_UNLOCKED) {
@@ -208,15 +209,30 @@ static void count(struct iso_appliance_counts *counts, const struct iso_verdict 
     counts->attacks += verdict->reason == ISO_REASON_ATTACK;
 }
 
+/* The text of the last visit ends before the name then. */
+void iso__appliance_forget_outcome(struct iso_appliance *appliance, const char *name)
+{
+    if (*name && strcmp(appliance->outcome.person, name) == 0) {
+        const size_t verdict = strcspn(appliance->outcome.text, " ");
+        explicit_bzero(appliance->outcome.text + verdict, sizeof appliance->outcome.text - verdict);
+        explicit_bzero(appliance->outcome.person, sizeof appliance->outcome.person);
+    }
+}
+
+void iso__appliance_count_attack_frame(struct iso_appliance *appliance)
+{
+    appliance->outcome.counts.attack_frames++;
+}
+
 static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *visit)
 {
     const struct iso_verdict *verdict = &visit->verdict;
     const bool stuck = visit->door == ISO_DOOR_DID_NOT_UNLOCK;
     const char *answer = iso_door_answer_name(visit->door);
-    (void)snprintf(appliance->last_outcome, sizeof appliance->last_outcome, "%s%s%s%s",
+    (void)snprintf(appliance->outcome.text, sizeof appliance->outcome.text, "%s%s%s%s",
                    verdict_word(verdict), *visit->person ? " " : "", visit->person,
                    stuck ? ", door not-unlocked" : "");
-    (void)snprintf(appliance->outcome_person, sizeof appliance->outcome_person, "%s",
+    (void)snprintf(appliance->outcome.person, sizeof appliance->outcome.person, "%s",
                    visit->person);
     iso__appliance_say(appliance, stuck ? LOG_WARNING : LOG_INFO,
                        "visit: %s (%s, %d %s, %lld ms)%s%s%s%s", verdict_word(verdict),
@@ -236,14 +252,14 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
         .door_fault = "",
         .person = person ? person->name : "",
         .threshold = iso__appliance_threshold(appliance),
-        .latency_ns = iso_times_now_ns(&appliance->borrowed.times) - appliance->arrival_ns,
+        .latency_ns = iso_times_now_ns(&appliance->borrowed.times) - appliance->visit.arrival_ns,
     };
     if (verdict.allow) {
         let_in(appliance, &visit);
     } else {
         refuse(appliance, &visit);
     }
-    count(&appliance->counts, &visit.verdict);
+    count(&appliance->outcome.counts, &visit.verdict);
     tell_visit(appliance, &visit);
     iso__appliance_learn(appliance, &visit.verdict);
 }

@@ -145,7 +145,7 @@ mistake 'log: a failed group counts' firmware/audit/audit_append.c 'put_back(aud
 judges=(test_firmware_audit_chain)
 mistake 'log: who lacks records is taken for the log' firmware/audit/audit_truth.c 'if (!has_all(found, audit)) {' 'if (!has_all(found, audit) && !found) {'
 judges=('storage_faults 1 lockdown')
-mistake 'lock-out: ended in memory only' firmware/appliance/appliance_refusal.c 'appliance->lockout = *before;' '(void)before;'
+mistake 'lock-out: ended in memory only' firmware/appliance/appliance_refusal.c 'appliance->lockout.state = *before;' '(void)before;'
 mistake 'lock-out: nobody asks what the file holds' firmware/appliance/appliance_refusal.c \
     'if (error && !is_kept(appliance)) {' 'if (error && (!is_kept(appliance) || error)) {' \
     firmware/visit/lockout_file.c \
@@ -167,7 +167,7 @@ mistake 'door: the queue is locked while the disk works' firmware/audit/audit_gr
     firmware/audit/audit_group.c \
     '(void)pthread_mutex_lock(&writer->mutex);
     writer->last = iso_audit_last(writer->audit);' 'writer->last = iso_audit_last(writer->audit);'
-mistake 'grant: it waits for its record without an end' firmware/appliance/appliance.c \
+mistake 'grant: it waits for its record without an end' firmware/appliance/appliance_log.c \
     'iso_audit_writer_append(appliance->log, record, wait_ns, NULL, &own);' \
     'iso_audit_writer_append(appliance->log, record, ISO_NEVER_NS, NULL, &own);'
 mistake 'grant: the door opens while its record waits' firmware/appliance/appliance_visit.c \
@@ -190,9 +190,9 @@ mistake 'door: it waits until its news are taken' firmware/door/door_guard.c \
 mistake 'door: no edge wakes it' firmware/door/door_guard.c '{.fd = lines_fd, .events = POLLIN},' '{.fd = lines_fd < 0 ? lines_fd : -1, .events = POLLIN},'
 mistake 'door: no time wakes it' firmware/door/door_guard.c '{.fd = guard->timer_fd, .events = POLLIN},' '{.fd = -1, .events = POLLIN},'
 judges=(test_firmware_old_verdicts)
-mistake 'grant: its record may take 3 s' firmware/appliance/appliance.c \
+mistake 'grant: its record may take 3 s' firmware/appliance/appliance_log.c \
     'wait_ns = ISO_GRANT_WAIT_MS * ISO_NS_PER_MS;' 'wait_ns = 3000 * ISO_NS_PER_MS;'
-mistake 'grant: its record may take any time' firmware/appliance/appliance.c 'took_ns > wait_ns' 'took_ns < 0'
+mistake 'grant: its record may take any time' firmware/appliance/appliance_log.c 'took_ns > wait_ns' 'took_ns < 0'
 judges=(test_firmware_audit_writer)
 mistake 'log: a grant that was given up is written' firmware/audit/audit_writer.c \
     'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled;'
@@ -221,7 +221,7 @@ mistake 'stale: the newest frame counts, not the oldest' firmware/visit/decision
 mistake 'stale: counted from the verdict' firmware/appliance/appliance_door.c \
     'const int64_t until_ns = since_ns + appliance->suspension.asleep_ns + stale_ns;' \
     'const int64_t until_ns = iso_times_boot_ns(&appliance->borrowed.times) + stale_ns + 0 * since_ns;'
-mistake 'suspended: frames from before count' firmware/appliance/appliance_frame.c \
+mistake 'suspended: frames from before count' firmware/appliance/appliance_face.c \
     'frame->t_ns < appliance->suspension.awake_ns' 'frame->t_ns < 0'
 mistake 'suspended: a visit goes on' firmware/appliance/appliance.c \
     'if (iso_suspension_look(&appliance->suspension, &appliance->borrowed.times)) {' \
@@ -235,7 +235,7 @@ judges=(test_firmware_door_guard)
 mistake 'stale: the card of an old grant is sent' firmware/door/door_guard.c \
     'error = now_ns(guard) <= guard->granted_until_ns' 'error = now_ns(guard) <= INT64_MAX'
 judges=(test_firmware_slow_disk)
-mistake 'stale: a process that was stopped goes on' firmware/appliance/appliance.c 'took_ns > wait_ns' 'took_ns < 0' \
+mistake 'stale: a process that was stopped goes on' firmware/appliance/appliance_log.c 'took_ns > wait_ns' 'took_ns < 0' \
     firmware/door/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {' \
     firmware/door/door_guard.c '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0' \
     firmware/audit/audit_writer.c 'pthread_cond_timedwait(&writer->changed, &writer->mutex, &until);' \
@@ -256,26 +256,27 @@ mistake 'repeats: a ring of frames is forgotten again' core/presentation/frame_m
     'struct entry *entry = &memory->entries[memory->next];' 'if (known) { return known; }
     struct entry *entry = &memory->entries[memory->next];'
 judges=(test_firmware_repeats)
-mistake 'repeats: known frames count at the door' firmware/appliance/appliance_frame.c \
+mistake 'repeats: known frames count at the door' firmware/appliance/appliance_face.c \
     'return !repeats && !is_echo(appliance);' 'return (repeats || !repeats) && !is_echo(appliance);'
 mistake 'repeats: known frames count for an enrolment' firmware/appliance/appliance_frame.c \
     'capture = evidence ?' 'capture = evidence || appliance->mode == ISO_APPLIANCE_ENROLL ?'
 mistake 'repeats: known frames count for a client' firmware/appliance/appliance_frame.c \
     'capture = evidence ?' 'capture = evidence || appliance->mode == ISO_APPLIANCE_IDENTIFY ?'
 mistake 'repeats: frames that were moving are not remembered' firmware/appliance/appliance_frame.c \
-    'const bool evidence = counts(appliance, frame);' 'const bool evidence = capture == ISO_CAPTURE_OK && counts(appliance, frame);'
+    'const bool evidence = iso__appliance_is_evidence(appliance, frame);' \
+    'const bool evidence = capture == ISO_CAPTURE_OK && iso__appliance_is_evidence(appliance, frame);'
 mistake 'repeats: a camera that starts again has new frames' firmware/appliance/appliance_repeat.c \
-    'appliance->repeats = (struct iso_repeat_watch){.stuck = false};
-}' 'appliance->repeats = (struct iso_repeat_watch){.stuck = false};
+    'appliance->repeats.watch = (struct iso_repeat_watch){.stuck = false};
+}' 'appliance->repeats.watch = (struct iso_repeat_watch){.stuck = false};
     const struct iso_frame_memory_options anew = iso_frame_memory_options_default();
-    iso_frame_memory_free(appliance->shown);
-    (void)!iso_frame_memory_new(&anew, &appliance->shown);
+    iso_frame_memory_free(appliance->repeats.shown);
+    (void)!iso_frame_memory_new(&anew, &appliance->repeats.shown);
 }'
 mistake 'repeats: a stuck camera is not on record' firmware/visit/repeat_watch.c \
     'ISO_REPEATS_TO_STUCK)' 'ISO_REPEATS_TO_STUCK * 1000)'
 judges=('test_firmware_faults 40 500')
-mistake 'twice, frozen: a frame agrees with itself' firmware/appliance/appliance_frame.c \
-    'appliance->liveness.repeated > 0;' 'appliance->liveness.repeated > 1000;'
+mistake 'twice, frozen: a frame agrees with itself' firmware/appliance/appliance_face.c \
+    'appliance->face.liveness.repeated > 0;' 'appliance->face.liveness.repeated > 1000;'
 
 # ---- 5: files of an earlier time ----
 rule=5
@@ -283,7 +284,7 @@ judges=(test_firmware_earlier_files)
 mistake 'earlier: nobody compares the stores' firmware/keys/heads.c \
     'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
 mistake 'earlier: the daemon does not ask' firmware/daemon/components.c \
-    'const int error = iso_heads_check(iso_key_ring_board(borrowed->ring), fault);' 'const int error = 0;'
+    'const int error = iso_heads_check(iso_key_ring_board(components->ring), fault);' 'const int error = 0;'
 mistake 'earlier: one less is taken' firmware/keys/heads.c \
     'store->count < claim->known.count[i]' 'store->count + 1 < claim->known.count[i]'
 mistake 'earlier: anchors know nothing' firmware/audit/anchor.c \
@@ -328,11 +329,10 @@ rule=6
 judges=('test_firmware_faults 40 500')
 mistake 'late: a pause of 1.5 s is no silence' tests/firmware/faults/test_faults.c \
     'config->sensor.silence_ms = 2000;' 'config->sensor.silence_ms = 2000; config->sensor.pause_ms = 1500;'
-mistake 'drop: blind, and the door says nothing' firmware/appliance/appliance.c \
-    'iso_door_guard_set_fault(appliance->door, appliance->blind);' ''
-mistake 'drop: a visit goes on while blind' firmware/appliance/appliance.c \
-    '        iso_decision_reset(&appliance->decision);
-        iso_track_reset(&appliance->track);' '' \
+mistake 'drop: blind, and the door says nothing' firmware/appliance/appliance_sensor.c \
+    'iso_door_guard_set_fault(appliance->door, appliance->sensor.blind);' ''
+mistake 'drop: a visit goes on while blind' firmware/appliance/appliance_sensor.c \
+    'iso__appliance_forget_face(appliance);' '' \
     firmware/visit/decision.c \
     'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
     firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
@@ -347,9 +347,9 @@ static int64_t' '    return ISO_SENSOR_FLAW;
 
 static int64_t'
 mistake 'corrupt: the last good frame is taken again' firmware/appliance/appliance_frame.c \
-    'appliance->mode == ISO_APPLIANCE_CLAIMED || extract(appliance, frame)' \
-    'appliance->mode == ISO_APPLIANCE_CLAIMED || (extract(appliance, frame) && 0)' \
-    firmware/appliance/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' ''
+    'appliance->mode == ISO_APPLIANCE_CLAIMED || iso__appliance_extract(appliance, frame)' \
+    'appliance->mode == ISO_APPLIANCE_CLAIMED || (iso__appliance_extract(appliance, frame) && 0)' \
+    firmware/appliance/appliance_face.c 'iso_template_wipe(&appliance->face.extraction.tmpl);' ''
 mistake 'corrupt: a score that is no number counts' firmware/visit/decision.c \
     'isfinite(frame->score) && frame->score >= options->threshold &&' \
     '!(frame->score < options->threshold) &&' \
@@ -361,10 +361,10 @@ mistake 'blank: a visit has no end' firmware/visit/decision.c \
     firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
     firmware/visit/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
     firmware/appliance/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
-mistake 'blank: nobody is whoever was there before' firmware/appliance/appliance_frame.c \
+mistake 'blank: nobody is whoever was there before' firmware/appliance/appliance_face.c \
     '    if (extraction->outcome != ISO_CAPTURE_OK) {' \
     '    if (extraction->outcome != ISO_CAPTURE_OK && extraction->outcome != ISO_CAPTURE_NOBODY) {' \
-    firmware/appliance/appliance_frame.c 'iso_template_wipe(&appliance->extraction.tmpl);' '' \
+    firmware/appliance/appliance_face.c 'iso_template_wipe(&appliance->face.extraction.tmpl);' '' \
     tests/firmware/rigs/puppets.c '*out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};' \
     'out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);'
 mistake 'clock: whom the calendar shuts out enters' firmware/appliance/appliance_frame.c \

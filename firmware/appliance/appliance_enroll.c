@@ -1,0 +1,283 @@
+/* ENROLL: somebody is put into the gallery. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <syslog.h>
+
+#include "drivers/file/storage_fault.h"
+#include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/enroll_gate.h"
+#include "firmware/contract/contract.h"
+
+/* Limits as they are stored; nobody has none. */
+static struct iso_validity validity_of(const struct iso_person *person)
+{
+    return person ? (struct iso_validity){person->valid_from_s, person->valid_until_s}
+                  : (struct iso_validity){0};
+}
+
+static int check_request(const struct iso_appliance *appliance,
+                         const struct iso_enroll_request *request, struct iso_fault *fault)
+{
+    const char *flaw = iso_person_name_flaw(request->person);
+    if (flaw) {
+        return iso_fault_set(fault, -EINVAL, "%s", flaw);
+    }
+    const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, request->person);
+    const struct iso_validity before = validity_of(known);
+    const int64_t now_s = iso_times_wall_ns(&appliance->borrowed.times) / ISO_NS_PER_S;
+    char validity_flaw[ISO_VALIDITY_FLAW_SIZE];
+    if (!iso_validity_is_fine(&before, &request->validity, now_s, validity_flaw)) {
+        return iso_fault_set(fault, -EINVAL, "%s", validity_flaw);
+    }
+    return iso_gallery_room(appliance->borrowed.gallery, request->person, fault);
+}
+
+int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
+                         struct iso_fault *fault)
+{
+    const struct iso_config_enroll *config = &appliance->borrowed.config->enroll;
+    const struct iso_enrolment_options options = {
+        .stages = config->stages,
+        .agree_score = config->agree_score,
+        .duplicate_score = config->duplicate_score,
+        .attack_frames = appliance->borrowed.config->decision.attack_frames,
+        .timeout_ns = config->timeout_ms * ISO_NS_PER_MS,
+        .allow_duplicate = request->allow_duplicate,
+    };
+    int error = iso__appliance_may_act(appliance, fault);
+    if (!error) {
+        error = check_request(appliance, request, fault);
+    }
+    if (error) {
+        return error;
+    }
+    const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, request->person);
+    appliance->enrolling.person = (struct iso_person){.id = known ? known->id : 0};
+    appliance->enrolling.validity = request->validity;
+    (void)snprintf(appliance->enrolling.person.name, sizeof appliance->enrolling.person.name, "%s",
+                   known ? known->name : request->person);
+    iso_enrolment_begin(&appliance->enrolling.enrolment, &options,
+                        iso__appliance_now_ns(appliance));
+    iso__appliance_begin_action(appliance, ISO_APPLIANCE_ENROLL, config->timeout_ms);
+    return 0;
+}
+
+/* Whom the enrolment that ends duplicates; NULL: nobody. */
+static const struct iso_person *duplicate_of(const struct iso_appliance *appliance)
+{
+    return appliance->enrolling.enrolment.state == ISO_ENROLMENT_DUPLICATE
+               ? iso_gallery_find_id(appliance->borrowed.gallery,
+                                     appliance->enrolling.enrolment.duplicate_of)
+               : NULL;
+}
+
+/* `detail`: whom it duplicates, what the disk refused, or "". */
+static void tell_enrolment(const struct iso_appliance *appliance, const char *result, bool done,
+                           double quality, const char *detail)
+{
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
+    events->enroll_status(events->context, result, done,
+                          (unsigned)appliance->enrolling.enrolment.stage,
+                          (unsigned)appliance->enrolling.enrolment.options.stages, quality, detail);
+}
+
+static struct iso_audit_record enrolment_record(const struct iso_appliance *appliance,
+                                                const char *reason)
+{
+    struct iso_audit_record record = iso_audit_record_of("enroll");
+    record.person = appliance->enrolling.person.name;
+    record.reason = reason;
+    record.frames = appliance->enrolling.enrolment.stage;
+    if (appliance->enrolling.enrolment.attack_frames > 0) {
+        record.attack_frames = appliance->enrolling.enrolment.attack_frames;
+    }
+    return record;
+}
+
+static int record_enrolment(struct iso_appliance *appliance, const char *reason, const char *note)
+{
+    struct iso_audit_record record = enrolment_record(appliance, reason);
+    record.note = note;
+    return iso__appliance_record(appliance, &record);
+}
+
+/* That it is complete, and which limits it changes. The person takes the limits that follow: those
+ * that were not named stay as the gallery has them. */
+static int record_completion(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);
+    const struct iso_person *known = iso_gallery_find_id(appliance->borrowed.gallery,
+                                                         appliance->enrolling.person.id);
+    if (appliance->enrolling.person.id != 0 && !known) {
+        /* Removed meanwhile: limits that were not named are not known any more. */
+        return iso_fault_set(fault, -ENOENT, "%s: no such person",
+                             appliance->enrolling.person.name);
+    }
+    const struct iso_validity before = validity_of(known);
+    const struct iso_validity after = iso_validity_after(&before, &appliance->enrolling.validity);
+    char before_text[ISO_VALIDITY_TEXT_SIZE], after_text[ISO_VALIDITY_TEXT_SIZE];
+    appliance->enrolling.person.valid_from_s = after.from_s;
+    appliance->enrolling.person.valid_until_s = after.until_s;
+    if (!iso_validity_is_same(&before, &after)) {
+        iso_validity_text(&before, before_text);
+        iso_validity_text(&after, after_text);
+        record.before = known ? before_text : NULL;
+        record.after = after_text;
+    }
+    return iso__appliance_record_first(appliance, &record, fault);
+}
+
+static int add_person(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const int error = iso_gallery_add(appliance->borrowed.gallery, &appliance->enrolling.person,
+                                      &appliance->enrolling.enrolment.fused, fault);
+    if (error) {
+        (void)record_enrolment(appliance, "not-stored", fault->text);
+        iso__appliance_note_storage(appliance, error, fault);
+    }
+    return error;
+}
+
+/* Puts the template into the gallery. What cannot be logged is not done. */
+static int keep_enrolment(struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    appliance->enrolling.person.enrolled_s = iso_times_wall_ns(&appliance->borrowed.times) /
+                                             ISO_NS_PER_S;
+    int error = iso_gallery_state(appliance->borrowed.gallery, fault);
+    if (!error) {
+        error = record_completion(appliance, fault);
+    }
+    if (!error) {
+        error = add_person(appliance, fault);
+    }
+    if (error) {
+        iso__appliance_say(appliance, LOG_ERR, "an enrolment could not be stored: %s",
+                           iso_storage_is_refusal(error) ? fault->text : strerror(-error));
+        return error;
+    }
+    iso__appliance_record_gallery(appliance, "gallery", NULL);
+    return 0;
+}
+
+/* What the record of an enrolment that failed says besides its result; NULL: nothing. */
+static const char *enrolment_note(const struct iso_appliance *appliance)
+{
+    const struct iso_person *duplicate = duplicate_of(appliance);
+    if (appliance->enrolling.enrolment.state == ISO_ENROLMENT_ATTACK) {
+        return iso_capture_name(appliance->enrolling.enrolment.cue);
+    }
+    return duplicate ? duplicate->name : NULL;
+}
+
+/* What clients are told besides the result: whom the face duplicates, or why the disk has not
+ * stored the template; "": nothing. */
+static const char *enrolment_detail(const struct iso_appliance *appliance, int error,
+                                    const struct iso_fault *fault)
+{
+    const struct iso_person *duplicate = duplicate_of(appliance);
+    if (duplicate) {
+        return duplicate->name;
+    }
+    return iso_storage_is_refusal(error) ? fault->text : "";
+}
+
+/* Reports a final state of the enrolment. */
+static void finish_enrolment(struct iso_appliance *appliance)
+{
+    static const char *const results[] = {
+        [ISO_ENROLMENT_COMPLETED] = ISO_CONTRACT_RESULT_COMPLETED,
+        [ISO_ENROLMENT_DUPLICATE] = ISO_CONTRACT_RESULT_DUPLICATE,
+        [ISO_ENROLMENT_FAILED] = ISO_CONTRACT_RESULT_FAILED,
+        [ISO_ENROLMENT_TIMED_OUT] = ISO_CONTRACT_RESULT_TIMED_OUT,
+        [ISO_ENROLMENT_DISCONNECTED] = ISO_CONTRACT_RESULT_DISCONNECTED,
+        [ISO_ENROLMENT_ATTACK] = ISO_CONTRACT_RESULT_ATTACK,
+        [ISO_ENROLMENT_OTHER_FACE] = ISO_CONTRACT_RESULT_OTHER_FACE,
+    };
+    const enum iso_enrolment_state state = appliance->enrolling.enrolment.state;
+    const char *result = results[state];
+    bool has_quality = state == ISO_ENROLMENT_COMPLETED || state == ISO_ENROLMENT_DUPLICATE;
+    struct iso_fault fault = {.text = ""};
+    int error = 0;
+    if (state == ISO_ENROLMENT_ACTIVE) {
+        return;
+    }
+    if (state == ISO_ENROLMENT_COMPLETED) {
+        error = keep_enrolment(appliance, &fault);
+    } else {
+        (void)record_enrolment(appliance, result, enrolment_note(appliance));
+    }
+    if (error) {
+        result = iso_storage_is_refusal(error) ? ISO_CONTRACT_RESULT_NOT_STORED
+                                               : ISO_CONTRACT_RESULT_FAILED;
+        has_quality = false;
+    }
+    tell_enrolment(appliance, result, true,
+                   has_quality ? (double)appliance->enrolling.enrolment.fused.quality : 0,
+                   enrolment_detail(appliance, error, &fault));
+    iso__appliance_end_action(appliance);
+}
+
+void iso__appliance_tell_enrolment_hint(struct iso_appliance *appliance, const char *word)
+{
+    tell_enrolment(appliance, word, false, 0, "");
+}
+
+void iso__appliance_disconnect_enrolment(struct iso_appliance *appliance)
+{
+    iso_enrolment_disconnect(&appliance->enrolling.enrolment);
+    finish_enrolment(appliance);
+}
+
+void iso__appliance_time_enrolment(struct iso_appliance *appliance, int64_t now_ns)
+{
+    iso_enrolment_time(&appliance->enrolling.enrolment, now_ns);
+    finish_enrolment(appliance);
+}
+
+void iso__appliance_wipe_enrolment(struct iso_appliance *appliance)
+{
+    iso_enrolment_wipe(&appliance->enrolling.enrolment);
+}
+
+void iso__appliance_forget_enrolment(struct iso_appliance *appliance)
+{
+    explicit_bzero(&appliance->enrolling.person, sizeof appliance->enrolling.person);
+    iso__appliance_wipe_enrolment(appliance);
+}
+
+enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance)
+{
+    const struct iso_enroll_gate gate = iso_enroll_gate_of(&appliance->borrowed.config->enroll);
+    return iso_enroll_gate_judge(&gate, &appliance->face.extraction);
+}
+
+void iso__appliance_enroll_attack(struct iso_appliance *appliance, enum iso_capture cue)
+{
+    iso_enrolment_attack(&appliance->enrolling.enrolment, cue);
+    finish_enrolment(appliance);
+}
+
+void iso__appliance_enroll_face(struct iso_appliance *appliance)
+{
+    const struct iso_template *tmpl = &appliance->face.extraction.tmpl;
+    struct iso_enrolment_gallery gallery = {.person = appliance->enrolling.person.id};
+    bool passed = false;
+    gallery.everybody = iso_gallery_everybody(appliance->borrowed.gallery);
+    gallery.own = iso_gallery_only(appliance->borrowed.gallery, gallery.person);
+    const int error = iso_enrolment_frame(&appliance->enrolling.enrolment, tmpl,
+                                          &appliance->borrowed.pipeline, &gallery, &passed);
+    if (error) {
+        struct iso_fault fault;
+        (void)iso_fault_set(&fault, error, "%s", strerror(-error));
+        iso__appliance_complain(appliance, &fault);
+    }
+    if (passed) {
+        iso__appliance_forget_hint(appliance);
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_PASSED, false, (double)tmpl->quality,
+                       "");
+    } else if (!error) {
+        tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_MISFIT, false, 0, "");
+    }
+    finish_enrolment(appliance);
+}
