@@ -6,7 +6,6 @@
 
 #include "core/base/capture.h"
 #include "firmware/appliance/appliance_calls.h"
-#include "firmware/gallery/gallery_forget.h"
 #include "firmware/recognise/learning.h"
 
 /* Whether the template in hand is as like the enrolled ones among these as has to be. */

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <ini.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -10,14 +9,10 @@
 
 #include "drivers/file/text.h"
 #include "firmware/config/config_options.h"
+#include "firmware/config/config_value.h"
 
 /* libinih cuts lines at its ini_max_line of 200 bytes, silently: longer ones are refused first. */
 enum { LINE_MAX_BYTES = 190, FILE_MAX_BYTES = 65536 };
-
-_Static_assert(sizeof(enum iso_door_fail) == sizeof(int), "choices are stored as int");
-_Static_assert(sizeof(enum iso_counter_kind) == sizeof(int), "choices are stored as int");
-_Static_assert(sizeof(enum iso_image_check) == sizeof(int), "choices are stored as int");
-_Static_assert(sizeof(enum iso_icp_transform) == sizeof(int), "choices are stored as int");
 
 /* What is gathered while libinih goes through the text. */
 struct parse {
@@ -29,92 +24,6 @@ struct parse {
     int fault_line;                          /* of the first line at fault, 0: none */
     struct iso_fault reason;
 };
-
-/* ---- values ---- */
-
-static int store_text(const char *value, void *field)
-{
-    if (strlen(value) >= ISO_CONFIG_TEXT_SIZE) {
-        return -EINVAL;
-    }
-    memset(field, 0, ISO_CONFIG_TEXT_SIZE);
-    memcpy(field, value, strlen(value));
-    return 0;
-}
-
-static int store_count(const struct iso_config_key *key, const char *value, void *field)
-{
-    size_t count;
-    if (iso_text_count(value, &count) || (double)count < key->min || (double)count > key->max) {
-        return -EINVAL;
-    }
-    memcpy(field, &(int){(int)count}, sizeof(int));
-    return 0;
-}
-
-static int store_number(const struct iso_config_key *key, const char *value, void *field)
-{
-    double number;
-    if (iso_text_number(value, &number) || number < key->min || number > key->max) {
-        return -EINVAL;
-    }
-    memcpy(field, &number, sizeof number);
-    return 0;
-}
-
-static int store_choice(const char *choices, const char *value, void *field, size_t size)
-{
-    const int choice = iso_option_find_choice(choices, value);
-    if (choice < 0) {
-        return -EINVAL;
-    }
-    if (size == sizeof(bool)) {
-        memcpy(field, &(bool){choice != 0}, sizeof(bool));
-    } else {
-        memcpy(field, &choice, sizeof choice);
-    }
-    return 0;
-}
-
-static int store(const struct iso_config_key *key, const char *value, struct iso_config *config)
-{
-    void *field = (char *)config + key->offset;
-    switch (key->type) {
-    case ISO_CONFIG_TEXT:
-        return store_text(value, field);
-    case ISO_CONFIG_NUMBER:
-        return store_number(key, value, field);
-    case ISO_CONFIG_COUNT:
-        return store_count(key, value, field);
-    case ISO_CONFIG_CHOICE:
-        return store_choice(key->choices, value, field, sizeof(int));
-    case ISO_CONFIG_SWITCH:
-        return store_choice("no|yes", value, field, sizeof(bool));
-    }
-    return -EINVAL;
-}
-
-/* What a value has to be, in words. */
-static void describe(const struct iso_config_key *key, char *text, size_t size)
-{
-    switch (key->type) {
-    case ISO_CONFIG_TEXT:
-        (void)snprintf(text, size, "text of less than %d bytes", ISO_CONFIG_TEXT_SIZE);
-        break;
-    case ISO_CONFIG_NUMBER:
-        (void)snprintf(text, size, "a number, %g to %g", key->min, key->max);
-        break;
-    case ISO_CONFIG_COUNT:
-        (void)snprintf(text, size, "a whole number, %.0f to %.0f", key->min, key->max);
-        break;
-    case ISO_CONFIG_CHOICE:
-        (void)snprintf(text, size, "%s", key->choices);
-        break;
-    case ISO_CONFIG_SWITCH:
-        (void)snprintf(text, size, "no|yes");
-        break;
-    }
-}
 
 /* ---- parsing ---- */
 
@@ -233,8 +142,8 @@ static int on_key(void *context, const char *section, const char *name, const ch
         return 0;
     }
     parse->seen[key - iso_config_keys] = true;
-    if (store(key, value, &parse->config)) {
-        describe(key, expected, sizeof expected);
+    if (iso__config_store(key, value, &parse->config)) {
+        iso__config_describe(key, expected, sizeof expected);
         refuse(parse, parse->line, "bad value '%s' for '%s' (%s)", value, name, expected);
         return 0;
     }
@@ -257,64 +166,11 @@ static void resolve_options(struct parse *parse)
     }
 }
 
-/* Keys that are sound alone and make no sense together: what is wrong, or NULL. */
-static const char *find_conflict(const struct iso_config *config)
-{
-    if (config->sensor.distance_min_mm >= config->sensor.distance_max_mm) {
-        return "[sensor] distance_min_mm is not below distance_max_mm";
-    }
-    if (config->sensor.retry_ms > config->sensor.retry_max_ms) {
-        return "[sensor] retry_ms is above retry_max_ms";
-    }
-    if (config->door.retry_ms > config->door.retry_max_ms) {
-        return "[door] retry_ms is above retry_max_ms";
-    }
-    if (config->lockout.first_ms > config->lockout.longest_ms) {
-        return "[lockout] first_ms is above longest_ms";
-    }
-    if (config->update.templates > 0 && config->update.score < iso_config_threshold(config)) {
-        return "[update] score is below the threshold";
-    }
-    if (config->decision.agree > config->decision.max_frames) {
-        return "[decision] agree is above max_frames";
-    }
-    if (config->motion.still_mm_s > config->motion.jump_mm_s ||
-        config->motion.still_deg_s > config->motion.jump_deg_s) {
-        return "[motion] what is still is faster than a jump";
-    }
-    return NULL;
-}
-
-bool iso_config_has_relay(const struct iso_config *config)
-{
-    const struct iso_config_options *options = &config->door.options;
-    return *iso_config_option(options, "relay") || !*iso_config_option(options, "wiegand_d0");
-}
-
-double iso_config_threshold(const struct iso_config *config)
-{
-    static const double of_level[] = {
-        [ISO_LEVEL_CONVENIENT] = 2.0, [ISO_LEVEL_BALANCED] = 3.0, [ISO_LEVEL_STRICT] = 4.0};
-    const double set = config->decision.threshold;
-    return set < 0.0 || set > 0.0 ? set : of_level[config->decision.level];
-}
-
-double iso_config_threshold_among(const struct iso_config *config, size_t n_people)
-{
-    const struct iso_config_decision *decision = &config->decision;
-    const bool is_set = decision->threshold < 0.0 || decision->threshold > 0.0;
-    const double times = (double)n_people / (double)ISO_CONFIG_PEOPLE_AT_LEVEL;
-    if (is_set || !iso_method_at(config->match.method)->calibrated || times <= 1.0) {
-        return iso_config_threshold(config);
-    }
-    return iso_config_threshold(config) + log10(times);
-}
-
 struct iso_config iso_config_default(void)
 {
     struct iso_config config = {0};
     for (size_t i = 0; i < iso_config_n_keys; i++) {
-        (void)store(&iso_config_keys[i], iso_config_keys[i].standard, &config);
+        (void)iso__config_store(&iso_config_keys[i], iso_config_keys[i].standard, &config);
     }
     return config;
 }
@@ -330,7 +186,7 @@ static int judge(const struct parse *parse, const char *name, int line, struct i
         return iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL, "%s:%d: %s", name,
                                   parse->fault_line, parse->reason.text);
     }
-    const char *conflict = find_conflict(&parse->config);
+    const char *conflict = iso__config_find_conflict(&parse->config);
     return conflict ? iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL, "%s: %s", name,
                                          conflict)
                     : 0;
@@ -370,48 +226,4 @@ int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *
         free(text);
     }
     return error;
-}
-
-/* ---- the sample ---- */
-
-static void print_key(const struct iso_config_key *key, FILE *out)
-{
-    char expected[96];
-    describe(key, expected, sizeof expected);
-    fprintf(out, "# %s", key->help);
-    if (key->type != ISO_CONFIG_TEXT) {
-        fprintf(out, " (%s)", expected);
-    }
-    fprintf(out, "\n#%s =%s%s\n", key->name, *key->standard ? " " : "", key->standard);
-}
-
-/* What a section has besides the keys of the table. */
-static void print_options(const char *section, FILE *out)
-{
-    static const struct iso__config_class *const classes[] = {&iso__config_sensor_class,
-                                                              &iso__config_door_class};
-    for (size_t i = 0; i < sizeof classes / sizeof *classes; i++) {
-        if (strcmp(section, classes[i]->section) == 0) {
-            iso__config_print_options(classes[i], out);
-        }
-    }
-}
-
-void iso_config_print_sample(FILE *out)
-{
-    fputs(
-        "# Configuration of isothermd, see isotherm.conf(5). Every key is shown with the value "
-        "that\n"
-        "# holds when it is left out; `isothermd --check-config` says what is wrong with a file.\n",
-        out);
-    for (size_t i = 0; i < iso_config_n_keys; i++) {
-        const char *section = iso_config_keys[i].section;
-        if (i == 0 || strcmp(section, iso_config_keys[i - 1].section) != 0) {
-            fprintf(out, "\n[%s]\n", section);
-        }
-        print_key(&iso_config_keys[i], out);
-        if (i + 1 == iso_config_n_keys || strcmp(section, iso_config_keys[i + 1].section) != 0) {
-            print_options(section, out);
-        }
-    }
 }

@@ -1,6 +1,6 @@
 /* What a configuration asks for, opened: everything that an appliance borrows. */
-#ifndef ISO_FIRMWARE_DAEMON_PARTS_H
-#define ISO_FIRMWARE_DAEMON_PARTS_H
+#ifndef ISO_FIRMWARE_DAEMON_COMPONENTS_H
+#define ISO_FIRMWARE_DAEMON_COMPONENTS_H
 
 #include <stdio.h>
 
@@ -52,6 +52,15 @@ int iso_components_check(const struct iso_config *config, const struct iso_times
  * its lines are lost and may come back. What `times` points to must outlive the components. */
 int iso_components_open(const struct iso_config *config, const struct iso_times *times,
                         bool threads, struct iso_components **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Components of which nothing is open yet. NULL for want of memory; iso_components_close ends it.
+ */
+struct iso_components *iso_components_new(const struct iso_config *config,
+                                          const struct iso_times *times);
+
+/* Whether the directories of the stores exist: -ENOENT, -EACCES. (components_stores.c) */
+int iso_components_check_places(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Whether the configuration of the counter of the state (state_counter.h) is sound; touches no

@@ -2,22 +2,19 @@
 
 #include <errno.h>
 #include <signal.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/eventfd.h>
-#include <sys/socket.h>
 #include <syslog.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
-#include <unistd.h>
 
 #include "firmware/bus/bus.h"
 #include "firmware/contract/fault_tag.h"
 #include "firmware/daemon/components.h"
 #include "firmware/daemon/confine.h"
 #include "firmware/daemon/life_sign.h"
+#include "firmware/daemon/quit_signal.h"
 #include "firmware/keys/stack_wipe.h"
 
 /* Wakes up the event loop when one of these can be read; it does nothing else. */
@@ -49,21 +46,6 @@ struct daemon {
     int64_t fed_ns;              /* and when that was */
 };
 
-void iso_daemon_say(int priority, const char *text)
-{
-    char line[1024];
-    if (!getenv("JOURNAL_STREAM")) {
-        fprintf(stderr, "isothermd: %s\n", text);
-        return;
-    }
-    const int written = snprintf(line, sizeof line, "<%d>%s\n", priority, text);
-    const size_t length = (size_t)written < sizeof line ? (size_t)written : sizeof line - 1;
-    line[length - 1] = '\n'; /* also of a text that was cut */
-    if (send(STDERR_FILENO, line, length, MSG_DONTWAIT | MSG_NOSIGNAL) < 0 && errno == ENOTSOCK) {
-        (void)!write(STDERR_FILENO, line, length);
-    }
-}
-
 static void on_message(void *context, int priority, const char *text)
 {
     (void)context;
@@ -71,47 +53,6 @@ static void on_message(void *context, int priority, const char *text)
 }
 
 /* ---- set-up ---- */
-
-static atomic_int quit_fd = -1; /* for the handler: there is one daemon in a process */
-
-/* A handler, not a signalfd: that needs the signal blocked in all threads, and the linear algebra
- * library has made some before main() came. */
-static void on_quit_signal(int number)
-{
-    const int saved = errno;
-    const uint64_t one = 1;
-    (void)number;
-    (void)!write(quit_fd, &one, sizeof one);
-    errno = saved;
-}
-
-static int on_quit(sd_event_source *source, int fd, uint32_t events, void *context)
-{
-    (void)source;
-    (void)fd;
-    (void)events;
-    ((struct daemon *)context)->quit = true;
-    return 0;
-}
-
-static int catch_signals(struct daemon *daemon)
-{
-    const struct sigaction quit = {.sa_handler = on_quit_signal, .sa_flags = SA_RESTART};
-    const int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    quit_fd = fd;
-    if (fd < 0 || sigaction(SIGTERM, &quit, NULL) || sigaction(SIGINT, &quit, NULL)) {
-        return -errno;
-    }
-    return sd_event_add_io(daemon->event, NULL, fd, EPOLLIN, on_quit, daemon);
-}
-
-/* The descriptor stays open until the process ends: the handler may just be running in one of those
- * threads, and is not to write where something else has been opened meanwhile. */
-static void release_signals(void)
-{
-    (void)signal(SIGTERM, SIG_DFL);
-    (void)signal(SIGINT, SIG_DFL);
-}
 
 static int fail(int error, const char *what, struct iso_fault *fault)
 {
@@ -131,7 +72,9 @@ static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
         daemon->unlocked.text[0] = '\0';
     }
     int r = sd_event_new(&daemon->event);
-    r = r < 0 ? r : catch_signals(daemon);
+    if (r >= 0) {
+        r = iso_quit_signal_catch(daemon->event, &daemon->quit);
+    }
     return r < 0 ? fail(r, "event loop", fault) : 0;
 }
 
@@ -374,14 +317,16 @@ static void tear_down(struct daemon *daemon)
     iso_life_sign_free(daemon->life);
     sd_event_unref(daemon->event);
     free(daemon->room);
-    release_signals();
+    iso_quit_signal_release();
 }
 
 int iso_daemon_check(const struct iso_config *config, struct iso_fault *fault)
 {
     const struct iso_times times = iso_times_system();
     int error = iso_components_load_modules(config, fault);
-    error = error ? error : iso_bus_check_address(config->bus.address, fault);
+    if (!error) {
+        error = iso_bus_check_address(config->bus.address, fault);
+    }
     return error ? error : iso_components_check(config, &times, fault);
 }
 

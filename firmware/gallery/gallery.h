@@ -152,6 +152,12 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
                                    struct iso_fault *fault),
                        void *context, struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Deletes all learned templates, in one transaction; *n is how many there were. People who had some
+ * get another id; names, dates and enrolled templates stay. People who have nothing else keep them.
+ * Errors of iso_gallery_export and iso_gallery_import; then nothing has changed. */
+int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* ---- keys, and which gallery it is ---- */
 
 /* Seals everything with a new key and drops the old one; after a kill at any moment all records are

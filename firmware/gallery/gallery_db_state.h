@@ -66,7 +66,15 @@ int iso__gallery_read_head(struct iso_gallery_db *db, struct iso_fault *fault);
 /* Compares the head with the anchor, which follows if the head is one change ahead. -ESTALE. */
 int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault);
 
-/* ---- making a database (gallery_db.c) ---- */
+/* ---- making a database (gallery_make.c) ---- */
+
+/* Makes an empty gallery if there is none. Its anchor comes first: a database without one is not
+ * trusted. -ESTALE: there is no gallery, but the anchor of one that has changed: it was taken away.
+ */
+int iso__gallery_find_or_make(struct iso_gallery_db *db, struct iso_fault *fault);
+
+/* Writes the head row from the draft; within a transaction. */
+int iso__gallery_insert_head(struct iso_gallery_db *db, struct iso_fault *fault);
 
 /* An empty database of the present version beside its place (PATH.new), connected as `beside`,
  * which is otherwise empty: a transaction is open. */

@@ -1,9 +1,10 @@
-#include "firmware/gallery/gallery_forget.h"
-
+/* The way back from what the appliance has learned: the gallery as it was enrolled. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "firmware/gallery/gallery.h"
 
 /* A person without what was learned, with the bytes that the item points to. */
 struct restored {

@@ -14,10 +14,4 @@ struct iso_gallery {
 /* Whether the gallery is out of service (iso_gallery_state). (gallery_recover.c) */
 bool iso__gallery_is_lost(const struct iso_gallery *gallery);
 
-/* Whether the names of people who are to be taken over are all different, in case too (gallery.h).
- * -EINVAL, -ENOMEM. (gallery_names.c) */
-int iso__gallery_check_names(const struct iso_gallery *gallery,
-                             const struct iso_gallery_item *items, size_t n,
-                             struct iso_fault *fault);
-
 #endif

@@ -283,7 +283,7 @@ rule=5
 judges=(test_firmware_earlier_files)
 mistake 'earlier: nobody compares the stores' firmware/keys/heads.c \
     'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
-mistake 'earlier: the daemon does not ask' firmware/daemon/components.c \
+mistake 'earlier: the daemon does not ask' firmware/daemon/components_stores.c \
     'const int error = iso_heads_check(iso_key_ring_board(components->ring), fault);' 'const int error = 0;'
 mistake 'earlier: one less is taken' firmware/keys/heads.c \
     'store->count < claim->known.count[i]' 'store->count + 1 < claim->known.count[i]'
@@ -299,13 +299,13 @@ mistake 'earlier: the gallery knows nothing' firmware/gallery/gallery_seal.c \
     'out->known = iso_heads_get(plain + ISO_GALLERY_HEAD_1_BYTES);' 'out->known = (struct iso_heads){{0}, {0}};' \
     firmware/audit/anchor.c 'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' \
     'if (anchor->kind[0] == 0x6c) { anchor->known = iso_heads_get(plain + PLAIN_1_BYTES); }'
-mistake 'earlier: the key ring has no number' firmware/keys/key_ring.c \
+mistake 'earlier: the key ring has no number' firmware/keys/key_ring_file.c \
     'const uint64_t number = ring->number + 1;' 'const uint64_t number = 1;'
 mistake 'earlier: another history of the log is taken' firmware/keys/heads.c \
     'claim->other_link = true;' 'claim->other_link = false;'
 mistake 'earlier: nobody counts closed segments' firmware/audit/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
 judges=(test_firmware_gallery_sealed)
-mistake 'earlier: a gallery that is gone is made anew' firmware/gallery/gallery_db.c \
+mistake 'earlier: a gallery that is gone is made anew' firmware/gallery/gallery_make.c \
     'db->anchor && iso_anchor_state(db->anchor)->value > 0' 'db->anchor && iso_anchor_state(db->anchor)->value + 1 == 0'
 judges=(test_firmware_audit_group)
 mistake 'earlier: an anchor behind a group is taken' firmware/audit/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'

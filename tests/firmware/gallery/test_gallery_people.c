@@ -7,8 +7,8 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "firmware/gallery/gallery.h"
 #include "firmware/gallery/gallery_db.h"
-#include "firmware/gallery/gallery_forget.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/firmware/rigs/rig.h"
 #include "tests/firmware/rigs/stores.h"

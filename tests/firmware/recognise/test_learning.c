@@ -4,7 +4,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/gallery/gallery_forget.h"
+#include "firmware/gallery/gallery.h"
 #include "firmware/recognise/learning.h"
 #include "tests/firmware/rigs/rig.h"
 #include "tests/support/scratch.h"

@@ -1,0 +1,57 @@
+/* What the keys of a configuration mean together. */
+#include <math.h>
+
+#include "firmware/config/config_options.h"
+#include "firmware/config/config_value.h"
+
+const char *iso__config_find_conflict(const struct iso_config *config)
+{
+    if (config->sensor.distance_min_mm >= config->sensor.distance_max_mm) {
+        return "[sensor] distance_min_mm is not below distance_max_mm";
+    }
+    if (config->sensor.retry_ms > config->sensor.retry_max_ms) {
+        return "[sensor] retry_ms is above retry_max_ms";
+    }
+    if (config->door.retry_ms > config->door.retry_max_ms) {
+        return "[door] retry_ms is above retry_max_ms";
+    }
+    if (config->lockout.first_ms > config->lockout.longest_ms) {
+        return "[lockout] first_ms is above longest_ms";
+    }
+    if (config->update.templates > 0 && config->update.score < iso_config_threshold(config)) {
+        return "[update] score is below the threshold";
+    }
+    if (config->decision.agree > config->decision.max_frames) {
+        return "[decision] agree is above max_frames";
+    }
+    if (config->motion.still_mm_s > config->motion.jump_mm_s ||
+        config->motion.still_deg_s > config->motion.jump_deg_s) {
+        return "[motion] what is still is faster than a jump";
+    }
+    return NULL;
+}
+
+bool iso_config_has_relay(const struct iso_config *config)
+{
+    const struct iso_config_options *options = &config->door.options;
+    return *iso_config_option(options, "relay") || !*iso_config_option(options, "wiegand_d0");
+}
+
+double iso_config_threshold(const struct iso_config *config)
+{
+    static const double of_level[] = {
+        [ISO_LEVEL_CONVENIENT] = 2.0, [ISO_LEVEL_BALANCED] = 3.0, [ISO_LEVEL_STRICT] = 4.0};
+    const double set = config->decision.threshold;
+    return set < 0.0 || set > 0.0 ? set : of_level[config->decision.level];
+}
+
+double iso_config_threshold_among(const struct iso_config *config, size_t n_people)
+{
+    const struct iso_config_decision *decision = &config->decision;
+    const bool is_set = decision->threshold < 0.0 || decision->threshold > 0.0;
+    const double times = (double)n_people / (double)ISO_CONFIG_PEOPLE_AT_LEVEL;
+    if (is_set || !iso_method_at(config->match.method)->calibrated || times <= 1.0) {
+        return iso_config_threshold(config);
+    }
+    return iso_config_threshold(config) + log10(times);
+}

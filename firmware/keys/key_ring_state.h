@@ -1,0 +1,43 @@
+/* What an open key ring holds. Internal to firmware/keys. */
+#ifndef ISO_FIRMWARE_KEYS_KEY_RING_STATE_H
+#define ISO_FIRMWARE_KEYS_KEY_RING_STATE_H
+
+#include <limits.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/base/fault.h"
+#include "firmware/keys/heads.h"
+#include "firmware/keys/key_ring.h"
+#include "firmware/keys/key_slots.h"
+
+struct iso_key_ring {
+    char path[PATH_MAX], file[PATH_MAX];
+    bool credential;
+    bool beside;              /* the key has not got its place yet: it is in FILE.new */
+    bool unsure;              /* the disk refused the ring: which one it holds is not known */
+    pthread_mutex_t changing; /* of what follows, but for looking into the slots */
+    struct iso_seal_key master;
+    struct iso_key_slots slots;
+    struct iso_key_list draft; /* what is about to be written */
+    uint64_t number;           /* of the file on the disk; 0: of format 1 */
+    struct iso_heads_board *board;
+};
+
+/* ---- the file of the ring (key_ring_file.c) ---- */
+
+/* No file is larger. */
+size_t iso__key_ring_file_bytes(void);
+
+/* Writes the draft, sealed with `master`; only then both hold. An error of the disk, and the ring
+ * is as before or `unsure`. */
+int iso__key_ring_commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
+                         struct iso_fault *fault);
+
+/* Takes the keys of a file that `master` opens. -EKEYREJECTED: it does not open this. */
+int iso__key_ring_open_with(struct iso_key_ring *ring, const struct iso_seal_key *master,
+                            const uint8_t *bytes, size_t size);
+
+#endif
