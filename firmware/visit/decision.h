@@ -1,19 +1,20 @@
-/* From the frames of one visit to a verdict: pure, time comes as an argument.
- *
- *   IDLE   a usable face or an attack frame           -> VISIT (or at once SPENT, as below)
- *   VISIT  `agree` frames of the same person, and
- *          half of the usable ones at least           -> SPENT, verdict allow (deny: not valid now)
- *          max_frames usable frames without that      -> SPENT, verdict deny
- *          `attack_frames` attack frames              -> SPENT, verdict deny
- *          another face than the one tracked          -> VISIT anew, verdict deny if there was a
- *                                                        usable frame; attack frames still count
- *          neither frame for gap_ns                   -> IDLE,  verdict deny; none if there was no
- *                                                        usable frame
- *   SPENT  neither frame for gap_ns                   -> IDLE
- *          refractory_ns after the verdict            -> IDLE (who stays, or stands behind, is
- * next) every  reset                                      -> IDLE, without a verdict
- *
- * A usable face is a frame that gave a template. It counts for the best person of the gallery if
+/* From the frames of one visit to a verdict. Pure: time is an argument. */
+/* clang-format off */
+/*   state  what happens                                next state   verdict
+ *   -----  ------------------------------------------  -----------  --------------------------------
+ *   IDLE   a usable face or an attack frame            VISIT        none, or at once as in VISIT
+ *   VISIT  `agree` frames of the same person, and at   SPENT        allow; deny if the person may
+ *          least half of the usable ones                            not come in at this time
+ *          max_frames usable frames without that       SPENT        deny
+ *          `attack_frames` attack frames               SPENT        deny
+ *          another face than the one tracked           VISIT, anew  deny if there was a usable
+ *                                                                   frame; attack frames still count
+ *          no frame of either kind for gap_ns          IDLE         deny if there was a usable frame
+ *   SPENT  no frame of either kind for gap_ns          IDLE         none
+ *          refractory_ns after the verdict             IDLE         none; whoever stays is the next
+ *   every  reset                                       IDLE         none */
+/* clang-format on */
+/* A usable face is a frame that gave a template. It counts for the best person of the gallery if
  * that one's score reaches the threshold and leads the second person's by the margin. All frames
  * that agree are of one track (track.h): two faces cannot agree with each other's help. The oldest
  * of them is at most stale_ns older than the newest.
