@@ -5,8 +5,15 @@
 
 #include "drivers/base/times.h"
 
-/* For a back end that neither blocks nor says when it has something. */
+/* How often a back end is asked that has neither a descriptor nor next_due_ns: it cannot say when
+ * it has something. */
 enum { LOOK_NS = 5 * ISO_NS_PER_MS };
+
+/* How often one with a descriptor is asked although the descriptor wakes up the caller. A caller
+ * that comes later than that was held up, and says so by iso_sensor_supervisor_excuse; without such
+ * a time it could not tell a stall of its own from a sensor that has nothing. A camera with 30
+ * frames a second is never asked because of it. */
+enum { BEAT_NS = 50 * ISO_NS_PER_MS };
 
 void iso_sensor_supervisor_init(struct iso_sensor_supervisor *supervisor,
                                 const struct iso_sensor_supervisor_options *options,
@@ -146,6 +153,7 @@ enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *su
         return now_ns >= supervisor->try_ns ? try_to_open(supervisor, now_ns) : ISO_SENSOR_QUIET;
     }
     const int error = iso_sensor_wait(supervisor->sensor, now_ns, frame, &fault);
+    supervisor->found = error == 0;
     if (error == -ETIMEDOUT) {
         return note_nothing(supervisor, now_ns);
     }
@@ -187,13 +195,37 @@ void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int6
     }
 }
 
+static int64_t earlier(int64_t a_ns, int64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
+/* The descriptor tells of new frames. Of the frames behind the one that was just taken it may not
+ * tell: the back end may have fetched them with that one. */
+static int64_t due_with_descriptor(const struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    const struct iso_sensor_supervisor_options *options = &supervisor->options;
+    if (supervisor->found) {
+        return now_ns;
+    }
+    int64_t due_ns = earlier(now_ns + BEAT_NS, supervisor->heard_ns + options->silence_ns);
+    if (supervisor->sees) {
+        due_ns = earlier(due_ns, supervisor->seen_ns + options->pause_ns);
+    }
+    return due_ns;
+}
+
 int64_t iso_sensor_supervisor_due_ns(const struct iso_sensor_supervisor *supervisor, int64_t now_ns)
 {
     int64_t due_ns;
     if (!supervisor->sensor) {
         return supervisor->try_ns;
     }
-    return iso_sensor_next_due_ns(supervisor->sensor, &due_ns) == 0 ? due_ns : now_ns + LOOK_NS;
+    if (iso_sensor_next_due_ns(supervisor->sensor, &due_ns) == 0) {
+        return due_ns;
+    }
+    return iso_sensor_poll_fd(supervisor->sensor) < 0 ? now_ns + LOOK_NS
+                                                      : due_with_descriptor(supervisor, now_ns);
 }
 
 void iso_sensor_supervisor_done(struct iso_sensor_supervisor *supervisor)

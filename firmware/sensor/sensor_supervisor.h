@@ -47,6 +47,7 @@ struct iso_sensor_supervisor {
     int64_t heard_ns;          /* RUNNING: the last sign of life */
     int64_t seen_ns;           /* RUNNING: exposure of the last frame of use */
     bool sees;                 /* what is before the camera now is known */
+    bool found;                /* RUNNING: the last look found a frame */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;
     char model[32];                       /* of the sensor; "" while unknown */
@@ -80,7 +81,8 @@ enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *su
 void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
                                   int64_t now_ns);
 
-/* When to look again, if nothing is to be missed. */
+/* When to look again, if nothing is to be missed; earlier if the sensor's descriptor is readable.
+ */
 int64_t iso_sensor_supervisor_due_ns(const struct iso_sensor_supervisor *supervisor,
                                      int64_t now_ns);
 

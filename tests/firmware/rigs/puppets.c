@@ -161,6 +161,12 @@ static int stream_check(const struct iso_option *options, size_t n_options, stru
     return 0;
 }
 
+static int stream_poll_fd(void *self)
+{
+    const struct puppet_sensor *sensor = ((const struct stream *)self)->sensor;
+    return sensor->descriptor ? sensor->descriptor : -ENOSYS;
+}
+
 static const struct iso_sensor_ops idle_ops = {
     .name = "puppet",
     .check = stream_check,
@@ -179,6 +185,7 @@ static const struct iso_sensor_ops streaming_ops = {
     .open = stream_open,
     .start = stream_start,
     .wait = stream_wait,
+    .poll_fd = stream_poll_fd,
     .stop = stream_stop,
     .close = stream_close,
 };

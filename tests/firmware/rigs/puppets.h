@@ -36,6 +36,7 @@ struct puppet_sensor {
     double rate_hz;                          /* nominal; 0: it does not say */
     bool scene_moves;                        /* something but the face, every second */
     bool streams;                            /* it has no next_due_ns: silence is a fault */
+    int descriptor;                          /* streams: its poll_fd; 0: it has none */
     int opened, closed;                      /* how often it was */
 };
 

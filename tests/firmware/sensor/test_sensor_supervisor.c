@@ -285,6 +285,74 @@ static void a_dead_sensor_is_found_behind_a_stall(void **state)
     assert_int_equal(look(), ISO_SENSOR_GONE);
 }
 
+static int64_t due_in_ms(void)
+{
+    return (iso_sensor_supervisor_due_ns(&supervisor, now_ns) - now_ns) / MS;
+}
+
+static void a_stream_without_a_descriptor_is_asked_every_5_ms(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    puppet_sensor_add(&sensor, 1000 * MS, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    assert_int_equal(due_in_ms(), 5);
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_int_equal(due_in_ms(), 5);
+}
+
+static void a_descriptor_is_waited_for(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    sensor.descriptor = 7;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    assert_int_equal(due_in_ms(), 50);
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_int_equal(due_in_ms(), 50);
+}
+
+static void frames_behind_a_frame_are_not_waited_for(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    sensor.descriptor = 7;
+    puppet_sensor_add(&sensor, 1000 * MS, 42, ISO_CAPTURE_OK);
+    puppet_sensor_add(&sensor, 1000 * MS + 1, 42, ISO_CAPTURE_OK);
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    now_ns += 1;
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_int_equal(due_in_ms(), 0);
+    assert_int_equal(look(), ISO_SENSOR_FRAME);
+    assert_int_equal(due_in_ms(), 0);
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_int_equal(due_in_ms(), 50);
+    sensor.wait_error = -EBADMSG; /* one that fails each time is not asked without end */
+    assert_int_equal(look(), ISO_SENSOR_FLAW);
+    assert_int_equal(due_in_ms(), 50);
+}
+
+/* Pause and silence are found when they are over, although no descriptor tells of them. */
+static void what_a_descriptor_does_not_tell_is_due(void **state)
+{
+    (void)state;
+    sensor.streams = true;
+    sensor.descriptor = 7;
+    assert_int_equal(look(), ISO_SENSOR_BACK);
+    now_ns = 1370 * MS;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_int_equal(due_in_ms(), 30);
+    now_ns = 1400 * MS;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_false(supervisor.sees);
+    assert_int_equal(due_in_ms(), 50);
+    now_ns = 1980 * MS;
+    assert_int_equal(look(), ISO_SENSOR_QUIET);
+    assert_int_equal(due_in_ms(), 20);
+    now_ns = 2000 * MS;
+    assert_int_equal(look(), ISO_SENSOR_GONE);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
@@ -301,6 +369,10 @@ int main(void)
         TEST(frames_that_come_late_are_no_sight),
         TEST(damaged_frames_are_no_sight),
         TEST(opening_again_what_was_lost_is_no_sight_yet),
+        TEST(a_stream_without_a_descriptor_is_asked_every_5_ms),
+        TEST(a_descriptor_is_waited_for),
+        TEST(frames_behind_a_frame_are_not_waited_for),
+        TEST(what_a_descriptor_does_not_tell_is_due),
         cmocka_unit_test_setup_teardown(a_caller_that_was_held_up_does_not_blame_the_sensor, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(a_dead_sensor_is_found_behind_a_stall, setup, teardown),
