@@ -1,0 +1,148 @@
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sim/world/generate/job.h"
+
+/* The face a person makes: the gallery neutral; where there are sessions of rest, the first of them
+ * is neutral too and the others mild. */
+static enum sim_expression expression_of(const struct sim_preset *preset, enum sim_role role,
+                                         int session)
+{
+    if (role == SIM_ROLE_GALLERY || (preset->rest_sessions > 0 && session == 1)) {
+        return SIM_NEUTRAL;
+    }
+    return session <= preset->rest_sessions ? SIM_MILD : preset->expression;
+}
+
+static struct sim_person person_of(const struct sim_job *job, int index)
+{
+    const struct sim_generate_options *o = job->options;
+    return sim_person_draw(o->population, o->seed, (uint32_t)index, sim_job_variance(job));
+}
+
+/* A session of person `index`; its number makes its name and its randomness. */
+static struct sim_session_plan plan_of(const struct sim_job *job, char letter, int index,
+                                       int session, enum sim_role role)
+{
+    const struct sim_preset *preset = job->preset;
+    const struct sim_generate_options *o = job->options;
+    const bool gallery = role == SIM_ROLE_GALLERY;
+    const bool placed = o->far_mm > 0.0;
+    struct sim_session_plan plan = {
+        .row = {.role = role, .count = (size_t)sim_job_frames(job)},
+        .person = person_of(job, index),
+        .expression = expression_of(preset, role, session),
+        .pose = gallery ? preset->gallery_pose : preset->probe_pose,
+        .sway = 1.0,
+        .bystander = !gallery && preset->bystander,
+        .open_hall = !gallery && preset->bystander, /* a wall might stand before the bystander */
+    };
+    if (!gallery) {
+        plan.near_mm = placed ? o->near_mm : preset->near_mm;
+        plan.far_mm = placed ? o->far_mm : preset->far_mm;
+    }
+    (void)snprintf(plan.row.subject, sizeof plan.row.subject, "%c%04d", letter, index);
+    (void)snprintf(plan.row.session, sizeof plan.row.session, "s%d", session);
+    /* Who is in the corpus: what is learned from it must not be tested with it. */
+    (void)snprintf(plan.row.note, sizeof plan.row.note, "%s-%" PRIu64, o->population, o->seed);
+    plan.random = sim_random_seeded(plan.person.key, sim_random_hash(preset->name),
+                                    (uint64_t)session);
+    return plan;
+}
+
+static int record_session(const struct sim_job *job, char letter, int index, int session,
+                          enum sim_role role, struct iso_fault *fault)
+{
+    const struct sim_session_plan plan = plan_of(job, letter, index, session, role);
+    return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+}
+
+/* A neutral session of everybody who is enrolled, later ones of them, and strangers. */
+static int record_visits(const struct sim_job *job, struct iso_fault *fault)
+{
+    const int people = sim_job_people(job);
+    const int strangers = sim_job_strangers(job);
+    const int probes = sim_job_probes(job);
+    int error = 0;
+    for (int i = 0; error == 0 && i < people; i++) {
+        error = record_session(job, 'p', i, 0, SIM_ROLE_GALLERY, fault);
+    }
+    for (int i = 0; error == 0 && i < probes; i++) {
+        error = record_session(job, 'p', i % people, 1 + i / people, SIM_ROLE_PROBE, fault);
+    }
+    for (int i = 0; error == 0 && i < strangers; i++) {
+        error = record_session(job, 'x', people + i, 1, SIM_ROLE_IMPOSTOR, fault);
+    }
+    return error;
+}
+
+/* A visit of person `index` with another one close behind; what that one is stands in the note,
+ * after the origin. */
+static int record_pair(const struct sim_job *job, int index, int session, enum sim_role role,
+                       int behind, const char *note, struct iso_fault *fault)
+{
+    const char letter = role == SIM_ROLE_IMPOSTOR ? 'x' : 'p';
+    const struct sim_person other = person_of(job, behind);
+    struct sim_session_plan plan = plan_of(job, letter, index, session, role);
+    plan.behind = &other;
+    plan.behind_min_mm = 200.0;
+    const size_t origin = strlen(plan.row.note);
+    (void)snprintf(plan.row.note + origin, sizeof plan.row.note - origin, " %s", note);
+    return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+}
+
+/* Everybody who is enrolled, and visits of two: an enrolled person with a stranger or with another
+ * enrolled one behind, in turns; a stranger with an enrolled one behind. */
+static int record_pairs(const struct sim_job *job, struct iso_fault *fault)
+{
+    const int people = sim_job_people(job);
+    const int strangers = sim_job_strangers(job);
+    const int probes = sim_job_probes(job);
+    int error = 0;
+    for (int i = 0; error == 0 && i < people; i++) {
+        struct sim_session_plan plan = plan_of(job, 'p', i, 0, SIM_ROLE_GALLERY);
+        plan.row.count *= 3; /* an enrolment takes its time */
+        error = sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+    }
+    for (int i = 0; error == 0 && i < probes; i++) {
+        const bool known = i % 2 != 0 && people > 1;
+        const int behind = known ? (i + 1) % people : people + strangers + i;
+        error = record_pair(job, i % people, 1 + i / people, SIM_ROLE_PROBE, behind,
+                            known ? "enrolled-behind" : "stranger-behind", fault);
+    }
+    for (int i = 0; error == 0 && i < strangers; i++) {
+        error = record_pair(job, people + i, 1, SIM_ROLE_IMPOSTOR, i % people, "enrolled-behind",
+                            fault);
+    }
+    return error;
+}
+
+/* The same sessions of everybody, and nobody enrolled. */
+static int record_repeats(const struct sim_job *job, struct iso_fault *fault)
+{
+    const int people = sim_job_people(job);
+    const int sessions = sim_job_sessions(job);
+    int error = 0;
+    for (int i = 0; error == 0 && i < people * sessions; i++) {
+        struct sim_session_plan plan = plan_of(job, 'p', i / sessions, 1 + i % sessions,
+                                               SIM_ROLE_PROBE);
+        plan.pose.disc_rad = job->options->pose_limit_rad;
+        error = sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+    }
+    return error;
+}
+
+static int count_visits(const struct sim_job *job)
+{
+    return sim_job_people(job) + sim_job_strangers(job) + sim_job_probes(job);
+}
+
+static int count_repeats(const struct sim_job *job)
+{
+    return sim_job_people(job) * sim_job_sessions(job);
+}
+
+const struct sim_job_kind sim_job_visits = {record_visits, count_visits};
+const struct sim_job_kind sim_job_pairs = {record_pairs, count_visits};
+const struct sim_job_kind sim_job_repeats = {record_repeats, count_repeats};
