@@ -4,31 +4,12 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
+#include "sim/base/make_directory.h"
 #include "sim/lab/report/report_file.h"
 #include "sim/shapes/learn/learn.h"
 #include "sim/shapes/study/paper.h"
-#include "sim/shapes/study/retrieve.h"
-
-enum { METHODS_MAX = 16, CACHE_MAX = 32 };
-
-/* A corpus with what was found out about it. */
-struct corpus {
-    const char *directory;
-    struct sim_shape_manifest *manifest;
-    const struct iso_shape_method *method[METHODS_MAX]; /* those that its tables ask for */
-    int n_methods;
-    struct sim_bank_options how;
-    struct sim_bank *items, *distorted[SIM_DISTORTIONS][SIM_DISTORTION_LEVELS];
-    int32_t *query_row; /* which shapes are distorted */
-    int32_t n_queries;
-    struct {
-        int method, size;
-        struct sim_features *features;
-    } cache[CACHE_MAX];
-    int n_cached;
-};
+#include "sim/shapes/study/tables_corpus.h"
 
 /* A row that was measured. */
 struct measured {
@@ -39,161 +20,9 @@ struct measured {
 
 struct tables {
     const struct sim_tables_options *options;
-    struct corpus corpus[SIM_PAPER_SETS], *of_set[SIM_PAPER_SETS];
+    struct sim_tables_corpus corpus[SIM_PAPER_SETS], *of_set[SIM_PAPER_SETS];
     struct measured *measured[SIM_PAPER_TABLES]; /* [n_rows] */
 };
-
-/* ---- corpora ---------------------------------------------------------------------- */
-
-static int index_of(const struct corpus *corpus, const char *method)
-{
-    int m = 0;
-    while (m < corpus->n_methods && strcmp(corpus->method[m]->name, method) != 0) {
-        m++;
-    }
-    return m;
-}
-
-static void collect_methods(const struct tables *tables, struct corpus *corpus)
-{
-    for (int t = 0; t < SIM_PAPER_TABLES; t++) {
-        const struct sim_paper_table *table = &sim_paper_tables[t];
-        for (int r = 0; tables->of_set[table->set] == corpus && r < table->n_rows; r++) {
-            const char *name = table->rows[r].method;
-            if (name && index_of(corpus, name) == corpus->n_methods &&
-                corpus->n_methods < METHODS_MAX) {
-                corpus->method[corpus->n_methods++] = iso_shape_method_find(name);
-            }
-        }
-    }
-}
-
-/* The first shapes of every class in turn, until there are as many queries as wanted. */
-static int choose_queries(const struct tables *tables, struct corpus *corpus)
-{
-    const struct sim_shape_manifest *manifest = corpus->manifest;
-    size_t wanted = tables->options->queries;
-    corpus->query_row = calloc((size_t)manifest->n, sizeof *corpus->query_row);
-    int32_t *turn = calloc((size_t)manifest->n, sizeof *turn);
-    int32_t *seen = calloc((size_t)manifest->n_classes, sizeof *seen);
-    int error = corpus->query_row && turn && seen ? 0 : -ENOMEM;
-    for (int32_t i = 0; !error && i < manifest->n; i++) {
-        turn[i] = seen[manifest->class_of[i]]++;
-    }
-    for (int32_t round = 0; !error && round < manifest->n; round++) {
-        for (int32_t i = 0; i < manifest->n; i++) {
-            if (turn[i] == round && (wanted == 0 || (size_t)corpus->n_queries < wanted)) {
-                corpus->query_row[corpus->n_queries++] = i;
-            }
-        }
-    }
-    free(turn);
-    free(seen);
-    return error;
-}
-
-static void print_bank(const struct corpus *corpus, FILE *out)
-{
-    const struct sim_bank *bank = corpus->items;
-    fprintf(
-        out,
-        "%s: %d shapes of %d classes, %.0f vertices in the mean; %.1f s by %d threads, %.0f MB\n",
-        corpus->directory, bank->n, corpus->manifest->n_classes, bank->mean_vertices,
-        bank->elapsed_seconds, corpus->how.threads, (double)bank->peak_kib / 1024.0);
-    fprintf(out, "  seconds of a processor: eigenpairs %.1f", bank->shape_seconds);
-    for (int m = 0; m < bank->n_methods; m++) {
-        fprintf(out, ", %s %.1f", corpus->method[m]->name, bank->seconds[m]);
-    }
-    fputs("\n", out);
-    (void)fflush(out);
-}
-
-static int open_corpus(const struct tables *tables, struct corpus *corpus, FILE *out,
-                       struct iso_fault *fault)
-{
-    int error = sim_shape_manifest_read(corpus->directory, &corpus->manifest, fault);
-    if (error) {
-        return error;
-    }
-    collect_methods(tables, corpus);
-    error = choose_queries(tables, corpus);
-    corpus->how = (struct sim_bank_options){
-        .corpus = corpus->directory,
-        .manifest = corpus->manifest,
-        .methods = corpus->method,
-        .n_methods = corpus->n_methods,
-        .seed = tables->options->seed,
-        .smooth = tables->options->smooth,
-        .threads = tables->options->threads,
-    };
-    error = error ? error : sim_bank_new(&corpus->how, &corpus->items, fault);
-    if (!error) {
-        print_bank(corpus, out);
-    }
-    return error;
-}
-
-static void close_corpus(struct corpus *corpus)
-{
-    for (int i = 0; i < corpus->n_cached; i++) {
-        sim_features_free(corpus->cache[i].features);
-    }
-    for (int k = 0; k < SIM_DISTORTIONS; k++) {
-        for (int l = 0; l < SIM_DISTORTION_LEVELS; l++) {
-            sim_bank_free(corpus->distorted[k][l]);
-        }
-    }
-    sim_bank_free(corpus->items);
-    sim_shape_manifest_free(corpus->manifest);
-    free(corpus->query_row);
-}
-
-/* The queries of a row: the items, or some of them distorted, described when first asked for. */
-static int queries_of(struct corpus *corpus, struct sim_distortion distortion,
-                      const struct sim_bank **out, struct iso_fault *fault)
-{
-    if (distortion.level == 0) {
-        *out = corpus->items;
-        return 0;
-    }
-    struct sim_bank **known = &corpus->distorted[distortion.kind][distortion.level - 1];
-    if (!*known) {
-        struct sim_bank_options how = corpus->how;
-        how.rows = corpus->query_row;
-        how.n_rows = corpus->n_queries;
-        how.distortion = &distortion;
-        int error = sim_bank_new(&how, known, fault);
-        if (error) {
-            return error;
-        }
-    }
-    *out = *known;
-    return 0;
-}
-
-static int features_of(struct corpus *corpus, const char *method, int size, uint64_t seed,
-                       struct sim_features **out)
-{
-    int m = index_of(corpus, method);
-    for (int i = 0; i < corpus->n_cached; i++) {
-        if (corpus->cache[i].method == m && corpus->cache[i].size == size) {
-            *out = corpus->cache[i].features;
-            return 0;
-        }
-    }
-    if (corpus->n_cached == CACHE_MAX) {
-        return -ENOSPC;
-    }
-    const struct sim_features_options options = {
-        .method = corpus->method[m], .index = m, .size = size, .seed = seed};
-    int error = sim_features_new(corpus->manifest, corpus->items, &options, out);
-    if (!error) {
-        corpus->cache[corpus->n_cached].method = m;
-        corpus->cache[corpus->n_cached].size = size;
-        corpus->cache[corpus->n_cached++].features = *out;
-    }
-    return error;
-}
 
 /* ---- rows ---------------------------------------------------------------------------- */
 
@@ -217,7 +46,7 @@ static int measure_retrieval(const struct sim_features *features,
     return error;
 }
 
-static int measure_row(const struct tables *tables, struct corpus *corpus,
+static int measure_row(const struct tables *tables, struct sim_tables_corpus *corpus,
                        enum sim_paper_columns columns, const struct sim_paper_row *row,
                        struct measured *out, struct iso_fault *fault)
 {
@@ -229,9 +58,10 @@ static int measure_row(const struct tables *tables, struct corpus *corpus,
         fault->text[0] = '\0';
         return 0; /* this build or machine lacks its library: the row stays empty */
     }
-    error = error ? error : queries_of(corpus, row->distortion, &queries, fault);
+    error = error ? error : sim_tables_corpus_queries(corpus, row->distortion, &queries, fault);
     error = error ? error
-                  : features_of(corpus, row->method, row->size, tables->options->seed, &features);
+                  : sim_tables_corpus_features(corpus, row->method, row->size,
+                                               tables->options->seed, &features);
     error = error ? error : sim_features_ask(features, queries);
     if (!error && columns == SIM_PAPER_CLASSES) {
         struct iso_confusion_rates told;
@@ -295,8 +125,8 @@ static void print_row(const struct sim_paper_table *table, int r, const struct m
     (void)fflush(out);
 }
 
-static void print_header(const struct sim_paper_table *table, const struct corpus *corpus,
-                         FILE *out)
+static void print_header(const struct sim_paper_table *table,
+                         const struct sim_tables_corpus *corpus, FILE *out)
 {
     static const char *const sets[SIM_PAPER_SETS] = {"nonrigid world", "SHREC'11", "SHREC'13"};
     int n = sim_paper_n_columns(table->columns);
@@ -342,8 +172,21 @@ static void write_csv(const void *context, FILE *out)
 
 /* ---- all of it ------------------------------------------------------------------------- */
 
+/* Tells a corpus which methods its tables need. */
+static void ask_methods(const struct tables *tables, struct sim_tables_corpus *corpus)
+{
+    for (int t = 0; t < SIM_PAPER_TABLES; t++) {
+        const struct sim_paper_table *table = &sim_paper_tables[t];
+        for (int r = 0; tables->of_set[table->set] == corpus && r < table->n_rows; r++) {
+            if (table->rows[r].method) {
+                sim_tables_corpus_ask_method(corpus, table->rows[r].method);
+            }
+        }
+    }
+}
+
 /* Which corpus stands for which data set. */
-static void assign(struct tables *tables)
+static void assign_corpora(struct tables *tables)
 {
     const char *const directories[SIM_PAPER_SETS] = {
         [SIM_PAPER_NONRIGID_WORLD] = tables->options->corpus,
@@ -362,7 +205,7 @@ static void assign(struct tables *tables)
 static int run_table(struct tables *tables, int t, FILE *out, struct iso_fault *fault)
 {
     const struct sim_paper_table *table = &sim_paper_tables[t];
-    struct corpus *corpus = tables->of_set[table->set];
+    struct sim_tables_corpus *corpus = tables->of_set[table->set];
     if (!corpus) {
         return 0;
     }
@@ -384,16 +227,14 @@ static int run_table(struct tables *tables, int t, FILE *out, struct iso_fault *
     return error;
 }
 
-static int run(struct tables *tables, FILE *out, struct iso_fault *fault)
+static int run_tables(struct tables *tables, FILE *out, struct iso_fault *fault)
 {
     const char *directory = tables->options->out;
-    int error = 0;
-    if (mkdir(directory, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %m", directory);
-    }
+    int error = sim_make_directory(directory, fault);
     for (int s = 0; s < SIM_PAPER_SETS && !error; s++) {
         if (tables->of_set[s] == &tables->corpus[s]) {
-            error = open_corpus(tables, &tables->corpus[s], out, fault);
+            ask_methods(tables, &tables->corpus[s]);
+            error = sim_tables_corpus_open(&tables->corpus[s], tables->options, out, fault);
         }
     }
     for (int t = 0; t < SIM_PAPER_TABLES && !error; t++) {
@@ -412,13 +253,13 @@ int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struc
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     tables->options = options;
-    assign(tables);
-    int error = run(tables, out, fault);
+    assign_corpora(tables);
+    int error = run_tables(tables, out, fault);
     if (error && fault->text[0] == '\0') {
         (void)iso_fault_set(fault, error, "%s", strerror(-error));
     }
     for (int s = 0; s < SIM_PAPER_SETS; s++) {
-        close_corpus(&tables->corpus[s]);
+        sim_tables_corpus_close(&tables->corpus[s]);
     }
     for (int t = 0; t < SIM_PAPER_TABLES; t++) {
         free(tables->measured[t]);

@@ -1,0 +1,47 @@
+/* What a study keeps, and its two parts. Internal to sim/shapes/study. */
+#ifndef SIM_SHAPES_STUDY_STUDY_DATA_H
+#define SIM_SHAPES_STUDY_STUDY_DATA_H
+
+#include <stdbool.h>
+
+#include "sim/shapes/study/retrieve.h"
+#include "sim/shapes/study/study.h"
+
+enum {
+    SIM_STUDY_METHODS_MAX = 24,
+    SIM_STUDY_CLASSIFIERS_MAX = 12,
+    SIM_STUDY_RESULTS_MAX = SIM_STUDY_METHODS_MAX * SIM_STUDY_CLASSIFIERS_MAX,
+};
+
+/* What one method and classifier came to. */
+struct sim_study_result {
+    const struct iso_shape_method *method;
+    const struct iso_classifier_ops *classifier;
+    bool ranked;
+    struct iso_retrieval retrieval;
+    struct iso_confusion_rates rates;
+};
+
+struct sim_study {
+    const struct sim_shapes_study_options *options;
+    struct sim_shape_manifest *manifest;
+    struct sim_bank_options items_how, queries_how;
+    const struct iso_shape_method *method[SIM_STUDY_METHODS_MAX];
+    const struct iso_classifier_ops *classifier[SIM_STUDY_CLASSIFIERS_MAX];
+    int n_methods, n_classifiers; /* no classifiers: each method's own */
+    struct sim_bank *items, *distorted;
+    int n_results;
+    struct sim_study_result result[SIM_STUDY_RESULTS_MAX];
+};
+
+/* Measures the study's method number m with each classifier, or with its own: adds the results,
+ * prints a line for each and writes the files of its directory. Errors of the features and of the
+ * classifier, each with a fault. */
+int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Writes the files of the whole study. */
+int sim_study_save(const struct sim_study *study, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

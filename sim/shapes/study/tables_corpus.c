@@ -1,0 +1,148 @@
+#include "sim/shapes/study/tables_corpus.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int index_of(const struct sim_tables_corpus *corpus, const char *method)
+{
+    int m = 0;
+    while (m < corpus->n_methods && strcmp(corpus->method[m]->name, method) != 0) {
+        m++;
+    }
+    return m;
+}
+
+void sim_tables_corpus_ask_method(struct sim_tables_corpus *corpus, const char *name)
+{
+    if (index_of(corpus, name) == corpus->n_methods && corpus->n_methods < SIM_TABLES_METHODS_MAX) {
+        corpus->method[corpus->n_methods++] = iso_shape_method_find(name);
+    }
+}
+
+/* The first shapes of every class in turn, until there are as many queries as wanted. */
+static int choose_queries(const struct sim_tables_options *options,
+                          struct sim_tables_corpus *corpus)
+{
+    const struct sim_shape_manifest *manifest = corpus->manifest;
+    size_t wanted = options->queries;
+    corpus->query_row = calloc((size_t)manifest->n, sizeof *corpus->query_row);
+    int32_t *turn = calloc((size_t)manifest->n, sizeof *turn);
+    int32_t *seen = calloc((size_t)manifest->n_classes, sizeof *seen);
+    int error = corpus->query_row && turn && seen ? 0 : -ENOMEM;
+    for (int32_t i = 0; !error && i < manifest->n; i++) {
+        turn[i] = seen[manifest->class_of[i]]++;
+    }
+    for (int32_t round = 0; !error && round < manifest->n; round++) {
+        for (int32_t i = 0; i < manifest->n; i++) {
+            if (turn[i] == round && (wanted == 0 || (size_t)corpus->n_queries < wanted)) {
+                corpus->query_row[corpus->n_queries++] = i;
+            }
+        }
+    }
+    free(turn);
+    free(seen);
+    return error;
+}
+
+static void print_bank(const struct sim_tables_corpus *corpus, FILE *out)
+{
+    const struct sim_bank *bank = corpus->items;
+    fprintf(
+        out,
+        "%s: %d shapes of %d classes, %.0f vertices in the mean; %.1f s by %d threads, %.0f MB\n",
+        corpus->directory, bank->n, corpus->manifest->n_classes, bank->mean_vertices,
+        bank->elapsed_seconds, corpus->how.threads, (double)bank->peak_kib / 1024.0);
+    fprintf(out, "  seconds of a processor: eigenpairs %.1f", bank->shape_seconds);
+    for (int m = 0; m < bank->n_methods; m++) {
+        fprintf(out, ", %s %.1f", corpus->method[m]->name, bank->seconds[m]);
+    }
+    fputs("\n", out);
+    (void)fflush(out);
+}
+
+int sim_tables_corpus_open(struct sim_tables_corpus *corpus,
+                           const struct sim_tables_options *options, FILE *out,
+                           struct iso_fault *fault)
+{
+    int error = sim_shape_manifest_read(corpus->directory, &corpus->manifest, fault);
+    if (error) {
+        return error;
+    }
+    error = choose_queries(options, corpus);
+    corpus->how = (struct sim_bank_options){
+        .corpus = corpus->directory,
+        .manifest = corpus->manifest,
+        .methods = corpus->method,
+        .n_methods = corpus->n_methods,
+        .seed = options->seed,
+        .smooth = options->smooth,
+        .threads = options->threads,
+    };
+    error = error ? error : sim_bank_new(&corpus->how, &corpus->items, fault);
+    if (!error) {
+        print_bank(corpus, out);
+    }
+    return error;
+}
+
+void sim_tables_corpus_close(struct sim_tables_corpus *corpus)
+{
+    for (int i = 0; i < corpus->n_cached; i++) {
+        sim_features_free(corpus->cache[i].features);
+    }
+    for (int k = 0; k < SIM_DISTORTIONS; k++) {
+        for (int l = 0; l < SIM_DISTORTION_LEVELS; l++) {
+            sim_bank_free(corpus->distorted[k][l]);
+        }
+    }
+    sim_bank_free(corpus->items);
+    sim_shape_manifest_free(corpus->manifest);
+    free(corpus->query_row);
+}
+
+int sim_tables_corpus_queries(struct sim_tables_corpus *corpus, struct sim_distortion distortion,
+                              const struct sim_bank **out, struct iso_fault *fault)
+{
+    if (distortion.level == 0) {
+        *out = corpus->items;
+        return 0;
+    }
+    struct sim_bank **known = &corpus->distorted[distortion.kind][distortion.level - 1];
+    if (!*known) {
+        struct sim_bank_options how = corpus->how;
+        how.rows = corpus->query_row;
+        how.n_rows = corpus->n_queries;
+        how.distortion = &distortion;
+        int error = sim_bank_new(&how, known, fault);
+        if (error) {
+            return error;
+        }
+    }
+    *out = *known;
+    return 0;
+}
+
+int sim_tables_corpus_features(struct sim_tables_corpus *corpus, const char *method, int size,
+                               uint64_t seed, struct sim_features **out)
+{
+    int m = index_of(corpus, method);
+    for (int i = 0; i < corpus->n_cached; i++) {
+        if (corpus->cache[i].method == m && corpus->cache[i].size == size) {
+            *out = corpus->cache[i].features;
+            return 0;
+        }
+    }
+    if (corpus->n_cached == SIM_TABLES_CACHE_MAX) {
+        return -ENOSPC;
+    }
+    const struct sim_features_options how = {
+        .method = corpus->method[m], .index = m, .size = size, .seed = seed};
+    int error = sim_features_new(corpus->manifest, corpus->items, &how, out);
+    if (!error) {
+        corpus->cache[corpus->n_cached].method = m;
+        corpus->cache[corpus->n_cached].size = size;
+        corpus->cache[corpus->n_cached++].features = *out;
+    }
+    return error;
+}
