@@ -1,7 +1,6 @@
 #include "sim/lab/picture/relief.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 /* Sums over the neighbours of a pixel, relative to it. */
 struct moments {
@@ -52,4 +51,31 @@ float sim_relief(const struct iso_frame *frame, int column, int row, int reach_p
     double lambert = (2.0 - slope_x - slope_y) /
                      sqrt(6.0 * (1.0 + slope_x * slope_x + slope_y * slope_y));
     return (float)fmin(fmax(0.15 + lambert * flat / 0.8165 * 0.85, 0.1), 1.0);
+}
+
+bool sim_relief_place(const struct iso_frame *frame, struct iso_vec3 point_mm, double *x, double *y)
+{
+    if (!iso_camera_project(&frame->camera, point_mm, x, y)) {
+        return false;
+    }
+    *x += 0.5 - frame->crop_x_px;
+    *y += 0.5 - frame->crop_y_px;
+    return true;
+}
+
+double sim_relief_nearest_mm(const struct iso_frame *frame)
+{
+    const size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
+    double nearest_mm = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        const double depth_mm = (double)frame->depth_mm[i];
+        nearest_mm = depth_mm > 0.0 ? fmin(nearest_mm, depth_mm) : nearest_mm;
+    }
+    return nearest_mm;
+}
+
+int sim_relief_reach_px(const struct iso_frame *frame, double depth_mm)
+{
+    const double reach_px = 4.0 / iso_camera_pixel_mm(&frame->camera, depth_mm);
+    return (int)fmin(fmax(rint(reach_px), 1.0), 4.0);
 }
