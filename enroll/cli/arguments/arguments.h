@@ -1,5 +1,5 @@
-/* The command line: one table of all options says which commands take which, reads them, and writes
- * the help. */
+/* The command line and its help, from the tables of commands and options (command_table.h,
+ * option_table.h). */
 #ifndef CLI_ARGUMENTS_ARGUMENTS_H
 #define CLI_ARGUMENTS_ARGUMENTS_H
 

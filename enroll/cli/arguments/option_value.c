@@ -1,0 +1,152 @@
+#include "enroll/cli/arguments/option_value.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <time.h>
+
+#include "enroll/cli/arguments/value.h"
+#include "enroll/cli/arguments/when.h"
+
+/* The member that an option without a value sets; NULL if it sets none. */
+static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
+{
+    switch (id) {
+    case CLI_OPTION_ALLOW_DUPLICATE:
+        return &out->allow_duplicate;
+    case CLI_OPTION_NONE:
+        return &out->none;
+    case CLI_OPTION_EXPIRED:
+        return &out->expired;
+    case CLI_OPTION_FOLLOW:
+        return &out->follow;
+    case CLI_OPTION_CSV:
+        return &out->csv;
+    case CLI_OPTION_FULL:
+        return &out->full;
+    case CLI_OPTION_REPLACE:
+        return &out->replace;
+    case CLI_OPTION_YES:
+        return &out->yes;
+    case CLI_OPTION_DRY_RUN:
+        return &out->dry_run;
+    case CLI_OPTION_SESSION:
+        return &out->bus.session;
+    case CLI_OPTION_HELP:
+        return &out->help;
+    case CLI_OPTION_VERSION:
+        return &out->version;
+    default:
+        return NULL;
+    }
+}
+
+/* The member that an option with any text but an empty one sets; NULL for all other options. */
+static const char **text_member(struct cli_arguments *out, enum cli_option_id id)
+{
+    switch (id) {
+    case CLI_OPTION_HEAD:
+        return &out->head;
+    case CLI_OPTION_ADDRESS:
+        return &out->address;
+    case CLI_OPTION_PASSPHRASE_FILE:
+        return &out->passphrase_file;
+    case CLI_OPTION_EVENT:
+        return &out->events;
+    case CLI_OPTION_PICTURE:
+        return &out->picture;
+    case CLI_OPTION_SENSOR:
+        return &out->sensor;
+    case CLI_OPTION_BOARD:
+        return &out->board;
+    case CLI_OPTION_BUS:
+        return &out->bus.address;
+    default:
+        return NULL;
+    }
+}
+
+/* A limit: a point in time, or the word for none. */
+static bool read_limit(const char *text, bool end_of_day, bool *named, int64_t *unix_s)
+{
+    *named = true;
+    if (strcmp(text, "none") == 0) {
+        *unix_s = 0;
+        return true;
+    }
+    return cli_when_parse(text, end_of_day, unix_s);
+}
+
+static bool add_person(struct cli_arguments *out, const char *name)
+{
+    if (out->n_people == CLI_PEOPLE_MAX) {
+        return false;
+    }
+    out->people[out->n_people++] = name;
+    return *name != '\0';
+}
+
+static bool read_count(struct cli_arguments *out, const char *text)
+{
+    unsigned long long number = 0;
+
+    if (!cli_value_count(text, 100000, &number)) {
+        return false;
+    }
+    out->count = (unsigned)number;
+    return true;
+}
+
+bool cli_option_store(struct cli_arguments *out, enum cli_option_id id, const char *value)
+{
+    bool *flag = flag_member(out, id);
+    const char **text = text_member(out, id);
+
+    if (flag) {
+        *flag = true;
+        return true;
+    }
+    if (text) {
+        *text = value;
+        return *value != '\0';
+    }
+    switch (id) {
+    case CLI_OPTION_JSON:
+        return true;
+    case CLI_OPTION_FROM:
+        out->from_text = value;
+        return true;
+    case CLI_OPTION_TIMEOUT:
+        return cli_value_seconds(value, &out->timeout_s);
+    case CLI_OPTION_COUNT:
+        return read_count(out, value);
+    case CLI_OPTION_PERSON:
+        return add_person(out, value);
+    case CLI_OPTION_DAY:
+        return cli_when_parse_day(value, time(NULL), &out->day_begins_s, &out->day_ends_s);
+    case CLI_OPTION_VALID_FROM:
+        return read_limit(value, false, &out->names_from, &out->valid_from_s);
+    case CLI_OPTION_VALID_UNTIL:
+    case CLI_OPTION_UNTIL:
+        return read_limit(value, true, &out->names_until, &out->valid_until_s);
+    default:
+        return false;
+    }
+}
+
+bool cli_option_read_from(struct cli_arguments *out)
+{
+    unsigned long long number = 0;
+
+    if (!out->from_text) {
+        return true;
+    }
+    if (out->verb != CLI_LOG) {
+        return read_limit(out->from_text, false, &out->names_from, &out->valid_from_s);
+    }
+    if (!cli_value_count(out->from_text, UINT64_MAX, &number)) {
+        return false;
+    }
+    out->from = number;
+    return true;
+}
