@@ -1,7 +1,6 @@
 #include "drivers/door/door_gpiod.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -10,24 +9,14 @@
 
 #include "drivers/door/debounce.h"
 #include "drivers/door/gpio_line.h"
+#include "drivers/door/gpiod_options.h"
 #include "drivers/door/wiegand_out.h"
 
 static const char owner[] = "door gpiod";
 
-#define NS_PER_MS INT64_C(1000000)
-#define NS_PER_S  INT64_C(1000000000)
+#define NS_PER_S INT64_C(1000000000)
 
 enum { EDGES_MAX = 64 };
-
-/* What the options ask for. */
-struct wiring {
-    bool has_output[ISO_DOOR_OUTPUTS], has_input[ISO_DOOR_INPUTS];
-    struct iso_gpio_spec outputs[ISO_DOOR_OUTPUTS], inputs[ISO_DOOR_INPUTS];
-    bool has_wiegand[2]; /* D0, D1 */
-    struct iso_gpio_spec wiegand[2];
-    int wiegand_bits;
-    int64_t debounce_ns;
-};
 
 struct gpiod {
     struct iso_clock clock;
@@ -43,101 +32,10 @@ struct gpiod {
     int epoll_fd; /* readable when that or an input is */
 };
 
-/* ---- options ---- */
-
-static int check_line(const char *value, struct iso_fault *fault)
-{
-    struct iso_gpio_spec spec;
-    return iso_gpio_spec_parse(NULL, value, &spec, fault);
-}
-
-/* clang-format off */
-#define LINE(key, text) \
-    {.name = (key), .kind = ISO_OPTION_LINE, .standard = "", .check = check_line, .help = (text)}
-/* clang-format on */
-
-static const struct iso_option_spec option_specs[] = {
-    LINE("relay", "the line of the lock's relay; not needed with wiegand_d0 and wiegand_d1"),
-    LINE("led_granted", "the line of the green light"),
-    LINE("led_refused", "the line of the red light"),
-    LINE("buzzer", "the line of the buzzer"),
-    LINE("projector", "the line of the infrared dot projector"),
-    LINE("contact", "the line of the door contact, active when the door stands open"),
-    LINE("exit_button", "the line of the exit button, active when it is pressed"),
-    LINE("tamper", "the line of the housing's switch, active when the housing is open"),
-    LINE("wiegand_d0", "the line D0 to an access controller; active is a pulse"),
-    LINE("wiegand_d1", "the line D1 to an access controller; active is a pulse"),
-    {.name = "debounce_ms",
-     .kind = ISO_OPTION_COUNT,
-     .min = 0,
-     .max = ISO_DOOR_GPIOD_DEBOUNCE_MAX_MS,
-     .standard = "10",
-     .help = "how long an input has to keep a level until it counts"},
-    {.name = "wiegand_bits",
-     .kind = ISO_OPTION_CHOICE,
-     .choices = "26|34",
-     .standard = "26",
-     .help = "the format of the access controller: 26 bits (H10301) or 34 bits (H10306)"},
-    {.name = NULL},
-};
-
-static int parse_spec(const struct iso_option_set *set, const char *key, bool *there,
-                      struct iso_gpio_spec *spec, struct iso_fault *fault)
-{
-    char name[64];
-    *there = iso_option_is_given(set, key);
-    if (!*there) {
-        return 0;
-    }
-    (void)snprintf(name, sizeof name, "%s: %s", owner, key);
-    return iso_gpio_spec_parse(name, iso_option_text(set, key), spec, fault);
-}
-
-static const char *const wiegand_names[2] = {"wiegand_d0", "wiegand_d1"};
-
-static int parse_wiegand(const struct iso_option_set *set, struct wiring *wiring,
-                         struct iso_fault *fault)
-{
-    int error = 0;
-    wiring->wiegand_bits = (int)iso_option_number(set, "wiegand_bits");
-    for (int i = 0; !error && i < 2; i++) {
-        error = parse_spec(set, wiegand_names[i], &wiring->has_wiegand[i], &wiring->wiegand[i],
-                           fault);
-    }
-    if (!error && wiring->has_wiegand[0] != wiring->has_wiegand[1]) {
-        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
-                                  "%s: option '%s' is missing", owner,
-                                  wiegand_names[wiring->has_wiegand[0]]);
-    }
-    return error;
-}
-
-static int parse_options(const struct iso_option *options, size_t n_options, struct wiring *wiring,
-                         struct iso_fault *fault)
-{
-    const struct iso_option_set set = {option_specs, options, n_options};
-    int error = 0;
-    for (int i = 0; !error && i < ISO_DOOR_OUTPUTS; i++) {
-        error = parse_spec(&set, iso_door_output_name((enum iso_door_output)i),
-                           &wiring->has_output[i], &wiring->outputs[i], fault);
-    }
-    for (int i = 0; !error && i < ISO_DOOR_INPUTS; i++) {
-        error = parse_spec(&set, iso_door_input_name((enum iso_door_input)i), &wiring->has_input[i],
-                           &wiring->inputs[i], fault);
-    }
-    wiring->debounce_ns = (int64_t)iso_option_number(&set, "debounce_ms") * NS_PER_MS;
-    error = error ? error : parse_wiegand(&set, wiring, fault);
-    if (!error && !wiring->has_output[ISO_DOOR_RELAY] && !wiring->has_wiegand[0]) {
-        return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
-                                  "%s: option 'relay' is missing", owner);
-    }
-    return error;
-}
-
 static int gpiod_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
 {
-    struct wiring wiring = {.debounce_ns = 0};
-    return parse_options(options, n_options, &wiring, fault);
+    struct iso__gpiod_wiring wiring;
+    return iso__gpiod_parse_options(options, n_options, &wiring, fault);
 }
 
 /* ---- open and close ---- */
@@ -172,7 +70,7 @@ static int blame(const char *name, int error, const struct iso_fault *reason,
                               reason->text);
 }
 
-static int claim_outputs(struct gpiod *gpiod, const struct wiring *wiring,
+static int claim_outputs(struct gpiod *gpiod, const struct iso__gpiod_wiring *wiring,
                          const struct iso_door_outputs *initial, struct iso_fault *fault)
 {
     for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
@@ -189,8 +87,8 @@ static int claim_outputs(struct gpiod *gpiod, const struct wiring *wiring,
     return 0;
 }
 
-static int claim_input(struct gpiod *gpiod, enum iso_door_input input, const struct wiring *wiring,
-                       struct iso_fault *reason)
+static int claim_input(struct gpiod *gpiod, enum iso_door_input input,
+                       const struct iso__gpiod_wiring *wiring, struct iso_fault *reason)
 {
     struct iso_gpio_line *line = NULL;
     bool level = false;
@@ -213,7 +111,8 @@ static int claim_input(struct gpiod *gpiod, enum iso_door_input input, const str
     return 0;
 }
 
-static int claim_inputs(struct gpiod *gpiod, const struct wiring *wiring, struct iso_fault *fault)
+static int claim_inputs(struct gpiod *gpiod, const struct iso__gpiod_wiring *wiring,
+                        struct iso_fault *fault)
 {
     struct epoll_event event = {.events = EPOLLIN};
     gpiod->epoll_fd = epoll_create1(EPOLL_CLOEXEC);
@@ -239,7 +138,8 @@ static int set_wiegand(void *context, int line, bool pulse)
     return iso_gpio_line_set(gpiod->wiegand[line], pulse);
 }
 
-static int claim_wiegand(struct gpiod *gpiod, const struct wiring *wiring, struct iso_fault *fault)
+static int claim_wiegand(struct gpiod *gpiod, const struct iso__gpiod_wiring *wiring,
+                         struct iso_fault *fault)
 {
     const struct iso_wiegand_lines lines = {set_wiegand, gpiod};
     struct iso_fault reason = {.text = ""};
@@ -251,7 +151,7 @@ static int claim_wiegand(struct gpiod *gpiod, const struct wiring *wiring, struc
         const int error = iso_gpio_line_open_output(&wiring->wiegand[i], false, &gpiod->wiegand[i],
                                                     &reason);
         if (error) {
-            return blame(wiegand_names[i], error, &reason, fault);
+            return blame(iso__gpiod_wiegand_names[i], error, &reason, fault);
         }
     }
     return iso_wiegand_out_new(&lines, &gpiod->wiegand_out, fault);
@@ -261,8 +161,8 @@ static int gpiod_open(const struct iso_option *options, size_t n_options,
                       const struct iso_clock *clock, const struct iso_door_outputs *initial,
                       void **self, struct iso_fault *fault)
 {
-    struct wiring wiring = {.debounce_ns = 0};
-    int error = parse_options(options, n_options, &wiring, fault);
+    struct iso__gpiod_wiring wiring;
+    int error = iso__gpiod_parse_options(options, n_options, &wiring, fault);
     if (error) {
         return error;
     }
@@ -414,7 +314,7 @@ static int gpiod_poll_fd(void *self)
 
 const struct iso_door_io_ops iso_door_gpiod_ops = {
     .name = "gpiod",
-    .options = option_specs,
+    .options = iso__gpiod_options,
     .check = gpiod_check,
     .open = gpiod_open,
     .set_output = gpiod_set_output,

@@ -5,8 +5,8 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#include "drivers/sensor/openni2/openni2_frame.h"
 #include "drivers/sensor/openni2/openni2_runtime.h"
+#include "drivers/sensor/openni2/openni2_stream.h"
 
 static const char owner[] = "sensor openni2";
 
@@ -41,7 +41,7 @@ static void on_state(const OniDeviceInfo *info, OniDeviceState state, void *cook
     }
 }
 
-static int watch(struct iso__openni2_session *session, struct iso_fault *fault)
+static int watch_device(struct iso__openni2_session *session, struct iso_fault *fault)
 {
     OniDeviceCallbacks callbacks = {
         .deviceDisconnected = on_disconnected,
@@ -49,193 +49,6 @@ static int watch(struct iso__openni2_session *session, struct iso_fault *fault)
     };
     const OniStatus status = oniRegisterDeviceCallbacks(&callbacks, session, &session->watch);
     return status == ONI_STATUS_OK ? 0 : iso__openni2_refuse(status, "cannot be watched", fault);
-}
-
-/* ---- streams ---------------------------------------------------------------- */
-
-static int get(OniStreamHandle stream, int property, void *value, int size)
-{
-    return oniStreamGetProperty(stream, property, value, &size) == ONI_STATUS_OK ? 0 : -EIO;
-}
-
-/* Turns mirroring off; a file says what its frames are, and is believed rather than told. */
-static void unmirror(const struct iso__openni2_session *session, struct iso__openni2_stream *stream)
-{
-    const OniBool off = FALSE;
-    OniBool mirroring = FALSE;
-    if (!session->file) {
-        (void)oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_MIRRORING, &off, sizeof off);
-    }
-    stream->mirrored = get(stream->handle, ONI_STREAM_PROPERTY_MIRRORING, &mirroring,
-                           sizeof mirroring) == 0 &&
-                       mirroring;
-}
-
-/* How many frames a stream of a file has. Its end is known by that: the runtime tells of it too,
- * but from another thread and at its own time. */
-static int count_frames(const struct iso__openni2_session *session,
-                        struct iso__openni2_stream *stream, struct iso_fault *fault)
-{
-    if (get(stream->handle, ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES, &stream->n_frames,
-            sizeof stream->n_frames)) {
-        return iso_fault_set(fault, -EIO, "%s: %s: does not tell how many frames it has", owner,
-                             session->info.uri);
-    }
-    return 0;
-}
-
-static bool modes_equal(const OniVideoMode *a, const OniVideoMode *b)
-{
-    return a->pixelFormat == b->pixelFormat && a->resolutionX == b->resolutionX &&
-           a->resolutionY == b->resolutionY && a->fps == b->fps;
-}
-
-/* Claims a stream of the device, whole image and unmirrored, in the best of its modes: the one for
- * which `rank` gives the most, 0 being unfit. */
-static int claim_stream(struct iso__openni2_session *session, OniSensorType type,
-                        int (*rank)(const OniVideoMode *mode, const OniVideoMode *now,
-                                    const void *context),
-                        const void *context, struct iso__openni2_stream *stream,
-                        struct iso_fault *fault)
-{
-    const char *name = type == ONI_SENSOR_DEPTH ? "depth" : "intensity";
-    const OniCropping whole = {.enabled = FALSE};
-    OniVideoMode now = {0}, best = {0};
-    int best_rank = 0;
-    OniStatus status = oniDeviceCreateStream(session->device, type, &stream->handle);
-    if (status != ONI_STATUS_OK) {
-        stream->handle = NULL;
-        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
-                                  "%s: %s: has no %s stream", owner, session->info.uri, name);
-    }
-    const OniSensorInfo *sensor = oniStreamGetSensorInfo(stream->handle);
-    if (!sensor || get(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &now, sizeof now)) {
-        return iso__openni2_refuse(ONI_STATUS_ERROR, "video modes cannot be read", fault);
-    }
-    for (int i = 0; i < sensor->numSupportedVideoModes; i++) {
-        const int value = rank(&sensor->pSupportedVideoModes[i], &now, context);
-        if (value > best_rank) {
-            best_rank = value;
-            best = sensor->pSupportedVideoModes[i];
-        }
-    }
-    if (best_rank == 0) {
-        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
-                                  "%s: %s: no %s mode of %d fits; now it is %dx%d@%d, format %d",
-                                  owner, session->info.uri, name, sensor->numSupportedVideoModes,
-                                  now.resolutionX, now.resolutionY, now.fps, now.pixelFormat);
-    }
-    if (!modes_equal(&best, &now)) {
-        status = oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &best,
-                                      sizeof best);
-        if (status != ONI_STATUS_OK) {
-            return iso__openni2_refuse(status, "video mode is refused", fault);
-        }
-    }
-    stream->mode = best;
-    if (!session->file) {
-        (void)oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_CROPPING, &whole,
-                                   sizeof whole);
-    }
-    unmirror(session, stream);
-    return session->file ? count_frames(session, stream, fault) : 0;
-}
-
-/* A mode of the wanted size and rate, or of those that it has now; the finer unit first. */
-static int rank_depth(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
-{
-    const struct iso__openni2_wish *wish = context;
-    const double unit_mm = iso__openni2_unit_mm(mode->pixelFormat);
-    const bool fits = unit_mm > 0.0 &&
-                      (wish->unit_um == 0 || wish->unit_um == (int)(unit_mm * 1000.0 + 0.5)) &&
-                      mode->resolutionX == (wish->width_px ? wish->width_px : now->resolutionX) &&
-                      mode->resolutionY == (wish->height_px ? wish->height_px : now->resolutionY) &&
-                      mode->fps == (wish->fps ? wish->fps : now->fps);
-    return fits ? (unit_mm < 1.0 ? 2 : 1) : 0;
-}
-
-/* A mode of the size of the depths; as many bits and frames as there are. */
-static int rank_grey(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
-{
-    const OniVideoMode *depth = context;
-    (void)now;
-    if (mode->resolutionX != depth->resolutionX || mode->resolutionY != depth->resolutionY) {
-        return 0;
-    }
-    const int same_rate = mode->fps == depth->fps ? 4 : 0;
-    switch (mode->pixelFormat) {
-    case ONI_PIXEL_FORMAT_GRAY16:
-        return same_rate + 3;
-    case ONI_PIXEL_FORMAT_GRAY8:
-        return same_rate + 2;
-    case ONI_PIXEL_FORMAT_RGB888:
-        return same_rate + 1;
-    default:
-        return 0;
-    }
-}
-
-/* Has the device move the depths to where the colour camera sees them. */
-static int register_to_color(const struct iso__openni2_session *session, struct iso_fault *fault)
-{
-    const OniImageRegistrationMode mode = ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
-    if (session->file) {
-        return iso_fault_set(fault, -EINVAL,
-                             "%s: %s: a file does not say whether its colours are registered",
-                             owner, session->info.uri);
-    }
-    if (!oniDeviceIsImageRegistrationModeSupported(session->device, mode) ||
-        oniDeviceSetProperty(session->device, ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION, &mode,
-                             sizeof mode) != ONI_STATUS_OK) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s: cannot register depths to colours", owner,
-                             session->info.uri);
-    }
-    (void)oniDeviceEnableDepthColorSync(session->device); /* without it they are paired by time */
-    return 0;
-}
-
-static int open_grey(struct iso__openni2_session *session, enum iso__openni2_grey grey,
-                     struct iso_fault *fault)
-{
-    int error = grey == ISO__OPENNI2_COLOR ? register_to_color(session, fault) : 0;
-    if (!error) {
-        error = claim_stream(session, grey == ISO__OPENNI2_IR ? ONI_SENSOR_IR : ONI_SENSOR_COLOR,
-                             rank_grey, &session->depth.mode, &session->grey, fault);
-    }
-    if (!error) {
-        int top = 0;
-        const bool wide = session->grey.mode.pixelFormat == ONI_PIXEL_FORMAT_GRAY16;
-        const bool told = wide &&
-                          get(session->grey.handle, ONI_STREAM_PROPERTY_MAX_VALUE, &top,
-                              sizeof top) == 0 &&
-                          top > 0 && top <= UINT16_MAX;
-        session->grey.full_scale = told ? top : wide ? UINT16_MAX : UINT8_MAX;
-    }
-    return error;
-}
-
-/* The camera of the depths; registered ones are seen by the colour camera. */
-static int find_camera(struct iso__openni2_session *session, enum iso__openni2_grey grey,
-                       struct iso_fault *fault)
-{
-    const OniStreamHandle eye = grey == ISO__OPENNI2_COLOR ? session->grey.handle
-                                                           : session->depth.handle;
-    const OniVideoMode *mode = &session->depth.mode;
-    const char *what = NULL;
-    float x_rad = 0, y_rad = 0;
-    if (get(eye, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &x_rad, sizeof x_rad) ||
-        get(eye, ONI_STREAM_PROPERTY_VERTICAL_FOV, &y_rad, sizeof y_rad)) {
-        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EIO,
-                                  "%s: %s: does not tell its field of view", owner,
-                                  session->info.uri);
-    }
-    session->camera = iso__openni2_camera(mode->resolutionX, mode->resolutionY, (double)x_rad,
-                                          (double)y_rad);
-    if (iso_camera_check(&session->camera, &what)) {
-        return iso_fault_set(fault, -EIO, "%s: %s: view of %g x %g rad: %s", owner,
-                             session->info.uri, (double)x_rad, (double)y_rad, what);
-    }
-    return 0;
 }
 
 /* ---- opening and closing ---------------------------------------------------- */
@@ -266,12 +79,15 @@ static int open_device(struct iso__openni2_session *session, const struct iso__o
     iso__openni2_read_serial(session->device, session->serial);
     int error = session->file ? set_playback(session, fault) : 0;
     if (!error) {
-        error = claim_stream(session, ONI_SENSOR_DEPTH, rank_depth, wish, &session->depth, fault);
+        error = iso__openni2_claim_depth(session, wish, fault);
     }
     if (!error && wish->grey != ISO__OPENNI2_NO_GREY) {
-        error = open_grey(session, wish->grey, fault);
+        error = iso__openni2_claim_grey(session, wish->grey, fault);
     }
-    return error ? error : find_camera(session, wish->grey, fault);
+    if (!error) {
+        error = iso__openni2_find_camera(session, wish->grey, fault);
+    }
+    return error;
 }
 
 int iso__openni2_session_open(struct iso__openni2_session *session,
@@ -287,8 +103,12 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
     session->file = wish->path != NULL;
     error = session->file ? iso__openni2_find_file(wish->path, &session->info, fault)
                           : iso__openni2_find_device(wish->device, &session->info, fault);
-    error = error ? error : watch(session, fault);
-    error = error ? error : open_device(session, wish, fault);
+    if (!error) {
+        error = watch_device(session, fault);
+    }
+    if (!error) {
+        error = open_device(session, wish, fault);
+    }
     session->opened = !error;
     if (error == -ENODEV) {
         iso__openni2_stay();

@@ -9,18 +9,7 @@
 #include "core/base/fault.h"
 #include "core/frame/camera.h"
 #include "drivers/sensor/openni2/openni2_api.h"
-
-enum iso__openni2_grey { ISO__OPENNI2_NO_GREY, ISO__OPENNI2_IR, ISO__OPENNI2_COLOR };
-
-/* What is wanted; see sensor_openni2.h. */
-struct iso__openni2_wish {
-    const char *path;             /* an .oni file; NULL: a device */
-    const char *device;           /* its URI or serial number; NULL: any */
-    int width_px, height_px, fps; /* 0: as the device has it */
-    int unit_um;                  /* 0: the finest there is */
-    bool loop;                    /* of a file */
-    enum iso__openni2_grey grey;
-};
+#include "drivers/sensor/openni2/openni2_wish.h"
 
 struct iso__openni2_stream {
     OniStreamHandle handle; /* NULL: there is none */

@@ -1,7 +1,7 @@
 /* The sensor back end `openni2`: depth cameras behind OpenNI 2 (Orbbec Astra, PrimeSense Carmine,
  * Asus Xtion, whatever has a driver for it), and its recordings.
  *
- * The table of its options stands in sensor_openni2.c; all are optional. Without `device` and
+ * The table of its options stands in openni2_options.c; all are optional. Without `device` and
  * `path` it opens the first camera; `isotherm doctor` and `isotherm-sim record --list` show the
  * URIs. `intensity = ir` is the image of the depth sensor itself, registered by nature; `color` is
  * the grey of the colour camera, if the device can register depths to it. Without `intrinsics` and
