@@ -14,7 +14,10 @@
 #include "enroll/cli/client/door_error.h"
 #include "firmware/contract/contract.h"
 
-enum { CALL_TIMEOUT_US = 10 * 1000 * 1000 };
+enum {
+    CALL_TIMEOUT_US = 10 * 1000 * 1000,
+    SILENCE_US = 10 * 60 * 1000 * 1000, /* of a long call, until a signal or the answer */
+};
 
 struct cli_daemon {
     sd_bus *bus;
@@ -303,10 +306,11 @@ static int on_reply(sd_bus_message *reply, void *context, sd_bus_error *error)
     return 0;
 }
 
-/* Dispatches what comes until the reply is there, or nothing has come for CALL_TIMEOUT_US. */
+/* Dispatches what comes until the reply is there, or nothing has come for SILENCE_US. The bus
+ * itself answers in place of a daemon that has gone. */
 static int await_reply(struct cli_daemon *door, sd_bus_message **reply)
 {
-    uint64_t heard = door->heard, deadline_us = now_us() + CALL_TIMEOUT_US;
+    uint64_t heard = door->heard, deadline_us = now_us() + SILENCE_US;
 
     while (!*reply) {
         const uint64_t now = now_us();
@@ -316,7 +320,7 @@ static int await_reply(struct cli_daemon *door, sd_bus_message **reply)
         }
         if (door->heard != heard) {
             heard = door->heard;
-            deadline_us = now_us() + CALL_TIMEOUT_US;
+            deadline_us = now_us() + SILENCE_US;
         }
     }
     return sd_bus_is_open(door->bus) > 0 ? 0 : -ECONNRESET;

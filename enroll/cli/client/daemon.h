@@ -59,9 +59,10 @@ enum cli_exit cli_daemon_subscribe(struct cli_daemon *door, const char *member,
                                    cli_daemon_signal_fn handler, void *context,
                                    struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* As cli_daemon_send, for a call that may take long and tells meanwhile how far it is: the handler
- * of the subscription is called for its signals, whatever it returns, and each signal gives the
- * daemon another 10 s to answer. */
+/* As cli_daemon_send, for a call that may take long and tells meanwhile how far it is. The handler
+ * of the subscription is called for its signals, whatever it returns. The daemon may be silent for
+ * ten minutes: when every record is sealed, it still writes them to the disk as one transaction, of
+ * which no signal tells. */
 enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *door, sd_bus_message *call,
                                          sd_bus_message **reply, struct cli_fault *fault)
     __attribute__((warn_unused_result));

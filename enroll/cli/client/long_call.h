@@ -8,8 +8,8 @@
 /* As cli_daemon_send, and shows on standard error how far the daemon is with it: `what` it does,
  * the share that is done and the time that is left, from the Progress signals that it sends
  * meanwhile. Without such a signal (the call is short, or the daemon is of a version that sends
- * none) only the time that has passed is shown. Each signal gives the daemon another 10 s to
- * answer. */
+ * none) only the time that has passed is shown. The daemon has ten minutes for the answer or the
+ * next signal. */
 enum cli_exit cli_long_call(struct cli_daemon *door, sd_bus_message *call, const char *what,
                             sd_bus_message **reply, struct cli_fault *fault)
     __attribute__((warn_unused_result));
