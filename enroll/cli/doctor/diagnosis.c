@@ -92,16 +92,23 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
                       word ? code_of(state, "sensor-fault-code") : ISO_FAULT_NO_STATUS, found);
 }
 
-/* A text of the daemon that is worth a warning if it has a code. */
-static void judge_text(struct cli_diagnosis *diagnosis, const json_t *state, const char *subject,
-                       const char *key, const char *code_key)
-{
-    const enum iso_fault_code code = code_of(state, code_key);
-    const char *text = cli_state_text(state, key);
+/* A text of the daemon with its code. An empty text and no code say that all is well, which is no
+ * finding. */
+struct told {
+    const char *subject, *text, *code; /* the keys of the status */
+    enum cli_check with_code, without_code;
+};
 
-    if (text && *text) {
-        cli_diagnosis_add(diagnosis, subject,
-                          code == ISO_FAULT_NONE ? CLI_CHECK_GOOD : CLI_CHECK_ODD, code, text);
+static void judge_told(struct cli_diagnosis *diagnosis, const json_t *state,
+                       const struct told *told)
+{
+    const enum iso_fault_code code = code_of(state, told->code);
+    const char *text = cli_state_text(state, told->text);
+
+    if (code != ISO_FAULT_NONE) {
+        cli_diagnosis_add(diagnosis, told->subject, told->with_code, code, text ? text : "");
+    } else if (text && *text) {
+        cli_diagnosis_add(diagnosis, told->subject, told->without_code, code, text);
     }
 }
 
@@ -119,29 +126,6 @@ static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
                        "locked out: nobody is let in for %" JSON_INTEGER_FORMAT " s more",
                        (left_ms + 999) / 1000);
         cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, ISO_FAULT_LOCKED_OUT, found);
-    }
-}
-
-/* The door goes on, but not for everybody. */
-static void judge_clock(struct cli_diagnosis *diagnosis, const json_t *state)
-{
-    const enum iso_fault_code code = code_of(state, "clock-fault-code");
-    const char *fault = cli_state_text(state, "clock-fault");
-    const bool told = fault && *fault;
-
-    if (told || code != ISO_FAULT_NONE) {
-        cli_diagnosis_add(diagnosis, "clock", CLI_CHECK_BAD, code, told ? fault : "");
-    }
-}
-
-/* Nothing is said while grants have enough time. */
-static void judge_time(struct cli_diagnosis *diagnosis, const json_t *state)
-{
-    const char *fault = cli_state_text(state, "stale-fault");
-
-    if (fault && *fault) {
-        cli_diagnosis_add(diagnosis, "time", CLI_CHECK_ODD, code_of(state, "stale-fault-code"),
-                          fault);
     }
 }
 
@@ -213,28 +197,6 @@ static void judge_model(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
-/* Nothing is said of a disk that works. */
-static void judge_disk(struct cli_diagnosis *diagnosis, const json_t *state)
-{
-    const char *fault = cli_state_text(state, "storage-fault");
-
-    if (fault && *fault) {
-        cli_diagnosis_add(diagnosis, "disk", CLI_CHECK_BAD, code_of(state, "storage-fault-code"),
-                          fault);
-    }
-}
-
-/* Nothing is said of a counter that works, or of none. */
-static void judge_counter(struct cli_diagnosis *diagnosis, const json_t *state)
-{
-    const char *fault = cli_state_text(state, "counter-fault");
-
-    if (fault && *fault) {
-        cli_diagnosis_add(diagnosis, "counter", CLI_CHECK_BAD, code_of(state, "counter-fault-code"),
-                          fault);
-    }
-}
-
 static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const json_int_t people = cli_state_number(state, "people", -1);
@@ -276,23 +238,38 @@ static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *sta
     }
 }
 
+/* In the order in which they are shown; each row is a function or a text of the daemon. */
+static const struct judgement {
+    void (*judge)(struct cli_diagnosis *diagnosis, const json_t *state);
+    struct told told;
+} judgements[] = {
+    {.judge = judge_version},
+    {.judge = judge_sensor},
+    {.told = {"devices", "sensor-devices", "sensor-devices-code", CLI_CHECK_ODD, CLI_CHECK_GOOD}},
+    {.told = {"calibration", "sensor-calibration", "sensor-calibration-code", CLI_CHECK_ODD,
+              CLI_CHECK_GOOD}},
+    {.judge = judge_service},
+    {.told = {"clock", "clock-fault", "clock-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
+    {.told = {"time", "stale-fault", "stale-fault-code", CLI_CHECK_ODD, CLI_CHECK_ODD}},
+    {.judge = judge_door},
+    {.judge = judge_lines},
+    {.judge = judge_priority},
+    {.judge = judge_model},
+    {.judge = judge_image_check},
+    {.told = {"disk", "storage-fault", "storage-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
+    {.told = {"counter", "counter-fault", "counter-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
+    {.judge = judge_gallery},
+};
+
 void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)
 {
-    judge_version(diagnosis, state);
-    judge_sensor(diagnosis, state);
-    judge_text(diagnosis, state, "devices", "sensor-devices", "sensor-devices-code");
-    judge_text(diagnosis, state, "calibration", "sensor-calibration", "sensor-calibration-code");
-    judge_service(diagnosis, state);
-    judge_clock(diagnosis, state);
-    judge_time(diagnosis, state);
-    judge_door(diagnosis, state);
-    judge_lines(diagnosis, state);
-    judge_priority(diagnosis, state);
-    judge_model(diagnosis, state);
-    judge_image_check(diagnosis, state);
-    judge_disk(diagnosis, state);
-    judge_counter(diagnosis, state);
-    judge_gallery(diagnosis, state);
+    for (size_t i = 0; i < sizeof judgements / sizeof *judgements; i++) {
+        if (judgements[i].judge) {
+            judgements[i].judge(diagnosis, state);
+        } else {
+            judge_told(diagnosis, state, &judgements[i].told);
+        }
+    }
 }
 
 enum cli_exit cli_diagnosis_exit(const struct cli_diagnosis *diagnosis)
@@ -303,9 +280,14 @@ enum cli_exit cli_diagnosis_exit(const struct cli_diagnosis *diagnosis)
         const enum cli_check check = diagnosis->findings[i].check;
         worst = check > worst ? check : worst;
     }
-    return worst == CLI_CHECK_BAD      ? CLI_EXIT_FAULT
-           : worst == CLI_CHECK_DENIED ? CLI_EXIT_NO
-                                       : CLI_EXIT_OK;
+    switch (worst) {
+    case CLI_CHECK_BAD:
+        return CLI_EXIT_FAULT;
+    case CLI_CHECK_DENIED:
+        return CLI_EXIT_NO;
+    default:
+        return CLI_EXIT_OK;
+    }
 }
 
 void cli_diagnosis_print(const struct cli_diagnosis *diagnosis, FILE *out)
