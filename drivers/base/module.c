@@ -61,7 +61,9 @@ static void *open_file(const char *path, struct iso_fault *fault)
     if (!handle) {
         const char *why = dlerror();
         const size_t length = strlen(path);
-        why = why ? why : "no reason is known";
+        if (!why) {
+            why = "no reason is known";
+        }
         why = strncmp(why, path, length) == 0 && why[length] == ':' ? why + length + 2 : why;
         (void)iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
                                  "the module %s cannot be loaded: %s", path, why);

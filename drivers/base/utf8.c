@@ -9,7 +9,13 @@ static int sequence_length(unsigned char first)
     if (first < 0xc2) { /* a continuation, or an overlong pair */
         return 0;
     }
-    return first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+    if (first < 0xe0) {
+        return 2;
+    }
+    if (first < 0xf0) {
+        return 3;
+    }
+    return first < 0xf5 ? 4 : 0;
 }
 
 int iso_utf8_decode(const char *text, uint32_t *character)

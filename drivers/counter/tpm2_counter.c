@@ -64,7 +64,10 @@ static int refuse(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
     const bool password = is_tpm_rc(rc, TPM2_RC_BAD_AUTH) || is_tpm_rc(rc, TPM2_RC_AUTH_FAIL);
     const bool later = is_tpm_rc(rc, TPM2_RC_NV_RATE) || is_tpm_rc(rc, TPM2_RC_RETRY) ||
                        is_tpm_rc(rc, TPM2_RC_YIELDED) || is_tpm_rc(rc, TPM2_RC_TESTING);
-    const int error = password ? -EACCES : later ? -EAGAIN : -EIO;
+    int error = later ? -EAGAIN : -EIO;
+    if (password) {
+        error = -EACCES;
+    }
     (void)iso_fault_set_code(fault, password ? ISO_FAULT_TPM_DENIED : ISO_FAULT_TPM_FAILED, error,
                              "the TPM at %s: counter 0x%08x cannot be %s: %s", counter->tcti_name,
                              (unsigned)counter->index, what, Tss2_RC_Decode(rc));
@@ -103,6 +106,18 @@ static TSS2_RC open_tcti(struct tpm2_counter *counter)
     return Tss2_TctiLdr_Initialize(counter->tcti_name, &counter->tcti);
 }
 
+static enum iso_fault_code access_fault_code(int error)
+{
+    switch (error) {
+    case ENOENT:
+        return ISO_FAULT_TPM_MISSING;
+    case EACCES:
+        return ISO_FAULT_TPM_DENIED;
+    default:
+        return ISO_FAULT_TPM_FAILED;
+    }
+}
+
 static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
 {
     const char *path = strchr(counter->tcti_name, '/');
@@ -111,13 +126,13 @@ static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
     }
     /* The software stack does not say why. */
     if (strncmp(counter->tcti_name, "device:/", 8) == 0 && access(path, R_OK | W_OK)) {
-        const enum iso_fault_code code = errno == ENOENT   ? ISO_FAULT_TPM_MISSING
-                                         : errno == EACCES ? ISO_FAULT_TPM_DENIED
-                                                           : ISO_FAULT_TPM_FAILED;
-        return iso_fault_set_code(fault, code, -EIO, "the TPM at %s: %m", counter->tcti_name);
+        return iso_fault_set_code(fault, access_fault_code(errno), -EIO, "the TPM at %s: %m",
+                                  counter->tcti_name);
     }
     TSS2_RC rc = open_tcti(counter);
-    rc = rc ? rc : Esys_Initialize(&counter->esys, counter->tcti, NULL);
+    if (!rc) {
+        rc = Esys_Initialize(&counter->esys, counter->tcti, NULL);
+    }
     if (rc) {
         release(counter);
         return iso_fault_set_code(fault, ISO_FAULT_TPM_FAILED, -EIO,

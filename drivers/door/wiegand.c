@@ -7,7 +7,14 @@ enum { NUMBER_BITS = 16 };
 /* Of the facility; 0 if there is no such format. */
 static int facility_bits(int bits)
 {
-    return bits == 26 ? 8 : bits == 34 ? 16 : 0;
+    switch (bits) {
+    case 26:
+        return 8;
+    case 34:
+        return 16;
+    default:
+        return 0;
+    }
 }
 
 static uint64_t ones(int n)

@@ -176,6 +176,19 @@ static int read_all(int fd, size_t max_bytes, char **buffer, size_t *size)
     return n > max_bytes ? -EFBIG : 0;
 }
 
+static int read_fault(const char *path, int error, size_t max_bytes, struct iso_fault *fault)
+{
+    switch (error) {
+    case -EFBIG:
+        return iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, error, "%s: longer than %zu bytes",
+                                  path, max_bytes);
+    case -ENOMEM:
+        return iso_fault_set(fault, error, "%s: out of memory", path);
+    default:
+        return iso_file_fault(path, error, fault);
+    }
+}
+
 int iso_file_read(const char *path, size_t max_bytes, char **bytes, size_t *size,
                   struct iso_fault *fault)
 {
@@ -190,10 +203,7 @@ int iso_file_read(const char *path, size_t max_bytes, char **bytes, size_t *size
     (void)close(fd);
     if (error) {
         free(buffer);
-        return error == -EFBIG    ? iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, error,
-                                                       "%s: longer than %zu bytes", path, max_bytes)
-               : error == -ENOMEM ? iso_fault_set(fault, error, "%s: out of memory", path)
-                                  : iso_file_fault(path, error, fault);
+        return read_fault(path, error, max_bytes, fault);
     }
     *bytes = buffer;
     *size = n;

@@ -6,16 +6,16 @@
 
 int iso_storage_refused(const char *path, int error, struct iso_fault *fault)
 {
-    const bool full = error == -ENOSPC || error == -EDQUOT || error == -EFBIG;
-    const bool read_only = error == -EROFS;
-    return iso_fault_set_code(fault,
-                              full        ? ISO_FAULT_DISK_FULL
-                              : read_only ? ISO_FAULT_DISK_READ_ONLY
-                                          : ISO_FAULT_DISK_FAILED,
-                              full        ? -ENOSPC
-                              : read_only ? -EROFS
-                                          : -EIO,
-                              "%s: the disk refused: %s", path,
+    enum iso_fault_code code = ISO_FAULT_DISK_FAILED;
+    int said = -EIO;
+    if (error == -ENOSPC || error == -EDQUOT || error == -EFBIG) {
+        code = ISO_FAULT_DISK_FULL;
+        said = -ENOSPC;
+    } else if (error == -EROFS) {
+        code = ISO_FAULT_DISK_READ_ONLY;
+        said = -EROFS;
+    }
+    return iso_fault_set_code(fault, code, said, "%s: the disk refused: %s", path,
                               strerror(error == -EFBIG ? ENOSPC : -error));
 }
 

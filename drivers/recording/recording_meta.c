@@ -126,7 +126,9 @@ int iso_recording_meta_parse(const char *name, const char *text, struct iso_reco
     const char *what = "";
     uint64_t seen = 0;
     int error = iso_ini_read(name, text, keys, KEYS, &parse, &seen, fault);
-    error = error ? error : check_keys(name, seen, &parse, fault);
+    if (!error) {
+        error = check_keys(name, seen, &parse, fault);
+    }
     if (error) {
         return error;
     }

@@ -329,7 +329,9 @@ int sim_recording_writer_finish(struct sim_recording_writer *writer, struct iso_
     int first = 0;
     for (size_t i = 0; i < sizeof streams / sizeof *streams; i++) {
         int error = close_text(writer, streams[i], first ? NULL : fault);
-        first = first ? first : error;
+        if (!first) {
+            first = error;
+        }
     }
     if (!first && writer->frames == 0) {
         first = iso_fault_set(fault, -ENODATA, "%s: no frames were written", writer->directory);

@@ -70,7 +70,10 @@ void iso_refine_free(struct iso_refine *refine)
 
 static int clamped(int i, int last)
 {
-    return i < 0 ? 0 : i > last ? last : i;
+    if (i < 0) {
+        return 0;
+    }
+    return i > last ? last : i;
 }
 
 /* Cubic interpolation between columns (Catmull and Rom 1974). */

@@ -59,7 +59,10 @@ struct window {
 
 static int clamp(double value, int last)
 {
-    return value < 0.0 ? 0 : value > last ? last : (int)value;
+    if (value < 0.0) {
+        return 0;
+    }
+    return value > last ? last : (int)value;
 }
 
 /* The part of the frame that a ball about the nose can cover. */
@@ -175,10 +178,18 @@ static bool surface_at(const struct iso_face_chip *chip, const uint8_t step[CELL
 
 /* ---- the intensity on it ---- */
 
+static int clamp_index(int i, int last)
+{
+    if (i < 0) {
+        return 0;
+    }
+    return i > last ? last : i;
+}
+
 static double sample(const struct iso_frame *frame, int column, int row)
 {
-    const int c = column < 0 ? 0 : column >= frame->width_px ? frame->width_px - 1 : column;
-    const int r = row < 0 ? 0 : row >= frame->height_px ? frame->height_px - 1 : row;
+    const int c = clamp_index(column, frame->width_px - 1);
+    const int r = clamp_index(row, frame->height_px - 1);
     return (double)frame->intensity[(size_t)r * (size_t)frame->width_px + (size_t)c];
 }
 
@@ -289,8 +300,7 @@ static void develop(struct iso_face_chip *chip, double light_of_middle)
 {
     const double gain = light_of_middle > 0.0 ? middle_grey / light_of_middle : 0.0;
     for (int i = 0; i < SIDE * SIDE; i++) {
-        const double grey = nearbyint(gain * (double)chip->light[i]);
-        chip->picture[i] = grey <= 0.0 ? 0 : grey >= 255.0 ? 255 : (uint8_t)grey;
+        chip->picture[i] = (uint8_t)clamp(nearbyint(gain * (double)chip->light[i]), 255);
     }
 }
 

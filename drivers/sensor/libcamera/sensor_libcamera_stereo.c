@@ -27,16 +27,21 @@ struct pair {
 
 /* ---- a camera as a source --------------------------------------------------- */
 
+/* 0 and -EAGAIN are no faults. */
 static int complain(const struct eye *eye, int error, struct iso_fault *fault)
 {
-    const char *what = error == -ENODEV    ? "the camera is gone"
-                       : error == -EBADMSG ? "a picture came damaged"
-                                           : "the stream broke";
-    return error == 0 || error == -EAGAIN
-               ? error
-               : iso_fault_set_code(
-                     fault, error == -ENODEV ? ISO_FAULT_SENSOR_GONE : ISO_FAULT_SENSOR_FAILED,
-                     error, "%s: %s: %s", owner, eye_names[eye->index], what);
+    enum iso_fault_code code = ISO_FAULT_SENSOR_FAILED;
+    const char *what = "the stream broke";
+    if (error == 0 || error == -EAGAIN) {
+        return error;
+    }
+    if (error == -ENODEV) {
+        code = ISO_FAULT_SENSOR_GONE;
+        what = "the camera is gone";
+    } else if (error == -EBADMSG) {
+        what = "a picture came damaged";
+    }
+    return iso_fault_set_code(fault, code, error, "%s: %s: %s", owner, eye_names[eye->index], what);
 }
 
 static int eye_start(void *self, struct iso_fault *fault)

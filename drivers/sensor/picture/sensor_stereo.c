@@ -48,9 +48,10 @@ static void read_cameras(const struct iso_option_set *set, struct iso_sensor_ste
 static enum iso_fault_code judge_calibration(const struct iso_stereo_calibration *calibration)
 {
     static const double rms_max_px = 0.5;
-    return calibration->pairs == 0            ? ISO_FAULT_CALIBRATION_NOMINAL
-           : calibration->rms_px > rms_max_px ? ISO_FAULT_CALIBRATION_POOR
-                                              : ISO_FAULT_NONE;
+    if (calibration->pairs == 0) {
+        return ISO_FAULT_CALIBRATION_NOMINAL;
+    }
+    return calibration->rms_px > rms_max_px ? ISO_FAULT_CALIBRATION_POOR : ISO_FAULT_NONE;
 }
 
 /* "60.0 mm apart, 0.21 px rms of 24 pairs". */

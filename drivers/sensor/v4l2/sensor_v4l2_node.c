@@ -51,15 +51,29 @@ enum iso_fault_code iso_v4l2_fault_code(int error)
     }
 }
 
-/* One line, and an errno of the class: what a device may not answer becomes -EIO. */
+/* An errno of the sensor class: what a device may not answer becomes -EIO. */
+static int class_error(int error)
+{
+    switch (error) {
+    case -ENXIO:
+    case -ENOENT:
+        return -ENODEV;
+    case -ENODEV:
+    case -EBUSY:
+    case -EACCES:
+    case -ENOMEM:
+    case -EINVAL:
+        return error;
+    default:
+        return -EIO;
+    }
+}
+
 static int complain(const struct iso_v4l2_node *node, int error, const char *what,
                     struct iso_fault *fault)
 {
-    bool known = error == -ENODEV || error == -EBUSY || error == -EACCES || error == -ENOMEM ||
-                 error == -EINVAL;
-    int said = error == -ENXIO || error == -ENOENT ? -ENODEV : known ? error : -EIO;
-    return iso_fault_set_code(fault, iso_v4l2_fault_code(error), said, "%s: %s: %s: %s",
-                              node->owner, node->path, what, strerror(-error));
+    return iso_fault_set_code(fault, iso_v4l2_fault_code(error), class_error(error),
+                              "%s: %s: %s: %s", node->owner, node->path, what, strerror(-error));
 }
 
 static int node_stop(void *self);

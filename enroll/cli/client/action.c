@@ -43,7 +43,9 @@ static enum cli_exit run_claimed(struct cli_daemon *door, const struct cli_actio
     enum cli_exit exit;
 
     exit = cli_daemon_subscribe(door, action->signal, action->status, action->context, fault);
-    exit = exit ? exit : start(door, action, fault);
+    if (!exit) {
+        exit = start(door, action, fault);
+    }
     if (exit) {
         return exit;
     }
@@ -59,7 +61,9 @@ enum cli_exit cli_action_run(struct cli_daemon *door, const struct cli_action *a
     enum cli_exit exit;
 
     exit = cli_daemon_catch_interrupt(door, fault);
-    exit = exit ? exit : cli_daemon_call(door, ISO_CONTRACT_CLAIM, NULL, fault);
+    if (!exit) {
+        exit = cli_daemon_call(door, ISO_CONTRACT_CLAIM, NULL, fault);
+    }
     if (exit) {
         return exit;
     }

@@ -30,8 +30,11 @@ struct cli_daemon {
 
 static enum cli_exit no_bus(int error, const struct cli_bus *bus, struct cli_fault *fault)
 {
-    const char *name = bus->address ? bus->address : bus->session ? "session" : "system";
+    const char *name = bus->session ? "session" : "system";
 
+    if (bus->address) {
+        name = bus->address;
+    }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "no-bus", "cannot reach the bus (%s): %s", name,
                          strerror(-error));
 }
@@ -49,8 +52,12 @@ static int connect_bus(const struct cli_bus *bus, sd_bus **out)
         return r;
     }
     r = sd_bus_set_address(made, bus->address);
-    r = r < 0 ? r : sd_bus_set_bus_client(made, 1);
-    r = r < 0 ? r : sd_bus_start(made);
+    if (r >= 0) {
+        r = sd_bus_set_bus_client(made, 1);
+    }
+    if (r >= 0) {
+        r = sd_bus_start(made);
+    }
     if (r < 0) {
         sd_bus_unref(made);
         return r;
@@ -105,11 +112,21 @@ enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out
         return no_bus(-ENOMEM, bus, fault);
     }
     r = connect_bus(bus, &door->bus);
-    r = r < 0 ? r : sd_bus_get_unique_name(door->bus, &unique); /* waits for the handshake */
-    r = r < 0 ? r : sd_bus_set_method_call_timeout(door->bus, CALL_TIMEOUT_US);
-    r = r < 0 ? r : sd_event_new(&door->event);
-    r = r < 0 ? r : sd_bus_attach_event(door->bus, door->event, SD_EVENT_PRIORITY_NORMAL);
-    r = r < 0 ? r : watch_daemon(door);
+    if (r >= 0) {
+        r = sd_bus_get_unique_name(door->bus, &unique); /* waits for the handshake */
+    }
+    if (r >= 0) {
+        r = sd_bus_set_method_call_timeout(door->bus, CALL_TIMEOUT_US);
+    }
+    if (r >= 0) {
+        r = sd_event_new(&door->event);
+    }
+    if (r >= 0) {
+        r = sd_bus_attach_event(door->bus, door->event, SD_EVENT_PRIORITY_NORMAL);
+    }
+    if (r >= 0) {
+        r = watch_daemon(door);
+    }
     if (r < 0) {
         cli_daemon_close(door);
         return no_bus(r, bus, fault);
@@ -184,7 +201,9 @@ static int find_owner(struct cli_daemon *door, sd_bus_error *error, char **owner
                                "org.freedesktop.DBus", "GetNameOwner", error, &reply, "s",
                                ISO_CONTRACT_NAME);
 
-    r = r < 0 ? r : sd_bus_message_read_basic(reply, 's', &name);
+    if (r >= 0) {
+        r = sd_bus_message_read_basic(reply, 's', &name);
+    }
     if (r >= 0) {
         *owner = strdup(name);
         r = *owner ? 0 : -ENOMEM;
@@ -235,9 +254,10 @@ enum cli_exit cli_daemon_subscribe(struct cli_daemon *door, const char *member,
 
     door->handler = handler;
     door->context = context;
-    r = r < 0 ? r
-              : sd_bus_match_signal(door->bus, NULL, owner, ISO_CONTRACT_PATH,
-                                    ISO_CONTRACT_INTERFACE, member, on_signal, door);
+    if (r >= 0) {
+        r = sd_bus_match_signal(door->bus, NULL, owner, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
+                                member, on_signal, door);
+    }
     if (r < 0) {
         exit = cli_daemon_error(&error, r, "AddMatch", fault);
     }
@@ -338,7 +358,9 @@ enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *door, sd_bus_message
 
     door->done = false;
     r = sd_bus_call_async(door->bus, &slot, call, on_reply, &answer, UINT64_MAX);
-    r = r < 0 ? r : await_reply(door, &answer);
+    if (r >= 0) {
+        r = await_reply(door, &answer);
+    }
     r = r < 0 ? sd_bus_error_set_errno(&error, r)
               : sd_bus_error_copy(&error, sd_bus_message_get_error(answer));
     if (r < 0) {

@@ -58,10 +58,18 @@ static int read_entry(sd_bus_message *reply, json_t *state)
     char container;
     int r = sd_bus_message_read_basic(reply, 's', &name);
 
-    r = r < 0 ? r : sd_bus_message_peek_type(reply, &container, &type);
-    r = r < 0 ? r : sd_bus_message_enter_container(reply, 'v', type);
-    r = r < 0 ? r : read_value(reply, type[0], &value);
-    r = r < 0 ? r : json_object_set_new(state, name, value);
+    if (r >= 0) {
+        r = sd_bus_message_peek_type(reply, &container, &type);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_enter_container(reply, 'v', type);
+    }
+    if (r >= 0) {
+        r = read_value(reply, type[0], &value);
+    }
+    if (r >= 0) {
+        r = json_object_set_new(state, name, value);
+    }
     return r < 0 ? r : sd_bus_message_exit_container(reply);
 }
 
@@ -71,7 +79,9 @@ static int read_dictionary(sd_bus_message *reply, json_t *state)
 
     while (r >= 0 && (r = sd_bus_message_enter_container(reply, 'e', "sv")) > 0) {
         r = read_entry(reply, state);
-        r = r < 0 ? r : sd_bus_message_exit_container(reply);
+        if (r >= 0) {
+            r = sd_bus_message_exit_container(reply);
+        }
     }
     return r;
 }

@@ -168,7 +168,9 @@ static enum cli_exit save_picture(struct cli_daemon *door, const struct cli_argu
     size_t size = 0;
     enum cli_exit exit = cli_picture_take(door, &png, &size, fault);
 
-    exit = exit ? exit : cli_picture_save(arguments->picture, png, size, fault);
+    if (!exit) {
+        exit = cli_picture_save(arguments->picture, png, size, fault);
+    }
     free(png);
     if (exit) {
         return exit;
@@ -195,6 +197,8 @@ enum cli_exit cli_aim(struct cli_daemon *door, const struct cli_arguments *argum
     }
     enum cli_exit exit = cli_daemon_catch_interrupt(door, fault);
 
-    exit = exit ? exit : cli_daemon_subscribe(door, ISO_CONTRACT_VIEW, on_view, &aim, fault);
+    if (!exit) {
+        exit = cli_daemon_subscribe(door, ISO_CONTRACT_VIEW, on_view, &aim, fault);
+    }
     return exit ? exit : watch(door, arguments, &aim, fault);
 }

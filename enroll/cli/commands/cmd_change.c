@@ -42,14 +42,22 @@ enum cli_exit cli_validity(struct cli_daemon *door, const struct cli_arguments *
         return exit;
     }
     int r = sd_bus_message_append(call, "s", arguments->person);
-    r = r < 0 ? r : sd_bus_message_open_container(call, 'a', "{sv}");
-    r = r < 0 ? r : cli_limits_append(call, arguments);
-    r = r < 0 ? r : sd_bus_message_close_container(call);
+    if (r >= 0) {
+        r = sd_bus_message_open_container(call, 'a', "{sv}");
+    }
+    if (r >= 0) {
+        r = cli_limits_append(call, arguments);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_close_container(call);
+    }
     if (r < 0) {
         return no_utf8(call, fault);
     }
     exit = cli_daemon_send(door, call, &reply, fault);
-    exit = exit ? exit : report_validity(reply, arguments->json, fault);
+    if (!exit) {
+        exit = report_validity(reply, arguments->json, fault);
+    }
     sd_bus_message_unref(reply);
     return exit;
 }
@@ -87,7 +95,9 @@ enum cli_exit cli_rename(struct cli_daemon *door, const struct cli_arguments *ar
         return no_utf8(call, fault);
     }
     exit = cli_daemon_send(door, call, &reply, fault);
-    exit = exit ? exit : report_rename(reply, arguments, fault);
+    if (!exit) {
+        exit = report_rename(reply, arguments, fault);
+    }
     sd_bus_message_unref(reply);
     return exit;
 }

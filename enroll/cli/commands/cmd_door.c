@@ -36,7 +36,9 @@ enum cli_exit cli_daemon_test(struct cli_daemon *door, const struct cli_argument
                              arguments->person);
     }
     enum cli_exit exit = arguments->yes ? CLI_EXIT_OK : confirm(fault);
-    exit = exit ? exit : cli_daemon_call(door, ISO_CONTRACT_TEST_DOOR, NULL, fault);
+    if (!exit) {
+        exit = cli_daemon_call(door, ISO_CONTRACT_TEST_DOOR, NULL, fault);
+    }
     if (exit) {
         return exit;
     }

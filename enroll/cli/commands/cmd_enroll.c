@@ -35,7 +35,9 @@ static int append_options(sd_bus_message *call, const struct cli_arguments *argu
     if (r >= 0 && arguments->allow_duplicate) {
         r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_ALLOW_DUPLICATE, "b", 1);
     }
-    r = r < 0 ? r : cli_limits_append(call, arguments);
+    if (r >= 0) {
+        r = cli_limits_append(call, arguments);
+    }
     return r < 0 ? r : sd_bus_message_close_container(call);
 }
 

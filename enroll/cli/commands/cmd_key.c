@@ -19,8 +19,12 @@ static enum cli_exit rotate(struct cli_daemon *door, bool json, struct cli_fault
     sd_bus_message *call = NULL, *reply = NULL;
     const char *remark = "";
     enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_ROTATE_KEYS, &call, fault);
-    exit = exit ? exit : cli_long_call(door, call, "sealing gallery and log anew", &reply, fault);
-    exit = exit ? exit : read_text(reply, ISO_CONTRACT_ROTATE_KEYS, &remark, fault);
+    if (!exit) {
+        exit = cli_long_call(door, call, "sealing gallery and log anew", &reply, fault);
+    }
+    if (!exit) {
+        exit = read_text(reply, ISO_CONTRACT_ROTATE_KEYS, &remark, fault);
+    }
     if (!exit && json) {
         exit = cli_report_json(json_pack("{s:b, s:s}", "rotated", 1, "remark", remark));
     } else if (!exit) {
@@ -35,7 +39,9 @@ static enum cli_exit show_address(struct cli_daemon *door, bool json, struct cli
     sd_bus_message *reply = NULL;
     const char *address = "";
     enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_GET_ADDRESS, &reply, fault);
-    exit = exit ? exit : read_text(reply, ISO_CONTRACT_GET_ADDRESS, &address, fault);
+    if (!exit) {
+        exit = read_text(reply, ISO_CONTRACT_GET_ADDRESS, &address, fault);
+    }
     if (!exit && json) {
         exit = cli_report_json(json_pack("{s:s}", "address", address));
     } else if (!exit) {

@@ -43,7 +43,9 @@ static enum cli_exit follow(struct cli_daemon *door, const struct cli_arguments 
 {
     enum cli_exit exit = cli_daemon_catch_interrupt(door, fault);
 
-    exit = exit ? exit : cli_daemon_subscribe(door, NULL, on_any_signal, NULL, fault);
+    if (!exit) {
+        exit = cli_daemon_subscribe(door, NULL, on_any_signal, NULL, fault);
+    }
     while (!exit) {
         print_records(records, arguments);
         if (fflush(stdout) == EOF) {

@@ -70,7 +70,9 @@ enum cli_exit cli_log_verify(struct cli_daemon *door, const struct cli_arguments
     const char *head = "";
     uint64_t sequence = 0;
     enum cli_exit exit = parse_known(arguments->head, &sequence, &head, fault);
-    exit = exit ? exit : cli_daemon_message(door, ISO_CONTRACT_VERIFY_LOG, &call, fault);
+    if (!exit) {
+        exit = cli_daemon_message(door, ISO_CONTRACT_VERIFY_LOG, &call, fault);
+    }
     if (exit) {
         return exit;
     }

@@ -61,7 +61,9 @@ static int measure_names(sd_bus_message *reply, size_t *columns)
         const size_t own = iso_columns_of(person.name);
         *columns = own > *columns ? own : *columns;
     }
-    r = r < 0 ? r : sd_bus_message_rewind(reply, 1);
+    if (r >= 0) {
+        r = sd_bus_message_rewind(reply, 1);
+    }
     return r < 0 ? r : sd_bus_message_enter_container(reply, 'a', "(sxxxu)");
 }
 

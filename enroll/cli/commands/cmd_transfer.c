@@ -22,10 +22,18 @@ static int append_text(sd_bus_message *call, const char *name, const char *text)
 static int append_bytes(sd_bus_message *call, const char *name, const void *bytes, size_t size)
 {
     int r = sd_bus_message_open_container(call, 'e', "sv");
-    r = r < 0 ? r : sd_bus_message_append_basic(call, 's', name);
-    r = r < 0 ? r : sd_bus_message_open_container(call, 'v', "ay");
-    r = r < 0 ? r : sd_bus_message_append_array(call, 'y', bytes, size);
-    r = r < 0 ? r : sd_bus_message_close_container(call);
+    if (r >= 0) {
+        r = sd_bus_message_append_basic(call, 's', name);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_open_container(call, 'v', "ay");
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append_array(call, 'y', bytes, size);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_close_container(call);
+    }
     return r < 0 ? r : sd_bus_message_close_container(call);
 }
 
@@ -48,11 +56,13 @@ static int append_lock(sd_bus_message *call, const struct cli_arguments *argumen
                        const uint8_t *salt, const uint8_t *key)
 {
     int r = sd_bus_message_open_container(call, 'a', "{sv}");
-    if (arguments->address) {
-        r = r < 0 ? r : append_text(call, ISO_CONTRACT_TO, arguments->address);
-    } else {
-        r = r < 0 ? r : append_bytes(call, ISO_CONTRACT_SALT, salt, CLI_SALT_BYTES);
-        r = r < 0 ? r : append_bytes(call, ISO_CONTRACT_KEY, key, CLI_KEY_BYTES);
+    if (r >= 0 && arguments->address) {
+        r = append_text(call, ISO_CONTRACT_TO, arguments->address);
+    } else if (r >= 0) {
+        r = append_bytes(call, ISO_CONTRACT_SALT, salt, CLI_SALT_BYTES);
+        if (r >= 0) {
+            r = append_bytes(call, ISO_CONTRACT_KEY, key, CLI_KEY_BYTES);
+        }
     }
     return r < 0 ? r : sd_bus_message_close_container(call);
 }
@@ -68,12 +78,18 @@ static enum cli_exit call_export(struct cli_daemon *door, const struct cli_argum
     }
     (void)sd_bus_message_sensitive(call);
     int r = sd_bus_message_append(call, "h", fd);
-    r = r < 0 ? r : sd_bus_message_open_container(call, 'a', "s");
+    if (r >= 0) {
+        r = sd_bus_message_open_container(call, 'a', "s");
+    }
     for (size_t i = 0; r >= 0 && i < arguments->n_people; i++) {
         r = sd_bus_message_append_basic(call, 's', arguments->people[i]);
     }
-    r = r < 0 ? r : sd_bus_message_close_container(call);
-    r = r < 0 ? r : append_lock(call, arguments, salt, key);
+    if (r >= 0) {
+        r = sd_bus_message_close_container(call);
+    }
+    if (r >= 0) {
+        r = append_lock(call, arguments, salt, key);
+    }
     if (r < 0) {
         sd_bus_message_unref(call);
         return cli_daemon_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
@@ -103,7 +119,9 @@ enum cli_exit cli_export(struct cli_daemon *door, const struct cli_arguments *ar
     if (!arguments->address) {
         exit = cli_passphrase_key(arguments->passphrase_file, true, salt, key, fault);
     }
-    exit = exit ? exit : call_export(door, arguments, fd, salt, key, &n, fault);
+    if (!exit) {
+        exit = call_export(door, arguments, fd, salt, key, &n, fault);
+    }
     sodium_memzero(key, sizeof key);
     (void)close(fd);
     if (exit) {
@@ -148,14 +166,21 @@ static enum cli_exit call_import(struct cli_daemon *door, const struct cli_argum
     }
     (void)sd_bus_message_sensitive(call);
     int r = sd_bus_message_append(call, "h", fd);
-    r = r < 0 ? r : sd_bus_message_open_container(call, 'a', "{sv}");
-    r = r < 0 ? r : append_text(call, ISO_CONTRACT_FROM, arguments->address);
-    if (key) {
-        r = r < 0 ? r : append_bytes(call, ISO_CONTRACT_KEY, key, CLI_KEY_BYTES);
+    if (r >= 0) {
+        r = sd_bus_message_open_container(call, 'a', "{sv}");
     }
-    r = r < 0 ? r
-              : sd_bus_message_append(call, "{sv}", ISO_CONTRACT_REPLACE, "b", arguments->replace);
-    r = r < 0 ? r : sd_bus_message_close_container(call);
+    if (r >= 0) {
+        r = append_text(call, ISO_CONTRACT_FROM, arguments->address);
+    }
+    if (r >= 0 && key) {
+        r = append_bytes(call, ISO_CONTRACT_KEY, key, CLI_KEY_BYTES);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_REPLACE, "b", arguments->replace);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_close_container(call);
+    }
     if (r < 0) {
         sd_bus_message_unref(call);
         return cli_daemon_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
@@ -186,7 +211,9 @@ enum cli_exit cli_import(struct cli_daemon *door, const struct cli_arguments *ar
                              "%s", why.text);
     }
     exit = find_key(fd, arguments, key, &has_key, fault);
-    exit = exit ? exit : call_import(door, arguments, fd, has_key ? key : NULL, count, fault);
+    if (!exit) {
+        exit = call_import(door, arguments, fd, has_key ? key : NULL, count, fault);
+    }
     sodium_memzero(key, sizeof key);
     (void)close(fd);
     if (exit) {

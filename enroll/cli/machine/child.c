@@ -32,11 +32,15 @@ static int spawn(const char *const argv[], int out_fd, int err_fd, pid_t *pid)
         return error;
     }
     error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    error = error ? error : posix_spawn_file_actions_adddup2(&actions, out_fd, STDOUT_FILENO);
-    error = error ? error : posix_spawn_file_actions_adddup2(&actions, err_fd, STDERR_FILENO);
-    error = error ? error
-                  : posix_spawn(pid, argv[0], &actions, NULL, (char *const *)(uintptr_t)argv,
-                                environ);
+    if (!error) {
+        error = posix_spawn_file_actions_adddup2(&actions, out_fd, STDOUT_FILENO);
+    }
+    if (!error) {
+        error = posix_spawn_file_actions_adddup2(&actions, err_fd, STDERR_FILENO);
+    }
+    if (!error) {
+        error = posix_spawn(pid, argv[0], &actions, NULL, (char *const *)(uintptr_t)argv, environ);
+    }
     (void)posix_spawn_file_actions_destroy(&actions);
     return error;
 }

@@ -73,7 +73,9 @@ enum cli_exit cli_new_file_write(const char *path, const char *text, struct cli_
         return refuse(fault, path, "cannot be written", error);
     }
     error = write_all(fd, text);
-    error = error ? error : fchmod(fd, 0644) < 0 || fsync(fd) < 0 ? errno : 0;
+    if (!error) {
+        error = fchmod(fd, 0644) < 0 || fsync(fd) < 0 ? errno : 0;
+    }
     if (close(fd) < 0 && !error) {
         error = errno;
     }

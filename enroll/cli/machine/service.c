@@ -63,10 +63,13 @@ static int look_if_active(struct cli_service *service, sd_bus_error *error)
     char *state = NULL;
     int r = call(service, "LoadUnit", error, &reply, service->unit);
 
-    r = r < 0 ? r : sd_bus_message_read(reply, "o", &path);
-    r = r < 0 ? r
-              : sd_bus_get_property_string(service->bus, MANAGER, path, UNIT_INTERFACE,
-                                           "ActiveState", error, &state);
+    if (r >= 0) {
+        r = sd_bus_message_read(reply, "o", &path);
+    }
+    if (r >= 0) {
+        r = sd_bus_get_property_string(service->bus, MANAGER, path, UNIT_INTERFACE, "ActiveState",
+                                       error, &state);
+    }
     if (r >= 0) {
         service->was_active = strcmp(state, "active") == 0 || strcmp(state, "activating") == 0 ||
                               strcmp(state, "reloading") == 0;
@@ -82,7 +85,9 @@ static int look_if_enabled(struct cli_service *service, sd_bus_error *error)
     const char *state;
     int r = call(service, "GetUnitFileState", error, &reply, service->unit);
 
-    r = r < 0 ? r : sd_bus_message_read(reply, "s", &state);
+    if (r >= 0) {
+        r = sd_bus_message_read(reply, "s", &state);
+    }
     if (r >= 0) {
         service->was_enabled = strncmp(state, "enabled", 7) == 0;
     }
@@ -96,9 +101,10 @@ static enum cli_exit look(struct cli_service *service, struct cli_fault *fault)
     enum cli_exit exit = CLI_EXIT_OK;
     int r = call(service, "Subscribe", &error, NULL, NULL);
 
-    r = r < 0 ? r
-              : sd_bus_match_signal(service->bus, NULL, MANAGER, MANAGER_PATH, MANAGER_INTERFACE,
-                                    "JobRemoved", on_job_removed, service);
+    if (r >= 0) {
+        r = sd_bus_match_signal(service->bus, NULL, MANAGER, MANAGER_PATH, MANAGER_INTERFACE,
+                                "JobRemoved", on_job_removed, service);
+    }
     if (r < 0) {
         exit = cli_fault_set(fault, CLI_EXIT_FAULT, "no-manager",
                              "systemd cannot be asked to start the service: %s",
@@ -118,8 +124,12 @@ static int connect_bus(const struct cli_bus *bus, sd_bus **out)
         return bus->session ? sd_bus_open_user(out) : sd_bus_open_system(out);
     }
     int r = sd_bus_new(out);
-    r = r < 0 ? r : sd_bus_set_address(*out, bus->address);
-    r = r < 0 ? r : sd_bus_set_bus_client(*out, 1);
+    if (r >= 0) {
+        r = sd_bus_set_address(*out, bus->address);
+    }
+    if (r >= 0) {
+        r = sd_bus_set_bus_client(*out, 1);
+    }
     return r < 0 ? r : sd_bus_start(*out);
 }
 
@@ -194,7 +204,9 @@ static int run_job(struct cli_service *service, const char *method, bool may_int
     int r = sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH, MANAGER_INTERFACE, method,
                                error, &reply, "ss", service->unit, "replace");
 
-    r = r < 0 ? r : sd_bus_message_read(reply, "o", &path);
+    if (r >= 0) {
+        r = sd_bus_message_read(reply, "o", &path);
+    }
     if (r >= 0) {
         (void)snprintf(service->job, sizeof service->job, "%s", path);
         service->result[0] = '\0';
@@ -234,9 +246,11 @@ enum cli_exit cli_service_start(struct cli_service *service, struct cli_fault *f
     } else {
         forget_failures(service);
         r = run_job(service, "RestartUnit", true, &error);
-        exit = r == -EINTR ? CLI_EXIT_INTERRUPTED
-               : r < 0     ? refuse(fault, service, "started", r, &error)
-                           : CLI_EXIT_OK;
+        if (r == -EINTR) {
+            exit = CLI_EXIT_INTERRUPTED;
+        } else if (r < 0) {
+            exit = refuse(fault, service, "started", r, &error);
+        }
     }
     if (!exit && strcmp(service->result, "done") != 0) {
         exit = cli_fault_set(fault, CLI_EXIT_FAULT, "no-start",

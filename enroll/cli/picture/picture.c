@@ -49,7 +49,9 @@ static enum cli_exit ask(struct cli_daemon *door, uint8_t **png, size_t *size,
         return exit;
     }
     int r = sd_bus_message_read(reply, "h", &fd); /* it is closed with the reply */
-    r = r < 0 ? r : read_whole(fd, png, size);
+    if (r >= 0) {
+        r = read_whole(fd, png, size);
+    }
     if (r < 0) {
         exit = cli_daemon_bad_reply(r, ISO_CONTRACT_PICTURE, fault);
     }
@@ -100,7 +102,9 @@ enum cli_exit cli_picture_save(const char *path, const uint8_t *png, size_t size
     struct stat status;
     int error = fstat(fd, &status) ? errno : 0;
     const bool regular = !error && S_ISREG(status.st_mode);
-    error = error ? error : regular && fchmod(fd, 0600) != 0 ? errno : write_whole(fd, png, size);
+    if (!error) {
+        error = regular && fchmod(fd, 0600) != 0 ? errno : write_whole(fd, png, size);
+    }
     if (close(fd) && !error) {
         error = errno;
     }

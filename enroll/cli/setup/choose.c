@@ -252,9 +252,15 @@ enum cli_exit cli_setup_choose(const struct cli_setup_places *places,
     struct cli_setup_choice choice = {.board_text = NULL};
     enum cli_exit exit = choose_board(places, wish, dialogue, &choice.board, fault);
 
-    exit = exit ? exit : read_board(places, &choice, fault);
-    exit = exit ? exit : choose_sensor(places, wish, dialogue, &choice, fault);
-    exit = exit ? exit : choose_camera(places, wish, dialogue, &choice.sensor, fault);
+    if (!exit) {
+        exit = read_board(places, &choice, fault);
+    }
+    if (!exit) {
+        exit = choose_sensor(places, wish, dialogue, &choice, fault);
+    }
+    if (!exit) {
+        exit = choose_camera(places, wish, dialogue, &choice.sensor, fault);
+    }
     if (exit) {
         free(choice.board_text);
         return exit;

@@ -59,10 +59,12 @@ static uint16_t *measure(const struct lines *a, const struct lines *b)
     for (size_t i = a->n; common && i-- > 0;) {
         for (size_t j = b->n; j-- > 0;) {
             const uint16_t down = common[(i + 1) * width + j], right = common[i * width + j + 1];
-            common[i * width + j] = same(a->at[i], b->at[j])
-                                        ? (uint16_t)(common[(i + 1) * width + j + 1] + 1)
-                                    : down >= right ? down
-                                                    : right;
+            uint16_t *length = &common[i * width + j];
+            if (same(a->at[i], b->at[j])) {
+                *length = (uint16_t)(common[(i + 1) * width + j + 1] + 1);
+            } else {
+                *length = down >= right ? down : right;
+            }
         }
     }
     return common;
@@ -125,7 +127,9 @@ int cli_difference_print(const char *before, const char *after, FILE *out)
     struct lines a = {0}, b = {0};
     int error = split(before, &a);
 
-    error = error ? error : split(after, &b);
+    if (!error) {
+        error = split(after, &b);
+    }
     const bool small = a.n <= LINES_MAX && b.n <= LINES_MAX;
     struct step *steps = error ? NULL : calloc(a.n + b.n + 1, sizeof *steps);
     uint16_t *common = !error && small ? measure(&a, &b) : NULL;

@@ -129,7 +129,9 @@ static enum cli_exit start(const struct cli_setup_places *places, const struct c
 {
     enum cli_exit exit = cli_service_start(service, fault);
 
-    exit = exit ? exit : wait_for_daemon(places, daemon_bus, fault);
+    if (!exit) {
+        exit = wait_for_daemon(places, daemon_bus, fault);
+    }
     if (exit == CLI_EXIT_INTERRUPTED) {
         (void)cli_fault_set(fault, exit, "interrupted", "interrupted");
     }
@@ -148,7 +150,9 @@ enum cli_exit cli_setup_install(const struct cli_setup_places *places,
     enum cli_exit exit = text ? cli_new_file_write(places->config, text, &file, fault) : 0;
 
     exit = exit || !text ? exit : check_draft(places, file.draft, fault);
-    exit = exit ? exit : cli_service_open(&places->manager, places->unit, &service, fault);
+    if (!exit) {
+        exit = cli_service_open(&places->manager, places->unit, &service, fault);
+    }
     exit = exit || !text ? exit : cli_new_file_place(&file, fault);
     if (exit && file.placed) { /* but not on the disk for certain */
         exit = cli_new_file_undo(&file, fault) ? CLI_EXIT_FAULT : exit;

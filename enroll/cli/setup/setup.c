@@ -142,7 +142,9 @@ static enum cli_exit carry_out(const struct cli_setup_places *places,
         exit = cli_setup_check(places, dry_place, plan->text, fault);
         return exit || !wish->json ? exit : report(places, wish, plan, backup, false, NULL);
     }
-    exit = exit ? exit : confirm(wish, plan, dialogue, fault);
+    if (!exit) {
+        exit = confirm(wish, plan, dialogue, fault);
+    }
     if (!exit) {
         fprintf(dialogue->out, "Starting %s ...\n", places->unit);
         (void)fflush(dialogue->out);
@@ -165,7 +167,9 @@ enum cli_exit cli_setup_run(const struct cli_setup_places *places,
     }
     cli_interrupt_catch();
     enum cli_exit exit = make_plan(places, wish, dialogue, &plan, fault);
-    exit = exit ? exit : carry_out(places, wish, &plan, dialogue, fault);
+    if (!exit) {
+        exit = carry_out(places, wish, &plan, dialogue, fault);
+    }
     plan_done(&plan);
     if (exit == CLI_EXIT_INTERRUPTED && !fault->text[0]) {
         (void)cli_fault_set(fault, exit, "interrupted", "interrupted; nothing has been changed");

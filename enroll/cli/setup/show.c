@@ -74,7 +74,9 @@ bool cli_setup_show_picture(const struct cli_setup_wish *wish, const struct cli_
     if (!exit && dialogue->terminal) {
         show(&png, dialogue);
     }
-    exit = exit ? exit : cli_picture_save(wish->picture, png.bytes, png.size, &fault);
+    if (!exit) {
+        exit = cli_picture_save(wish->picture, png.bytes, png.size, &fault);
+    }
     if (exit) {
         fprintf(dialogue->out, "There is no picture of what the camera sees: %s.\n",
                 reason_of(&fault));

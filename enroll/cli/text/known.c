@@ -49,7 +49,9 @@ void cli_known_read(sd_bus_message *reply, struct cli_known *out)
 
     while (r >= 0 && (r = sd_bus_message_enter_container(reply, 'e', "sv")) > 0) {
         r = read_entry(reply, &known);
-        r = r < 0 ? r : sd_bus_message_exit_container(reply);
+        if (r >= 0) {
+            r = sd_bus_message_exit_container(reply);
+        }
     }
     if (r >= 0) {
         *out = known;

@@ -161,9 +161,15 @@ static int prepend_matching(const json_t *window, uint64_t last,
             r = json_array_append(all, record);
         }
     }
-    r = r ? r : json_array_extend(all, records);
-    r = r ? r : json_array_clear(records);
-    r = r ? r : json_array_extend(records, all);
+    if (!r) {
+        r = json_array_extend(all, records);
+    }
+    if (!r) {
+        r = json_array_clear(records);
+    }
+    if (!r) {
+        r = json_array_extend(records, all);
+    }
     json_decref(all);
     return r;
 }

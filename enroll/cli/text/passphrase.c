@@ -95,7 +95,9 @@ enum cli_exit cli_passphrase_key(const char *file, bool fresh, const uint8_t sal
         exit = cli_fault_set(fault, CLI_EXIT_USAGE, "passphrase",
                              "a passphrase has at least %d bytes", SHORTEST_FRESH);
     }
-    exit = exit ? exit : derive(line, salt, key, fault);
+    if (!exit) {
+        exit = derive(line, salt, key, fault);
+    }
     sodium_memzero(line, sizeof line);
     return exit;
 }

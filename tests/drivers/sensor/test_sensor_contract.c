@@ -471,7 +471,9 @@ static void pull_it_before_the_start(struct set *set)
     while (error == -EIO && real_ns() < end_ns) { /* a library may hear of it a little later */
         error = iso_sensor_start(set->sensor, NULL);
     }
-    error = error ? error : fetch(set, &frame, NULL); /* as soon as it is noticed */
+    if (!error) {
+        error = fetch(set, &frame, NULL); /* as soon as it is noticed */
+    }
     assert_int_equal(error, -ENODEV);
     assert_int_equal(iso_sensor_health(set->sensor).state, ISO_SENSOR_LOST);
 }

@@ -85,7 +85,23 @@ static int open_sensor(const char *pair_ms, struct iso_sensor **sensor, struct i
     return iso_sensor_open_ops(&ops, options, 6, &clock, sensor, fault);
 }
 
-/* One pixel of a format, 8 significant bits. */
+/* A pixel of 16 bits with 8 significant ones; the others are not 0. */
+static unsigned word_of(uint32_t format, unsigned grey)
+{
+    switch (format) {
+    case V4L2_PIX_FMT_Y16:
+        return grey << 8 | 0x7f;
+    case V4L2_PIX_FMT_Y12:
+        return grey << 4 | 0x3;
+    case V4L2_PIX_FMT_Y10:
+        return grey << 2 | 0x1;
+    case V4L2_PIX_FMT_YUYV:
+        return grey | 0x8000;
+    default:
+        return grey << 8 | 0x80;
+    }
+}
+
 static void put(uint32_t format, uint8_t *pixels, size_t i, double value)
 {
     unsigned grey = (unsigned)value;
@@ -93,11 +109,7 @@ static void put(uint32_t format, uint8_t *pixels, size_t i, double value)
         pixels[i] = (uint8_t)grey;
         return;
     }
-    unsigned word = format == V4L2_PIX_FMT_Y16    ? grey << 8 | 0x7f
-                    : format == V4L2_PIX_FMT_Y12  ? grey << 4 | 0x3
-                    : format == V4L2_PIX_FMT_Y10  ? grey << 2 | 0x1
-                    : format == V4L2_PIX_FMT_YUYV ? grey | 0x8000
-                                                  : grey << 8 | 0x80;
+    const unsigned word = word_of(format, grey);
     pixels[2 * i] = (uint8_t)word;
     pixels[2 * i + 1] = (uint8_t)(word >> 8);
 }

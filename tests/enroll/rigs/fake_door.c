@@ -112,7 +112,9 @@ static int send_status(sd_bus *bus, const struct service *service, const struct 
         r = sd_bus_message_append(signal, "sbsdd", status->result, (int)status->done, person,
                                   status->value, status->threshold);
     }
-    r = r < 0 ? r : sd_bus_send_to(bus, signal, service->claimed_by, NULL);
+    if (r >= 0) {
+        r = sd_bus_send_to(bus, signal, service->claimed_by, NULL);
+    }
     sd_bus_message_unref(signal);
     return r;
 }
@@ -121,8 +123,12 @@ static int open_bus(const char *address, sd_bus **bus)
 {
     int r = sd_bus_new(bus);
 
-    r = r < 0 ? r : sd_bus_set_address(*bus, address);
-    r = r < 0 ? r : sd_bus_set_bus_client(*bus, 1);
+    if (r >= 0) {
+        r = sd_bus_set_address(*bus, address);
+    }
+    if (r >= 0) {
+        r = sd_bus_set_bus_client(*bus, 1);
+    }
     return r < 0 ? r : sd_bus_start(*bus);
 }
 
@@ -192,14 +198,18 @@ static int trace_options(const struct service *service, sd_bus_message *call)
         int64_t number = 0;
         int boolean = 0;
         r = sd_bus_message_read_basic(call, 's', &name);
-        r = r < 0 ? r : sd_bus_message_peek_type(call, &container, &type);
+        if (r >= 0) {
+            r = sd_bus_message_peek_type(call, &container, &type);
+        }
         if (r >= 0 && *type == 'b') {
             r = sd_bus_message_read(call, "v", "b", &boolean);
             number = boolean;
         } else if (r >= 0) {
             r = sd_bus_message_read(call, "v", "x", &number);
         }
-        r = r < 0 ? r : sd_bus_message_exit_container(call);
+        if (r >= 0) {
+            r = sd_bus_message_exit_container(call);
+        }
         (void)snprintf(text, sizeof text, " %s=%" PRId64, r < 0 ? "?" : name, number);
         trace(service, text);
     }
@@ -275,14 +285,20 @@ static int on_list(sd_bus_message *call, void *context, sd_bus_error *error)
         return -EIO;
     }
     int r = sd_bus_message_new_method_return(call, &reply);
-    r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "(sxxxu)");
+    if (r >= 0) {
+        r = sd_bus_message_open_container(reply, 'a', "(sxxxu)");
+    }
     for (size_t i = 0; r >= 0 && i < service->script->n_people; i++) {
         const struct fake_person *person = &service->script->people[i];
         r = sd_bus_message_append(reply, "(sxxxu)", person->name, person->enrolled,
                                   person->valid_from, person->valid_until, person->templates);
     }
-    r = r < 0 ? r : sd_bus_message_close_container(reply);
-    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
+    if (r >= 0) {
+        r = sd_bus_message_close_container(reply);
+    }
+    if (r >= 0) {
+        r = sd_bus_send(NULL, reply, NULL);
+    }
     sd_bus_message_unref(reply);
     return r;
 }
@@ -301,9 +317,13 @@ static int on_delete(sd_bus_message *call, void *context, sd_bus_error *error)
         return -EIO;
     }
     const int r = sd_bus_message_read_basic(call, 's', &name);
-    return r < 0                        ? r
-           : find_person(service, name) ? sd_bus_reply_method_return(call, NULL)
-                                        : no_such_person(error, name);
+    if (r < 0) {
+        return r;
+    }
+    if (!find_person(service, name)) {
+        return no_such_person(error, name);
+    }
+    return sd_bus_reply_method_return(call, NULL);
 }
 
 static int on_set_validity(sd_bus_message *call, void *context, sd_bus_error *error)
@@ -321,11 +341,15 @@ static int on_set_validity(sd_bus_message *call, void *context, sd_bus_error *er
     trace(service, " ");
     trace(service, name);
     r = trace_options(service, call);
+    if (r < 0) {
+        return r;
+    }
     const struct fake_person *known = find_person(service, name);
-    return r < 0   ? r
-           : known ? sd_bus_reply_method_return(call, "sxx", known->name, known->valid_from,
-                                                known->valid_until)
-                   : no_such_person(error, name);
+    if (!known) {
+        return no_such_person(error, name);
+    }
+    return sd_bus_reply_method_return(call, "sxx", known->name, known->valid_from,
+                                      known->valid_until);
 }
 
 static int on_rename(sd_bus_message *call, void *context, sd_bus_error *error)
@@ -338,9 +362,13 @@ static int on_rename(sd_bus_message *call, void *context, sd_bus_error *error)
         return -EIO;
     }
     const int r = sd_bus_message_read(call, "ss", &name, &to);
-    return r < 0                        ? r
-           : find_person(service, name) ? sd_bus_reply_method_return(call, "s", remark)
-                                        : no_such_person(error, name);
+    if (r < 0) {
+        return r;
+    }
+    if (!find_person(service, name)) {
+        return no_such_person(error, name);
+    }
+    return sd_bus_reply_method_return(call, "s", remark);
 }
 
 static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
@@ -352,8 +380,12 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
         return -EIO;
     }
     int r = sd_bus_message_new_method_return(call, &reply);
-    r = r < 0 ? r : fake_status_append(reply, service->script);
-    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
+    if (r >= 0) {
+        r = fake_status_append(reply, service->script);
+    }
+    if (r >= 0) {
+        r = sd_bus_send(NULL, reply, NULL);
+    }
     sd_bus_message_unref(reply);
     return r;
 }
@@ -364,18 +396,25 @@ static int send_view(sd_bus_message *call, const struct fake_view *view)
     int r = sd_bus_message_new_signal(sd_bus_message_get_bus(call), &signal, ISO_CONTRACT_PATH,
                                       ISO_CONTRACT_INTERFACE, "View");
 
-    r = r < 0 ? r : sd_bus_message_open_container(signal, 'a', "{sv}");
-    r = r < 0 ? r : sd_bus_message_append(signal, "{sv}", "capture", "s", view->capture);
+    if (r >= 0) {
+        r = sd_bus_message_open_container(signal, 'a', "{sv}");
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "{sv}", "capture", "s", view->capture);
+    }
     if (r >= 0 && !isnan(view->distance_mm)) {
         r = sd_bus_message_append(signal, "{sv}", "distance-mm", "d", view->distance_mm);
     }
     if (r >= 0 && !isnan(view->yaw_deg)) {
         r = sd_bus_message_append(signal, "{sv}", "yaw-deg", "d", view->yaw_deg);
     }
-    r = r < 0 ? r : sd_bus_message_close_container(signal);
-    r = r < 0 ? r
-              : sd_bus_send_to(sd_bus_message_get_bus(call), signal,
-                               sd_bus_message_get_sender(call), NULL);
+    if (r >= 0) {
+        r = sd_bus_message_close_container(signal);
+    }
+    if (r >= 0) {
+        r = sd_bus_send_to(sd_bus_message_get_bus(call), signal, sd_bus_message_get_sender(call),
+                           NULL);
+    }
     sd_bus_message_unref(signal);
     return r;
 }
@@ -475,15 +514,23 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *error)
     int r = sd_bus_message_read(call, "tu", &from, &max);
     from = from < first ? first : from;
     max = max < LOG_RECORDS_MAX ? max : LOG_RECORDS_MAX;
-    r = r < 0 ? r : sd_bus_message_new_method_return(call, &reply);
-    r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
+    if (r >= 0) {
+        r = sd_bus_message_new_method_return(call, &reply);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_open_container(reply, 'a', "s");
+    }
     for (uint64_t i = from; r >= 0 && i <= last && i - from < max; i++) {
         char line[RECORD_SIZE];
         write_record(script, i, line);
         r = sd_bus_message_append_basic(reply, 's', line);
     }
-    r = r < 0 ? r : sd_bus_message_close_container(reply);
-    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
+    if (r >= 0) {
+        r = sd_bus_message_close_container(reply);
+    }
+    if (r >= 0) {
+        r = sd_bus_send(NULL, reply, NULL);
+    }
     sd_bus_message_unref(reply);
     return r;
 }
@@ -527,11 +574,16 @@ static int serve(struct service *service, int ready_fd)
     sd_bus *bus = NULL;
     int r = open_bus(service->address, &bus);
 
-    r = r < 0 ? r
-              : sd_bus_add_object_vtable(bus, NULL, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
-                                         vtable, service);
-    r = r < 0 ? r : sd_bus_request_name(bus, ISO_CONTRACT_NAME, 0);
-    r = r < 0 ? r : (int)write(ready_fd, "r", 1);
+    if (r >= 0) {
+        r = sd_bus_add_object_vtable(bus, NULL, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE, vtable,
+                                     service);
+    }
+    if (r >= 0) {
+        r = sd_bus_request_name(bus, ISO_CONTRACT_NAME, 0);
+    }
+    if (r >= 0) {
+        r = (int)write(ready_fd, "r", 1);
+    }
     while (r >= 0 && !service->leave) {
         r = sd_bus_process(bus, NULL);
         r = r == 0 ? sd_bus_wait(bus, UINT64_MAX) : r;

@@ -111,10 +111,11 @@ static int on_job(sd_bus_message *call, void *context, sd_bus_error *error)
         r = sd_bus_emit_signal(sd_bus_message_get_bus(call), MANAGER_PATH, MANAGER, "JobRemoved",
                                "uoss", service->n_jobs + 100, MANAGER_PATH "/job/99",
                                "other.service", "failed");
-        r = r < 0 ? r
-                  : sd_bus_emit_signal(sd_bus_message_get_bus(call), MANAGER_PATH, MANAGER,
-                                       "JobRemoved", "uoss", service->n_jobs, path,
-                                       "isothermd.service", result);
+        if (r >= 0) {
+            r = sd_bus_emit_signal(sd_bus_message_get_bus(call), MANAGER_PATH, MANAGER,
+                                   "JobRemoved", "uoss", service->n_jobs, path, "isothermd.service",
+                                   result);
+        }
     }
     return r;
 }
@@ -154,16 +155,28 @@ static int serve(struct service *service, const char *address, int ready_fd)
     sd_bus *bus = NULL;
     int r = sd_bus_new(&bus);
 
-    r = r < 0 ? r : sd_bus_set_address(bus, address);
-    r = r < 0 ? r : sd_bus_set_bus_client(bus, 1);
-    r = r < 0 ? r : sd_bus_start(bus);
-    r = r < 0 ? r
-              : sd_bus_add_object_vtable(bus, NULL, MANAGER_PATH, MANAGER, manager_vtable, service);
-    r = r < 0 ? r
-              : sd_bus_add_object_vtable(bus, NULL, UNIT_PATH, "org.freedesktop.systemd1.Unit",
-                                         unit_vtable, service);
-    r = r < 0 ? r : sd_bus_request_name(bus, "org.freedesktop.systemd1", 0);
-    r = r < 0 ? r : (int)write(ready_fd, "r", 1);
+    if (r >= 0) {
+        r = sd_bus_set_address(bus, address);
+    }
+    if (r >= 0) {
+        r = sd_bus_set_bus_client(bus, 1);
+    }
+    if (r >= 0) {
+        r = sd_bus_start(bus);
+    }
+    if (r >= 0) {
+        r = sd_bus_add_object_vtable(bus, NULL, MANAGER_PATH, MANAGER, manager_vtable, service);
+    }
+    if (r >= 0) {
+        r = sd_bus_add_object_vtable(bus, NULL, UNIT_PATH, "org.freedesktop.systemd1.Unit",
+                                     unit_vtable, service);
+    }
+    if (r >= 0) {
+        r = sd_bus_request_name(bus, "org.freedesktop.systemd1", 0);
+    }
+    if (r >= 0) {
+        r = (int)write(ready_fd, "r", 1);
+    }
     while (r >= 0) {
         r = sd_bus_process(bus, NULL);
         r = r == 0 ? sd_bus_wait(bus, UINT64_MAX) : r;

@@ -4,13 +4,27 @@ static int append_numbers(sd_bus_message *reply, const struct fake_script *scrip
                           uint32_t templates)
 {
     int r = sd_bus_message_append(reply, "{sv}", "uptime-ms", "x", (int64_t)7530000);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "distance-mm", "d", 612.4);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "fit-coverage", "d", 0.934);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "people", "u", (uint32_t)script->n_people);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates", "u", templates + 3);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates-usable", "u", templates);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "threshold", "d", 1.25);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", (uint64_t)1 << 40);
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "distance-mm", "d", 612.4);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "fit-coverage", "d", 0.934);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "people", "u", (uint32_t)script->n_people);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "templates", "u", templates + 3);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "templates-usable", "u", templates);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "threshold", "d", 1.25);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "frames", "t", (uint64_t)1 << 40);
+    }
     return r < 0 ? r
                  : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",
                                          (uint64_t)script->n_records);
@@ -56,9 +70,11 @@ int fake_status_append(sd_bus_message *reply, const struct fake_script *script)
         r = sd_bus_message_append(reply, "{sv}", texts[i].key, "s",
                                   texts[i].value ? texts[i].value : texts[i].otherwise);
     }
-    r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}", "door-realtime", "b",
-                                      (int)!script->door_ordinary);
-    r = r < 0 ? r : append_numbers(reply, script, templates);
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "door-realtime", "b", (int)!script->door_ordinary);
+    }
+    if (r >= 0) {
+        r = append_numbers(reply, script, templates);
+    }
     return r < 0 ? r : sd_bus_message_close_container(reply);
 }

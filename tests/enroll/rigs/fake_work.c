@@ -19,8 +19,12 @@ static int send_progress(sd_bus_message *call, const struct fake_progress *progr
                                       ISO_CONTRACT_INTERFACE, ISO_CONTRACT_PROGRESS);
 
     pause_ms(progress->after_ms);
-    r = r < 0 ? r : sd_bus_message_append(signal, "tt", progress->done, progress->total);
-    r = r < 0 ? r : sd_bus_send_to(NULL, signal, sd_bus_message_get_sender(call), NULL);
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "tt", progress->done, progress->total);
+    }
+    if (r >= 0) {
+        r = sd_bus_send_to(NULL, signal, sd_bus_message_get_sender(call), NULL);
+    }
     sd_bus_message_unref(signal);
     return r;
 }
