@@ -5,7 +5,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include "tests/enroll/rigs/fake_door.h"
+#include "tests/enroll/rigs/fake_daemon.h"
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/programs/run.h"
 

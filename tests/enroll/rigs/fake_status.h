@@ -4,7 +4,7 @@
 
 #include <systemd/sd-bus.h>
 
-#include "tests/enroll/rigs/fake_door.h"
+#include "tests/enroll/rigs/fake_daemon.h"
 
 /* Appends the dictionary a{sv}: what the script says, and for everything else that all is well. A
  * negative errno of sd_bus_message_append(). */

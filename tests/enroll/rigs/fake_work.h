@@ -5,7 +5,7 @@
 
 #include <systemd/sd-bus.h>
 
-#include "tests/enroll/rigs/fake_door.h"
+#include "tests/enroll/rigs/fake_daemon.h"
 
 /* Sends the Progress signals of the script and answers the call: 2 people are exported, 1 is added
  * and 1 known, the keys are rotated without a remark, records 1 to 100 are sound. A negative errno

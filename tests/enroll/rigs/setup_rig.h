@@ -4,7 +4,7 @@
 #define TEST_SETUP_RIG_H
 
 #include "enroll/cli/setup/setup.h"
-#include "tests/enroll/rigs/fake_door.h"
+#include "tests/enroll/rigs/fake_daemon.h"
 #include "tests/enroll/rigs/fake_manager.h"
 
 struct setup_rig {

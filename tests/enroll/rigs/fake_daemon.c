@@ -1,4 +1,4 @@
-#include "tests/enroll/rigs/fake_door.h"
+#include "tests/enroll/rigs/fake_daemon.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
