@@ -1,4 +1,4 @@
-/* enroll, identify and verify as a person meets them, against a scripted door. */
+/* enroll, identify and verify as a person meets them, against a scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -383,7 +383,7 @@ static void aim_ends_with_the_daemon(void **state)
     assert_non_null(strstr(result.err, "the daemon has gone away"));
 }
 
-static void a_silent_door_times_out_and_is_released(void **state)
+static void a_silent_daemon_times_out_and_is_released(void **state)
 {
     static const char *const words[] = {"enroll anna --timeout 0.05", "identify --timeout 0.05",
                                         "verify anna --timeout 0.05"};
@@ -491,7 +491,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(aim_says_why_there_is_no_picture, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test(aim_ends_with_the_daemon),
-        cmocka_unit_test(a_silent_door_times_out_and_is_released),
+        cmocka_unit_test(a_silent_daemon_times_out_and_is_released),
         cmocka_unit_test(an_interrupt_releases_the_camera),
         cmocka_unit_test(a_daemon_that_vanishes_is_a_fault),
         cmocka_unit_test(a_camera_in_use_is_not_released),

@@ -1,5 +1,5 @@
-/* isotherm doctor against a scripted door: findings follow from words and codes of the daemon, and
- * the remedies from the codes. */
+/* isotherm doctor against a scripted daemon: findings follow from words and codes of the daemon,
+ * and the remedies from the codes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* log, and what its options choose, against a scripted door. */
+/* log, and what its options choose, against a scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* list, remove, status, doctor, and how every command fails, against a scripted door. */
+/* list, remove, status, doctor, and how every command fails, against a scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

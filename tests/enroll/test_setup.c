@@ -54,9 +54,9 @@ static void a_fresh_machine_becomes_an_appliance(void **state)
     struct stat status;
     size_t size, read_size;
     const char *png = setup_rig_png(&size);
-    const struct fake_script door = {.picture = png, .picture_size = size};
+    const struct fake_script daemon = {.picture = png, .picture_size = size};
 
-    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     expect_in(rig->calls, "Subscribe;GetUnitFileState;LoadUnit;EnableUnitFiles;Reload;"
                           "ResetFailedUnit;RestartUnit;<# Written by isotherm setup for the board "
                           "pc-usb.\n");
@@ -79,11 +79,11 @@ static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "rock-5b", .yes = true};
     const struct fake_manager_script manager = {.enabled = true, .active = true};
-    const struct fake_script door = {.n_people = 0};
+    const struct fake_script daemon = {.n_people = 0};
     struct setup_rig *rig = *state;
 
     write_old();
-    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     assert_string_equal(rig->calls,
                         "Subscribe;GetUnitFileState;LoadUnit;ResetFailedUnit;RestartUnit;<>;");
     expect_in(rig->said, "- # By hand.\n");
@@ -100,7 +100,7 @@ static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state
     assert_memory_equal(text, old_text, size);
     free(text);
     /* Once more: nothing to write, but the service is started again. */
-    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     expect_in(rig->said, "stays as it is");
     expect_in(rig->calls, "RestartUnit");
     assert_int_equal(setup_rig_count_files(), 2);
@@ -150,12 +150,12 @@ static void a_wrong_wish_is_named_and_changes_nothing(void **state)
          "/dev/null has no description in"},
     };
     const struct fake_manager_script manager = {.enabled = true, .active = true};
-    const struct fake_script door = {.n_people = 0};
+    const struct fake_script daemon = {.n_people = 0};
     struct setup_rig *rig = *state;
 
     write_old();
     for (size_t i = 0; i < COUNT(cases); i++) {
-        assert_int_equal(setup_rig_run(rig, &cases[i].wish, &manager, &door), cases[i].exit);
+        assert_int_equal(setup_rig_run(rig, &cases[i].wish, &manager, &daemon), cases[i].exit);
         expect_in(rig->fault.text, cases[i].text);
         assert_string_equal(rig->calls, "");
         setup_rig_expect_config(old_text);
@@ -168,7 +168,7 @@ static void a_start_that_fails_is_undone(void **state)
 {
     static const struct {
         struct fake_manager_script manager;
-        bool door;
+        bool daemon;
         const char *text;
     } cases[] = {
         {{.result = "failed"}, true, "isothermd.service did not start (failed)"},
@@ -177,7 +177,7 @@ static void a_start_that_fails_is_undone(void **state)
         {{.result = "done"}, false, "did not come to the bus within 1 s"},
     };
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
-    const struct fake_script door = {.n_people = 0};
+    const struct fake_script daemon = {.n_people = 0};
     struct setup_rig *rig = *state;
 
     for (size_t i = 0; i < COUNT(cases) * 2; i++) {
@@ -193,7 +193,7 @@ static void a_start_that_fails_is_undone(void **state)
         }
         manager.enabled = manager.active = before;
         manager.started = rig->places.config;
-        assert_int_equal(setup_rig_run(rig, &wish, &manager, cases[i / 2].door ? &door : NULL),
+        assert_int_equal(setup_rig_run(rig, &wish, &manager, cases[i / 2].daemon ? &daemon : NULL),
                          CLI_EXIT_FAULT);
         expect_in(rig->fault.text, cases[i / 2].text);
         setup_rig_expect_config(before ? old_text : NULL);
@@ -264,13 +264,13 @@ static void a_picture_that_does_not_come_is_said_and_no_failure(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
     const struct fake_manager_script manager = {.enabled = true};
-    const struct fake_script door = {.fail_method = "Picture",
-                                     .fail_error = "org.isotherm.Error.DeviceFault",
-                                     .sensor_state = "lost",
-                                     .sensor_fault = "no device"};
+    const struct fake_script daemon = {.fail_method = "Picture",
+                                       .fail_error = "org.isotherm.Error.DeviceFault",
+                                       .sensor_state = "lost",
+                                       .sensor_fault = "no device"};
     struct setup_rig *rig = *state;
 
-    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     expect_in(rig->said, "There is no picture of what the camera sees: the fake says so");
     expect_in(rig->said, "fault    sensor      lost: no device");
     assert_false(scratch_exists(setup_rig_path("picture.png")));
@@ -291,16 +291,16 @@ static void a_camera_that_shows_nothing_is_asked_once(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
     const struct fake_manager_script manager = {.enabled = true};
-    const struct fake_script door = {.fail_method = "Picture",
-                                     .fail_error = "org.isotherm.Error.DeviceFault",
-                                     .fail_text = "no picture: the camera shows nothing"};
+    const struct fake_script daemon = {.fail_method = "Picture",
+                                       .fail_error = "org.isotherm.Error.DeviceFault",
+                                       .fail_text = "no picture: the camera shows nothing"};
     struct setup_rig *rig = *state;
 
-    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     expect_in(rig->said,
               "waiting for a picture ...\n"
               "There is no picture of what the camera sees: the camera shows nothing.\n");
-    assert_int_equal(count_calls(rig->door_calls, "Picture"), 1);
+    assert_int_equal(count_calls(rig->daemon_calls, "Picture"), 1);
 }
 
 /* Another program gives the camera back, perhaps. */
@@ -308,12 +308,12 @@ static void a_camera_in_use_is_asked_for_again(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
     const struct fake_manager_script manager = {.enabled = true};
-    const struct fake_script door = {.fail_method = "Claim",
-                                     .fail_error = "org.isotherm.Error.AlreadyInUse"};
+    const struct fake_script daemon = {.fail_method = "Claim",
+                                       .fail_error = "org.isotherm.Error.AlreadyInUse"};
     struct setup_rig *rig = *state;
 
-    assert_int_equal(setup_rig_run(rig, &wish, &manager, &door), CLI_EXIT_OK);
-    assert_int_equal(count_calls(rig->door_calls, "Claim"), 4);
+    assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
+    assert_int_equal(count_calls(rig->daemon_calls, "Claim"), 4);
 }
 
 /* ---- at a terminal ---- */
@@ -326,10 +326,10 @@ static void a_person_is_asked_what_is_not_known(void **state)
     static struct setup_terminal terminal;
     size_t size;
     const char *png = setup_rig_png(&size);
-    const struct fake_script door = {.picture = png, .picture_size = size};
+    const struct fake_script daemon = {.picture = png, .picture_size = size};
 
     setup_rig_set_devices(one_camera);
-    setup_rig_begin(rig, &manager, &door);
+    setup_rig_begin(rig, &manager, &daemon);
     setup_rig_open(rig, &wish, &terminal);
     setup_rig_answer(&terminal, "Board [1]", "seven\n"); /* generic: nothing is recognised */
     setup_rig_answer(&terminal, "a number from 1 to 5", "2\n");
@@ -421,13 +421,13 @@ static void with_json_there_is_one_document(void **state)
     const struct cli_setup_wish wish = {
         .board = "pc-usb", .sensor = "openni2", .yes = true, .json = true};
     const struct fake_manager_script manager = {.active = true};
-    const struct fake_script door = {.n_people = 0};
+    const struct fake_script daemon = {.n_people = 0};
     struct setup_rig *rig = *state;
     const char *path = setup_rig_path("out.json");
 
     const int saved = dup(STDOUT_FILENO);
     assert_non_null(freopen(path, "w", stdout));
-    const enum cli_exit exit = setup_rig_run(rig, &wish, &manager, &door);
+    const enum cli_exit exit = setup_rig_run(rig, &wish, &manager, &daemon);
     (void)fflush(stdout);
     assert_int_equal(dup2(saved, STDOUT_FILENO), STDOUT_FILENO);
     close(saved);

@@ -4,11 +4,11 @@
 
 #include "firmware/contract/contract.h"
 
-static enum cli_exit start(struct cli_daemon *door, const struct cli_action *action,
+static enum cli_exit start(struct cli_daemon *daemon, const struct cli_action *action,
                            struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_daemon_message(door, action->start, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, action->start, &call, fault);
 
     if (exit) {
         return exit;
@@ -19,7 +19,7 @@ static enum cli_exit start(struct cli_daemon *door, const struct cli_action *act
         return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-argument", "%s: %s", action->start,
                              strerror(-r));
     }
-    exit = cli_daemon_send(door, call, &reply, fault);
+    exit = cli_daemon_send(daemon, call, &reply, fault);
     if (!exit && action->answered) {
         action->answered(reply, action->context);
     }
@@ -28,46 +28,46 @@ static enum cli_exit start(struct cli_daemon *door, const struct cli_action *act
 }
 
 /* What ended the action counts; a fault on the way out would only hide it. */
-static void finish(struct cli_daemon *door, const char *method)
+static void finish(struct cli_daemon *daemon, const char *method)
 {
     struct cli_fault ignored;
 
-    (void)!cli_daemon_call(door, method, NULL, &ignored);
+    (void)!cli_daemon_call(daemon, method, NULL, &ignored);
 }
 
 /* Listening begins after the claim: what the bus passed on before that belongs to another client.
  */
-static enum cli_exit run_claimed(struct cli_daemon *door, const struct cli_action *action,
+static enum cli_exit run_claimed(struct cli_daemon *daemon, const struct cli_action *action,
                                  struct cli_fault *fault)
 {
     enum cli_exit exit;
 
-    exit = cli_daemon_subscribe(door, action->signal, action->status, action->context, fault);
+    exit = cli_daemon_subscribe(daemon, action->signal, action->status, action->context, fault);
     if (!exit) {
-        exit = start(door, action, fault);
+        exit = start(daemon, action, fault);
     }
     if (exit) {
         return exit;
     }
     action->started(action->context);
-    exit = cli_daemon_wait(door, action->timeout_s, fault);
-    finish(door, action->stop);
+    exit = cli_daemon_wait(daemon, action->timeout_s, fault);
+    finish(daemon, action->stop);
     return exit;
 }
 
-enum cli_exit cli_action_run(struct cli_daemon *door, const struct cli_action *action,
+enum cli_exit cli_action_run(struct cli_daemon *daemon, const struct cli_action *action,
                              struct cli_fault *fault)
 {
     enum cli_exit exit;
 
-    exit = cli_daemon_catch_interrupt(door, fault);
+    exit = cli_daemon_catch_interrupt(daemon, fault);
     if (!exit) {
-        exit = cli_daemon_call(door, ISO_CONTRACT_CLAIM, NULL, fault);
+        exit = cli_daemon_call(daemon, ISO_CONTRACT_CLAIM, NULL, fault);
     }
     if (exit) {
         return exit;
     }
-    exit = run_claimed(door, action, fault);
-    finish(door, ISO_CONTRACT_RELEASE);
+    exit = run_claimed(daemon, action, fault);
+    finish(daemon, ISO_CONTRACT_RELEASE);
     return exit;
 }

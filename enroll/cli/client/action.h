@@ -25,7 +25,7 @@ struct cli_action {
 
 /* CLI_EXIT_OK: the last status has come. CLI_EXIT_TIMED_OUT and CLI_EXIT_INTERRUPTED: it has not,
  * fault->text is empty. Else a fault of cli_daemon_send() or cli_daemon_wait(). */
-enum cli_exit cli_action_run(struct cli_daemon *door, const struct cli_action *action,
+enum cli_exit cli_action_run(struct cli_daemon *daemon, const struct cli_action *action,
                              struct cli_fault *fault) __attribute__((warn_unused_result));
 
 #endif

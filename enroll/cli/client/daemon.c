@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "enroll/cli/client/door_error.h"
+#include "enroll/cli/client/daemon_error.h"
 #include "firmware/contract/contract.h"
 
 enum {
@@ -75,83 +75,83 @@ static int on_bus_gone(sd_bus_message *signal, void *context, sd_bus_error *erro
 
 static int on_owner_changed(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
-    struct cli_daemon *door = context;
+    struct cli_daemon *daemon = context;
     const char *name, *before, *after;
 
     (void)error;
     if (sd_bus_message_read(signal, "sss", &name, &before, &after) >= 0 && *before && !*after) {
-        door->gone = true;
+        daemon->gone = true;
     }
     return 0;
 }
 
 /* Both are installed without waiting for the bus, which has them before any later call of ours. */
-static int watch_daemon(struct cli_daemon *door)
+static int watch_daemon(struct cli_daemon *daemon)
 {
     int r = sd_bus_add_match_async(
-        door->bus, NULL,
+        daemon->bus, NULL,
         "type='signal',sender='org.freedesktop.DBus',path='/org/freedesktop/DBus',"
         "interface='org.freedesktop.DBus',member='NameOwnerChanged',arg0='" ISO_CONTRACT_NAME "'",
-        on_owner_changed, NULL, door);
+        on_owner_changed, NULL, daemon);
     if (r < 0) {
         return r;
     }
-    return sd_bus_match_signal_async(door->bus, NULL, "org.freedesktop.DBus.Local", NULL,
+    return sd_bus_match_signal_async(daemon->bus, NULL, "org.freedesktop.DBus.Local", NULL,
                                      "org.freedesktop.DBus.Local", "Disconnected", on_bus_gone,
-                                     NULL, door);
+                                     NULL, daemon);
 }
 
 enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out,
                               struct cli_fault *fault)
 {
-    struct cli_daemon *door = calloc(1, sizeof *door);
+    struct cli_daemon *daemon = calloc(1, sizeof *daemon);
     const char *unique;
     int r;
 
-    if (!door) {
+    if (!daemon) {
         return no_bus(-ENOMEM, bus, fault);
     }
-    r = connect_bus(bus, &door->bus);
+    r = connect_bus(bus, &daemon->bus);
     if (r >= 0) {
-        r = sd_bus_get_unique_name(door->bus, &unique); /* waits for the handshake */
+        r = sd_bus_get_unique_name(daemon->bus, &unique); /* waits for the handshake */
     }
     if (r >= 0) {
-        r = sd_bus_set_method_call_timeout(door->bus, CALL_TIMEOUT_US);
+        r = sd_bus_set_method_call_timeout(daemon->bus, CALL_TIMEOUT_US);
     }
     if (r >= 0) {
-        r = sd_event_new(&door->event);
+        r = sd_event_new(&daemon->event);
     }
     if (r >= 0) {
-        r = sd_bus_attach_event(door->bus, door->event, SD_EVENT_PRIORITY_NORMAL);
+        r = sd_bus_attach_event(daemon->bus, daemon->event, SD_EVENT_PRIORITY_NORMAL);
     }
     if (r >= 0) {
-        r = watch_daemon(door);
+        r = watch_daemon(daemon);
     }
     if (r < 0) {
-        cli_daemon_close(door);
+        cli_daemon_close(daemon);
         return no_bus(r, bus, fault);
     }
-    *out = door;
+    *out = daemon;
     return CLI_EXIT_OK;
 }
 
-void cli_daemon_close(struct cli_daemon *door)
+void cli_daemon_close(struct cli_daemon *daemon)
 {
-    if (!door) {
+    if (!daemon) {
         return;
     }
-    if (door->bus) {
-        sd_bus_detach_event(door->bus);
-        sd_bus_flush_close_unref(door->bus);
+    if (daemon->bus) {
+        sd_bus_detach_event(daemon->bus);
+        sd_bus_flush_close_unref(daemon->bus);
     }
-    sd_event_unref(door->event);
-    free(door);
+    sd_event_unref(daemon->event);
+    free(daemon);
 }
 
-enum cli_exit cli_daemon_message(struct cli_daemon *door, const char *method, sd_bus_message **out,
-                                 struct cli_fault *fault)
+enum cli_exit cli_daemon_message(struct cli_daemon *daemon, const char *method,
+                                 sd_bus_message **out, struct cli_fault *fault)
 {
-    const int r = sd_bus_message_new_method_call(door->bus, out, ISO_CONTRACT_NAME,
+    const int r = sd_bus_message_new_method_call(daemon->bus, out, ISO_CONTRACT_NAME,
                                                  ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE, method);
 
     if (r < 0) {
@@ -160,12 +160,12 @@ enum cli_exit cli_daemon_message(struct cli_daemon *door, const char *method, sd
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_daemon_send(struct cli_daemon *door, sd_bus_message *call, sd_bus_message **reply,
-                              struct cli_fault *fault)
+enum cli_exit cli_daemon_send(struct cli_daemon *daemon, sd_bus_message *call,
+                              sd_bus_message **reply, struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
-    const int r = sd_bus_call(door->bus, call, 0, &error, reply);
+    const int r = sd_bus_call(daemon->bus, call, 0, &error, reply);
 
     if (r < 0) {
         exit = cli_daemon_error(&error, r, sd_bus_message_get_member(call), fault);
@@ -175,13 +175,13 @@ enum cli_exit cli_daemon_send(struct cli_daemon *door, sd_bus_message *call, sd_
     return exit;
 }
 
-enum cli_exit cli_daemon_call(struct cli_daemon *door, const char *method, sd_bus_message **reply,
+enum cli_exit cli_daemon_call(struct cli_daemon *daemon, const char *method, sd_bus_message **reply,
                               struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
-    const enum cli_exit exit = cli_daemon_message(door, method, &call, fault);
+    const enum cli_exit exit = cli_daemon_message(daemon, method, &call, fault);
 
-    return exit ? exit : cli_daemon_send(door, call, reply, fault);
+    return exit ? exit : cli_daemon_send(daemon, call, reply, fault);
 }
 
 enum cli_exit cli_daemon_bad_reply(int error, const char *method, struct cli_fault *fault)
@@ -193,11 +193,11 @@ enum cli_exit cli_daemon_bad_reply(int error, const char *method, struct cli_fau
 }
 
 /* The connection that has the daemon's name now; the caller frees *owner. */
-static int find_owner(struct cli_daemon *door, sd_bus_error *error, char **owner)
+static int find_owner(struct cli_daemon *daemon, sd_bus_error *error, char **owner)
 {
     sd_bus_message *reply = NULL;
     const char *name;
-    int r = sd_bus_call_method(door->bus, "org.freedesktop.DBus", "/org/freedesktop/DBus",
+    int r = sd_bus_call_method(daemon->bus, "org.freedesktop.DBus", "/org/freedesktop/DBus",
                                "org.freedesktop.DBus", "GetNameOwner", error, &reply, "s",
                                ISO_CONTRACT_NAME);
 
@@ -212,12 +212,12 @@ static int find_owner(struct cli_daemon *door, sd_bus_error *error, char **owner
     return r;
 }
 
-enum cli_exit cli_daemon_has_daemon(struct cli_daemon *door, bool *has, struct cli_fault *fault)
+enum cli_exit cli_daemon_has_daemon(struct cli_daemon *daemon, bool *has, struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
     char *owner = NULL;
-    const int r = find_owner(door, &error, &owner);
+    const int r = find_owner(daemon, &error, &owner);
 
     if (r < 0 && !sd_bus_error_has_name(&error, SD_BUS_ERROR_NAME_HAS_NO_OWNER)) {
         exit = cli_daemon_error(&error, r, "GetNameOwner", fault);
@@ -231,32 +231,32 @@ enum cli_exit cli_daemon_has_daemon(struct cli_daemon *door, bool *has, struct c
 
 static int on_signal(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
-    struct cli_daemon *door = context;
+    struct cli_daemon *daemon = context;
 
     (void)error;
-    door->heard++;
-    if (!door->done && door->handler(signal, door->context)) {
-        door->done = true;
+    daemon->heard++;
+    if (!daemon->done && daemon->handler(signal, daemon->context)) {
+        daemon->done = true;
     }
     return 0;
 }
 
 /* The match names the connection, not the service: anybody may send a signal straight to us, past
  * the bus's own matching, and only a connection's name is compared on our side. */
-enum cli_exit cli_daemon_subscribe(struct cli_daemon *door, const char *member,
+enum cli_exit cli_daemon_subscribe(struct cli_daemon *daemon, const char *member,
                                    cli_daemon_signal_fn handler, void *context,
                                    struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
     char *owner = NULL;
-    int r = find_owner(door, &error, &owner);
+    int r = find_owner(daemon, &error, &owner);
 
-    door->handler = handler;
-    door->context = context;
+    daemon->handler = handler;
+    daemon->context = context;
     if (r >= 0) {
-        r = sd_bus_match_signal(door->bus, NULL, owner, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
-                                member, on_signal, door);
+        r = sd_bus_match_signal(daemon->bus, NULL, owner, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
+                                member, on_signal, daemon);
     }
     if (r < 0) {
         exit = cli_daemon_error(&error, r, "AddMatch", fault);
@@ -286,7 +286,7 @@ static int on_interrupt(sd_event_source *source, int fd, uint32_t events, void *
     return 0;
 }
 
-static int catch_interrupt(struct cli_daemon *door)
+static int catch_interrupt(struct cli_daemon *daemon)
 {
     const struct sigaction action = {.sa_handler = handle_interrupt, .sa_flags = SA_RESTART};
 
@@ -297,12 +297,12 @@ static int catch_interrupt(struct cli_daemon *door)
         sigaction(SIGTERM, &action, NULL) < 0) {
         return -errno;
     }
-    return sd_event_add_io(door->event, NULL, interrupt_fd, EPOLLIN, on_interrupt, door);
+    return sd_event_add_io(daemon->event, NULL, interrupt_fd, EPOLLIN, on_interrupt, daemon);
 }
 
-enum cli_exit cli_daemon_catch_interrupt(struct cli_daemon *door, struct cli_fault *fault)
+enum cli_exit cli_daemon_catch_interrupt(struct cli_daemon *daemon, struct cli_fault *fault)
 {
-    const int r = catch_interrupt(door);
+    const int r = catch_interrupt(daemon);
 
     if (r < 0) {
         return cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "cannot catch interrupts: %s",
@@ -328,25 +328,26 @@ static int on_reply(sd_bus_message *reply, void *context, sd_bus_error *error)
 
 /* Dispatches what comes until the reply is there, or nothing has come for SILENCE_US. The bus
  * itself answers in place of a daemon that has gone. */
-static int await_reply(struct cli_daemon *door, sd_bus_message **reply)
+static int await_reply(struct cli_daemon *daemon, sd_bus_message **reply)
 {
-    uint64_t heard = door->heard, deadline_us = now_us() + SILENCE_US;
+    uint64_t heard = daemon->heard, deadline_us = now_us() + SILENCE_US;
 
     while (!*reply) {
         const uint64_t now = now_us();
-        const int r = now < deadline_us ? sd_event_run(door->event, deadline_us - now) : -ETIMEDOUT;
+        const int r = now < deadline_us ? sd_event_run(daemon->event, deadline_us - now)
+                                        : -ETIMEDOUT;
         if (r < 0 && r != -EINTR) {
             return r;
         }
-        if (door->heard != heard) {
-            heard = door->heard;
+        if (daemon->heard != heard) {
+            heard = daemon->heard;
             deadline_us = now_us() + SILENCE_US;
         }
     }
-    return sd_bus_is_open(door->bus) > 0 ? 0 : -ECONNRESET;
+    return sd_bus_is_open(daemon->bus) > 0 ? 0 : -ECONNRESET;
 }
 
-enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *door, sd_bus_message *call,
+enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *daemon, sd_bus_message *call,
                                          sd_bus_message **reply, struct cli_fault *fault)
 {
     const char *method = sd_bus_message_get_member(call);
@@ -356,10 +357,10 @@ enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *door, sd_bus_message
     enum cli_exit exit = CLI_EXIT_OK;
     int r;
 
-    door->done = false;
-    r = sd_bus_call_async(door->bus, &slot, call, on_reply, &answer, UINT64_MAX);
+    daemon->done = false;
+    r = sd_bus_call_async(daemon->bus, &slot, call, on_reply, &answer, UINT64_MAX);
     if (r >= 0) {
-        r = await_reply(door, &answer);
+        r = await_reply(daemon, &answer);
     }
     r = r < 0 ? sd_bus_error_set_errno(&error, r)
               : sd_bus_error_copy(&error, sd_bus_message_get_error(answer));
@@ -375,27 +376,27 @@ enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *door, sd_bus_message
     return exit;
 }
 
-enum cli_exit cli_daemon_wait(struct cli_daemon *door, double timeout_s, struct cli_fault *fault)
+enum cli_exit cli_daemon_wait(struct cli_daemon *daemon, double timeout_s, struct cli_fault *fault)
 {
     const bool forever = timeout_s <= 0;
     const uint64_t deadline_us = now_us() + (forever ? 0 : (uint64_t)(timeout_s * 1e6));
 
-    door->done = false;
-    while (!door->done && !door->interrupted && !door->gone) {
+    daemon->done = false;
+    while (!daemon->done && !daemon->interrupted && !daemon->gone) {
         const uint64_t now = now_us();
         if (!forever && now >= deadline_us) {
             return CLI_EXIT_TIMED_OUT;
         }
-        const int r = sd_event_run(door->event, forever ? UINT64_MAX : deadline_us - now);
+        const int r = sd_event_run(daemon->event, forever ? UINT64_MAX : deadline_us - now);
         if (r < 0 && r != -EINTR) {
             return cli_fault_set(fault, CLI_EXIT_FAULT, "daemon-gone", "lost the bus: %s",
                                  strerror(-r));
         }
     }
-    if (door->done) {
+    if (daemon->done) {
         return CLI_EXIT_OK;
     }
-    if (door->interrupted) {
+    if (daemon->interrupted) {
         return CLI_EXIT_INTERRUPTED;
     }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "daemon-gone",

@@ -14,17 +14,17 @@ static bool on_progress(sd_bus_message *signal, void *context)
     return false;
 }
 
-enum cli_exit cli_long_call(struct cli_daemon *door, sd_bus_message *call, const char *what,
+enum cli_exit cli_long_call(struct cli_daemon *daemon, sd_bus_message *call, const char *what,
                             sd_bus_message **reply, struct cli_fault *fault)
 {
     struct iso_progress *progress = iso_progress_start(stderr, "isotherm", what, 0, NULL);
     enum cli_exit exit;
 
-    exit = cli_daemon_subscribe(door, ISO_CONTRACT_PROGRESS, on_progress, progress, fault);
+    exit = cli_daemon_subscribe(daemon, ISO_CONTRACT_PROGRESS, on_progress, progress, fault);
     if (exit) {
         sd_bus_message_unref(call);
     } else {
-        exit = cli_daemon_send_and_listen(door, call, reply, fault);
+        exit = cli_daemon_send_and_listen(daemon, call, reply, fault);
     }
     iso_progress_end(progress);
     return exit;

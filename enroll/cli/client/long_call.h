@@ -10,7 +10,7 @@
  * meanwhile. Without such a signal (the call is short, or the daemon is of a version that sends
  * none) only the time that has passed is shown. The daemon has ten minutes for the answer or the
  * next signal. */
-enum cli_exit cli_long_call(struct cli_daemon *door, sd_bus_message *call, const char *what,
+enum cli_exit cli_long_call(struct cli_daemon *daemon, sd_bus_message *call, const char *what,
                             sd_bus_message **reply, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -99,10 +99,10 @@ int cli_state_read(sd_bus_message *message, json_t **out)
     return 0;
 }
 
-enum cli_exit cli_state_fetch(struct cli_daemon *door, json_t **out, struct cli_fault *fault)
+enum cli_exit cli_state_fetch(struct cli_daemon *daemon, json_t **out, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
-    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_GET_STATUS, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_GET_STATUS, &reply, fault);
 
     if (exit) {
         return exit;

@@ -12,7 +12,7 @@
 int cli_state_read(sd_bus_message *message, json_t **out) __attribute__((warn_unused_result));
 
 /* The caller releases *out with json_decref(). Faults of cli_daemon_send(), "bad-reply". */
-enum cli_exit cli_state_fetch(struct cli_daemon *door, json_t **out, struct cli_fault *fault)
+enum cli_exit cli_state_fetch(struct cli_daemon *daemon, json_t **out, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
 /* The text of a member; NULL if there is none or it is no text. Belongs to `state`. */

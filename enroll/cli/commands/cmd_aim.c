@@ -109,7 +109,7 @@ static void say_silence(const struct aim *aim)
 }
 
 /* Waits as cli_daemon_wait() does, and says once if nothing comes for a while. */
-static enum cli_exit wait_for_views(struct cli_daemon *door, double timeout_s,
+static enum cli_exit wait_for_views(struct cli_daemon *daemon, double timeout_s,
                                     const struct aim *aim, struct cli_fault *fault)
 {
     const bool forever = timeout_s <= 0;
@@ -118,7 +118,7 @@ static enum cli_exit wait_for_views(struct cli_daemon *door, double timeout_s,
     for (double left_s = timeout_s; forever || left_s > 0; left_s -= silence_s) {
         const uint64_t before = aim->n_views;
         const bool whole = forever || left_s >= silence_s;
-        const enum cli_exit exit = cli_daemon_wait(door, whole ? silence_s : left_s, fault);
+        const enum cli_exit exit = cli_daemon_wait(daemon, whole ? silence_s : left_s, fault);
         if (exit != CLI_EXIT_TIMED_OUT || fault->text[0]) {
             return exit;
         }
@@ -131,11 +131,11 @@ static enum cli_exit wait_for_views(struct cli_daemon *door, double timeout_s,
 }
 
 /* To be interrupted is how it is meant to end. */
-static enum cli_exit watch(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit watch(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            struct aim *aim, struct cli_fault *fault)
 {
     struct cli_fault ignored;
-    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_AIM_START, NULL, fault);
+    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_AIM_START, NULL, fault);
 
     if (exit) {
         return exit;
@@ -143,11 +143,11 @@ static enum cli_exit watch(struct cli_daemon *door, const struct cli_arguments *
     if (!aim->json) {
         fputs(head, stdout);
     }
-    exit = wait_for_views(door, arguments->timeout_s, aim, fault);
+    exit = wait_for_views(daemon, arguments->timeout_s, aim, fault);
     if (aim->rewrite) {
         fputs("\n\n", stdout); /* below both lines */
     }
-    (void)!cli_daemon_call(door, ISO_CONTRACT_AIM_STOP, NULL, &ignored);
+    (void)!cli_daemon_call(daemon, ISO_CONTRACT_AIM_STOP, NULL, &ignored);
     if (aim->error) {
         return cli_daemon_bad_reply(aim->error, ISO_CONTRACT_VIEW, fault);
     }
@@ -161,12 +161,12 @@ static enum cli_exit watch(struct cli_daemon *door, const struct cli_arguments *
 
 /* ---- one picture ---- */
 
-static enum cli_exit save_picture(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit save_picture(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                   struct cli_fault *fault)
 {
     uint8_t *png = NULL;
     size_t size = 0;
-    enum cli_exit exit = cli_picture_take(door, &png, &size, fault);
+    enum cli_exit exit = cli_picture_take(daemon, &png, &size, fault);
 
     if (!exit) {
         exit = cli_picture_save(arguments->picture, png, size, fault);
@@ -184,7 +184,7 @@ static enum cli_exit save_picture(struct cli_daemon *door, const struct cli_argu
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_aim(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_aim(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
     struct aim aim = {
@@ -193,12 +193,12 @@ enum cli_exit cli_aim(struct cli_daemon *door, const struct cli_arguments *argum
     };
 
     if (arguments->picture) {
-        return save_picture(door, arguments, fault);
+        return save_picture(daemon, arguments, fault);
     }
-    enum cli_exit exit = cli_daemon_catch_interrupt(door, fault);
+    enum cli_exit exit = cli_daemon_catch_interrupt(daemon, fault);
 
     if (!exit) {
-        exit = cli_daemon_subscribe(door, ISO_CONTRACT_VIEW, on_view, &aim, fault);
+        exit = cli_daemon_subscribe(daemon, ISO_CONTRACT_VIEW, on_view, &aim, fault);
     }
-    return exit ? exit : watch(door, arguments, &aim, fault);
+    return exit ? exit : watch(daemon, arguments, &aim, fault);
 }

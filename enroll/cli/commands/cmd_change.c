@@ -32,11 +32,11 @@ static enum cli_exit report_validity(sd_bus_message *reply, bool json, struct cl
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_validity(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_validity(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_SET_VALIDITY, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_SET_VALIDITY, &call, fault);
 
     if (exit) {
         return exit;
@@ -54,7 +54,7 @@ enum cli_exit cli_validity(struct cli_daemon *door, const struct cli_arguments *
     if (r < 0) {
         return no_utf8(call, fault);
     }
-    exit = cli_daemon_send(door, call, &reply, fault);
+    exit = cli_daemon_send(daemon, call, &reply, fault);
     if (!exit) {
         exit = report_validity(reply, arguments->json, fault);
     }
@@ -82,11 +82,11 @@ static enum cli_exit report_rename(sd_bus_message *reply, const struct cli_argum
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_rename(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_rename(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_RENAME_PERSON, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_RENAME_PERSON, &call, fault);
 
     if (exit) {
         return exit;
@@ -94,7 +94,7 @@ enum cli_exit cli_rename(struct cli_daemon *door, const struct cli_arguments *ar
     if (sd_bus_message_append(call, "ss", arguments->person, arguments->name) < 0) {
         return no_utf8(call, fault);
     }
-    exit = cli_daemon_send(door, call, &reply, fault);
+    exit = cli_daemon_send(daemon, call, &reply, fault);
     if (!exit) {
         exit = report_rename(reply, arguments, fault);
     }

@@ -28,8 +28,8 @@ static enum cli_exit confirm(struct cli_fault *fault)
     return cli_fault_set(fault, CLI_EXIT_NO, "not-confirmed", "the relay was not switched");
 }
 
-enum cli_exit cli_daemon_test(struct cli_daemon *door, const struct cli_arguments *arguments,
-                              struct cli_fault *fault)
+enum cli_exit cli_door_test(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                            struct cli_fault *fault)
 {
     if (strcmp(arguments->person, "test") != 0) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "door takes test, not '%s'",
@@ -37,7 +37,7 @@ enum cli_exit cli_daemon_test(struct cli_daemon *door, const struct cli_argument
     }
     enum cli_exit exit = arguments->yes ? CLI_EXIT_OK : confirm(fault);
     if (!exit) {
-        exit = cli_daemon_call(door, ISO_CONTRACT_TEST_DOOR, NULL, fault);
+        exit = cli_daemon_call(daemon, ISO_CONTRACT_TEST_DOOR, NULL, fault);
     }
     if (exit) {
         return exit;

@@ -203,7 +203,7 @@ static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault
                          enrolment->result);
 }
 
-enum cli_exit cli_enroll(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     struct enrolment enrolment = {
@@ -222,7 +222,7 @@ enum cli_exit cli_enroll(struct cli_daemon *door, const struct cli_arguments *ar
         .timeout_s = arguments->timeout_s > 0 ? arguments->timeout_s : DEFAULT_TIMEOUT_S,
     };
 
-    enum cli_exit exit = cli_action_run(door, &action, fault);
+    enum cli_exit exit = cli_action_run(daemon, &action, fault);
     iso_progress_end(enrolment.progress);
     if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
         strcpy(enrolment.result, "enroll-" ISO_CONTRACT_RESULT_TIMED_OUT);

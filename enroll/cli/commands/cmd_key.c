@@ -14,13 +14,13 @@ static enum cli_exit read_text(sd_bus_message *reply, const char *method, const 
     return r < 0 ? cli_daemon_bad_reply(r, method, fault) : CLI_EXIT_OK;
 }
 
-static enum cli_exit rotate(struct cli_daemon *door, bool json, struct cli_fault *fault)
+static enum cli_exit rotate(struct cli_daemon *daemon, bool json, struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
     const char *remark = "";
-    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_ROTATE_KEYS, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_ROTATE_KEYS, &call, fault);
     if (!exit) {
-        exit = cli_long_call(door, call, "sealing gallery and log anew", &reply, fault);
+        exit = cli_long_call(daemon, call, "sealing gallery and log anew", &reply, fault);
     }
     if (!exit) {
         exit = read_text(reply, ISO_CONTRACT_ROTATE_KEYS, &remark, fault);
@@ -34,11 +34,11 @@ static enum cli_exit rotate(struct cli_daemon *door, bool json, struct cli_fault
     return exit;
 }
 
-static enum cli_exit show_address(struct cli_daemon *door, bool json, struct cli_fault *fault)
+static enum cli_exit show_address(struct cli_daemon *daemon, bool json, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
     const char *address = "";
-    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_GET_ADDRESS, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_GET_ADDRESS, &reply, fault);
     if (!exit) {
         exit = read_text(reply, ISO_CONTRACT_GET_ADDRESS, &address, fault);
     }
@@ -51,14 +51,14 @@ static enum cli_exit show_address(struct cli_daemon *door, bool json, struct cli
     return exit;
 }
 
-enum cli_exit cli_key(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_key(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
     if (strcmp(arguments->word, "rotate") == 0) {
-        return rotate(door, arguments->json, fault);
+        return rotate(daemon, arguments->json, fault);
     }
     if (strcmp(arguments->word, "address") == 0) {
-        return show_address(door, arguments->json, fault);
+        return show_address(daemon, arguments->json, fault);
     }
     return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
                          "key takes 'rotate' or 'address', not '%s'", arguments->word);

@@ -13,7 +13,7 @@ static enum cli_exit bad_word(const char *command, const char *word, const char 
                          word);
 }
 
-enum cli_exit cli_lockdown(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_lockdown(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            struct cli_fault *fault)
 {
     const bool on = strcmp(arguments->person, "on") == 0;
@@ -22,7 +22,7 @@ enum cli_exit cli_lockdown(struct cli_daemon *door, const struct cli_arguments *
     if (!on && strcmp(arguments->person, "off") != 0) {
         return bad_word("lockdown", arguments->person, "on or off", fault);
     }
-    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_SET_LOCKDOWN, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_SET_LOCKDOWN, &call, fault);
     if (exit) {
         return exit;
     }
@@ -31,7 +31,7 @@ enum cli_exit cli_lockdown(struct cli_daemon *door, const struct cli_arguments *
         sd_bus_message_unref(call);
         return cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
     }
-    exit = cli_daemon_send(door, call, NULL, fault);
+    exit = cli_daemon_send(daemon, call, NULL, fault);
     if (exit) {
         return exit;
     }
@@ -42,13 +42,13 @@ enum cli_exit cli_lockdown(struct cli_daemon *door, const struct cli_arguments *
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_lockout(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_lockout(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                           struct cli_fault *fault)
 {
     if (strcmp(arguments->person, "clear") != 0) {
         return bad_word("lockout", arguments->person, "clear", fault);
     }
-    const enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_CLEAR_LOCKOUT, NULL, fault);
+    const enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_CLEAR_LOCKOUT, NULL, fault);
     if (exit) {
         return exit;
     }

@@ -38,34 +38,34 @@ static bool on_any_signal(sd_bus_message *signal, void *context)
 }
 
 /* Prints what there is and then what comes, until interrupted; that is how it is meant to end. */
-static enum cli_exit follow(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit follow(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                             uint64_t from, json_t *records, struct cli_fault *fault)
 {
-    enum cli_exit exit = cli_daemon_catch_interrupt(door, fault);
+    enum cli_exit exit = cli_daemon_catch_interrupt(daemon, fault);
 
     if (!exit) {
-        exit = cli_daemon_subscribe(door, NULL, on_any_signal, NULL, fault);
+        exit = cli_daemon_subscribe(daemon, NULL, on_any_signal, NULL, fault);
     }
     while (!exit) {
         print_records(records, arguments);
         if (fflush(stdout) == EOF) {
             return CLI_EXIT_FAULT; /* main() says why */
         }
-        exit = cli_daemon_wait(door, follow_period_s, fault);
+        exit = cli_daemon_wait(daemon, follow_period_s, fault);
         if (exit == CLI_EXIT_OK || exit == CLI_EXIT_TIMED_OUT) {
             json_array_clear(records);
-            exit = cli_log_read_new(door, arguments, &from, records, fault);
+            exit = cli_log_read_new(daemon, arguments, &from, records, fault);
         }
     }
     return exit == CLI_EXIT_INTERRUPTED ? CLI_EXIT_OK : exit;
 }
 
-enum cli_exit cli_log(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
     if (arguments->word) {
         return strcmp(arguments->word, "verify") == 0
-                   ? cli_log_verify(door, arguments, fault)
+                   ? cli_log_verify(daemon, arguments, fault)
                    : cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
                                    "log takes 'verify' or nothing, not '%s'", arguments->word);
     }
@@ -77,13 +77,13 @@ enum cli_exit cli_log(struct cli_daemon *door, const struct cli_arguments *argum
     if (!records) {
         return cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
     }
-    exit = cli_log_read(door, arguments, arguments->count ? arguments->count : usual, &from,
+    exit = cli_log_read(daemon, arguments, arguments->count ? arguments->count : usual, &from,
                         records, fault);
     if (!exit && arguments->csv) {
         cli_log_print_csv_head(arguments->full, stdout);
     }
     if (!exit && arguments->follow) {
-        exit = follow(door, arguments, from, records, fault);
+        exit = follow(daemon, arguments, from, records, fault);
     } else if (!exit && arguments->json) {
         return cli_report_json(json_pack("{s:o}", "records", records));
     } else if (!exit) {

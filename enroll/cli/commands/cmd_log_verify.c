@@ -62,7 +62,7 @@ static enum cli_exit tell(const struct report *report, bool json)
     return exit;
 }
 
-enum cli_exit cli_log_verify(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_verify(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                              struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
@@ -71,7 +71,7 @@ enum cli_exit cli_log_verify(struct cli_daemon *door, const struct cli_arguments
     uint64_t sequence = 0;
     enum cli_exit exit = parse_known(arguments->head, &sequence, &head, fault);
     if (!exit) {
-        exit = cli_daemon_message(door, ISO_CONTRACT_VERIFY_LOG, &call, fault);
+        exit = cli_daemon_message(daemon, ISO_CONTRACT_VERIFY_LOG, &call, fault);
     }
     if (exit) {
         return exit;
@@ -81,7 +81,7 @@ enum cli_exit cli_log_verify(struct cli_daemon *door, const struct cli_arguments
         sd_bus_message_unref(call);
         return cli_daemon_bad_reply(r, ISO_CONTRACT_VERIFY_LOG, fault);
     }
-    exit = cli_long_call(door, call, "verifying the log", &reply, fault);
+    exit = cli_long_call(daemon, call, "verifying the log", &reply, fault);
     if (exit) {
         return exit;
     }

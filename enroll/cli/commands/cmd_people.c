@@ -105,11 +105,11 @@ static enum cli_exit list_text(sd_bus_message *reply, struct cli_fault *fault)
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_list(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_list(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                        struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
-    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_LIST_PEOPLE, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_LIST_PEOPLE, &reply, fault);
 
     if (exit) {
         return exit;
@@ -124,11 +124,11 @@ enum cli_exit cli_list(struct cli_daemon *door, const struct cli_arguments *argu
     return exit;
 }
 
-enum cli_exit cli_remove(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_remove(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
-    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_DELETE_PERSON, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_DELETE_PERSON, &call, fault);
 
     if (exit) {
         return exit;
@@ -138,7 +138,7 @@ enum cli_exit cli_remove(struct cli_daemon *door, const struct cli_arguments *ar
         sd_bus_message_unref(call);
         return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-name", "the name is not UTF-8");
     }
-    exit = cli_daemon_send(door, call, NULL, fault);
+    exit = cli_daemon_send(daemon, call, NULL, fault);
     if (exit) {
         return exit;
     }

@@ -153,7 +153,7 @@ static enum cli_exit report(struct recognition *recognition, struct cli_fault *f
                          "the daemon ended in an unknown way ('%s')", recognition->result);
 }
 
-static enum cli_exit recognise(struct cli_daemon *door, struct recognition *recognition,
+static enum cli_exit recognise(struct cli_daemon *daemon, struct recognition *recognition,
                                struct cli_action *action, struct cli_fault *fault)
 {
     const double timeout_s = recognition->arguments->timeout_s;
@@ -165,7 +165,7 @@ static enum cli_exit recognise(struct cli_daemon *door, struct recognition *reco
     action->context = recognition;
     action->timeout_s = timeout_s > 0 ? timeout_s : DEFAULT_TIMEOUT_S;
 
-    enum cli_exit exit = cli_action_run(door, action, fault);
+    enum cli_exit exit = cli_action_run(daemon, action, fault);
     iso_progress_end(recognition->progress);
     if (exit == CLI_EXIT_TIMED_OUT && !fault->text[0]) {
         ending = ISO_CONTRACT_RESULT_TIMED_OUT;
@@ -181,7 +181,7 @@ static enum cli_exit recognise(struct cli_daemon *door, struct recognition *reco
     return exit;
 }
 
-enum cli_exit cli_identify(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_identify(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            struct cli_fault *fault)
 {
     struct recognition recognition = {.arguments = arguments, .prefix = "identify"};
@@ -191,10 +191,10 @@ enum cli_exit cli_identify(struct cli_daemon *door, const struct cli_arguments *
         .signal = ISO_CONTRACT_IDENTIFY_STATUS,
     };
 
-    return recognise(door, &recognition, &action, fault);
+    return recognise(daemon, &recognition, &action, fault);
 }
 
-enum cli_exit cli_verify(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_verify(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     struct recognition recognition = {.arguments = arguments, .prefix = "verify"};
@@ -205,5 +205,5 @@ enum cli_exit cli_verify(struct cli_daemon *door, const struct cli_arguments *ar
         .append = append_person,
     };
 
-    return recognise(door, &recognition, &action, fault);
+    return recognise(daemon, &recognition, &action, fault);
 }

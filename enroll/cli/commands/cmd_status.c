@@ -4,11 +4,11 @@
 #include "enroll/cli/text/report.h"
 #include "enroll/cli/text/status_text.h"
 
-enum cli_exit cli_status(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_status(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     json_t *state = NULL;
-    const enum cli_exit exit = cli_state_fetch(door, &state, fault);
+    const enum cli_exit exit = cli_state_fetch(daemon, &state, fault);
 
     if (exit) {
         return exit;

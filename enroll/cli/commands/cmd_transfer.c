@@ -67,12 +67,12 @@ static int append_lock(sd_bus_message *call, const struct cli_arguments *argumen
     return r < 0 ? r : sd_bus_message_close_container(call);
 }
 
-static enum cli_exit call_export(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit call_export(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                  int fd, const uint8_t *salt, const uint8_t *key, uint32_t *n,
                                  struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_EXPORT_PEOPLE, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_EXPORT_PEOPLE, &call, fault);
     if (exit) {
         return exit;
     }
@@ -94,7 +94,7 @@ static enum cli_exit call_export(struct cli_daemon *door, const struct cli_argum
         sd_bus_message_unref(call);
         return cli_daemon_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
-    exit = cli_long_call(door, call, "exporting people", &reply, fault);
+    exit = cli_long_call(daemon, call, "exporting people", &reply, fault);
     if (!exit && (r = sd_bus_message_read(reply, "u", n)) < 0) {
         exit = cli_daemon_bad_reply(r, ISO_CONTRACT_EXPORT_PEOPLE, fault);
     }
@@ -102,7 +102,7 @@ static enum cli_exit call_export(struct cli_daemon *door, const struct cli_argum
     return exit;
 }
 
-enum cli_exit cli_export(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_export(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     uint8_t salt[CLI_SALT_BYTES], key[CLI_KEY_BYTES] = {0};
@@ -120,7 +120,7 @@ enum cli_exit cli_export(struct cli_daemon *door, const struct cli_arguments *ar
         exit = cli_passphrase_key(arguments->passphrase_file, true, salt, key, fault);
     }
     if (!exit) {
-        exit = call_export(door, arguments, fd, salt, key, &n, fault);
+        exit = call_export(daemon, arguments, fd, salt, key, &n, fault);
     }
     sodium_memzero(key, sizeof key);
     (void)close(fd);
@@ -155,12 +155,12 @@ static enum cli_exit find_key(int fd, const struct cli_arguments *arguments,
                     : CLI_EXIT_OK;
 }
 
-static enum cli_exit call_import(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit call_import(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                  int fd, const uint8_t *key, uint32_t count[2],
                                  struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_IMPORT_PEOPLE, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_IMPORT_PEOPLE, &call, fault);
     if (exit) {
         return exit;
     }
@@ -185,7 +185,7 @@ static enum cli_exit call_import(struct cli_daemon *door, const struct cli_argum
         sd_bus_message_unref(call);
         return cli_daemon_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }
-    exit = cli_long_call(door, call, "importing people", &reply, fault);
+    exit = cli_long_call(daemon, call, "importing people", &reply, fault);
     if (!exit && (r = sd_bus_message_read(reply, "uu", &count[0], &count[1])) < 0) {
         exit = cli_daemon_bad_reply(r, ISO_CONTRACT_IMPORT_PEOPLE, fault);
     }
@@ -193,7 +193,7 @@ static enum cli_exit call_import(struct cli_daemon *door, const struct cli_argum
     return exit;
 }
 
-enum cli_exit cli_import(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_import(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
     uint8_t key[CLI_KEY_BYTES] = {0};
@@ -212,7 +212,7 @@ enum cli_exit cli_import(struct cli_daemon *door, const struct cli_arguments *ar
     }
     exit = find_key(fd, arguments, key, &has_key, fault);
     if (!exit) {
-        exit = call_import(door, arguments, fd, has_key ? key : NULL, count, fault);
+        exit = call_import(daemon, arguments, fd, has_key ? key : NULL, count, fault);
     }
     sodium_memzero(key, sizeof key);
     (void)close(fd);

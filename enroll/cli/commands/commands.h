@@ -7,40 +7,40 @@
 #include "enroll/cli/client/daemon.h"
 #include "enroll/cli/client/fault.h"
 
-enum cli_exit cli_enroll(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
-enum cli_exit cli_identify(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_identify(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            struct cli_fault *fault);
-enum cli_exit cli_verify(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_verify(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
-enum cli_exit cli_list(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_list(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                        struct cli_fault *fault);
-enum cli_exit cli_remove(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_remove(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
-enum cli_exit cli_validity(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_validity(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            struct cli_fault *fault);
-enum cli_exit cli_rename(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_rename(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
-enum cli_exit cli_status(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_status(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
-enum cli_exit cli_log(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
-enum cli_exit cli_log_verify(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_verify(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                              struct cli_fault *fault);
-enum cli_exit cli_export(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_export(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
-enum cli_exit cli_import(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_import(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
-enum cli_exit cli_key(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_key(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
-enum cli_exit cli_aim(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_aim(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
-enum cli_exit cli_lockdown(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_lockdown(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            struct cli_fault *fault);
-enum cli_exit cli_lockout(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_lockout(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                           struct cli_fault *fault);
-enum cli_exit cli_daemon_test(struct cli_daemon *door, const struct cli_arguments *arguments,
-                              struct cli_fault *fault);
+enum cli_exit cli_door_test(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                            struct cli_fault *fault);
 
 /* Opens the bus by itself: that it cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);

@@ -11,14 +11,14 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
 {
     static enum cli_exit (*const commands[CLI_VERBS])(
         struct cli_daemon *, const struct cli_arguments *, struct cli_fault *) = {
-        [CLI_ENROLL] = cli_enroll,    [CLI_IDENTIFY] = cli_identify, [CLI_VERIFY] = cli_verify,
-        [CLI_LIST] = cli_list,        [CLI_REMOVE] = cli_remove,     [CLI_STATUS] = cli_status,
-        [CLI_LOG] = cli_log,          [CLI_AIM] = cli_aim,           [CLI_EXPORT] = cli_export,
-        [CLI_IMPORT] = cli_import,    [CLI_KEY] = cli_key,           [CLI_LOCKDOWN] = cli_lockdown,
-        [CLI_LOCKOUT] = cli_lockout,  [CLI_VALIDITY] = cli_validity, [CLI_RENAME] = cli_rename,
-        [CLI_DOOR] = cli_daemon_test,
+        [CLI_ENROLL] = cli_enroll,   [CLI_IDENTIFY] = cli_identify, [CLI_VERIFY] = cli_verify,
+        [CLI_LIST] = cli_list,       [CLI_REMOVE] = cli_remove,     [CLI_STATUS] = cli_status,
+        [CLI_LOG] = cli_log,         [CLI_AIM] = cli_aim,           [CLI_EXPORT] = cli_export,
+        [CLI_IMPORT] = cli_import,   [CLI_KEY] = cli_key,           [CLI_LOCKDOWN] = cli_lockdown,
+        [CLI_LOCKOUT] = cli_lockout, [CLI_VALIDITY] = cli_validity, [CLI_RENAME] = cli_rename,
+        [CLI_DOOR] = cli_door_test,
     };
-    struct cli_daemon *door = NULL;
+    struct cli_daemon *daemon = NULL;
 
     if (arguments->verb == CLI_DOCTOR) {
         return cli_doctor(arguments, fault);
@@ -26,11 +26,11 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
     if (arguments->verb == CLI_SETUP) {
         return cli_setup(arguments, fault);
     }
-    enum cli_exit exit = cli_daemon_open(&arguments->bus, &door, fault);
+    enum cli_exit exit = cli_daemon_open(&arguments->bus, &daemon, fault);
     if (exit == CLI_EXIT_OK) {
-        exit = commands[arguments->verb](door, arguments, fault);
+        exit = commands[arguments->verb](daemon, arguments, fault);
     }
-    cli_daemon_close(door);
+    cli_daemon_close(daemon);
     return exit;
 }
 

@@ -6,10 +6,10 @@
 
 /* Whether the bus lets this user command the daemon. Release() without a claim changes nothing: the
  * daemon refuses it, and that it was asked at all is the answer. */
-static void check_permission(struct cli_daemon *door, struct cli_diagnosis *diagnosis)
+static void check_permission(struct cli_daemon *daemon, struct cli_diagnosis *diagnosis)
 {
     struct cli_fault fault = {0};
-    const enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_RELEASE, NULL, &fault);
+    const enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_RELEASE, NULL, &fault);
 
     if (exit == CLI_EXIT_NO) {
         cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_DENIED, ISO_FAULT_NOT_PERMITTED,
@@ -20,13 +20,13 @@ static void check_permission(struct cli_daemon *door, struct cli_diagnosis *diag
 }
 
 /* False if it makes no sense to go on: there is nobody to ask. */
-static bool check_daemon(const struct cli_bus *bus, struct cli_daemon *door,
+static bool check_daemon(const struct cli_bus *bus, struct cli_daemon *daemon,
                          struct cli_diagnosis *diagnosis, json_t **state)
 {
     struct cli_fault fault = {0};
     bool running = false;
 
-    if (cli_daemon_has_daemon(door, &running, &fault) || !running) {
+    if (cli_daemon_has_daemon(daemon, &running, &fault) || !running) {
         const bool configured = cli_is_configured(bus);
         cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_BAD,
                           configured ? ISO_FAULT_NO_DAEMON : ISO_FAULT_NOT_CONFIGURED,
@@ -35,7 +35,7 @@ static bool check_daemon(const struct cli_bus *bus, struct cli_daemon *door,
         return false;
     }
     cli_diagnosis_add(diagnosis, "daemon", CLI_CHECK_GOOD, ISO_FAULT_NONE, "running");
-    const enum cli_exit exit = cli_state_fetch(door, state, &fault);
+    const enum cli_exit exit = cli_state_fetch(daemon, state, &fault);
     if (exit == CLI_EXIT_NO) {
         cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_DENIED, ISO_FAULT_NOT_PERMITTED,
                           fault.text);
@@ -48,18 +48,18 @@ static bool check_daemon(const struct cli_bus *bus, struct cli_daemon *door,
 void cli_doctor_examine(const struct cli_bus *bus, struct cli_diagnosis *diagnosis)
 {
     struct cli_fault fault = {0};
-    struct cli_daemon *door = NULL;
+    struct cli_daemon *daemon = NULL;
     json_t *state = NULL;
 
-    if (cli_daemon_open(bus, &door, &fault)) {
+    if (cli_daemon_open(bus, &daemon, &fault)) {
         cli_diagnosis_add(diagnosis, "bus", CLI_CHECK_BAD, ISO_FAULT_BUS_MISSING, fault.text);
         return;
     }
     cli_diagnosis_add(diagnosis, "bus", CLI_CHECK_GOOD, ISO_FAULT_NONE, "reachable");
-    if (check_daemon(bus, door, diagnosis, &state)) {
+    if (check_daemon(bus, daemon, diagnosis, &state)) {
         cli_diagnosis_judge(diagnosis, state);
-        check_permission(door, diagnosis);
+        check_permission(daemon, diagnosis);
     }
     json_decref(state);
-    cli_daemon_close(door);
+    cli_daemon_close(daemon);
 }

@@ -38,12 +38,12 @@ static int read_whole(int fd, uint8_t **png, size_t *size)
     return 0;
 }
 
-static enum cli_exit ask(struct cli_daemon *door, uint8_t **png, size_t *size,
+static enum cli_exit ask(struct cli_daemon *daemon, uint8_t **png, size_t *size,
                          struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
     int fd = -1;
-    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_PICTURE, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_PICTURE, &reply, fault);
 
     if (exit) {
         return exit;
@@ -59,17 +59,17 @@ static enum cli_exit ask(struct cli_daemon *door, uint8_t **png, size_t *size,
     return exit;
 }
 
-enum cli_exit cli_picture_take(struct cli_daemon *door, uint8_t **png, size_t *size,
+enum cli_exit cli_picture_take(struct cli_daemon *daemon, uint8_t **png, size_t *size,
                                struct cli_fault *fault)
 {
     struct cli_fault ignored;
-    enum cli_exit exit = cli_daemon_call(door, ISO_CONTRACT_CLAIM, NULL, fault);
+    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_CLAIM, NULL, fault);
 
     if (exit) {
         return exit;
     }
-    exit = ask(door, png, size, fault);
-    (void)!cli_daemon_call(door, ISO_CONTRACT_RELEASE, NULL, &ignored);
+    exit = ask(daemon, png, size, fault);
+    (void)!cli_daemon_call(daemon, ISO_CONTRACT_RELEASE, NULL, &ignored);
     return exit;
 }
 

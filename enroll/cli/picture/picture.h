@@ -10,7 +10,7 @@
 /* Claims the camera, asks for a picture, and releases the camera again: meanwhile the door admits
  * nobody. *png is a whole PNG file in memory, the caller's to free with free(). Faults of
  * cli_daemon_send(), "bad-reply". */
-enum cli_exit cli_picture_take(struct cli_daemon *door, uint8_t **png, size_t *size,
+enum cli_exit cli_picture_take(struct cli_daemon *daemon, uint8_t **png, size_t *size,
                                struct cli_fault *fault) __attribute__((warn_unused_result));
 
 /* Writes it to a file that only its owner can read. CLI_EXIT_NOT_FOUND or CLI_EXIT_FAULT "file";

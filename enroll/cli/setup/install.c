@@ -83,11 +83,11 @@ static enum cli_exit wait_for_daemon(const struct cli_setup_places *places,
                                      const struct cli_bus *bus, struct cli_fault *fault)
 {
     const double deadline_s = now_s() + places->daemon_wait_s;
-    struct cli_daemon *door = NULL;
-    enum cli_exit exit = cli_daemon_open(bus, &door, fault);
+    struct cli_daemon *daemon = NULL;
+    enum cli_exit exit = cli_daemon_open(bus, &daemon, fault);
     bool running = false;
 
-    while (!exit && !(exit = cli_daemon_has_daemon(door, &running, fault)) && !running) {
+    while (!exit && !(exit = cli_daemon_has_daemon(daemon, &running, fault)) && !running) {
         if (cli_interrupted()) {
             exit = CLI_EXIT_INTERRUPTED;
         } else if (now_s() >= deadline_s) {
@@ -99,7 +99,7 @@ static enum cli_exit wait_for_daemon(const struct cli_setup_places *places,
             (void)nanosleep(&(struct timespec){.tv_nsec = 100 * 1000 * 1000}, NULL);
         }
     }
-    cli_daemon_close(door);
+    cli_daemon_close(daemon);
     return exit;
 }
 

@@ -26,18 +26,18 @@ static bool may_pass(const struct cli_fault *fault)
 
 static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cli_fault *fault)
 {
-    struct cli_daemon *door = NULL;
-    enum cli_exit exit = cli_daemon_open(bus, &door, fault);
+    struct cli_daemon *daemon = NULL;
+    enum cli_exit exit = cli_daemon_open(bus, &daemon, fault);
 
     for (int i = 0; !exit && i < ATTEMPTS; i++) {
-        exit = cli_picture_take(door, &out->bytes, &out->size, fault);
+        exit = cli_picture_take(daemon, &out->bytes, &out->size, fault);
         if (!exit || !may_pass(fault) || i == ATTEMPTS - 1 || cli_interrupted()) {
             break;
         }
         (void)nanosleep(&(struct timespec){.tv_sec = 1}, NULL);
         exit = CLI_EXIT_OK;
     }
-    cli_daemon_close(door);
+    cli_daemon_close(daemon);
     return exit;
 }
 

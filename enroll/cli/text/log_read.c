@@ -19,11 +19,11 @@ static const double refused_wait_s = 0.25;
 static const int64_t clock_set_back_s = 7 * 86400;
 
 /* Asks once. */
-static enum cli_exit ask(struct cli_daemon *door, uint64_t from, unsigned max,
+static enum cli_exit ask(struct cli_daemon *daemon, uint64_t from, unsigned max,
                          sd_bus_message **reply, struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
-    const enum cli_exit exit = cli_daemon_message(door, ISO_CONTRACT_READ_LOG, &call, fault);
+    const enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_READ_LOG, &call, fault);
 
     if (exit) {
         return exit;
@@ -33,33 +33,33 @@ static enum cli_exit ask(struct cli_daemon *door, uint64_t from, unsigned max,
         sd_bus_message_unref(call);
         return cli_daemon_bad_reply(r, ISO_CONTRACT_READ_LOG, fault);
     }
-    return cli_daemon_send(door, call, reply, fault);
+    return cli_daemon_send(daemon, call, reply, fault);
 }
 
 /* Asks until the daemon answers, or the person interrupts. */
-static enum cli_exit ask_patiently(struct cli_daemon *door, uint64_t from, unsigned max,
+static enum cli_exit ask_patiently(struct cli_daemon *daemon, uint64_t from, unsigned max,
                                    sd_bus_message **reply, struct cli_fault *fault)
 {
-    enum cli_exit exit = ask(door, from, max, reply, fault);
+    enum cli_exit exit = ask(daemon, from, max, reply, fault);
 
     for (int i = 1; exit && i < TRIES && strcmp(fault->code, "too-many-calls") == 0; i++) {
-        const enum cli_exit pause = cli_daemon_wait(door, refused_wait_s, fault);
+        const enum cli_exit pause = cli_daemon_wait(daemon, refused_wait_s, fault);
         if (pause != CLI_EXIT_OK && pause != CLI_EXIT_TIMED_OUT) {
             return pause;
         }
         *fault = (struct cli_fault){0};
-        exit = ask(door, from, max, reply, fault);
+        exit = ask(daemon, from, max, reply, fault);
     }
     return exit;
 }
 
 /* Reads at most `max` records from number `from` on and appends them to `records`. */
-static enum cli_exit read_batch(struct cli_daemon *door, uint64_t from, unsigned max,
+static enum cli_exit read_batch(struct cli_daemon *daemon, uint64_t from, unsigned max,
                                 json_t *records, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
     const char *line;
-    const enum cli_exit exit = ask_patiently(door, from, max, &reply, fault);
+    const enum cli_exit exit = ask_patiently(daemon, from, max, &reply, fault);
 
     if (exit) {
         return exit;
@@ -76,13 +76,13 @@ static enum cli_exit read_batch(struct cli_daemon *door, uint64_t from, unsigned
 /* Reads at most `max` records from number *from on, keeps those that match; *from is then the
  * number that comes next. *n_read is how many came, those that the log has dropped are passed over.
  */
-static enum cli_exit read_matching(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit read_matching(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                    uint64_t *from, unsigned max, json_t *records, size_t *n_read,
                                    struct cli_fault *fault)
 {
     json_t *batch = json_array(), *record;
     size_t i;
-    enum cli_exit exit = batch ? read_batch(door, *from, max, batch, fault)
+    enum cli_exit exit = batch ? read_batch(daemon, *from, max, batch, fault)
                                : cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
 
     *n_read = json_array_size(batch);
@@ -98,7 +98,7 @@ static enum cli_exit read_matching(struct cli_daemon *door, const struct cli_arg
 }
 
 /* Those from *from to `until`, at most `count`. */
-static enum cli_exit read_forwards(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit read_forwards(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                    size_t count, uint64_t *from, uint64_t until, json_t *records,
                                    struct iso_progress *progress, struct cli_fault *fault)
 {
@@ -111,7 +111,7 @@ static enum cli_exit read_forwards(struct cli_daemon *door, const struct cli_arg
         if (!cli_log_chooses(arguments) && wanted < max) {
             max = wanted;
         }
-        const enum cli_exit exit = read_matching(door, arguments, from, (unsigned)max, records,
+        const enum cli_exit exit = read_matching(daemon, arguments, from, (unsigned)max, records,
                                                  &n_read, fault);
         if (exit) {
             return exit;
@@ -133,7 +133,7 @@ static bool is_before_the_day(const json_t *record, const struct cli_arguments *
 }
 
 /* Reads all records from `first` to `last` that there still are. */
-static enum cli_exit read_all(struct cli_daemon *door, uint64_t first, uint64_t last,
+static enum cli_exit read_all(struct cli_daemon *daemon, uint64_t first, uint64_t last,
                               json_t *records, struct cli_fault *fault)
 {
     size_t before = 0;
@@ -141,7 +141,7 @@ static enum cli_exit read_all(struct cli_daemon *door, uint64_t first, uint64_t 
 
     do {
         before = json_array_size(records);
-        exit = read_batch(door, first, (unsigned)(last - first + 1), records, fault);
+        exit = read_batch(daemon, first, (unsigned)(last - first + 1), records, fault);
         first = cli_log_sequence(json_array_get(records, json_array_size(records) - 1)) + 1;
     } while (!exit && json_array_size(records) > before && first <= last);
     return exit;
@@ -176,12 +176,12 @@ static int prepend_matching(const json_t *window, uint64_t last,
 
 /* Puts the matching records from `first` to `last` before those that there are. *more: there are
  * older ones, which may match. */
-static enum cli_exit read_window(struct cli_daemon *door, const struct cli_arguments *arguments,
+static enum cli_exit read_window(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                  uint64_t first, uint64_t last, json_t *records, bool *more,
                                  struct cli_fault *fault)
 {
     json_t *window = json_array();
-    enum cli_exit exit = window ? read_all(door, first, last, window, fault)
+    enum cli_exit exit = window ? read_all(daemon, first, last, window, fault)
                                 : cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
     const json_t *oldest = json_array_get(window, 0);
 
@@ -195,9 +195,10 @@ static enum cli_exit read_window(struct cli_daemon *door, const struct cli_argum
 }
 
 /* The last `count` up to `until`: from the end to the beginning, as the last ones are wanted. */
-static enum cli_exit read_backwards(struct cli_daemon *door, const struct cli_arguments *arguments,
-                                    size_t count, uint64_t until, json_t *records,
-                                    struct iso_progress *progress, struct cli_fault *fault)
+static enum cli_exit read_backwards(struct cli_daemon *daemon,
+                                    const struct cli_arguments *arguments, size_t count,
+                                    uint64_t until, json_t *records, struct iso_progress *progress,
+                                    struct cli_fault *fault)
 {
     const uint64_t size = cli_log_chooses(arguments) || count > CLI_LOG_BATCH ? CLI_LOG_BATCH
                                                                               : count;
@@ -205,7 +206,8 @@ static enum cli_exit read_backwards(struct cli_daemon *door, const struct cli_ar
 
     for (uint64_t last = until; more && json_array_size(records) < count; last -= size) {
         const uint64_t first = last > size ? last - size + 1 : 1;
-        const enum cli_exit exit = read_window(door, arguments, first, last, records, &more, fault);
+        const enum cli_exit exit = read_window(daemon, arguments, first, last, records, &more,
+                                               fault);
         if (exit) {
             return exit;
         }
@@ -217,11 +219,11 @@ static enum cli_exit read_backwards(struct cli_daemon *door, const struct cli_ar
     return CLI_EXIT_OK;
 }
 
-enum cli_exit cli_log_read(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_read(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            size_t count, uint64_t *from, json_t *records, struct cli_fault *fault)
 {
     json_t *state = NULL;
-    enum cli_exit exit = cli_state_fetch(door, &state, fault);
+    enum cli_exit exit = cli_state_fetch(daemon, &state, fault);
 
     if (exit) {
         return exit;
@@ -236,19 +238,19 @@ enum cli_exit cli_log_read(struct cli_daemon *door, const struct cli_arguments *
     struct iso_progress *progress = iso_progress_start(stderr, "isotherm", "reading the log", until,
                                                        NULL);
     if (*from > 0) {
-        exit = read_forwards(door, arguments, count, from, until, records, progress, fault);
+        exit = read_forwards(daemon, arguments, count, from, until, records, progress, fault);
     } else {
-        exit = read_backwards(door, arguments, count, until, records, progress, fault);
+        exit = read_backwards(daemon, arguments, count, until, records, progress, fault);
         *from = until + 1;
     }
     iso_progress_end(progress);
     return exit;
 }
 
-enum cli_exit cli_log_read_new(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_read_new(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                uint64_t *from, json_t *records, struct cli_fault *fault)
 {
     size_t n_read = 0;
 
-    return read_matching(door, arguments, from, CLI_LOG_BATCH, records, &n_read, fault);
+    return read_matching(daemon, arguments, from, CLI_LOG_BATCH, records, &n_read, fault);
 }

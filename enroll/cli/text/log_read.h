@@ -16,12 +16,12 @@ enum { CLI_LOG_BATCH = 1000 };
  * of the record that comes next. What is written meanwhile is not waited for: at a busy door that
  * would have no end. CLI_EXIT_NOT_FOUND "no-such-record": the log does not go as far as *from.
  * Faults of cli_daemon_send(), "bad-reply". */
-enum cli_exit cli_log_read(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_read(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            size_t count, uint64_t *from, json_t *records, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Likewise those from number *from on that there are by now, a batch at most. */
-enum cli_exit cli_log_read_new(struct cli_daemon *door, const struct cli_arguments *arguments,
+enum cli_exit cli_log_read_new(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                uint64_t *from, json_t *records, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -52,11 +52,11 @@ static void start(const char *words)
 struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
                                     const char *text)
 {
-    struct fake_door door;
+    struct fake_daemon daemon;
     struct cli_result result = {.calls = ""};
 
     if (script) {
-        fake_door_start(&door, bus.address, script);
+        fake_daemon_start(&daemon, bus.address, script);
     }
     start(words);
     if (text) {
@@ -65,7 +65,7 @@ struct cli_result cli_run_interrupt(const struct fake_script *script, const char
     }
     run_finish(&last);
     if (script) {
-        result.calls = fake_door_stop(&door);
+        result.calls = fake_daemon_stop(&daemon);
     }
     result.exit = last.exit;
     result.what = last.what;
@@ -106,14 +106,14 @@ struct cli_result cli_run_on_terminal(const struct fake_script *script, const ch
                                       const char *environment)
 {
     struct cli_result result = {.err = ""};
-    struct fake_door door;
+    struct fake_daemon daemon;
     const char *argv[WORDS_MAX];
     int status = 0;
 
-    fake_door_start(&door, bus.address, script);
+    fake_daemon_start(&daemon, bus.address, script);
     make_argv(words, argv);
     result.out = pseudo_terminal_run(argv, 80, environment, &status);
-    result.calls = fake_door_stop(&door);
+    result.calls = fake_daemon_stop(&daemon);
     result.exit = child_code(status);
     result.what = words;
     return result;

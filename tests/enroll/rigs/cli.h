@@ -1,4 +1,4 @@
-/* Runs the program `isotherm` against a scripted door on a private bus. */
+/* Runs the program `isotherm` against a scripted daemon on a private bus. */
 #ifndef TEST_CLI_H
 #define TEST_CLI_H
 
@@ -18,7 +18,7 @@ int cli_teardown(void **state);
 struct cli_result {
     int exit;
     const char *what;              /* the command line */
-    const char *out, *err, *calls; /* what the door got; valid until the next run */
+    const char *out, *err, *calls; /* what the daemon got; valid until the next run */
 };
 
 /* isotherm --bus ADDRESS WORDS, the words being separated by single blanks. `script` NULL: nobody

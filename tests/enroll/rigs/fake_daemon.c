@@ -592,16 +592,17 @@ static int serve(struct service *service, int ready_fd)
     return r;
 }
 
-void fake_door_start(struct fake_door *door, const char *address, const struct fake_script *script)
+void fake_daemon_start(struct fake_daemon *daemon, const char *address,
+                       const struct fake_script *script)
 {
     int ready[2], calls[2];
     char byte;
 
     assert_int_equal(pipe(ready), 0);
     assert_int_equal(pipe(calls), 0);
-    door->pid = fork();
-    assert_true(door->pid >= 0);
-    if (door->pid == 0) {
+    daemon->pid = fork();
+    assert_true(daemon->pid >= 0);
+    if (daemon->pid == 0) {
         struct service service = {.script = script, .address = address, .trace_fd = calls[1]};
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         close(ready[0]);
@@ -610,23 +611,23 @@ void fake_door_start(struct fake_door *door, const char *address, const struct f
     }
     close(ready[1]);
     close(calls[1]);
-    door->trace_fd = calls[0];
+    daemon->trace_fd = calls[0];
     assert_int_equal(read(ready[0], &byte, 1), 1);
     close(ready[0]);
 }
 
-const char *fake_door_stop(struct fake_door *door)
+const char *fake_daemon_stop(struct fake_daemon *daemon)
 {
     static char calls[4096];
     size_t length = 0;
     ssize_t n;
 
-    kill(door->pid, SIGTERM);
-    waitpid(door->pid, NULL, 0);
-    while ((n = read(door->trace_fd, calls + length, sizeof calls - 1 - length)) > 0) {
+    kill(daemon->pid, SIGTERM);
+    waitpid(daemon->pid, NULL, 0);
+    while ((n = read(daemon->trace_fd, calls + length, sizeof calls - 1 - length)) > 0) {
         length += (size_t)n;
     }
-    close(door->trace_fd);
+    close(daemon->trace_fd);
     calls[length] = '\0';
     return length ? calls + 1 : calls;
 }

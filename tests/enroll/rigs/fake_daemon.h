@@ -2,8 +2,8 @@
  * keeps to the signatures written there, and does what a script says. It runs in a process of its
  * own. Stricter than the daemon: an action without a claim, a second claim and a stop without a
  * start fail. */
-#ifndef TEST_FAKE_DOOR_H
-#define TEST_FAKE_DOOR_H
+#ifndef TEST_FAKE_DAEMON_H
+#define TEST_FAKE_DAEMON_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -76,16 +76,17 @@ struct fake_script {
     unsigned refused;    /* so many of the first calls of ReadLog are too many */
 };
 
-struct fake_door {
+struct fake_daemon {
     pid_t pid;
     int trace_fd;
 };
 
 /* Returns when the service is on the bus. */
-void fake_door_start(struct fake_door *door, const char *address, const struct fake_script *script);
+void fake_daemon_start(struct fake_daemon *daemon, const char *address,
+                       const struct fake_script *script);
 
 /* Ends it and returns the calls it got, "Claim;EnrollStart anna;..."; options of an enrolment
  * or of limits are written as name=value after the person. Valid until the next call. */
-const char *fake_door_stop(struct fake_door *door);
+const char *fake_daemon_stop(struct fake_daemon *daemon);
 
 #endif

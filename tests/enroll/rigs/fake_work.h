@@ -1,4 +1,4 @@
-/* What the fake door does when it is called for work that takes long: ExportPeople, ImportPeople,
+/* What the fake daemon does when it is called for work that takes long: ExportPeople, ImportPeople,
  * RotateKeys, VerifyLog. */
 #ifndef TEST_FAKE_WORK_H
 #define TEST_FAKE_WORK_H

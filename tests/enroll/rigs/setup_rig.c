@@ -106,7 +106,7 @@ int setup_rig_teardown(void **state)
 }
 
 void setup_rig_begin(struct setup_rig *at, const struct fake_manager_script *manager,
-                     const struct fake_script *door)
+                     const struct fake_script *daemon)
 {
     /* A run before has taken these signals for itself; the processes that begin here end by one. */
     (void)signal(SIGTERM, SIG_DFL);
@@ -114,18 +114,18 @@ void setup_rig_begin(struct setup_rig *at, const struct fake_manager_script *man
     if (manager) {
         fake_manager_start(&at->manager, bus.address, manager);
     }
-    if (door) {
-        fake_door_start(&at->door, bus.address, door);
+    if (daemon) {
+        fake_daemon_start(&at->daemon, bus.address, daemon);
     }
     at->has_manager = manager != NULL;
-    at->has_door = door != NULL;
+    at->has_daemon = daemon != NULL;
 }
 
 void setup_rig_end(struct setup_rig *at)
 {
-    at->door_calls = at->has_door ? fake_door_stop(&at->door) : "";
+    at->daemon_calls = at->has_daemon ? fake_daemon_stop(&at->daemon) : "";
     at->calls = at->has_manager ? fake_manager_stop(&at->manager) : "";
-    at->has_manager = at->has_door = false;
+    at->has_manager = at->has_daemon = false;
 }
 
 static struct cli_setup_wish complete(const struct cli_setup_wish *wish)
@@ -139,7 +139,7 @@ static struct cli_setup_wish complete(const struct cli_setup_wish *wish)
 
 enum cli_exit setup_rig_run(struct setup_rig *at, const struct cli_setup_wish *wish,
                             const struct fake_manager_script *manager,
-                            const struct fake_script *door)
+                            const struct fake_script *daemon)
 {
     const struct cli_setup_wish whole = complete(wish);
     size_t size;
@@ -149,7 +149,7 @@ enum cli_exit setup_rig_run(struct setup_rig *at, const struct cli_setup_wish *w
     at->fault = (struct cli_fault){0};
     struct cli_dialogue dialogue = {.in = STDIN_FILENO, .out = open_memstream(&at->said, &size)};
     assert_non_null(dialogue.out);
-    setup_rig_begin(at, manager, door);
+    setup_rig_begin(at, manager, daemon);
     const enum cli_exit exit = cli_setup_run(&at->places, &whole, &dialogue, &at->fault);
     setup_rig_end(at);
     assert_int_equal(fclose(dialogue.out), 0);

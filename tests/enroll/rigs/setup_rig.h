@@ -1,5 +1,6 @@
 /* A machine for tests of `isotherm setup`: its places in a scratch directory, a private bus with a
- * scripted service manager and a scripted door, and the real isothermd to check configurations. */
+ * scripted service manager and a scripted daemon, and the real isothermd to check configurations.
+ */
 #ifndef TEST_SETUP_RIG_H
 #define TEST_SETUP_RIG_H
 
@@ -9,13 +10,13 @@
 
 struct setup_rig {
     struct cli_setup_places places;
-    struct fake_door door;
+    struct fake_daemon daemon;
     struct fake_manager manager;
-    bool has_door, has_manager;
-    struct cli_fault fault; /* of the last run */
-    char *said;             /* what the last run said */
-    const char *calls;      /* of the service manager */
-    const char *door_calls; /* of the door */
+    bool has_daemon, has_manager;
+    struct cli_fault fault;   /* of the last run */
+    char *said;               /* what the last run said */
+    const char *calls;        /* of the service manager */
+    const char *daemon_calls; /* of the daemon */
 };
 
 /* Starts the bus that all tests of a program share; false if the program is to be skipped. */
@@ -35,16 +36,16 @@ void setup_rig_set_devices(const char *lines);
 
 /* Puts both on the bus; NULL: it stays away. */
 void setup_rig_begin(struct setup_rig *rig, const struct fake_manager_script *manager,
-                     const struct fake_script *door);
+                     const struct fake_script *daemon);
 
-/* Takes both from the bus again; rig->calls are the manager's, rig->door_calls the
- * door's. */
+/* Takes both from the bus again; rig->calls are the manager's, rig->daemon_calls the
+ * daemon's. */
 void setup_rig_end(struct setup_rig *rig);
 
 /* Does what the program does between these two, without a terminal. */
 enum cli_exit setup_rig_run(struct setup_rig *rig, const struct cli_setup_wish *wish,
                             const struct fake_manager_script *manager,
-                            const struct fake_script *door);
+                            const struct fake_script *daemon);
 
 /* A terminal at which the program runs in a process of its own. */
 struct setup_terminal {

@@ -1,4 +1,4 @@
-#include "enroll/cli/client/door_error.h"
+#include "enroll/cli/client/daemon_error.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* The errors of the bus and of the daemon in plain words. */
-#ifndef CLI_CLIENT_DOOR_ERROR_H
-#define CLI_CLIENT_DOOR_ERROR_H
+#ifndef CLI_CLIENT_DAEMON_ERROR_H
+#define CLI_CLIENT_DAEMON_ERROR_H
 
 #include <systemd/sd-bus.h>
 
