@@ -15,15 +15,9 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-static const struct fake_person people[] = {
-    {"anna", 1795248000, 0, 1798675199, 2},
-    {"Bo Ek", 1795248060, 1795300000, 0, 1},
-};
-static const struct fake_script two_people = {.people = people, .n_people = COUNT(people)};
-
 static void doctor_finds_nothing_wrong(void **state)
 {
-    struct cli_result result = cli_run(&two_people, "doctor --json");
+    struct cli_result result = cli_run(&cli_two_people, "doctor --json");
     json_t *document = cli_json(&result), *check;
     size_t i;
 

@@ -1,4 +1,5 @@
-/* list, remove, status, doctor, and how every command fails, against a scripted daemon. */
+/* What is asked and changed without a camera: list, remove, validity, rename, status and import,
+ * against a scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,27 +12,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "enroll/cli/machine/places.h"
 #include "firmware/contract/contract.h"
 #include "tests/enroll/rigs/cli.h"
 #include "tests/support/scratch.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-static const struct fake_person people[] = {
-    {"anna", 1795248000, 0, 1798675199, 2},
-    {"Bo Ek", 1795248060, 1795300000, 0, 1},
-};
-static const struct fake_script two_people = {.people = people, .n_people = COUNT(people)};
-
-/* Every command, as it is typed, without options. */
-static const char *const commands[] = {
-    "enroll anna", "identify", "verify anna",          "list",           "remove anna", "status",
-    "log",         "aim",      "validity anna --none", "rename anna eve"};
-
 static void list_shows_everybody(void **state)
 {
-    const struct cli_result result = cli_run(&two_people, "list");
+    const struct cli_result result = cli_run(&cli_two_people, "list");
 
     (void)state;
     cli_expect_exit(&result, 0);
@@ -78,26 +67,9 @@ static void list_names_those_who_look_the_same(void **state)
                     "another name (isotherm rename)\n");
 }
 
-static void what_cannot_be_written_is_a_fault(void **state)
-{
-    static const char *const words[] = {"list",   "list --json", "status",   "log",
-                                        "doctor", "--help",      "--version"};
-    const struct fake_script script = {.people = people, .n_people = 2, .n_records = 3};
-
-    (void)state;
-    for (size_t i = 0; i < COUNT(words); i++) {
-        const struct cli_result result = cli_run_to("/dev/full", &script, words[i]);
-        const char *end = strchr(result.err, '\n');
-        if (result.exit != 4 || strncmp(result.err, "isotherm: standard output: ", 27) != 0 ||
-            !end || end[1]) {
-            fail_msg("%s: exit code %d, %s", words[i], result.exit, result.err);
-        }
-    }
-}
-
 static void one_person_is_no_people(void **state)
 {
-    const struct fake_script script = {.people = people, .n_people = 1};
+    const struct fake_script script = {.people = cli_two_people.people, .n_people = 1};
     const struct fake_person single = {"anna", 1795248000, 0, 0, 1};
     const struct fake_script one = {.people = &single, .n_people = 1};
 
@@ -121,7 +93,7 @@ static void list_of_nobody(void **state)
 
 static void list_as_json(void **state)
 {
-    const struct cli_result result = cli_run(&two_people, "--json list");
+    const struct cli_result result = cli_run(&cli_two_people, "--json list");
     json_t *document = cli_json(&result), *person;
 
     (void)state;
@@ -137,8 +109,8 @@ static void list_as_json(void **state)
 static void remove_says_whom(void **state)
 {
     (void)state;
-    assert_string_equal(cli_run(&two_people, "remove anna").out, "anna is removed.\n");
-    const struct cli_result result = cli_run(&two_people, "remove anna --json");
+    assert_string_equal(cli_run(&cli_two_people, "remove anna").out, "anna is removed.\n");
+    const struct cli_result result = cli_run(&cli_two_people, "remove anna --json");
     json_t *document = cli_json(&result);
     assert_string_equal(json_string_value(json_object_get(document, "removed")), "anna");
     json_decref(document);
@@ -146,45 +118,46 @@ static void remove_says_whom(void **state)
 
 static void remove_of_a_stranger(void **state)
 {
-    struct cli_result result = cli_run(&two_people, "remove carl --json");
+    struct cli_result result = cli_run(&cli_two_people, "remove carl --json");
 
     (void)state;
     cli_expect_error(&result, 3, "no-such-person");
-    result = cli_run(&two_people, "remove carl");
+    result = cli_run(&cli_two_people, "remove carl");
     assert_string_equal(result.err, "isotherm: carl: no such person\n");
     assert_string_equal(result.out, "");
 }
 
 static void validity_says_what_is_stored(void **state)
 {
-    struct cli_result result = cli_run(&two_people, "validity ANNA --until 2026-12-30");
+    struct cli_result result = cli_run(&cli_two_people, "validity ANNA --until 2026-12-30");
 
     (void)state;
     assert_int_equal(result.exit, 0);
     assert_string_equal(result.calls, "SetValidity ANNA valid-until=1798675199");
     assert_string_equal(result.out, "The door opens to anna until 2026-12-30 23:59.\n");
-    result = cli_run(&two_people, "validity anna --from 2026-12-01Z --until @1798675199 --expired");
+    result = cli_run(&cli_two_people,
+                     "validity anna --from 2026-12-01Z --until @1798675199 --expired");
     assert_string_equal(result.calls, "SetValidity anna valid-from=1796083200 "
                                       "valid-until=1798675199 expired=1");
-    result = cli_run(&two_people, "validity anna --none");
+    result = cli_run(&cli_two_people, "validity anna --none");
     assert_string_equal(result.calls, "SetValidity anna valid-from=0 valid-until=0");
-    result = cli_run(&two_people, "validity anna --from none");
+    result = cli_run(&cli_two_people, "validity anna --from none");
     assert_string_equal(result.calls, "SetValidity anna valid-from=0");
-    result = cli_run(&two_people, "validity \"Bo Ek\" --none --json");
+    result = cli_run(&cli_two_people, "validity \"Bo Ek\" --none --json");
     cli_expect_error(&result, 2, "usage"); /* the shell is not asked: two words */
-    result = cli_run(&two_people, "validity anna --none --json");
+    result = cli_run(&cli_two_people, "validity anna --none --json");
     json_t *document = cli_json(&result);
     assert_string_equal(json_string_value(json_object_get(document, "person")), "anna");
     assert_int_equal(json_integer_value(json_object_get(document, "valid_from")), 0);
     assert_int_equal(json_integer_value(json_object_get(document, "valid_until")), 1798675199);
     json_decref(document);
-    result = cli_run(&two_people, "validity zoe --none --json");
+    result = cli_run(&cli_two_people, "validity zoe --none --json");
     cli_expect_error(&result, 3, "no-such-person");
 }
 
 static void rename_says_what_is_left_to_do(void **state)
 {
-    struct fake_script script = two_people;
+    struct fake_script script = cli_two_people;
     struct cli_result result = cli_run(&script, "rename anna eve");
 
     (void)state;
@@ -200,13 +173,13 @@ static void rename_says_what_is_left_to_do(void **state)
     assert_string_equal(json_string_value(json_object_get(document, "person")), "eve");
     assert_string_equal(json_string_value(json_object_get(document, "remark")), script.remark);
     json_decref(document);
-    result = cli_run(&two_people, "rename zoe eve --json");
+    result = cli_run(&cli_two_people, "rename zoe eve --json");
     cli_expect_error(&result, 3, "no-such-person");
 }
 
 static void status_keeps_names_and_types(void **state)
 {
-    const struct cli_result result = cli_run(&two_people, "status --json");
+    const struct cli_result result = cli_run(&cli_two_people, "status --json");
     json_t *document = cli_json(&result);
 
     (void)state;
@@ -220,7 +193,7 @@ static void status_keeps_names_and_types(void **state)
 /* In sections, with plain names and units; the names of the bus are for programs. */
 static void status_is_for_people(void **state)
 {
-    const struct cli_result result = cli_run(&two_people, "status");
+    const struct cli_result result = cli_run(&cli_two_people, "status");
 
     (void)state;
     cli_expect_exit(&result, 0);
@@ -235,142 +208,6 @@ static void status_is_for_people(void **state)
     }
 }
 
-static void every_command_fails_clearly_without_a_daemon(void **state)
-{
-    char words[64];
-
-    (void)state;
-    for (size_t i = 0; i < COUNT(commands); i++) {
-        (void)snprintf(words, sizeof words, "%s --json", commands[i]);
-        struct cli_result result = cli_run(NULL, words);
-        cli_expect_error(&result, 4, "no-daemon");
-        result = cli_run(NULL, commands[i]);
-        cli_expect_exit(&result, 4);
-        assert_non_null(strstr(result.err, "isotherm: isothermd is not running on this bus"));
-    }
-}
-
-static void every_command_fails_clearly_without_a_bus(void **state)
-{
-    char words[96];
-
-    (void)state;
-    for (size_t i = 0; i < COUNT(commands); i++) {
-        (void)snprintf(words, sizeof words, "%s --json --bus unix:path=/nowhere/bus", commands[i]);
-        const struct cli_result result = cli_run(NULL, words);
-        cli_expect_error(&result, 4, "no-bus");
-    }
-    const struct cli_result result = cli_run(NULL, "doctor --bus unix:path=/nowhere/bus");
-    cli_expect_exit(&result, 4);
-    assert_non_null(strstr(result.out, "fault    bus "));
-}
-
-static void every_error_of_the_bus_has_its_exit_code(void **state)
-{
-    static const struct {
-        const char *error;
-        int exit;
-        const char *code;
-    } errors[] = {
-        {"org.isotherm.Error.AlreadyInUse", 4, "already-in-use"},
-        {"org.isotherm.Error.ClaimDevice", 4, "claim-device"},
-        {"org.isotherm.Error.NoSuchPerson", 3, "no-such-person"},
-        {"org.isotherm.Error.NoActionInProgress", 4, "no-action-in-progress"},
-        {"org.isotherm.Error.ActionInProgress", 4, "action-in-progress"},
-        {"org.isotherm.Error.InvalidName", 2, "invalid-name"},
-        {"org.isotherm.Error.InvalidArgument", 2, "invalid-argument"},
-        {"org.isotherm.Error.GalleryFull", 4, "gallery-full"},
-        {"org.isotherm.Error.NameInUse", 1, "name-in-use"},
-        {"org.isotherm.Error.DeviceFault", 4, "device-fault"},
-        {"org.isotherm.Error.Storage", 4, "storage"},
-        {"org.isotherm.Error.Internal", 4, "internal"},
-        {"org.freedesktop.DBus.Error.AccessDenied", 1, "access-denied"},
-        {"org.freedesktop.DBus.Error.NoReply", 5, "no-reply"},
-        {"org.freedesktop.DBus.Error.UnknownMethod", 4, "internal"},
-    };
-
-    (void)state;
-    for (size_t i = 0; i < COUNT(errors); i++) {
-        const struct fake_script script = {.fail_method = "VerifyStart",
-                                           .fail_error = errors[i].error};
-        const struct cli_result result = cli_run(&script, "verify anna --json");
-        cli_expect_error(&result, errors[i].exit, errors[i].code);
-    }
-}
-
-static void usage_errors_are_told_in_the_form_asked_for(void **state)
-{
-    struct cli_result result = cli_run(NULL, "list --bogus --json");
-
-    (void)state;
-    cli_expect_error(&result, 2, "usage");
-    result = cli_run(NULL, "list --bogus");
-    cli_expect_exit(&result, 2);
-    assert_string_equal(result.out, "");
-    assert_non_null(strstr(result.err, "--bogus"));
-}
-
-static void help_and_version_need_no_daemon(void **state)
-{
-    struct cli_result result = cli_run(NULL, "--help");
-
-    (void)state;
-    cli_expect_exit(&result, 0);
-    for (size_t i = 0; i < COUNT(commands); i++) {
-        char name[16] = "  ";
-        strncat(name, commands[i], strcspn(commands[i], " "));
-        assert_non_null(strstr(result.out, name));
-    }
-    result = cli_run(NULL, "--version");
-    assert_string_equal(result.out, "isotherm " ISOTHERM_VERSION "\n");
-    result = cli_run(NULL, "enroll --help");
-    cli_expect_exit(&result, 0);
-    assert_non_null(strstr(result.out, "--allow-duplicate"));
-}
-
-/* A unit without its configuration does not start; what helps is setup. */
-static void a_daemon_that_is_not_configured_is_told_of(void **state)
-{
-    static const char *const words[] = {"status", "list", "log", "identify", "doctor"};
-    const bool configured = access(cli_setup_installed.config, F_OK) == 0;
-    const char *expected = configured ? "systemctl start isothermd"
-                                      : "isothermd is not configured yet: run isotherm setup";
-
-    (void)state;
-    for (size_t i = 0; i < COUNT(words); i++) {
-        const struct cli_result result = cli_run_on_system_bus(words[i]);
-        cli_expect_exit(&result, 4);
-        if (!strstr(result.out, expected) && !strstr(result.err, expected)) {
-            fail_msg("%s says: %s%s", words[i], result.out, result.err);
-        }
-    }
-    /* The configuration of the installed daemon says nothing about another bus. */
-    assert_non_null(strstr(cli_run(NULL, "status").err, "systemctl start isothermd"));
-}
-
-/* --help, -h and the word help are the same, of the program and of a command. */
-static void help_is_shown_however_it_is_asked_for(void **state)
-{
-    static const char *const same[][3] = {
-        {"--help", "-h", "help"},
-        {"lockout --help", "lockout -h", "help lockout"},
-        {"log --help", "-h log", "help log"},
-    };
-
-    (void)state;
-    for (size_t i = 0; i < COUNT(same); i++) {
-        char *help = strdup(cli_run(NULL, same[i][0]).out);
-        assert_int_equal(strncmp(help, "Usage: isotherm ", 16), 0);
-        for (size_t j = 1; j < COUNT(same[i]); j++) {
-            const struct cli_result result = cli_run(NULL, same[i][j]);
-            cli_expect_exit(&result, 0);
-            assert_string_equal(result.out, help);
-        }
-        free(help);
-    }
-}
-
-/* With --replace nobody stays as is. A file for an appliance needs no passphrase. */
 /* What is no file is refused before the daemon gets it: nobody waits for the writer of a FIFO. */
 static void import_reads_files_alone(void **state)
 {
@@ -383,12 +220,13 @@ static void import_reads_files_alone(void **state)
     for (size_t i = 0; i < COUNT(paths); i++) {
         char words[256];
         (void)snprintf(words, sizeof words, "import %s", paths[i]);
-        const struct cli_result result = cli_run(&two_people, words);
+        const struct cli_result result = cli_run(&cli_two_people, words);
         cli_expect_exit(&result, 4);
         assert_non_null(strstr(result.err, said[i]));
     }
 }
 
+/* With --replace nobody stays as is. A file for an appliance needs no passphrase. */
 static void import_says_whether_people_were_replaced(void **state)
 {
     static const char sealed[32] = ISO_CONTRACT_PEOPLE_MAGIC "\002";
@@ -410,12 +248,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(import_reads_files_alone, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(import_says_whether_people_were_replaced, scratch_setup,
                                         scratch_teardown),
-        cmocka_unit_test(help_is_shown_however_it_is_asked_for),
-        cmocka_unit_test(a_daemon_that_is_not_configured_is_told_of),
         cmocka_unit_test(list_shows_everybody),
         cmocka_unit_test(list_aligns_wide_letters),
         cmocka_unit_test(list_names_those_who_look_the_same),
-        cmocka_unit_test(what_cannot_be_written_is_a_fault),
         cmocka_unit_test(one_person_is_no_people),
         cmocka_unit_test(list_of_nobody),
         cmocka_unit_test(list_as_json),
@@ -425,11 +260,6 @@ int main(void)
         cmocka_unit_test(rename_says_what_is_left_to_do),
         cmocka_unit_test(status_keeps_names_and_types),
         cmocka_unit_test(status_is_for_people),
-        cmocka_unit_test(every_command_fails_clearly_without_a_daemon),
-        cmocka_unit_test(every_command_fails_clearly_without_a_bus),
-        cmocka_unit_test(every_error_of_the_bus_has_its_exit_code),
-        cmocka_unit_test(usage_errors_are_told_in_the_form_asked_for),
-        cmocka_unit_test(help_and_version_need_no_daemon),
     };
 
     setenv("TZ", "UTC", 1); /* the programs print local time */

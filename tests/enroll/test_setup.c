@@ -1,5 +1,5 @@
-/* `isotherm setup` as a whole: what it writes, starts, asks and shows, and that a fault leaves all
- * as it was. */
+/* `isotherm setup` as a whole: what it writes, starts and shows, and that a fault leaves all as it
+ * was. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,8 +7,6 @@
 
 #include <cmocka.h>
 
-#include <jansson.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,34 +14,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "enroll/cli/picture/pixels.h"
 #include "tests/enroll/rigs/setup_rig.h"
 #include "tests/support/programs/private_bus.h"
-#include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
-#define DATA ISOTHERM_SOURCE_DIR "/core/data"
-
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-
-static const char old_text[] = "# By hand.\n[sensor]\nbackend = openni2\n[decision]\n"
-                               "level = strict\n";
-
-static const char one_camera[] =
-    "{\"sensor\":\"openni2\",\"id\":\"2bc5/0401@1/5\",\"label\":\"Orbbec Astra\"}\n";
-
-static void write_old(void)
-{
-    scratch_mkdir(setup_rig_path("etc"));
-    scratch_write_text(setup_rig_path("etc/isotherm.conf"), old_text);
-}
-
-static void expect_in(const char *text, const char *part)
-{
-    if (!strstr(text, part)) {
-        fail_msg("'%s' is not in: %s", part, text);
-    }
-}
 
 static void a_fresh_machine_becomes_an_appliance(void **state)
 {
@@ -57,16 +32,17 @@ static void a_fresh_machine_becomes_an_appliance(void **state)
     const struct fake_script daemon = {.picture = png, .picture_size = size};
 
     assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
-    expect_in(rig->calls, "Subscribe;GetUnitFileState;LoadUnit;EnableUnitFiles;Reload;"
-                          "ResetFailedUnit;RestartUnit;<# Written by isotherm setup for the board "
-                          "pc-usb.\n");
-    expect_in(rig->calls, "[sensor]\nbackend = replay\npath = /srv/p01\n\n[door]\n");
-    expect_in(rig->calls, "relay = cp2112_gpio:0\n");
+    setup_rig_expect_in(rig->calls,
+                        "Subscribe;GetUnitFileState;LoadUnit;EnableUnitFiles;Reload;"
+                        "ResetFailedUnit;RestartUnit;<# Written by isotherm setup for the board "
+                        "pc-usb.\n");
+    setup_rig_expect_in(rig->calls, "[sensor]\nbackend = replay\npath = /srv/p01\n\n[door]\n");
+    setup_rig_expect_in(rig->calls, "relay = cp2112_gpio:0\n");
     assert_int_equal(stat(rig->places.config, &status), 0);
     assert_int_equal(status.st_mode & 07777, 0644);
     assert_int_equal(setup_rig_count_files(), 1);
-    expect_in(rig->said, "backend = replay");             /* the file */
-    expect_in(rig->said, "ok       sensor      started"); /* doctor */
+    setup_rig_expect_in(rig->said, "backend = replay");             /* the file */
+    setup_rig_expect_in(rig->said, "ok       sensor      started"); /* doctor */
     char *picture = scratch_read(setup_rig_path("picture.png"), &read_size);
     assert_int_equal(read_size, size);
     assert_memory_equal(picture, png, size);
@@ -82,13 +58,13 @@ static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state
     const struct fake_script daemon = {.n_people = 0};
     struct setup_rig *rig = *state;
 
-    write_old();
+    setup_rig_write_old();
     assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     assert_string_equal(rig->calls,
                         "Subscribe;GetUnitFileState;LoadUnit;ResetFailedUnit;RestartUnit;<>;");
-    expect_in(rig->said, "- # By hand.\n");
-    expect_in(rig->said, "+ # Written by isotherm setup for the board rock-5b.\n");
-    expect_in(rig->said, "  level = strict\n");
+    setup_rig_expect_in(rig->said, "- # By hand.\n");
+    setup_rig_expect_in(rig->said, "+ # Written by isotherm setup for the board rock-5b.\n");
+    setup_rig_expect_in(rig->said, "  level = strict\n");
     assert_int_equal(setup_rig_count_files(), 2);
     const char *backup = strstr(rig->said, "The old file is now ");
     assert_non_null(backup);
@@ -96,13 +72,13 @@ static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state
     (void)snprintf(path, sizeof path, "%.*s", (int)strcspn(backup + 20, "\n") - 1, backup + 20);
     size_t size;
     char *text = scratch_read(path, &size);
-    assert_int_equal(size, strlen(old_text));
-    assert_memory_equal(text, old_text, size);
+    assert_int_equal(size, strlen(setup_rig_old_text));
+    assert_memory_equal(text, setup_rig_old_text, size);
     free(text);
     /* Once more: nothing to write, but the service is started again. */
     assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
-    expect_in(rig->said, "stays as it is");
-    expect_in(rig->calls, "RestartUnit");
+    setup_rig_expect_in(rig->said, "stays as it is");
+    setup_rig_expect_in(rig->calls, "RestartUnit");
     assert_int_equal(setup_rig_count_files(), 2);
 }
 
@@ -112,23 +88,23 @@ static void what_is_found_need_not_be_named(void **state)
     struct setup_rig *rig = *state;
 
     assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_USAGE);
-    expect_in(rig->fault.text, "--board is missing");
-    expect_in(rig->fault.text, "generic, pc-usb, qemu, raspberry-pi-5, rock-5b");
+    setup_rig_expect_in(rig->fault.text, "--board is missing");
+    setup_rig_expect_in(rig->fault.text, "generic, pc-usb, qemu, raspberry-pi-5, rock-5b");
     scratch_mkdir(setup_rig_path("sys"));
     scratch_mkdir(setup_rig_path("sys/firmware"));
     scratch_mkdir(setup_rig_path("sys/firmware/devicetree"));
     scratch_mkdir(setup_rig_path("sys/firmware/devicetree/base"));
     scratch_write_text(setup_rig_path("sys/firmware/devicetree/base/model"), "Radxa ROCK 5B");
     assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_USAGE);
-    expect_in(rig->fault.text, "--sensor is missing: no depth camera was found");
-    setup_rig_set_devices(one_camera);
+    setup_rig_expect_in(rig->fault.text, "--sensor is missing: no depth camera was found");
+    setup_rig_set_devices(setup_rig_one_camera);
     assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_OK);
-    expect_in(rig->said, "board rock-5b");
-    expect_in(rig->said, "backend = openni2");
+    setup_rig_expect_in(rig->said, "board rock-5b");
+    setup_rig_expect_in(rig->said, "backend = openni2");
     setup_rig_set_devices("{\"sensor\":\"openni2\",\"id\":\"a@1/5\",\"label\":\"one\"}\n"
                           "{\"sensor\":\"openni2\",\"id\":\"b@1/6\",\"label\":\"two\"}\n");
     assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_USAGE);
-    expect_in(rig->fault.text, "one (OpenNI2, a@1/5); two (OpenNI2, b@1/6)");
+    setup_rig_expect_in(rig->fault.text, "one (OpenNI2, a@1/5); two (OpenNI2, b@1/6)");
     assert_int_equal(setup_rig_count_files(), 0); /* a dry run writes nothing */
 }
 
@@ -153,12 +129,12 @@ static void a_wrong_wish_is_named_and_changes_nothing(void **state)
     const struct fake_script daemon = {.n_people = 0};
     struct setup_rig *rig = *state;
 
-    write_old();
+    setup_rig_write_old();
     for (size_t i = 0; i < COUNT(cases); i++) {
         assert_int_equal(setup_rig_run(rig, &cases[i].wish, &manager, &daemon), cases[i].exit);
-        expect_in(rig->fault.text, cases[i].text);
+        setup_rig_expect_in(rig->fault.text, cases[i].text);
         assert_string_equal(rig->calls, "");
-        setup_rig_expect_config(old_text);
+        setup_rig_expect_config(setup_rig_old_text);
         assert_int_equal(setup_rig_count_files(), 1);
     }
 }
@@ -187,7 +163,7 @@ static void a_start_that_fails_is_undone(void **state)
             if (!scratch_exists(setup_rig_path("etc"))) {
                 scratch_mkdir(setup_rig_path("etc"));
             }
-            scratch_write_text(setup_rig_path("etc/isotherm.conf"), old_text);
+            scratch_write_text(setup_rig_path("etc/isotherm.conf"), setup_rig_old_text);
         } else if (!before) {
             (void)unlink(rig->places.config);
         }
@@ -195,13 +171,13 @@ static void a_start_that_fails_is_undone(void **state)
         manager.started = rig->places.config;
         assert_int_equal(setup_rig_run(rig, &wish, &manager, cases[i / 2].daemon ? &daemon : NULL),
                          CLI_EXIT_FAULT);
-        expect_in(rig->fault.text, cases[i / 2].text);
-        setup_rig_expect_config(before ? old_text : NULL);
+        setup_rig_expect_in(rig->fault.text, cases[i / 2].text);
+        setup_rig_expect_config(before ? setup_rig_old_text : NULL);
         assert_int_equal(setup_rig_count_files(), before);
         if (!manager.fail_method) {
-            expect_in(rig->fault.text, "the configuration is as it was");
-            expect_in(rig->calls, before ? "RestartUnit;<# By hand.\n"
-                                         : "StopUnit;<>;DisableUnitFiles;Reload;");
+            setup_rig_expect_in(rig->fault.text, "the configuration is as it was");
+            setup_rig_expect_in(rig->calls, before ? "RestartUnit;<# By hand.\n"
+                                                   : "StopUnit;<>;DisableUnitFiles;Reload;");
         }
     }
 }
@@ -212,13 +188,13 @@ static void without_a_service_manager_nothing_is_replaced(void **state)
     const struct fake_manager_script unknown = {.fail_method = "GetUnitFileState"};
     struct setup_rig *rig = *state;
 
-    write_old();
+    setup_rig_write_old();
     assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_FAULT);
     assert_string_equal(rig->fault.code, "no-manager");
-    setup_rig_expect_config(old_text);
+    setup_rig_expect_config(setup_rig_old_text);
     assert_int_equal(setup_rig_run(rig, &wish, &unknown, NULL), CLI_EXIT_FAULT);
     assert_string_equal(rig->fault.code, "no-unit");
-    setup_rig_expect_config(old_text);
+    setup_rig_expect_config(setup_rig_old_text);
     assert_int_equal(setup_rig_count_files(), 1);
 }
 
@@ -230,7 +206,7 @@ static void a_file_that_cannot_be_written_starts_nothing(void **state)
 
     scratch_write_text(setup_rig_path("etc"), "no folder");
     assert_int_equal(setup_rig_run(rig, &wish, &manager, NULL), CLI_EXIT_FAULT);
-    expect_in(rig->fault.text, rig->places.config);
+    setup_rig_expect_in(rig->fault.text, rig->places.config);
     assert_string_equal(rig->calls, "");
 }
 
@@ -256,7 +232,7 @@ static void only_root_may_write_but_everybody_look(void **state)
     setup_rig_expect_config(NULL);
     wish.dry_run = true;
     assert_int_equal(setup_rig_run(rig, &wish, NULL, NULL), CLI_EXIT_OK);
-    expect_in(rig->said, "relay = cp2112_gpio:0");
+    setup_rig_expect_in(rig->said, "relay = cp2112_gpio:0");
     setup_rig_expect_config(NULL);
 }
 
@@ -271,8 +247,8 @@ static void a_picture_that_does_not_come_is_said_and_no_failure(void **state)
     struct setup_rig *rig = *state;
 
     assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
-    expect_in(rig->said, "There is no picture of what the camera sees: the fake says so");
-    expect_in(rig->said, "fault    sensor      lost: no device");
+    setup_rig_expect_in(rig->said, "There is no picture of what the camera sees: the fake says so");
+    setup_rig_expect_in(rig->said, "fault    sensor      lost: no device");
     assert_false(scratch_exists(setup_rig_path("picture.png")));
 }
 
@@ -297,9 +273,9 @@ static void a_camera_that_shows_nothing_is_asked_once(void **state)
     struct setup_rig *rig = *state;
 
     assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
-    expect_in(rig->said,
-              "waiting for a picture ...\n"
-              "There is no picture of what the camera sees: the camera shows nothing.\n");
+    setup_rig_expect_in(rig->said,
+                        "waiting for a picture ...\n"
+                        "There is no picture of what the camera sees: the camera shows nothing.\n");
     assert_int_equal(count_calls(rig->daemon_calls, "Picture"), 1);
 }
 
@@ -316,198 +292,6 @@ static void a_camera_in_use_is_asked_for_again(void **state)
     assert_int_equal(count_calls(rig->daemon_calls, "Claim"), 4);
 }
 
-/* ---- at a terminal ---- */
-
-static void a_person_is_asked_what_is_not_known(void **state)
-{
-    const struct cli_setup_wish wish = {.yes = false};
-    const struct fake_manager_script manager = {.active = false};
-    struct setup_rig *rig = *state;
-    static struct setup_terminal terminal;
-    size_t size;
-    const char *png = setup_rig_png(&size);
-    const struct fake_script daemon = {.picture = png, .picture_size = size};
-
-    setup_rig_set_devices(one_camera);
-    setup_rig_begin(rig, &manager, &daemon);
-    setup_rig_open(rig, &wish, &terminal);
-    setup_rig_answer(&terminal, "Board [1]", "seven\n"); /* generic: nothing is recognised */
-    setup_rig_answer(&terminal, "a number from 1 to 5", "2\n");
-    setup_rig_answer(&terminal, "Camera [1]", "\n");
-    setup_rig_answer(&terminal, "start the service? [Y/n]", "perhaps\n");
-    setup_rig_answer(&terminal, "Please answer y or n.", "y\n");
-    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_OK);
-    setup_rig_end(rig);
-    expect_in(terminal.text, "Orbbec Astra (OpenNI2, 2bc5/0401@1/5)");
-    expect_in(terminal.text, "\033[38;2;0;0;0m\033[48;2;160;160;160m\u2580"); /* the picture */
-    expect_in(terminal.text, "sensor      started");
-    assert_true(scratch_exists(rig->places.config));
-    expect_in(rig->calls, "EnableUnitFiles");
-}
-
-static void a_recording_can_be_tried_and_the_lens_file_is_asked_for(void **state)
-{
-    const struct cli_setup_wish wish = {.board = "pc-usb", .dry_run = true};
-    struct setup_rig *rig = *state;
-    static struct setup_terminal terminal;
-
-    setup_rig_open(rig, &wish, &terminal);
-    setup_rig_answer(&terminal, "Camera [1]", "1\n");
-    setup_rig_answer(&terminal, "Folder of the recording:", "/srv/p01\n");
-    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_OK);
-    expect_in(terminal.text, "No depth camera was found.");
-    expect_in(terminal.text, "path = /srv/p01");
-    setup_rig_open(rig, &wish, &terminal);
-    setup_rig_answer(&terminal, "Camera [1]", "2\n");
-    setup_rig_answer(&terminal, "Sensor, such as", "v4l2:/dev/null\n");
-    setup_rig_answer(&terminal, "File [1]", "1\n");
-    setup_rig_answer(&terminal, "File:", ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1/recording.ini\n");
-    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_OK);
-    expect_in(terminal.text, "camera = " ISOTHERM_SOURCE_DIR);
-    setup_rig_expect_config(NULL);
-}
-
-static void no_and_an_interrupt_change_nothing(void **state)
-{
-    static const struct {
-        const char *answer;
-        int exit;
-    } cases[] = {
-        {"n\n", CLI_EXIT_NO}, {"\003", CLI_EXIT_INTERRUPTED}, {"\004", CLI_EXIT_INTERRUPTED}};
-    const struct cli_setup_wish wish = {.board = "pc-usb", .sensor = "openni2"};
-    const struct fake_manager_script manager = {.active = true};
-    struct setup_rig *rig = *state;
-    static struct setup_terminal terminal;
-
-    write_old();
-    for (size_t i = 0; i < COUNT(cases); i++) {
-        setup_rig_begin(rig, &manager, NULL);
-        setup_rig_open(rig, &wish, &terminal);
-        setup_rig_answer(&terminal, "[Y/n]", cases[i].answer);
-        assert_int_equal(setup_rig_close(&terminal), cases[i].exit);
-        setup_rig_end(rig);
-        expect_in(terminal.text, "nothing has been changed");
-        assert_string_equal(rig->calls, "");
-        setup_rig_expect_config(old_text);
-        assert_int_equal(setup_rig_count_files(), 1);
-    }
-}
-
-static void an_interrupt_while_the_service_starts_undoes_it(void **state)
-{
-    const struct cli_setup_wish wish = {.board = "pc-usb", .sensor = "openni2", .yes = true};
-    struct setup_rig *rig = *state;
-    const struct fake_manager_script manager = {
-        .enabled = true, .active = true, .result = "", .started = rig->places.config};
-    static struct setup_terminal terminal;
-
-    write_old();
-    setup_rig_begin(rig, &manager, NULL);
-    setup_rig_open(rig, &wish, &terminal);
-    fake_manager_wait_for_start(&rig->manager);
-    assert_int_equal(write(terminal.fd, "\003", 1), 1);
-    assert_int_equal(setup_rig_close(&terminal), CLI_EXIT_INTERRUPTED);
-    setup_rig_end(rig);
-    expect_in(terminal.text, "interrupted; the configuration is as it was");
-    expect_in(rig->calls, "RestartUnit;<# By hand.\n");
-    setup_rig_expect_config(old_text);
-    assert_int_equal(setup_rig_count_files(), 1);
-}
-
-/* ---- for programs ---- */
-
-static void with_json_there_is_one_document(void **state)
-{
-    const struct cli_setup_wish wish = {
-        .board = "pc-usb", .sensor = "openni2", .yes = true, .json = true};
-    const struct fake_manager_script manager = {.active = true};
-    const struct fake_script daemon = {.n_people = 0};
-    struct setup_rig *rig = *state;
-    const char *path = setup_rig_path("out.json");
-
-    const int saved = dup(STDOUT_FILENO);
-    assert_non_null(freopen(path, "w", stdout));
-    const enum cli_exit exit = setup_rig_run(rig, &wish, &manager, &daemon);
-    (void)fflush(stdout);
-    assert_int_equal(dup2(saved, STDOUT_FILENO), STDOUT_FILENO);
-    close(saved);
-    assert_int_equal(exit, CLI_EXIT_OK);
-    json_t *document = json_load_file(path, 0, NULL);
-    assert_non_null(document);
-    assert_string_equal(json_string_value(json_object_get(document, "config")), rig->places.config);
-    assert_string_equal(json_string_value(json_object_get(document, "board")), "pc-usb");
-    assert_string_equal(json_string_value(json_object_get(document, "sensor")), "openni2");
-    assert_non_null(json_object_get(json_object_get(document, "doctor"), "checks"));
-    assert_non_null(json_string_value(json_object_get(document, "picture")));
-    json_decref(document);
-}
-
-/* The daemon that this would start, already there, on stored frames. */
-static void start_real_daemon(const struct setup_rig *rig, struct run *run)
-{
-    static char text[2048];
-    const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--config",
-                                setup_rig_path("real.conf"), NULL};
-
-    (void)snprintf(text, sizeof text,
-                   "[sensor]\npath = " ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1\nloop = yes\n"
-                   "[gallery]\npath = %s\n[log]\npath = %s\n[bus]\naddress = %s\n[model]\n"
-                   "head = " DATA "/head.model\nmetric = " DATA "/face.metric\n",
-                   setup_rig_path("g.db"), setup_rig_path("a.log"), rig->places.manager.address);
-    scratch_write_text(setup_rig_path("real.conf"), text);
-    run_start(run, argv);
-}
-
-static void the_real_daemon_sends_a_picture_of_what_it_sees(void **state)
-{
-    const struct cli_setup_wish wish = {.sensor = "openni2", .board = "generic", .yes = true};
-    const struct fake_manager_script manager = {.active = true};
-    struct setup_rig *rig = *state;
-    struct cli_pixels pixels = {0};
-    struct run run;
-    size_t size;
-
-    start_real_daemon(rig, &run);
-    rig->places.daemon_wait_s = 30;
-    assert_int_equal(setup_rig_run(rig, &wish, &manager, NULL), CLI_EXIT_OK);
-    assert_int_equal(kill(run.pid, SIGTERM), 0);
-    run_finish(&run);
-    assert_int_equal(run.exit, 0);
-    run_free(&run);
-    expect_in(rig->said, "ok       sensor      started");
-    expect_in(rig->said, "null: nothing is switched"); /* the board has no lines */
-    uint8_t *png = scratch_read(setup_rig_path("picture.png"), &size);
-    assert_int_equal(cli_pixels_decode(png, size, &pixels, &rig->fault), CLI_EXIT_OK);
-    assert_int_equal(pixels.width_px, 320);
-    assert_int_equal(pixels.height_px, 240);
-    cli_pixels_done(&pixels);
-    free(png);
-}
-
-/* The real program: what it finds depends on the machine, but not that it is one object a line. */
-static void the_daemon_lists_devices_one_object_a_line(void **state)
-{
-    const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--list-devices", NULL};
-    struct run run;
-
-    (void)state;
-    run_start(&run, argv);
-    run_finish(&run);
-    if (run.exit != 0) {
-        fail_msg("exit %d, and said: %s", run.exit, run.err);
-    }
-    for (char *line = strtok(run.out, "\n"); line; line = strtok(NULL, "\n")) {
-        json_t *object = json_loads(line, 0, NULL);
-        assert_non_null(object);
-        assert_non_null(json_string_value(json_object_get(object, "sensor")));
-        assert_true(json_object_get(object, "id") || json_object_get(object, "fault"));
-        json_decref(object);
-    }
-    run_free(&run);
-}
-
-#define ON_A_RIG(test) cmocka_unit_test_setup_teardown(test, setup_rig_setup, setup_rig_teardown)
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -522,13 +306,6 @@ int main(void)
         ON_A_RIG(a_picture_that_does_not_come_is_said_and_no_failure),
         ON_A_RIG(a_camera_that_shows_nothing_is_asked_once),
         ON_A_RIG(a_camera_in_use_is_asked_for_again),
-        ON_A_RIG(a_person_is_asked_what_is_not_known),
-        ON_A_RIG(a_recording_can_be_tried_and_the_lens_file_is_asked_for),
-        ON_A_RIG(no_and_an_interrupt_change_nothing),
-        ON_A_RIG(an_interrupt_while_the_service_starts_undoes_it),
-        ON_A_RIG(with_json_there_is_one_document),
-        ON_A_RIG(the_real_daemon_sends_a_picture_of_what_it_sees),
-        cmocka_unit_test(the_daemon_lists_devices_one_object_a_line),
     };
 
     if (!setup_rig_find_bus()) {

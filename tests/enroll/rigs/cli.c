@@ -17,6 +17,13 @@
 
 static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
 
+static const struct fake_person people[] = {
+    {"anna", 1795248000, 0, 1798675199, 2},
+    {"Bo Ek", 1795248060, 1795300000, 0, 1},
+};
+
+const struct fake_script cli_two_people = {.people = people, .n_people = 2};
+
 static struct private_bus bus;
 static struct run last;
 static const char *out_path; /* of the next run; NULL: a pipe */

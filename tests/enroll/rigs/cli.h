@@ -9,6 +9,9 @@
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/programs/run.h"
 
+/* A daemon with two people: anna, with two templates and until the end of 2026, and Bo Ek. */
+extern const struct fake_script cli_two_people;
+
 /* Starts the bus that all tests of a program share; false if the program is to be skipped. */
 bool cli_find_bus(void);
 

@@ -258,3 +258,24 @@ void setup_rig_expect_config(const char *text)
     assert_string_equal(found, text);
     free(found);
 }
+
+/* ---- what tests have in common ---- */
+
+const char setup_rig_old_text[] = "# By hand.\n[sensor]\nbackend = openni2\n[decision]\n"
+                                  "level = strict\n";
+
+const char setup_rig_one_camera[] =
+    "{\"sensor\":\"openni2\",\"id\":\"2bc5/0401@1/5\",\"label\":\"Orbbec Astra\"}\n";
+
+void setup_rig_write_old(void)
+{
+    scratch_mkdir(setup_rig_path("etc"));
+    scratch_write_text(setup_rig_path("etc/isotherm.conf"), setup_rig_old_text);
+}
+
+void setup_rig_expect_in(const char *text, const char *part)
+{
+    if (!strstr(text, part)) {
+        fail_msg("'%s' is not in: %s", part, text);
+    }
+}

@@ -64,6 +64,18 @@ void setup_rig_answer(struct setup_terminal *terminal, const char *question, con
 /* Waits for the end; returns the exit code. */
 int setup_rig_close(struct setup_terminal *terminal);
 
+/* A configuration of before, with comments; and that it is there. */
+extern const char setup_rig_old_text[];
+void setup_rig_write_old(void);
+
+/* What `isothermd --list-devices` prints of one camera. */
+extern const char setup_rig_one_camera[];
+
+/* Fails unless the part is in the text. */
+void setup_rig_expect_in(const char *text, const char *part);
+
+#define ON_A_RIG(test) cmocka_unit_test_setup_teardown(test, setup_rig_setup, setup_rig_teardown)
+
 /* A PNG of two by two pixels, and its size. */
 const char *setup_rig_png(size_t *size);
 
