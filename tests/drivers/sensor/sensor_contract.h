@@ -53,6 +53,43 @@ struct sensor_stage {
     void (*expect)(const struct sensor_scene *scene, const struct iso_frame *frame, int stored);
 };
 
+/* What a test runs on. */
+struct sensor_set {
+    const struct sensor_stage *stage;
+    struct sensor_scene scene;
+    struct iso_sensor *sensor;
+};
+
+/* Runs a test on every stage that `fits` (NULL: on all), and prints how many do not; skips the test
+ * if none does. */
+void on_every_stage(void (*test)(struct sensor_set *set),
+                    bool (*fits)(const struct sensor_stage *stage));
+
+/* cmocka tear-down: a test that fails leaves nothing behind. */
+int stage_clear_away(void **state);
+
+/* Opens the sensor of the stage, once more after it was closed. */
+int stage_open(struct sensor_set *set, struct iso_fault *fault);
+void stage_start(struct sensor_set *set);
+
+/* Opens it as soon as the system has noticed that it is there again. */
+void stage_open_when_there(struct sensor_set *set);
+
+/* The real time, which the injected clock does not show. */
+int64_t stage_real_ns(void);
+
+/* Has the camera make a frame; nothing where frames come by the clock. */
+void stage_offer(struct sensor_set *set);
+
+/* Waits for what has been offered, or is due by the clock: 0 or an error other than a time-out. */
+int stage_fetch(struct sensor_set *set, const struct iso_frame **frame, struct iso_fault *fault);
+
+/* Offers a frame and fetches it. */
+const struct iso_frame *stage_next(struct sensor_set *set);
+
+/* The frame is number `stored` of the recording, bit by bit. */
+void stage_expect_frame(const struct sensor_set *set, const struct iso_frame *frame, int stored);
+
 /* The stages of this program, NULL at the end. */
 extern const struct sensor_stage *const sensor_stages[];
 

@@ -14,153 +14,27 @@
 #include <cmocka.h>
 
 #include "drivers/sensor/picture/picture_pair.h"
-#include "drivers/sensor/v4l2/sensor_v4l2.h"
-#include "tests/drivers/sensor/fake_v4l2.h"
+#include "tests/drivers/sensor/v4l2_rig.h"
 #include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
-
-#define MS INT64_C(1000000)
-
-enum { WIDTH = 70, HEIGHT = 48 };
-
-/* The clock that is injected and the kernel's differ, and both move on. */
-static int64_t now_ns;
-static struct fake_v4l2 fake;
-static struct iso_v4l2_system fake_system;
-static void *scratch;
-
-static void at(int64_t ms)
-{
-    now_ns = INT64_C(5000) * 1000 * MS + ms * MS;
-    fake.now_ns = INT64_C(77) * 1000 * MS + ms * MS;
-}
-
-static int64_t stamp(int64_t ms)
-{
-    return INT64_C(77) * 1000 * MS + ms * MS;
-}
-
-/* The back end on the fake, so that the class's own wrapper is before it. */
-static int open_fake(const struct iso_option *options, size_t n_options,
-                     const struct iso_clock *clock, void **self, struct iso_fault *fault)
-{
-    return iso_sensor_v4l2_open_on(&fake_system, options, n_options, clock, self, fault);
-}
-
-static const char camera_ini[] =
-    "[recording]\nformat = 1\nsensor = d435\n\n[depth]\n"
-    "projection = pinhole\nwidth_px = 70\nheight_px = 48\n"
-    "fx_px = 60.5\nfy_px = 61\ncx_px = 34\ncy_px = 24\nunit_mm = 0.5\n";
-
-static int set_up(void **state)
-{
-    memset(&fake, 0, sizeof fake);
-    for (int i = 0; i < FAKE_CAMERAS; i++) {
-        fake.cameras[i] = (struct fake_camera){
-            .path = i == 0 ? "/dev/depth" : "/dev/ir",
-            .format = i == 0 ? V4L2_PIX_FMT_Z16 : V4L2_PIX_FMT_GREY,
-            .width_px = WIDTH,
-            .height_px = HEIGHT,
-            .stride_bytes = i == 0 ? 2 * WIDTH + 12 : WIDTH + 6,
-            .capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING,
-            .sequence = i == 0 ? 40 : 7,
-        };
-    }
-    fake_system = fake_v4l2_system(&fake);
-    at(0);
-    int failed = scratch_setup(state);
-    scratch = *state;
-    scratch_write_text(scratch_path(scratch, "camera.ini"), camera_ini);
-    return failed;
-}
-
-static int tear_down(void **state)
-{
-    fake_v4l2_assert_released(&fake);
-    return scratch_teardown(state);
-}
-
-static int open_sensor(bool with_ir, struct iso_sensor **sensor, struct iso_fault *fault)
-{
-    struct iso_sensor_ops ops = iso_sensor_v4l2_ops;
-    static struct iso_sensor_ops kept; /* the sensor refers to it */
-    struct iso_clock clock = manual_clock(&now_ns);
-    struct iso_option options[] = {{"device", "/dev/depth"},
-                                   {"camera", scratch_path(scratch, "camera.ini")},
-                                   {"ir_device", "/dev/ir"}};
-    ops.open = open_fake;
-    kept = ops;
-    return iso_sensor_open_ops(&kept, options, with_ir ? 3 : 2, &clock, sensor, fault);
-}
-
-static struct iso_sensor *started(bool with_ir)
-{
-    struct iso_sensor *sensor = NULL;
-    struct iso_fault fault = {.text = ""};
-    assert_int_equal(open_sensor(with_ir, &sensor, &fault), 0);
-    assert_int_equal(iso_sensor_start(sensor, &fault), 0);
-    return sensor;
-}
-
-static uint16_t depth_count(int picture, int i)
-{
-    return (uint16_t)(i % 7 == 0 ? 0 : 900 + 31 * picture + i);
-}
-
-static void shoot_depth(int picture, int64_t ms, enum fake_fate fate)
-{
-    static uint16_t counts[WIDTH * HEIGHT];
-    for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        counts[i] = depth_count(picture, i);
-    }
-    fake_shoot(&fake.cameras[0], stamp(ms), counts, fate);
-}
-
-static void shoot_ir(int picture, int64_t ms, enum fake_fate fate)
-{
-    static uint8_t grey[WIDTH * HEIGHT];
-    for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        grey[i] = (uint8_t)(3 * i + picture);
-    }
-    fake_shoot(&fake.cameras[1], stamp(ms), grey, fate);
-}
-
-static void assert_frame(const struct iso_frame *frame, int picture, int64_t ms)
-{
-    for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        assert_true(frame->depth_mm[i] == 0.5f * (float)depth_count(picture, i));
-        if (frame->intensity) {
-            assert_true(frame->intensity[i] == (float)(uint8_t)(3 * i + picture) / 255.0f);
-        }
-    }
-    /* The picture is as old on the injected clock as it is on the kernel's. */
-    assert_int_equal(frame->t_ns, INT64_C(5000) * 1000 * MS + ms * MS);
-    assert_true(frame->camera.fx_px == 60.5 && frame->camera.fy_px == 61.0);
-}
-
-/* A deadline in the past: only look. */
-static int look(struct iso_sensor *sensor, const struct iso_frame **frame, struct iso_fault *fault)
-{
-    return iso_sensor_wait(sensor, now_ns, frame, fault);
-}
 
 /* ---- depth ------------------------------------------------------------------ */
 
 static void frames_are_what_the_camera_gave(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = started(false);
+    struct iso_sensor *sensor = v4l2_started(false);
     const struct iso_frame *frame = NULL;
-    assert_int_equal(look(sensor, &frame, NULL), -ETIMEDOUT);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), -ETIMEDOUT);
     for (int i = 0; i < 12; i++) { /* more than there are buffers */
-        at(33 * i + 10);
-        shoot_depth(i, 33 * i, FAKE_GOOD);
-        assert_int_equal(look(sensor, &frame, NULL), 0);
-        assert_frame(frame, i, 33 * i);
+        v4l2_at(33 * i + 10);
+        v4l2_shoot_depth(i, 33 * i, FAKE_GOOD);
+        assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
+        v4l2_assert_frame(frame, i, 33 * i);
         assert_int_equal(frame->sequence, i);
         assert_null(frame->intensity);
     }
-    assert_int_equal(look(sensor, &frame, NULL), -ETIMEDOUT);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), -ETIMEDOUT);
     assert_int_equal(iso_sensor_health(sensor).lost, 0);
     struct iso_sensor_description description;
     assert_int_equal(iso_sensor_describe(sensor, &description), 0);
@@ -184,9 +58,9 @@ static void tells_whether_its_intrinsics_are_nominal(void **state)
     char text[512];
     (void)state;
     for (size_t i = 0; i < 3; i++) {
-        (void)snprintf(text, sizeof text, "%s%s", camera_ini, cases[i].line);
-        scratch_write_text(scratch_path(scratch, "camera.ini"), text);
-        struct iso_sensor *sensor = started(false);
+        (void)snprintf(text, sizeof text, "%s%s", v4l2_camera_ini, cases[i].line);
+        scratch_write_text(scratch_path(v4l2_scratch, "camera.ini"), text);
+        struct iso_sensor *sensor = v4l2_started(false);
         assert_int_equal(iso_sensor_describe(sensor, &description), 0);
         assert_non_null(strstr(description.calibration, cases[i].calibration));
         assert_int_equal(strncmp(description.calibration, "nominal (", 9) == 0, i == 2);
@@ -197,16 +71,16 @@ static void tells_whether_its_intrinsics_are_nominal(void **state)
 static void lost_and_damaged_pictures_are_gaps(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = started(false);
+    struct iso_sensor *sensor = v4l2_started(false);
     const struct iso_frame *frame = NULL;
     struct iso_fault fault = {.text = ""};
     static const enum fake_fate fates[] = {FAKE_GOOD, FAKE_LOST, FAKE_DAMAGED, FAKE_SHORT,
                                            FAKE_GOOD};
     static const int expected[] = {0, -ETIMEDOUT, -EBADMSG, -EBADMSG, 0};
     for (int i = 0; i < 5; i++) {
-        at(33 * i + 5);
-        shoot_depth(i, 33 * i, fates[i]);
-        assert_int_equal(look(sensor, &frame, &fault), expected[i]);
+        v4l2_at(33 * i + 5);
+        v4l2_shoot_depth(i, 33 * i, fates[i]);
+        assert_int_equal(v4l2_look(sensor, &frame, &fault), expected[i]);
     }
     assert_int_equal(frame->sequence, 4);
     assert_int_equal(iso_sensor_health(sensor).lost, 3);
@@ -220,17 +94,17 @@ static void lost_and_damaged_pictures_are_gaps(void **state)
 static void late_pictures_are_dropped(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = started(false);
+    struct iso_sensor *sensor = v4l2_started(false);
     const struct iso_frame *frame = NULL;
     struct iso_fault fault = {.text = ""};
     static const uint32_t numbers[] = {0, 4, 1, 2, 2, 4, 5};
     static const int expected[] = {0, 0, -EBADMSG, -EBADMSG, -EBADMSG, -EBADMSG, 0};
     static const int sequences[] = {0, 4, 4, 4, 4, 4, 5}; /* of the last good frame */
     for (int i = 0; i < 7; i++) {
-        at(33 * i + 5);
-        fake.cameras[0].sequence = 40 + numbers[i];
-        shoot_depth(i, 33 * i, FAKE_GOOD);
-        assert_int_equal(look(sensor, &frame, &fault), expected[i]);
+        v4l2_at(33 * i + 5);
+        v4l2_fake.cameras[0].sequence = 40 + numbers[i];
+        v4l2_shoot_depth(i, 33 * i, FAKE_GOOD);
+        assert_int_equal(v4l2_look(sensor, &frame, &fault), expected[i]);
         assert_int_equal(frame->sequence, sequences[i]);
     }
     assert_string_equal(fault.text, "sensor v4l2: picture 44 comes after picture 44");
@@ -246,12 +120,12 @@ static void numbers_may_begin_anew_after_32_bits(void **state)
 {
     (void)state;
     const struct iso_frame *frame = NULL;
-    fake.cameras[0].sequence = UINT32_MAX - 1;
-    struct iso_sensor *sensor = started(false);
+    v4l2_fake.cameras[0].sequence = UINT32_MAX - 1;
+    struct iso_sensor *sensor = v4l2_started(false);
     for (int i = 0; i < 4; i++) {
-        at(33 * i + 5);
-        shoot_depth(i, 33 * i, i == 2 ? FAKE_LOST : FAKE_GOOD);
-        assert_int_equal(look(sensor, &frame, NULL), i == 2 ? -ETIMEDOUT : 0);
+        v4l2_at(33 * i + 5);
+        v4l2_shoot_depth(i, 33 * i, i == 2 ? FAKE_LOST : FAKE_GOOD);
+        assert_int_equal(v4l2_look(sensor, &frame, NULL), i == 2 ? -ETIMEDOUT : 0);
     }
     assert_int_equal(frame->sequence, 3);
     assert_int_equal(iso_sensor_health(sensor).lost, 1);
@@ -261,18 +135,18 @@ static void numbers_may_begin_anew_after_32_bits(void **state)
 static void sequence_and_time_go_on_over_a_stop(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = started(false);
+    struct iso_sensor *sensor = v4l2_started(false);
     const struct iso_frame *frame = NULL;
-    at(40);
-    shoot_depth(1, 33, FAKE_GOOD);
-    assert_int_equal(look(sensor, &frame, NULL), 0);
+    v4l2_at(40);
+    v4l2_shoot_depth(1, 33, FAKE_GOOD);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
     int64_t before_ns = frame->t_ns;
     assert_int_equal(iso_sensor_stop(sensor, NULL), 0);
-    fake.cameras[0].sequence = 0; /* as drivers do */
+    v4l2_fake.cameras[0].sequence = 0; /* as drivers do */
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
     /* A stamp of the past does not turn time back. */
-    shoot_depth(2, 20, FAKE_GOOD);
-    assert_int_equal(look(sensor, &frame, NULL), 0);
+    v4l2_shoot_depth(2, 20, FAKE_GOOD);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
     assert_int_equal(frame->sequence, 1);
     assert_true(frame->t_ns == before_ns + 1);
     iso_sensor_close(sensor);
@@ -281,49 +155,49 @@ static void sequence_and_time_go_on_over_a_stop(void **state)
 static void a_driver_with_another_clock_gets_the_time_of_arrival(void **state)
 {
     (void)state;
-    fake.cameras[0].realtime_stamps = true;
-    struct iso_sensor *sensor = started(false);
+    v4l2_fake.cameras[0].realtime_stamps = true;
+    struct iso_sensor *sensor = v4l2_started(false);
     const struct iso_frame *frame = NULL;
-    at(50);
-    shoot_depth(1, 999999, FAKE_GOOD);
-    assert_int_equal(look(sensor, &frame, NULL), 0);
-    assert_int_equal(frame->t_ns, now_ns);
+    v4l2_at(50);
+    v4l2_shoot_depth(1, 999999, FAKE_GOOD);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
+    assert_int_equal(frame->t_ns, v4l2_now_ns);
     iso_sensor_close(sensor);
 }
 
 static void an_unplugged_camera_is_lost(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = started(true);
+    struct iso_sensor *sensor = v4l2_started(true);
     const struct iso_frame *frame = NULL;
     struct iso_fault fault = {.text = ""};
-    fake_unplug(&fake.cameras[1]);
-    assert_int_equal(look(sensor, &frame, &fault), -ENODEV);
+    fake_unplug(&v4l2_fake.cameras[1]);
+    assert_int_equal(v4l2_look(sensor, &frame, &fault), -ENODEV);
     assert_non_null(strstr(fault.text, "/dev/ir: the device is gone"));
     assert_int_equal(fault.code, ISO_FAULT_SENSOR_GONE);
     assert_int_equal(iso_sensor_health(sensor).state, ISO_SENSOR_LOST);
-    assert_int_equal(look(sensor, &frame, &fault), -ENODEV);
-    fake.cameras[1].streaming = false; /* it went with the cable */
+    assert_int_equal(v4l2_look(sensor, &frame, &fault), -ENODEV);
+    v4l2_fake.cameras[1].streaming = false; /* it went with the cable */
     iso_sensor_close(sensor);
 }
 
 static void a_broken_stream_may_be_started_again(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = started(false);
+    struct iso_sensor *sensor = v4l2_started(false);
     const struct iso_frame *frame = NULL;
     struct iso_fault fault = {.text = ""};
-    fake_break(&fake.cameras[0]);
-    assert_int_equal(look(sensor, &frame, &fault), -EIO);
+    fake_break(&v4l2_fake.cameras[0]);
+    assert_int_equal(v4l2_look(sensor, &frame, &fault), -EIO);
     assert_non_null(strstr(fault.text, "/dev/depth: the stream broke"));
     assert_int_equal(fault.code, ISO_FAULT_SENSOR_FAILED);
-    fake.cameras[0].broken = false;
+    v4l2_fake.cameras[0].broken = false;
     assert_int_equal(iso_sensor_stop(sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
-    at(10);
-    shoot_depth(3, 5, FAKE_GOOD);
-    assert_int_equal(look(sensor, &frame, NULL), 0);
-    assert_frame(frame, 3, 5);
+    v4l2_at(10);
+    v4l2_shoot_depth(3, 5, FAKE_GOOD);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
+    v4l2_assert_frame(frame, 3, 5);
     iso_sensor_close(sensor);
 }
 
@@ -332,23 +206,23 @@ static void a_broken_stream_may_be_started_again(void **state)
 static void infrared_finds_its_depth(void **state)
 {
     (void)state;
-    struct iso_sensor *sensor = started(true);
+    struct iso_sensor *sensor = v4l2_started(true);
     const struct iso_frame *frame = NULL;
-    at(40);
-    shoot_ir(1, 34, FAKE_GOOD);
-    assert_int_equal(look(sensor, &frame, NULL), -ETIMEDOUT);
-    shoot_depth(1, 33, FAKE_GOOD);
-    assert_int_equal(look(sensor, &frame, NULL), 0);
-    assert_frame(frame, 1, 33);
+    v4l2_at(40);
+    v4l2_shoot_ir(1, 34, FAKE_GOOD);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), -ETIMEDOUT);
+    v4l2_shoot_depth(1, 33, FAKE_GOOD);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
+    v4l2_assert_frame(frame, 1, 33);
     /* Depth 2 finds no partner, depth 3 does. */
-    at(110);
-    shoot_depth(2, 66, FAKE_GOOD);
-    shoot_ir(2, 67, FAKE_LOST);
-    assert_int_equal(look(sensor, &frame, NULL), -ETIMEDOUT);
-    shoot_depth(3, 99, FAKE_GOOD);
-    shoot_ir(3, 100, FAKE_GOOD);
-    assert_int_equal(look(sensor, &frame, NULL), 0);
-    assert_frame(frame, 3, 99);
+    v4l2_at(110);
+    v4l2_shoot_depth(2, 66, FAKE_GOOD);
+    v4l2_shoot_ir(2, 67, FAKE_LOST);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), -ETIMEDOUT);
+    v4l2_shoot_depth(3, 99, FAKE_GOOD);
+    v4l2_shoot_ir(3, 100, FAKE_GOOD);
+    assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
+    v4l2_assert_frame(frame, 3, 99);
     assert_int_equal(frame->sequence, 2);
     assert_int_equal(iso_sensor_health(sensor).lost, 1);
     assert_int_equal(iso_sensor_health(sensor).device.dropped, 1);
@@ -361,20 +235,20 @@ static void refuses(int error, enum iso_fault_code code, const char *words)
 {
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {.text = ""};
-    int got = open_sensor(true, &sensor, &fault);
+    int got = v4l2_open_sensor(true, &sensor, &fault);
     if (got != error || fault.code != code || !strstr(fault.text, words)) {
         fail_msg("%d, %s, '%s' is not %d, %s, '%s'", got, iso_fault_code_name(fault.code),
                  fault.text, error, iso_fault_code_name(code), words);
     }
     assert_null(sensor);
-    fake_v4l2_assert_released(&fake);
+    fake_v4l2_assert_released(&v4l2_fake);
 }
 
 static void refuses_cameras_that_will_not_do(void **state)
 {
     (void)state;
-    const struct fake_camera good = fake.cameras[1];
-    struct fake_camera *ir = &fake.cameras[1];
+    const struct fake_camera good = v4l2_fake.cameras[1];
+    struct fake_camera *ir = &v4l2_fake.cameras[1];
     ir->path = "/dev/elsewhere";
     refuses(-ENODEV, ISO_FAULT_SENSOR_MISSING,
             "sensor v4l2: /dev/ir: cannot be opened: No such file");
@@ -395,7 +269,7 @@ static void refuses_cameras_that_will_not_do(void **state)
     ir->height_px = 50;
     refuses(-EINVAL, ISO_FAULT_SENSOR_FORMAT, "gives 70 x 50, not 70 x 48");
     *ir = good;
-    scratch_write_text(scratch_path(scratch, "camera.ini"), "[recording]\n");
+    scratch_write_text(scratch_path(v4l2_scratch, "camera.ini"), "[recording]\n");
     refuses(-EINVAL, ISO_FAULT_CALIBRATION_WRONG, "camera.ini: format is missing");
 }
 
@@ -404,14 +278,14 @@ static void a_camera_that_does_not_start_holds_nothing(void **state)
     (void)state;
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {.text = ""};
-    fake.cameras[1].start_error = -ENOSPC; /* what USB says when the bus is full */
-    assert_int_equal(open_sensor(true, &sensor, NULL), 0);
+    v4l2_fake.cameras[1].start_error = -ENOSPC; /* what USB says when the bus is full */
+    assert_int_equal(v4l2_open_sensor(true, &sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, &fault), -EIO);
     assert_non_null(strstr(fault.text, "/dev/ir: does not stream: No space left"));
     assert_int_equal(fault.code, ISO_FAULT_USB_FULL);
-    assert_int_equal(fake.cameras[0].n_mapped + fake.cameras[1].n_mapped, 0);
-    assert_false(fake.cameras[0].streaming);
-    fake.cameras[1].start_error = 0;
+    assert_int_equal(v4l2_fake.cameras[0].n_mapped + v4l2_fake.cameras[1].n_mapped, 0);
+    assert_false(v4l2_fake.cameras[0].streaming);
+    v4l2_fake.cameras[1].start_error = 0;
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
     iso_sensor_close(sensor);
 }
@@ -419,9 +293,9 @@ static void a_camera_that_does_not_start_holds_nothing(void **state)
 static void there_is_no_such_device_on_the_machine(void **state)
 {
     (void)state;
-    struct iso_clock clock = manual_clock(&now_ns);
+    struct iso_clock clock = manual_clock(&v4l2_now_ns);
     struct iso_option options[] = {{"device", "/dev/no-such-camera"},
-                                   {"camera", scratch_path(scratch, "camera.ini")}};
+                                   {"camera", scratch_path(v4l2_scratch, "camera.ini")}};
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_sensor_open("v4l2", options, 2, &clock, &sensor, &fault), -ENODEV);
@@ -460,7 +334,7 @@ static void pairs_are_those_nearest_in_time(void **state)
     }
 }
 
-#define ON_FAKE(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+#define ON_FAKE(test) cmocka_unit_test_setup_teardown(test, v4l2_set_up, v4l2_tear_down)
 
 int main(void)
 {
