@@ -39,33 +39,6 @@ static enum cli_exit no_bus(int error, const struct cli_bus *bus, struct cli_fau
                          strerror(-error));
 }
 
-static int connect_bus(const struct cli_bus *bus, sd_bus **out)
-{
-    sd_bus *made = NULL;
-    int r;
-
-    if (!bus->address) {
-        return bus->session ? sd_bus_open_user(out) : sd_bus_open_system(out);
-    }
-    r = sd_bus_new(&made);
-    if (r < 0) {
-        return r;
-    }
-    r = sd_bus_set_address(made, bus->address);
-    if (r >= 0) {
-        r = sd_bus_set_bus_client(made, 1);
-    }
-    if (r >= 0) {
-        r = sd_bus_start(made);
-    }
-    if (r < 0) {
-        sd_bus_unref(made);
-        return r;
-    }
-    *out = made;
-    return 0;
-}
-
 static int on_bus_gone(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
     (void)signal, (void)error;
@@ -111,7 +84,7 @@ enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out
     if (!daemon) {
         return no_bus(-ENOMEM, bus, fault);
     }
-    r = connect_bus(bus, &daemon->bus);
+    r = cli_bus_connect(bus, &daemon->bus);
     if (r >= 0) {
         r = sd_bus_get_unique_name(daemon->bus, &unique); /* waits for the handshake */
     }

@@ -6,13 +6,8 @@
 #include <stdbool.h>
 #include <systemd/sd-bus.h>
 
+#include "enroll/cli/client/bus.h"
 #include "enroll/cli/client/fault.h"
-
-/* Which bus: an address, else the session bus, else (all zero) the system bus. */
-struct cli_bus {
-    const char *address;
-    bool session;
-};
 
 struct cli_daemon;
 

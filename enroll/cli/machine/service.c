@@ -118,26 +118,11 @@ static enum cli_exit look(struct cli_service *service, struct cli_fault *fault)
     return exit;
 }
 
-static int connect_bus(const struct cli_bus *bus, sd_bus **out)
-{
-    if (!bus->address) {
-        return bus->session ? sd_bus_open_user(out) : sd_bus_open_system(out);
-    }
-    int r = sd_bus_new(out);
-    if (r >= 0) {
-        r = sd_bus_set_address(*out, bus->address);
-    }
-    if (r >= 0) {
-        r = sd_bus_set_bus_client(*out, 1);
-    }
-    return r < 0 ? r : sd_bus_start(*out);
-}
-
 enum cli_exit cli_service_open(const struct cli_bus *bus, const char *unit,
                                struct cli_service **out, struct cli_fault *fault)
 {
     struct cli_service *service = calloc(1, sizeof *service);
-    const int r = service ? connect_bus(bus, &service->bus) : -ENOMEM;
+    const int r = service ? cli_bus_connect(bus, &service->bus) : -ENOMEM;
     enum cli_exit exit;
 
     if (r < 0) {

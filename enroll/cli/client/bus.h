@@ -1,0 +1,18 @@
+/* A connection to a message bus. */
+#ifndef CLI_CLIENT_BUS_H
+#define CLI_CLIENT_BUS_H
+
+#include <stdbool.h>
+#include <systemd/sd-bus.h>
+
+/* Which bus: an address, else the session bus, else (all zero) the system bus. */
+struct cli_bus {
+    const char *address;
+    bool session;
+};
+
+/* A new connection, without waiting for the bus to answer. A negative errno; *out stays untouched
+ * then. */
+int cli_bus_connect(const struct cli_bus *bus, sd_bus **out) __attribute__((warn_unused_result));
+
+#endif
