@@ -240,3 +240,32 @@ claims 'part of the name of a test' 'A door is locked (tested: `test_on`).'
 refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"
 claims 'a script that does not exist' 'A door is locked (tested: `tests/none.sh`).'
 refuses "$root/tests/gate/security.sh" "$copy" "$copy/list"
+
+# The mistakes of drill_bites.sh, here one of them.
+mistake() {
+    fresh_tree
+    what=$1
+    mkdir -p "$copy/core/presentation" "$copy/tests/firmware/faults" "$copy/build/CMakeFiles"
+    cp "$root/core/presentation/frame_memory.h" "$copy/core/presentation/"
+    cp "$root/tests/firmware/faults/drill_bites.sh" "$copy/tests/firmware/faults/"
+    echo /build/tests/core/CMakeFiles/test_presentation_frame_memory.dir >"$copy/build/CMakeFiles/TargetDirectories.txt"
+}
+
+look_for_mistake() {
+    "$copy/tests/firmware/faults/drill_bites.sh" "$copy/build" --patterns 'some pixels make a frame new'
+}
+
+mistake 'a sound one'
+passes look_for_mistake
+mistake 'a mistake whose text is gone'
+sed -i 's/ISO_FINGERPRINT_SAME/ISO_FINGERPRINT_EQUAL/' "$copy/core/presentation/frame_memory.h"
+refuses look_for_mistake
+mistake 'a mistake whose text is there twice'
+grep 'define ISO_FINGERPRINT_SAME' "$root/core/presentation/frame_memory.h" >>"$copy/core/presentation/frame_memory.h"
+refuses look_for_mistake
+mistake 'a mistake that a program finds which does not exist'
+echo /build/tests/core/CMakeFiles/test_frame_memory.dir >"$copy/build/CMakeFiles/TargetDirectories.txt"
+refuses look_for_mistake
+mistake 'a mistake in a file that is gone'
+rm "$copy/core/presentation/frame_memory.h"
+refuses look_for_mistake

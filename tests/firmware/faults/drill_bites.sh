@@ -2,8 +2,11 @@
 # The tests of faults find the mistakes that they are there to find: each of these mistakes is built into a copy of the tree, and one
 # of the commands that are named for it has to fail. Some defences stand behind each other; then the mistake is in both. Takes half
 # an hour on two idle cores.
-# usage: drill_bites.sh BUILD [PATTERN]      BUILD: of the preset dev; PATTERN: only mistakes to which this regular expression applies,
-#        such as "rule 3: stale". DRILL_LONGEST_S in the environment: seconds after which a command hangs.
+# usage: drill_bites.sh BUILD [--patterns] [PATTERN]
+#        BUILD: of the preset dev; PATTERN: only mistakes to which this regular expression applies, such as "rule 3: stale".
+#        --patterns: builds nothing and takes seconds. It looks only whether each mistake can be built in: whether its text is in its
+#        file exactly once, and whether BUILD knows the programs of the commands that are named for it (gate_mistakes of ctest).
+#        DRILL_LONGEST_S in the environment: seconds after which a command hangs.
 #
 # Each line says the mistake, the command that found it, and what that command said. The last line counts them, by rule:
 #   1  after an error of COMMIT, or of an exchange of files, the truth is read from the disk
@@ -15,6 +18,11 @@
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../../.." && pwd)
 build=$(cd "$1" && pwd)
+patterns_only=''
+if [ "${2:-}" = --patterns ]; then
+    patterns_only=yes
+    shift
+fi
 only=${2:-}
 copy=$(mktemp -d "${TMPDIR:-/var/tmp}/drill-bites.XXXXXX")
 trap 'rm -rf "$copy"' EXIT
@@ -26,12 +34,16 @@ longest_s=${DRILL_LONGEST_S:-90}
 memory=/dev/shm # for the files of tests: no mistake is one that needs a slow disk to be seen
 [ -w "$memory" ] || memory=$copy
 
-tar -C "$root" --exclude=./build --exclude=./out --exclude=./.git -cf - . | tar -C "$copy" -xf -
-cmake -S "$copy" -B "$copy/build/dev" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-    -DCMAKE_C_COMPILER="$(sed -n 's/^CMAKE_C_COMPILER:[^=]*=//p' "$build/CMakeCache.txt")" >"$copy/log" 2>&1 || {
-    cat "$copy/log" >&2
-    exit 1
-}
+if [ "$patterns_only" ]; then
+    sed -n 's|.*/\([^/]*\)\.dir$|\1|p' "$build/CMakeFiles/TargetDirectories.txt" >"$copy/programs"
+else
+    tar -C "$root" --exclude=./build --exclude=./out --exclude=./.git -cf - . | tar -C "$copy" -xf -
+    cmake -S "$copy" -B "$copy/build/dev" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+        -DCMAKE_C_COMPILER="$(sed -n 's/^CMAKE_C_COMPILER:[^=]*=//p' "$build/CMakeCache.txt")" >"$copy/log" 2>&1 || {
+        cat "$copy/log" >&2
+        exit 1
+    }
+fi
 
 compile() {
     local targets=() judge
@@ -84,23 +96,40 @@ check_judges() {
     judges=("${wanted[@]}")
 }
 
-# mistake NAME FILE OLD NEW [FILE OLD NEW]...: literal text; OLD has to be there
-mistake() {
-    local name=$1 files=() file stale=''
-    shift
-    [[ "rule $rule: $name" =~ $only ]] || return 0
-    check_judges
-    tried=$((tried + 1))
-    of_rule[$rule]=$((${of_rule[$rule]:-0} + 1))
-    while [ $# -gt 0 ]; do
-        files+=("$1")
-        OLD=$2 NEW=$3 perl -0pi -e '$n = s/\Q$ENV{OLD}\E/$ENV{NEW}/; END { exit !$n }' "$copy/$1" || stale="$1 has no more: $2"
-        shift 3
+# The file of the copy as it is without a mistake is kept: the tree may change meanwhile. Says it if there is no such file.
+keep() {
+    if [ ! -e "$root/$1" ]; then
+        echo "there is no $1"
+        return
+    fi
+    mkdir -p "$copy/$(dirname "$1")" "$copy/kept/$(dirname "$1")"
+    [ -e "$copy/$1" ] || cp "$root/$1" "$copy/$1"
+    [ -e "$copy/kept/$1" ] || cp "$copy/$1" "$copy/kept/$1"
+}
+
+# Puts NEW in the place of OLD, which has to be there exactly once. Otherwise it says what is wrong.
+replace() {
+    OLD=$2 NEW=$3 perl -0pi -e '
+        BEGIN { $n = 0 }
+        $n = () = /\Q$ENV{OLD}\E/g;
+        s/\Q$ENV{OLD}\E/$ENV{NEW}/;
+        END { print STDERR "$n times" if $n != 1 }' "$copy/$1" 2>"$copy/times"
+    [ ! -s "$copy/times" ] || echo "$1 has $(cat "$copy/times"): $2"
+}
+
+# The judges that the build does not know.
+strangers() {
+    local judge
+    for judge in "${judges[@]}"; do
+        judge=${judge%% *}
+        grep -qFx "${judge##*/}" "$copy/programs" || echo "no program ${judge##*/}"
     done
-    if [ -n "$stale" ]; then
-        outdated=$((outdated + 1))
-        printf 'rule %s  %-56s OUTDATED: %s\n' "$rule" "$name" "$stale"
-    elif ! compile; then
+}
+
+# Builds the mistake and lets the judges look for it.
+try() {
+    local name=$1
+    if ! compile; then
         outdated=$((outdated + 1))
         printf 'rule %s  %-56s DOES NOT BUILD: %s\n' "$rule" "$name" "$(grep -a -m 1 'error:' "$copy/log" || tail -n 1 "$copy/log")"
     elif find_it; then
@@ -110,8 +139,33 @@ mistake() {
         missed=$((missed + 1))
         printf 'rule %s  %-56s NOT FOUND by %s\n' "$rule" "$name" "$(printf '%s; ' "${judges[@]##*/}")"
     fi
+}
+
+# mistake NAME FILE OLD NEW [FILE OLD NEW]...: literal text; OLD has to be there exactly once
+mistake() {
+    local name=$1 files=() file stale=''
+    shift
+    [[ "rule $rule: $name" =~ $only ]] || return 0
+    [ "$patterns_only" ] || check_judges
+    tried=$((tried + 1))
+    of_rule[$rule]=$((${of_rule[$rule]:-0} + 1))
+    while [ $# -gt 0 ]; do
+        stale+=$(keep "$1")
+        if [ -e "$copy/kept/$1" ]; then
+            files+=("$1")
+            stale+=$(replace "$1" "$2" "$3")
+        fi
+        shift 3
+    done
+    [ -z "$patterns_only" ] || stale+=$(strangers)
+    if [ -n "$stale" ]; then
+        outdated=$((outdated + 1))
+        printf 'rule %s  %-56s OUTDATED: %s\n' "$rule" "$name" "$stale"
+    elif [ -z "$patterns_only" ]; then
+        try "$name"
+    fi
     for file in "${files[@]}"; do
-        cp "$root/$file" "$copy/$file"
+        cp "$copy/kept/$file" "$copy/$file"
     done
 }
 
@@ -133,7 +187,11 @@ mistake 'commit: the head is not read again' firmware/gallery/gallery_truth.c \
     'error = error ? error : iso__gallery_read_head(db, fault);' ''
 judges=('storage_faults 3 enrol')
 mistake 'commit: an error of an enrolment is swallowed' firmware/gallery/gallery.c \
-    'error = iso_gallery_db_end(gallery->db, error, fault);' 'error = iso_gallery_db_end(gallery->db, error, fault) ? 0 : error;'
+    'size, fault);
+    }
+    error = iso_gallery_db_end(gallery->db, error, fault);' 'size, fault);
+    }
+    error = iso_gallery_db_end(gallery->db, error, fault) ? 0 : error;'
 mistake 'commit: out of service, and it goes on' firmware/gallery/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
 judges=('storage_faults 3 rename' 'storage_faults 1 rename')
 mistake 'commit: the directory is not synchronised' firmware/gallery/gallery_truth.c \
@@ -372,6 +430,11 @@ mistake 'clock: whom the calendar shuts out enters' firmware/appliance/appliance
 mistake 'restart: the relay keeps its power' firmware/appliance/appliance.c \
     'iso_door_guard_stop(appliance->door);' ''
 
+if [ "$patterns_only" ]; then
+    printf 'drill_bites: %d mistakes, %d that do not apply to the code any more\n' "$tried" "$outdated"
+    [ "$outdated" -eq 0 ] && [ "$tried" -gt 0 ]
+    exit
+fi
 printf 'drill_bites:'
 for rule in 1 2 3 4 5 6; do
     [ -z "${of_rule[$rule]:-}" ] || printf ' rule %d: %d of %d,' "$rule" "${found_of_rule[$rule]:-0}" "${of_rule[$rule]}"
