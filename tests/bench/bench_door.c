@@ -1,11 +1,15 @@
 /* How long the door takes, while nothing else works: the daemon with a disk that takes 10 s for an
  * fsync, frames of 500 ms and a client of the bus that does not read. Presses the exit button and
- * prints the times from its edge to the relay, and how far the relay's time is from unlock_ms.
+ * prints the times from its edge to the relay, and how far the relay's time is from unlock_ms. The
+ * thread that presses has a higher real-time priority than the door's thread, as an interrupt has:
+ * otherwise the program would measure its own lateness. Of the latest presses it prints what kept
+ * them waiting (press_log.h, processor_watch.h).
  *
  * usage: bench_door DAEMON PRELOAD RECORDING DATA [PRESSES] */
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -16,6 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -28,12 +33,18 @@
 #include "firmware/contract/contract.h"
 #include "tests/bench/door_bench.h"
 #include "tests/bench/machine.h"
+#include "tests/bench/press_log.h"
+#include "tests/bench/processor_watch.h"
+#include "tests/bench/thread_account.h"
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
 
 enum {
     PRESSES = 1000,
+    PRIORITY = 50, /* of the thread that presses */
     UNLOCK_MS = 100,
+    DEBOUNCE_MS = 10, /* the daemon's own default */
+    BOUND_MS = 20,
     PRESS_MS = 30, /* how long the button is held */
     PAUSE_MS = 25, /* between the relay's end and the next press */
     SYNC_MS = 10000,
@@ -47,9 +58,10 @@ static struct {
     char *directory;
     struct door_bench *shared;
     int memory_fd, edges[2], switchings[2], notify_fd;
-    pid_t daemon;
+    pid_t daemon, door; /* door: the thread */
     sd_bus *deaf;
-    double *to_line_ms, *off_error_ms;
+    struct bench_watch *watch;
+    struct bench_press *presses;
 } bench;
 
 static void give_up(const char *what)
@@ -124,18 +136,26 @@ static void listen_to_daemon(void)
     (void)setenv("NOTIFY_SOCKET", address.sun_path, 1);
 }
 
+/* The daemon may lock its memory, as its unit lets it. */
+static void become_daemon(const char *program, const char *preload, const char *configuration)
+{
+    const struct rlimit all = {RLIM_INFINITY, RLIM_INFINITY};
+    const int log_fd = open(scratch_path(bench.directory, "log"), O_WRONLY | O_CREAT | O_CLOEXEC,
+                            0600);
+    (void)dup2(log_fd, STDERR_FILENO);
+    (void)setrlimit(RLIMIT_MEMLOCK, &all);
+    (void)setenv("LD_PRELOAD", preload, 1);
+    (void)execl(program, program, "--config", configuration, (char *)NULL);
+    _exit(127);
+}
+
 static void start_daemon(const char *program, const char *preload, const char *configuration)
 {
     struct pollfd ready = {.fd = bench.notify_fd, .events = POLLIN};
     char text[256] = "";
     bench.daemon = fork();
     if (bench.daemon == 0) {
-        const int log_fd = open(scratch_path(bench.directory, "log"),
-                                O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-        (void)dup2(log_fd, STDERR_FILENO);
-        (void)setenv("LD_PRELOAD", preload, 1);
-        (void)execl(program, program, "--config", configuration, (char *)NULL);
-        _exit(127);
+        become_daemon(program, preload, configuration);
     }
     while (!strstr(text, "READY=1")) {
         if (poll(&ready, 1, READY_MS) != 1) {
@@ -143,6 +163,11 @@ static void start_daemon(const char *program, const char *preload, const char *c
         }
         const ssize_t n = recv(bench.notify_fd, text, sizeof text - 1, 0);
         text[n > 0 ? n : 0] = '\0';
+    }
+    bench.door = bench_thread_named(bench.daemon, "isothermd-door");
+    if (bench.door == 0) {
+        errno = ESRCH;
+        give_up("the door's thread");
     }
 }
 
@@ -175,32 +200,49 @@ static int64_t set_button(int level)
     return edge.t_ns;
 }
 
-/* The time at which the relay was switched to that level. */
-static int64_t await_relay(int level)
+/* The switching of the relay to that level. */
+static struct door_bench_switching await_relay(int level)
 {
-    struct door_bench_edge edge = {.level = -1};
+    struct door_bench_switching switching = {.level = -1};
     struct pollfd ready = {.fd = bench.switchings[0], .events = POLLIN};
-    while (edge.line != DOOR_BENCH_RELAY || edge.level != level) {
+    while (switching.line != DOOR_BENCH_RELAY || switching.level != level) {
         if (poll(&ready, 1, PATIENCE_MS) != 1) {
             errno = ETIMEDOUT;
             give_up("the relay");
         }
-        if (read(bench.switchings[0], &edge, sizeof edge) != sizeof edge) {
+        if (read(bench.switchings[0], &switching, sizeof switching) != sizeof switching) {
             give_up("a switching");
         }
     }
-    return edge.t_ns;
+    return switching;
+}
+
+/* What the watch knows of a time is known once that time is over: behind the pause. */
+static void ask_watch(struct bench_press *press)
+{
+    if (bench.watch) {
+        press->stopped_ns = bench_watch_late_ns(bench.watch, press->pressed_ns, press->on.t_ns);
+        press->off_stopped_ns = bench_watch_late_ns(bench.watch, press->on.t_ns, press->off.t_ns);
+    }
 }
 
 static void press(int i)
 {
-    const int64_t pressed_ns = set_button(1);
+    struct bench_press *press = &bench.presses[i];
+    const struct bench_account door = bench_account_of(bench.daemon, bench.door);
+    const struct bench_account own = bench_account_of(getpid(), getpid());
+    press->pressed_ns = set_button(1);
+    press->written_ns = now_ns();
     wait_ms(PRESS_MS);
     (void)set_button(0);
-    const int64_t on_ns = await_relay(1), off_ns = await_relay(0);
-    bench.to_line_ms[i] = (double)(on_ns - pressed_ns) / 1e6;
-    bench.off_error_ms[i] = (double)(off_ns - on_ns) / 1e6 - UNLOCK_MS;
+    press->on = await_relay(1);
+    const struct bench_account door_after = bench_account_of(bench.daemon, bench.door);
+    const struct bench_account own_after = bench_account_of(getpid(), getpid());
+    press->door = bench_account_between(&door, &door_after);
+    press->own = bench_account_between(&own, &own_after);
+    press->off = await_relay(0);
     wait_ms(PAUSE_MS + i % 17);
+    ask_watch(press);
 }
 
 /* ---- figures ---- */
@@ -233,10 +275,54 @@ static void count_losses(void)
     free(log);
 }
 
+/* How everybody was scheduled, and whether the processors ran. */
+static void print_conditions(int64_t stolen_ns)
+{
+    char door[64], own[64];
+    printf("the door's thread: %s; the thread that presses: %s; locked memory of the daemon: %ld "
+           "MiB\n",
+           bench_thread_policy(bench.door, door, sizeof door),
+           bench_thread_policy(getpid(), own, sizeof own), bench_locked_kib(bench.daemon) / 1024);
+    if (bench.watch) {
+        const struct bench_watch_total total = bench_watch_total(bench.watch);
+        printf("processors: %d of %d wakings of the highest priority were late by over 1 ms, the "
+               "latest by %.2f ms; ",
+               total.late, total.wakings, (double)total.latest_ns / 1e6);
+    } else {
+        printf("processors: not watched, for want of the right to real-time priorities; ");
+    }
+    printf("the host took %.0f ms of them\n", (double)stolen_ns / 1e6);
+}
+
+static void print_presses(int presses)
+{
+    double *to_line_ms = calloc((size_t)presses, sizeof *to_line_ms);
+    double *off_error_ms = calloc((size_t)presses, sizeof *off_error_ms);
+    if (!to_line_ms || !off_error_ms) {
+        give_up("the figures");
+    }
+    for (int i = 0; i < presses; i++) {
+        to_line_ms[i] = bench_press_to_line_ms(&bench.presses[i]);
+        off_error_ms[i] = bench_press_off_error_ms(&bench.presses[i], UNLOCK_MS);
+    }
+    print_times("exit button, edge to relay:", to_line_ms, presses, BOUND_MS);
+    print_times("relay, off against unlock_ms:", off_error_ms, presses, BOUND_MS);
+    bench_press_print_latest(bench.presses, presses, DEBOUNCE_MS, UNLOCK_MS, BOUND_MS,
+                             bench.watch != NULL);
+    free(to_line_ms);
+    free(off_error_ms);
+}
+
 static void measure(int presses)
 {
-    bench.to_line_ms = calloc((size_t)presses, sizeof *bench.to_line_ms);
-    bench.off_error_ms = calloc((size_t)presses, sizeof *bench.off_error_ms);
+    const struct sched_param priority = {.sched_priority = PRIORITY};
+    bench.presses = calloc((size_t)presses, sizeof *bench.presses);
+    if (!bench.presses) {
+        give_up("the presses");
+    }
+    bench.watch = bench_watch_start();
+    (void)sched_setscheduler(0, SCHED_FIFO, &priority);
+    const struct bench_account before = bench_account_of(getpid(), getpid());
     atomic_store(&bench.shared->frames, 0);
     atomic_store(&bench.shared->syncs, 0);
     atomic_store(&bench.shared->sync_ms, SYNC_MS);
@@ -244,12 +330,13 @@ static void measure(int presses)
     for (int i = 0; i < presses; i++) {
         press(i);
     }
+    const struct bench_account after = bench_account_of(getpid(), getpid());
     bench_print_machine();
-    print_times("exit button, edge to relay:", bench.to_line_ms, presses, 20);
-    print_times("relay, off against unlock_ms:", bench.off_error_ms, presses, 20);
+    print_conditions(after.stolen_ns - before.stolen_ns);
+    print_presses(presses);
     count_losses();
-    free(bench.to_line_ms);
-    free(bench.off_error_ms);
+    bench_watch_stop(bench.watch);
+    free(bench.presses);
 }
 
 int main(int argc, char **argv)

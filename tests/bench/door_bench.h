@@ -20,11 +20,19 @@ struct door_bench {
     atomic_int frames, syncs;
 };
 
-/* An edge of the exit button, to the daemon; a switching of the relay, from it. Times by
- * CLOCK_MONOTONIC. */
+/* An edge of the exit button, to the daemon. Times by CLOCK_MONOTONIC. */
 struct door_bench_edge {
     int64_t t_ns;
     int32_t line, level;
+};
+
+/* A switching of the relay, from the daemon, and what the thread that switched it did before. */
+struct door_bench_switching {
+    int64_t t_ns;
+    int32_t line, level;
+    int64_t read_ns;  /* when it read the last rising edge of the button */
+    int64_t woken_ns; /* when its last poll(2) returned */
+    int64_t lock_ns;  /* how long it has waited for mutexes since then */
 };
 
 #endif

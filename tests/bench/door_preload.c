@@ -1,10 +1,13 @@
 /* Loaded into the daemon by bench_door: a GPIO chip in shared memory in the place of libgpiod's, a
- * disk that takes as long as it is told for fsync, and pictures that take as long to be read. The
- * daemon itself is the one that is installed. */
+ * disk that takes as long as it is told for fsync, and pictures that take as long to be read. It
+ * also notes what the thread that switches the relay waited for. The daemon itself is the one that
+ * is installed. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <gpiod.h>
 #include <png.h>
+#include <poll.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,6 +89,40 @@ void png_read_end(png_structrp png, png_inforp info)
     }
 }
 
+/* ---- what a thread waits for ---- */
+
+/* Of the thread that reads it. */
+static __thread struct {
+    int64_t read_ns, woken_ns, lock_ns;
+} own;
+
+int poll(struct pollfd *fds, nfds_t n, int timeout_ms)
+{
+    static int (*real)(struct pollfd *, nfds_t, int);
+    if (!real) {
+        *(void **)&real = dlsym(RTLD_NEXT, "poll");
+    }
+    const int ready = real(fds, n, timeout_ms);
+    own.woken_ns = now_ns(CLOCK_MONOTONIC);
+    own.lock_ns = 0;
+    return ready;
+}
+
+int pthread_mutex_lock(pthread_mutex_t *mutex)
+{
+    static int (*real)(pthread_mutex_t *);
+    if (pthread_mutex_trylock(mutex) == 0) {
+        return 0;
+    }
+    if (!real) {
+        *(void **)&real = dlsym(RTLD_NEXT, "pthread_mutex_lock");
+    }
+    const int64_t begin_ns = now_ns(CLOCK_MONOTONIC);
+    const int error = real(mutex);
+    own.lock_ns += now_ns(CLOCK_MONOTONIC) - begin_ns;
+    return error;
+}
+
 /* ---- lines ---- */
 
 struct gpiod_chip *gpiod_chip_open_lookup(const char *descr)
@@ -137,12 +174,19 @@ const char *gpiod_line_consumer(struct gpiod_line *line)
 
 int gpiod_line_set_value(struct gpiod_line *line, int value)
 {
-    const struct door_bench_edge edge = {now_ns(CLOCK_MONOTONIC), (int32_t)line->offset, value};
+    const struct door_bench_switching switching = {
+        .t_ns = now_ns(CLOCK_MONOTONIC),
+        .line = (int32_t)line->offset,
+        .level = value,
+        .read_ns = own.read_ns,
+        .woken_ns = own.woken_ns,
+        .lock_ns = own.lock_ns,
+    };
     const int before = atomic_exchange(&shared->level[line->offset], value);
     if (before == value) {
         return 0;
     }
-    return write(switchings_fd, &edge, sizeof edge) == sizeof edge ? 0 : -1;
+    return write(switchings_fd, &switching, sizeof switching) == sizeof switching ? 0 : -1;
 }
 
 int gpiod_line_get_value(struct gpiod_line *line)
@@ -170,6 +214,9 @@ int gpiod_line_event_read_fd(int fd, struct gpiod_line_event *event)
     struct door_bench_edge edge;
     if (read(fd, &edge, sizeof edge) != sizeof edge) {
         return -1;
+    }
+    if (edge.level) {
+        own.read_ns = now_ns(CLOCK_MONOTONIC);
     }
     event->ts.tv_sec = (time_t)(edge.t_ns / 1000000000);
     event->ts.tv_nsec = (long)(edge.t_ns % 1000000000);
