@@ -135,7 +135,6 @@ static void end_group(struct iso_audit_writer *writer)
         end_slot(writer, iso__audit_writer_slot(writer, 0)->cancelled ? NULL : entry++);
         writer->group--;
     }
-    (void)pthread_cond_broadcast(&writer->changed);
 }
 
 void iso__audit_writer_write(struct iso_audit_writer *writer)

@@ -67,12 +67,28 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
     iso__audit_writer_stamp(writer, &slot->record);
     slot->ticket = ++writer->queued;
     writer->n++;
-    (void)pthread_cond_broadcast(&writer->changed);
+    (void)sem_post(&writer->work);
     *out = slot;
     return 0;
 }
 
-/* ---- the thread ---- */
+/* ---- the thread ----
+ *
+ * It is woken by a semaphore, because the door's thread, which has a real-time priority, wakes it,
+ * and sem_post(3) never waits. pthread_cond_broadcast(3) of glibc 2.36 can wait: until a thread
+ * that was woken before has run, if another one has begun to wait since then. This thread has an
+ * ordinary priority; on a busy machine the door would have waited for a processor as it does. */
+
+/* Waits for work; calls for what was queued meanwhile are all answered. */
+static void wait_for_work(struct iso_audit_writer *writer)
+{
+    (void)pthread_mutex_unlock(&writer->mutex);
+    while (sem_wait(&writer->work) && errno == EINTR) {
+    }
+    while (sem_trywait(&writer->work) == 0) {
+    }
+    (void)pthread_mutex_lock(&writer->mutex);
+}
 
 static void *run(void *context)
 {
@@ -82,9 +98,12 @@ static void *run(void *context)
     while (writer->n > 0 || !writer->ending || iso__audit_writer_has_to_admit(writer)) {
         if (writer->n > 0 || iso__audit_writer_has_to_admit(writer)) {
             iso__audit_writer_write(writer);
+            (void)pthread_mutex_unlock(&writer->mutex);
+            (void)pthread_cond_broadcast(&writer->finished_some);
             iso_stack_wipe(); /* records may have named somebody */
+            (void)pthread_mutex_lock(&writer->mutex);
         } else {
-            (void)pthread_cond_wait(&writer->changed, &writer->mutex);
+            wait_for_work(writer);
         }
     }
     (void)pthread_mutex_unlock(&writer->mutex);
@@ -119,7 +138,8 @@ int iso_audit_writer_new(struct iso_audit *audit, const struct iso_times *times,
     (void)pthread_mutex_init(&writer->log_mutex, NULL);
     (void)pthread_condattr_init(&attributes);
     (void)pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    (void)pthread_cond_init(&writer->changed, &attributes);
+    (void)sem_init(&writer->work, 0, 0);
+    (void)pthread_cond_init(&writer->finished_some, &attributes);
     (void)pthread_condattr_destroy(&attributes);
     const int error = threaded ? iso_thread_start(&writer->thread, run, writer) : 0;
     if (error) {
@@ -139,13 +159,14 @@ void iso_audit_writer_free(struct iso_audit_writer *writer)
     if (writer->threaded) {
         (void)pthread_mutex_lock(&writer->mutex);
         writer->ending = true;
-        (void)pthread_cond_broadcast(&writer->changed);
         (void)pthread_mutex_unlock(&writer->mutex);
+        (void)sem_post(&writer->work);
         iso_disk_wait_begin();
         (void)pthread_join(writer->thread, NULL);
         iso_disk_wait_end();
     }
-    (void)pthread_cond_destroy(&writer->changed);
+    (void)sem_destroy(&writer->work);
+    (void)pthread_cond_destroy(&writer->finished_some);
     (void)pthread_mutex_destroy(&writer->mutex);
     (void)pthread_mutex_destroy(&writer->log_mutex);
     explicit_bzero(writer, sizeof *writer);
@@ -198,8 +219,8 @@ static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t w
     iso_disk_wait_begin();
     while (writer->done < ticket && error != ETIMEDOUT) {
         error = wait_ns == ISO_NEVER_NS
-                    ? pthread_cond_wait(&writer->changed, &writer->mutex)
-                    : pthread_cond_timedwait(&writer->changed, &writer->mutex, &until);
+                    ? pthread_cond_wait(&writer->finished_some, &writer->mutex)
+                    : pthread_cond_timedwait(&writer->finished_some, &writer->mutex, &until);
     }
     iso_disk_wait_end();
     return writer->done >= ticket;

@@ -4,6 +4,7 @@
 #define ISO_FIRMWARE_AUDIT_AUDIT_WRITER_STATE_H
 
 #include <pthread.h>
+#include <semaphore.h>
 
 #include "firmware/audit/audit_writer.h"
 
@@ -25,8 +26,9 @@ struct iso_audit_writer {
     pthread_t thread;
     pthread_mutex_t log_mutex; /* of the log; after `mutex` is let go, as it is held for long */
     struct iso_audit *audit;
-    pthread_mutex_t mutex; /* of what follows; nobody holds it while the disk works */
-    pthread_cond_t changed;
+    pthread_mutex_t mutex;        /* of what follows; nobody holds it while the disk works */
+    sem_t work;                   /* there is something to do for the thread; see audit_writer.c */
+    pthread_cond_t finished_some; /* only the thread says so, and never with the mutex held */
     bool ending;
     size_t group;          /* so many slots, from the first on, are being written */
     uint64_t queued, done; /* tickets: the last that was given, the last that is finished */
@@ -73,7 +75,7 @@ void iso__audit_writer_lose(struct iso_audit_writer *writer, int error,
 bool iso__audit_writer_has_to_admit(const struct iso_audit_writer *writer);
 
 /* Writes everything that is queued as a group; the mutex is held before and after, and not
- * meanwhile. (audit_group.c) */
+ * meanwhile. Whoever waits for a record has to be told. (audit_group.c) */
 void iso__audit_writer_write(struct iso_audit_writer *writer);
 
 #endif
