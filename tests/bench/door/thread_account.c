@@ -1,4 +1,4 @@
-#include "tests/bench/thread_account.h"
+#include "tests/bench/door/thread_account.h"
 
 #include <dirent.h>
 #include <sched.h>

@@ -1,4 +1,4 @@
-#include "tests/bench/press_log.h"
+#include "tests/bench/door/press_log.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "tests/bench/processor_watch.h"
+#include "tests/bench/door/processor_watch.h"
 
 #include <pthread.h>
 #include <sched.h>

@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "tests/bench/door_bench.h"
+#include "tests/bench/door/door_bench.h"
 
 struct gpiod_line {
     unsigned offset;

@@ -3,8 +3,8 @@
  * can keep such a thread waiting, only the kernel, where it does not let itself be interrupted, and
  * the host of a virtual machine. While it is late, no other thread of that processor runs in time.
  */
-#ifndef TESTS_BENCH_PROCESSOR_WATCH_H
-#define TESTS_BENCH_PROCESSOR_WATCH_H
+#ifndef TESTS_BENCH_DOOR_PROCESSOR_WATCH_H
+#define TESTS_BENCH_DOOR_PROCESSOR_WATCH_H
 
 #include <stdint.h>
 

@@ -1,13 +1,13 @@
 /* The presses of the exit button that bench_door makes: when each step happened, and what kept it
  * waiting. */
-#ifndef TESTS_BENCH_PRESS_LOG_H
-#define TESTS_BENCH_PRESS_LOG_H
+#ifndef TESTS_BENCH_DOOR_PRESS_LOG_H
+#define TESTS_BENCH_DOOR_PRESS_LOG_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "tests/bench/door_bench.h"
-#include "tests/bench/thread_account.h"
+#include "tests/bench/door/door_bench.h"
+#include "tests/bench/door/thread_account.h"
 
 /* Times by CLOCK_MONOTONIC. The accounts are from the press to the relay. */
 struct bench_press {

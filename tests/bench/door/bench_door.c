@@ -31,11 +31,11 @@
 #include <cmocka.h>
 
 #include "firmware/contract/contract.h"
-#include "tests/bench/door_bench.h"
+#include "tests/bench/door/door_bench.h"
+#include "tests/bench/door/press_log.h"
+#include "tests/bench/door/processor_watch.h"
+#include "tests/bench/door/thread_account.h"
 #include "tests/bench/machine.h"
-#include "tests/bench/press_log.h"
-#include "tests/bench/processor_watch.h"
-#include "tests/bench/thread_account.h"
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
 

@@ -1,8 +1,8 @@
 /* What bench_door and the library that it loads into the daemon (door_preload.c) tell each other:
  * memory and pipes that the daemon inherits. Line 0 of the chip "bench" is the relay, line 1 the
  * exit button. */
-#ifndef TESTS_BENCH_DOOR_BENCH_H
-#define TESTS_BENCH_DOOR_BENCH_H
+#ifndef TESTS_BENCH_DOOR_DOOR_BENCH_H
+#define TESTS_BENCH_DOOR_DOOR_BENCH_H
 
 #include <stdatomic.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* What the kernel says of a thread: how it is scheduled, how long it waited for a processor, and
  * its page faults. */
-#ifndef TESTS_BENCH_THREAD_ACCOUNT_H
-#define TESTS_BENCH_THREAD_ACCOUNT_H
+#ifndef TESTS_BENCH_DOOR_THREAD_ACCOUNT_H
+#define TESTS_BENCH_DOOR_THREAD_ACCOUNT_H
 
 #include <stddef.h>
 #include <stdint.h>
