@@ -221,26 +221,43 @@ static struct door_bench_switching await_relay(int level)
 static void ask_watch(struct bench_press *press)
 {
     if (bench.watch) {
-        press->stopped_ns = bench_watch_late_ns(bench.watch, press->pressed_ns, press->on.t_ns);
-        press->off_stopped_ns = bench_watch_late_ns(bench.watch, press->on.t_ns, press->off.t_ns);
+        press->to_on.stopped_ns = bench_watch_late_ns(bench.watch, press->pressed_ns,
+                                                      press->on.t_ns);
+        press->to_off.stopped_ns = bench_watch_late_ns(bench.watch, press->on.t_ns,
+                                                       press->off.t_ns);
     }
+}
+
+static struct bench_wait accounts(void)
+{
+    return (struct bench_wait){
+        .door = bench_account_of(bench.daemon, bench.door),
+        .own = bench_account_of(getpid(), getpid()),
+    };
+}
+
+static struct bench_wait between(const struct bench_wait *earlier, const struct bench_wait *later)
+{
+    return (struct bench_wait){
+        .door = bench_account_between(&earlier->door, &later->door),
+        .own = bench_account_between(&earlier->own, &later->own),
+    };
 }
 
 static void press(int i)
 {
     struct bench_press *press = &bench.presses[i];
-    const struct bench_account door = bench_account_of(bench.daemon, bench.door);
-    const struct bench_account own = bench_account_of(getpid(), getpid());
+    const struct bench_wait before = accounts();
     press->pressed_ns = set_button(1);
     press->written_ns = now_ns();
     wait_ms(PRESS_MS);
     (void)set_button(0);
     press->on = await_relay(1);
-    const struct bench_account door_after = bench_account_of(bench.daemon, bench.door);
-    const struct bench_account own_after = bench_account_of(getpid(), getpid());
-    press->door = bench_account_between(&door, &door_after);
-    press->own = bench_account_between(&own, &own_after);
+    const struct bench_wait at_on = accounts();
     press->off = await_relay(0);
+    const struct bench_wait at_off = accounts();
+    press->to_on = between(&before, &at_on);
+    press->to_off = between(&at_on, &at_off);
     wait_ms(PAUSE_MS + i % 17);
     ask_watch(press);
 }
@@ -296,6 +313,7 @@ static void print_conditions(int64_t stolen_ns)
 
 static void print_presses(int presses)
 {
+    const struct bench_press_bounds bounds = {DEBOUNCE_MS, UNLOCK_MS, BOUND_MS};
     double *to_line_ms = calloc((size_t)presses, sizeof *to_line_ms);
     double *off_error_ms = calloc((size_t)presses, sizeof *off_error_ms);
     if (!to_line_ms || !off_error_ms) {
@@ -307,8 +325,7 @@ static void print_presses(int presses)
     }
     print_times("exit button, edge to relay:", to_line_ms, presses, BOUND_MS);
     print_times("relay, off against unlock_ms:", off_error_ms, presses, BOUND_MS);
-    bench_press_print_latest(bench.presses, presses, DEBOUNCE_MS, UNLOCK_MS, BOUND_MS,
-                             bench.watch != NULL);
+    bench_press_print_latest(bench.presses, presses, &bounds, bench.watch != NULL);
     free(to_line_ms);
     free(off_error_ms);
 }

@@ -26,76 +26,100 @@ static int64_t sent_ns(const struct bench_press *press)
     return press->written_ns < press->on.read_ns ? press->written_ns : press->on.read_ns;
 }
 
-/* Which of the things that can keep a press waiting took more than half of what it took too long.
- * The order matters: a thread whose processor stands still waits for everything else as well. */
-static const char *cause_of(const struct bench_press *press, double debounce_ms, bool watched)
+/* By how much the relay was switched on later than the debouncing took, and off later than it was
+ * due: whichever is more. */
+static double late_ms(const struct bench_press *press, const struct bench_press_bounds *bounds,
+                      bool *ending)
 {
-    const double half_ms = (bench_press_to_line_ms(press) - debounce_ms) / 2.0;
+    const double on_ms = bench_press_to_line_ms(press) - bounds->debounce_ms;
+    const double off_ms = bench_press_off_error_ms(press, bounds->unlock_ms);
+    *ending = off_ms > on_ms;
+    return *ending ? off_ms : on_ms;
+}
+
+/* Which of the things that can keep the door waiting took more than half of what was too long. The
+ * order matters: a thread whose processor stands still waits for everything else as well. */
+static const char *cause_of(const struct bench_press *press,
+                            const struct bench_press_bounds *bounds, bool watched)
+{
+    bool ending = false;
+    const double half_ms = late_ms(press, bounds, &ending) / 2.0;
+    const struct bench_wait *wait = ending ? &press->to_off : &press->to_on;
     if (half_ms < 0.5) {
         return "-";
     }
-    if (watched && ms_of(press->stopped_ns) > half_ms) {
-        return ms_of(press->door.stolen_ns) > half_ms ? "host" : "host or kernel";
+    if (watched && ms_of(wait->stopped_ns) > half_ms) {
+        return ms_of(wait->door.stolen_ns) > half_ms ? "host" : "host or kernel";
     }
-    if (ms_of(sent_ns(press) - press->pressed_ns) > half_ms) {
+    if (!ending && ms_of(sent_ns(press) - press->pressed_ns) > half_ms) {
         return "this program";
     }
-    if (ms_of(press->on.lock_ns) > half_ms) {
+    if (ms_of(ending ? press->off.lock_ns : press->on.lock_ns) > half_ms) {
         return "a mutex";
     }
-    if (press->door.major > 0) {
+    if (wait->door.major > 0) {
         return "page faults";
     }
-    return ms_of(press->door.waited_ns) > half_ms ? "other threads" : "not known";
+    return ms_of(wait->door.waited_ns) > half_ms ? "other threads" : "not known";
 }
 
 static void print_head(void)
 {
-    printf("the latest presses, times in ms; the first four since the edge:\n"
-           "%6s %8s %8s %8s %8s %8s | %9s %7s %8s | %8s | %8s %9s %7s | %s\n",
-           "press", "written", "read", "woken", "relay", "off late", "processor", "mutexes",
-           "faults", "own wait", "stopped", "until off", "stolen", "cause");
+    printf(
+        "the latest presses, in ms. The first four times are since the edge. Of two numbers the "
+        "first is until\nthe relay is on, the second until it is off: how long the door's thread "
+        "waited for a processor and for\nmutexes, its page faults, how long this program waited "
+        "for a processor, how long a processor stopped,\nand what the host took of them\n"
+        "%6s %8s %8s %8s %8s %8s | %13s %13s %11s %13s %15s %11s | %s\n",
+        "press", "written", "read", "woken", "relay", "off late", "processor", "mutexes",
+        "page faults", "this program", "stopped", "host took", "cause");
 }
 
-static void print_press(const struct bench_press *presses, int i, double debounce_ms,
-                        double unlock_ms, bool watched)
+static void print_press(const struct bench_press *presses, int i,
+                        const struct bench_press_bounds *bounds, bool watched)
 {
     const struct bench_press *press = &presses[i];
-    printf("%6d %8.2f %8.2f %8.2f %8.2f %8.2f | %9.2f %7.2f %4ld+%3ld | %8.2f | ", i,
+    const struct bench_wait *on = &press->to_on, *off = &press->to_off;
+    printf("%6d %8.2f %8.2f %8.2f %8.2f %8.2f | %6.2f %6.2f %6.2f %6.2f %5ld %5ld %6.2f %6.2f ", i,
            ms_of(press->written_ns - press->pressed_ns),
            ms_of(press->on.read_ns - press->pressed_ns),
            ms_of(press->on.woken_ns - press->pressed_ns), bench_press_to_line_ms(press),
-           bench_press_off_error_ms(press, unlock_ms), ms_of(press->door.waited_ns),
-           ms_of(press->on.lock_ns), press->door.minor, press->door.major,
-           ms_of(press->own.waited_ns));
+           bench_press_off_error_ms(press, bounds->unlock_ms), ms_of(on->door.waited_ns),
+           ms_of(off->door.waited_ns), ms_of(press->on.lock_ns), ms_of(press->off.lock_ns),
+           on->door.minor + on->door.major, off->door.minor + off->door.major,
+           ms_of(on->own.waited_ns), ms_of(off->own.waited_ns));
     if (watched) {
-        printf("%8.2f %9.2f ", ms_of(press->stopped_ns), ms_of(press->off_stopped_ns));
+        printf("%7.2f %7.2f ", ms_of(on->stopped_ns), ms_of(off->stopped_ns));
     } else {
-        printf("%8s %9s ", "?", "?");
+        printf("%7s %7s ", "?", "?");
     }
-    printf("%7.0f | %s\n", ms_of(press->door.stolen_ns), cause_of(press, debounce_ms, watched));
+    printf("%5.0f %5.0f | %s\n", ms_of(on->door.stolen_ns), ms_of(off->door.stolen_ns),
+           cause_of(press, bounds, watched));
 }
 
-/* How many presses took longer to the relay than that one. */
-static int longer_than(const struct bench_press *presses, int n, int i)
+/* How many presses were later than that one. */
+static int later_than(const struct bench_press *presses, int n, int i,
+                      const struct bench_press_bounds *bounds)
 {
-    int longer = 0;
+    bool ending;
+    const double own_ms = late_ms(&presses[i], bounds, &ending);
+    int later = 0;
     for (int k = 0; k < n; k++) {
-        longer += bench_press_to_line_ms(&presses[k]) > bench_press_to_line_ms(&presses[i]);
+        later += late_ms(&presses[k], bounds, &ending) > own_ms;
     }
-    return longer;
+    return later;
 }
 
-void bench_press_print_latest(const struct bench_press *presses, int n, double debounce_ms,
-                              double unlock_ms, double bound_ms, bool watched)
+void bench_press_print_latest(const struct bench_press *presses, int n,
+                              const struct bench_press_bounds *bounds, bool watched)
 {
     print_head();
     for (int i = 0; i < n; i++) {
-        const double off_ms = bench_press_off_error_ms(&presses[i], unlock_ms);
-        const bool late = bench_press_to_line_ms(&presses[i]) > bound_ms || off_ms > bound_ms ||
-                          off_ms < -bound_ms;
-        if (late || longer_than(presses, n, i) < SHOWN) {
-            print_press(presses, i, debounce_ms, unlock_ms, watched);
+        const double off_ms = bench_press_off_error_ms(&presses[i], bounds->unlock_ms);
+        const bool late = bench_press_to_line_ms(&presses[i]) > bounds->late_ms ||
+                          off_ms > bounds->late_ms || off_ms < -bounds->late_ms;
+        if (late || later_than(presses, n, i, bounds) < SHOWN) {
+            print_press(presses, i, bounds, watched);
         }
     }
 }

@@ -9,13 +9,22 @@
 #include "tests/bench/door/door_bench.h"
 #include "tests/bench/door/thread_account.h"
 
-/* Times by CLOCK_MONOTONIC. The accounts are from the press to the relay. */
+/* What happened while something was waited for. */
+struct bench_wait {
+    struct bench_account door, own; /* of the door's thread, and of the one that presses */
+    int64_t stopped_ns;             /* see bench_watch_late_ns */
+};
+
+/* Times by CLOCK_MONOTONIC. */
 struct bench_press {
     int64_t pressed_ns; /* the time of the edge */
     int64_t written_ns; /* the edge was on its way to the daemon */
     struct door_bench_switching on, off;
-    struct bench_account door, own;     /* of the door's thread, and of the one that presses */
-    int64_t stopped_ns, off_stopped_ns; /* see bench_watch_late_ns: until the relay was on, off */
+    struct bench_wait to_on, to_off;
+};
+
+struct bench_press_bounds {
+    double debounce_ms, unlock_ms, late_ms;
 };
 
 /* From the edge to the relay, and by how much the relay was on for longer than this. */
@@ -23,8 +32,8 @@ double bench_press_to_line_ms(const struct bench_press *press);
 double bench_press_off_error_ms(const struct bench_press *press, double unlock_ms);
 
 /* Prints a line for each press that took longer than bound_ms to the relay or for its end, and for
- * the five that took longest. `watched`: stopped_ns is known. */
-void bench_press_print_latest(const struct bench_press *presses, int n, double debounce_ms,
-                              double unlock_ms, double bound_ms, bool watched);
+ * the five that were latest in either. `watched`: stopped_ns is known. */
+void bench_press_print_latest(const struct bench_press *presses, int n,
+                              const struct bench_press_bounds *bounds, bool watched);
 
 #endif

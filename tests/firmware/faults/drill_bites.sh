@@ -6,7 +6,8 @@
 #        BUILD: of the preset dev; PATTERN: only mistakes to which this regular expression applies, such as "rule 3: stale".
 #        --patterns: builds nothing and takes seconds. It looks only whether each mistake can be built in: whether its text is in its
 #        file exactly once, and whether BUILD knows the programs of the commands that are named for it (gate_mistakes of ctest).
-#        DRILL_LONGEST_S in the environment: seconds after which a command hangs.
+#        DRILL_LONGEST_S in the environment: seconds after which a command hangs. It also hangs when it takes ten times as long, and
+#        half a minute, as without a mistake.
 #
 # Each line says the mistake, the command that found it, and what that command said. The last line counts them, by rule:
 #   1  after an error of COMMIT, or of an exchange of files, the truth is read from the disk
@@ -31,6 +32,7 @@ rule=0
 declare -A of_rule found_of_rule
 judges=() # commands, of which one has to fail; run from tests/firmware of the build
 longest_s=${DRILL_LONGEST_S:-90}
+limit_s=$longest_s # of the command that runs
 memory=/dev/shm # for the files of tests: no mistake is one that needs a slow disk to be seen
 [ -w "$memory" ] || memory=$copy
 
@@ -57,7 +59,7 @@ compile() {
 # What a command that failed said of it: the oracle's line, else the first that cmocka marks, else the last.
 word_of() {
     if [ "$1" -eq 124 ]; then
-        echo "hangs for $longest_s s"
+        echo "hangs for $limit_s s"
         return
     fi
     grep -a -m 1 -E '\(seed [0-9]+, step|, call [0-9]+ ' "$copy/said" || grep -a -m 1 -E '\[  FAILED  \] [^0-9]|ERROR' "$copy/said" ||
@@ -68,7 +70,7 @@ word_of() {
 run_judge() {
     local words judge_pid
     read -ra words <<<"$1"
-    (cd "$copy/build/dev/tests/firmware" && TMPDIR=$memory exec timeout -k 5 "$longest_s" "./${words[0]}" "${words[@]:1}") >"$copy/said" 2>&1 &
+    (cd "$copy/build/dev/tests/firmware" && TMPDIR=$memory exec timeout -k 5 "$limit_s" "./${words[0]}" "${words[@]:1}") >"$copy/said" 2>&1 &
     judge_pid=$!
     while kill -0 "$judge_pid" 2>/dev/null; do
         if grep -a -q -E '^\[  FAILED  \] ' "$copy/said"; then
@@ -83,6 +85,11 @@ run_judge() {
 # Runs the judges until one fails; $judge and $status are then that one's. False: none does.
 find_it() {
     for judge in "${judges[@]}"; do
+        limit_s=$longest_s
+        if [ "${sound_s[$judge]:-}" ]; then
+            limit_s=$((30 + 10 * sound_s[$judge]))
+            limit_s=$((limit_s < longest_s ? limit_s : longest_s))
+        fi
         status=0
         run_judge "$judge" || status=$?
         [ "$status" -eq 0 ] || return 0
@@ -91,21 +98,23 @@ find_it() {
 }
 
 # The judges find nothing where there is no mistake; each is asked once.
-declare -A sound
+declare -A sound_s # how long it takes
 check_judges() {
-    local wanted=("${judges[@]}") one
+    local wanted=("${judges[@]}") one begin_s
     for one in "${wanted[@]}"; do
-        [ -z "${sound[$one]:-}" ] || continue
+        [ -z "${sound_s[$one]:-}" ] || continue
         judges=("$one")
         if ! compile; then
             tail -n 20 "$copy/log" >&2
             exit 1
-        elif find_it; then
+        fi
+        begin_s=$SECONDS
+        if find_it; then
             cat "$copy/said" >&2
             echo "drill_bites: without a mistake, $one: fails" >&2
             exit 1
         fi
-        sound[$one]=yes
+        sound_s[$one]=$((SECONDS - begin_s))
     done
     judges=("${wanted[@]}")
 }
