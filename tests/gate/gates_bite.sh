@@ -15,7 +15,7 @@ fresh_tree() {
     done
     mkdir -p "$copy/core/base" "$copy/core/heat" "$copy/tests/gate"
     cp "$root/cmake/layers.txt" "$copy/cmake/"
-    cp "$root/tests/gate/long_files.txt" "$copy/tests/gate/"
+    cp "$root/tests/gate/long_files.txt" "$root/tests/gate/words.txt" "$copy/tests/gate/"
     echo 'sim/writer.c 1 an output' >"$copy/tests/gate/open_files.txt"
     echo 'sim/reader.c 1 what a person has typed' >"$copy/tests/gate/strstr.txt"
     printf 'char *a(char *t) { return strstr(t, "a"); }\n' >"$copy/sim/reader.c"
@@ -46,6 +46,7 @@ passes "$root/tests/gate/docs.sh" "$copy"
 passes "$root/tests/gate/open_files.sh" "$copy"
 passes "$root/tests/gate/strstr.sh" "$copy"
 passes "$root/tests/gate/threads.sh" "$copy"
+passes "$root/tests/gate/words.sh" "$copy"
 
 what='a file that is opened without the helper'
 printf 'int a(void) { return open("a", 0); }\n' >"$copy/firmware/b.c"
@@ -75,6 +76,29 @@ fresh_tree
 what='a thread with a stack of any size'
 printf 'void b(void) { pthread_create(0, 0, 0, 0); }\n' >"$copy/firmware/b.c"
 refuses "$root/tests/gate/threads.sh" "$copy"
+
+# invents FILE TEXT: the text has a word of words.txt.
+invents() {
+    fresh_tree
+    what="$1: $2"
+    mkdir -p "$copy/$(dirname "$1")"
+    printf '%s\n' "$2" >"$copy/$1"
+    refuses "$root/tests/gate/words.sh" "$copy"
+}
+
+invents core/base/b.h 'struct iso_crew;'
+invents firmware/b.c '/* The keepers of the sensors. */'
+invents core/README.md 'A second look at the ten best.'
+invents README.md 'Second-look scores are reported.'
+invents tests/b.sh '# cli_door_open'
+invents board/generic/b.service '# A call that is refused unlooked at.'
+
+# The history may keep them, and a word that only contains one of them is another word.
+fresh_tree
+mkdir -p "$copy/sim/results"
+echo 'The crew had a second look.' | tee "$copy/CHANGELOG.md" >"$copy/sim/results/threads.md"
+echo 'int bookkeeper; /* It was screwed on. */' >"$copy/core/base/b.h"
+passes "$root/tests/gate/words.sh" "$copy"
 
 fresh_tree
 what='a lower layer that includes a higher one'
@@ -213,8 +237,10 @@ sed -i 's|core/base|core/nowhere|' "$copy/sim/g.dot" "$copy/sim/g.svg"
 refuses "$root/tests/gate/pictures.sh" "$copy"
 
 fresh_tree
-what='a file of 601 lines'
-yes '/* */' | head -601 >"$copy/core/base/b.c"
+yes '/* */' | head -400 >"$copy/core/base/b.c"
+passes "$root/tests/gate/docs.sh" "$copy"
+what='a file of 401 lines'
+echo '/* */' >>"$copy/core/base/b.c"
 refuses "$root/tests/gate/docs.sh" "$copy"
 
 # SECURITY.md and the list of tests that it is held against.
