@@ -6,14 +6,14 @@ install(TARGETS isotherm-core LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 # Headers include one another as "core/...", so they keep their tree below include/isotherm. What only the library's own
 # sources include stays at home.
 install(DIRECTORY core DESTINATION ${headers} FILES_MATCHING PATTERN "*.h"
-  REGEX "/core/isotherm[.]h$" EXCLUDE
+  REGEX "/core/include" EXCLUDE
   PATTERN "extract_workspace.h" EXCLUDE
   REGEX "/(lanes|block|permuted|chebyshev|grid_stencil|grid_step|grid_band|level_search|tracer_store)[.]h$" EXCLUDE
   PATTERN "template_points.h" EXCLUDE
   PATTERN "lanczos.h" EXCLUDE
   REGEX "/shape/(collaborative|describe|gallery|principal|vocabulary)[.]h$" EXCLUDE
   PATTERN "data" EXCLUDE)
-install(FILES core/isotherm.h DESTINATION ${headers})
+install(DIRECTORY core/include/isotherm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 
 install(DIRECTORY core/data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/isotherm
   FILES_MATCHING PATTERN "*.model" PATTERN "*.templates" PATTERN "*.metric")

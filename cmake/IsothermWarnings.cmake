@@ -12,7 +12,8 @@ function(isotherm_frames_bounded name)
 endfunction()
 
 function(isotherm_target name)
-  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/core/include>)
   target_compile_definitions(${name} PRIVATE _GNU_SOURCE
     ISOTHERM_VERSION="${PROJECT_VERSION}"
     ISOTHERM_DATA_DIR="${CMAKE_INSTALL_FULL_DATADIR}/isotherm")

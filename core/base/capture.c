@@ -1,4 +1,4 @@
-#include "core/base/capture.h"
+#include "isotherm/capture.h"
 
 #include <stddef.h>
 

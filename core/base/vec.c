@@ -1,4 +1,4 @@
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 struct iso_mat3 iso_mat3_rotation(struct iso_vec3 w)
 {

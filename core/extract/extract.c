@@ -1,4 +1,4 @@
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 
 #include <errno.h>
 #include <math.h>

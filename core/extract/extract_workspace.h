@@ -2,20 +2,20 @@
 #ifndef ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 #define ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 
-#include "core/extract/extract.h"
 #include "core/find/nose_candidate.h"
 #include "core/find/pose_search.h"
 #include "core/frame/shrink.h"
-#include "core/heat/eigenpairs.h"
 #include "core/heat/grid/heat_grid.h"
-#include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
 #include "core/landmark/occlusion.h"
 #include "core/landmark/pose_fit.h"
 #include "core/presentation/presentation.h"
 #include "core/surface/clean.h"
 #include "core/surface/face_patch.h"
-#include "core/surface/triangulate.h"
+#include "isotherm/eigenpairs.h"
+#include "isotherm/extract.h"
+#include "isotherm/heat_kernel.h"
+#include "isotherm/triangulate.h"
 
 enum {
     ISO_EXTRACT_WIDTH_MAX = 1920,

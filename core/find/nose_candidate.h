@@ -7,7 +7,7 @@
 #ifndef ISO_CORE_FIND_NOSE_CANDIDATE_H
 #define ISO_CORE_FIND_NOSE_CANDIDATE_H
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 enum {
     ISO_CANDIDATES_MAX = 32,

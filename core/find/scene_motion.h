@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 enum { ISO_SCENE_COLUMNS = 40, ISO_SCENE_ROWS = 30 };
 

@@ -1,4 +1,4 @@
-#include "core/frame/camera.h"
+#include "isotherm/camera.h"
 
 #include <errno.h>
 #include <stddef.h>

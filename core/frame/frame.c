@@ -1,4 +1,4 @@
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef ISO_CORE_FRAME_SHRINK_H
 #define ISO_CORE_FRAME_SHRINK_H
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 /* A rectangle of a frame's pixels. */
 struct iso_window {

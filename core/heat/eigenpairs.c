@@ -1,4 +1,4 @@
-#include "core/heat/eigenpairs.h"
+#include "isotherm/eigenpairs.h"
 
 #include <cblas.h>
 #include <errno.h>

@@ -9,7 +9,7 @@
 #ifndef ISO_CORE_HEAT_FACTOR_H
 #define ISO_CORE_HEAT_FACTOR_H
 
-#include "core/heat/stiffness_mass.h"
+#include "isotherm/stiffness_mass.h"
 
 struct iso_factor;
 struct iso_ldl; /* block.h, internal to core/heat */

@@ -1,4 +1,4 @@
-#include "core/heat/heat_kernel.h"
+#include "isotherm/heat_kernel.h"
 
 #include <math.h>
 #include <string.h>

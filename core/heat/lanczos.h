@@ -1,4 +1,4 @@
-/* The basis that block Lanczos builds for core/heat/eigenpairs.h.
+/* The basis that block Lanczos builds for isotherm/eigenpairs.h.
  *
  * A = (L + s B)^-1 B is self-adjoint in the inner product x' B y; its largest eigenvalues 1 /
  * (lambda + s) belong to the smallest lambda. V holds vectors that are orthonormal in it, T = V' B

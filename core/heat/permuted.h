@@ -5,7 +5,7 @@
 #define ISO_CORE_HEAT_PERMUTED_H
 
 #include "core/heat/block.h"
-#include "core/heat/stiffness_mass.h"
+#include "isotherm/stiffness_mass.h"
 
 /* Created once and refilled. */
 struct iso_permuted {

@@ -1,4 +1,4 @@
-#include "core/heat/stiffness_mass.h"
+#include "isotherm/stiffness_mass.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -4,9 +4,9 @@
 #define ISO_CORE_ISOTHERM_FACE_ISOTHERMS_H
 
 #include "core/isotherm/grid_isotherm.h"
-#include "core/isotherm/isotherm.h"
-#include "core/match/template.h"
 #include "core/surface/face_patch.h"
+#include "isotherm/isotherm_curve.h"
+#include "isotherm/template.h"
 
 /* A face's surface with heat on it, all in the face frame. */
 struct iso_heated_face {

@@ -5,8 +5,8 @@
 #ifndef ISO_CORE_ISOTHERM_GRID_ISOTHERM_H
 #define ISO_CORE_ISOTHERM_GRID_ISOTHERM_H
 
-#include "core/isotherm/isotherm.h"
 #include "core/surface/grid.h"
+#include "isotherm/isotherm_curve.h"
 
 /* Workspace for grids of the given one's size. -ENOMEM. */
 struct iso_grid_tracer;

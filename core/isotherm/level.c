@@ -1,4 +1,4 @@
-#include "core/isotherm/isotherm.h"
+#include "isotherm/isotherm_curve.h"
 
 #include <errno.h>
 #include <math.h>

@@ -8,7 +8,7 @@
 #ifndef ISO_CORE_ISOTHERM_TRACER_STORE_H
 #define ISO_CORE_ISOTHERM_TRACER_STORE_H
 
-#include "core/isotherm/isotherm.h"
+#include "isotherm/isotherm_curve.h"
 
 struct iso_tracer {
     int32_t triangle_capacity;

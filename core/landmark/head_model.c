@@ -1,4 +1,4 @@
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 
 #include <errno.h>
 #include <math.h>

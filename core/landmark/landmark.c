@@ -1,4 +1,4 @@
-#include "core/landmark/landmark.h"
+#include "isotherm/landmark.h"
 
 #include <stddef.h>
 

@@ -3,7 +3,7 @@
 #ifndef ISO_CORE_LANDMARK_MEETING_H
 #define ISO_CORE_LANDMARK_MEETING_H
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 enum iso_meeting {
     ISO_MEETING_TURNED_AWAY, /* its normal is more than 75 degrees off the line of sight */

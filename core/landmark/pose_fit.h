@@ -7,8 +7,8 @@
 #ifndef ISO_CORE_LANDMARK_POSE_FIT_H
 #define ISO_CORE_LANDMARK_POSE_FIT_H
 
-#include "core/frame/frame.h"
-#include "core/landmark/head_model.h"
+#include "isotherm/frame.h"
+#include "isotherm/head_model.h"
 
 /* The vertices of the mean face that are compared: a well spread choice, or all of them; every
  * first few are well spread too. */

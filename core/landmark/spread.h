@@ -2,7 +2,7 @@
 #ifndef ISO_CORE_LANDMARK_SPREAD_H
 #define ISO_CORE_LANDMARK_SPREAD_H
 
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 
 /* Writes at most `most` vertices of the region ISO_HEAD_FACE, by farthest-point sampling of the
  * mean face (Gonzalez 1985): every first few of them are spread evenly over it. `order` has room

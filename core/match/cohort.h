@@ -12,7 +12,7 @@
 #define ISO_CORE_MATCH_COHORT_H
 
 #include "core/match/distance.h"
-#include "core/match/template.h"
+#include "isotherm/template.h"
 
 struct iso_cohort;
 

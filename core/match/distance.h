@@ -2,8 +2,8 @@
 #ifndef ISO_CORE_MATCH_DISTANCE_H
 #define ISO_CORE_MATCH_DISTANCE_H
 
-#include "core/match/template.h"
 #include "core/registration/icp.h"
+#include "isotherm/template.h"
 
 struct iso_match_options {
     double trim;                      /* share of the points that count, 0.5..1; default 0.8 */

@@ -1,4 +1,4 @@
-#include "core/match/index.h"
+#include "isotherm/index.h"
 
 #include <errno.h>
 #include <math.h>

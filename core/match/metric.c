@@ -1,4 +1,4 @@
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 
 #include <errno.h>
 #include <math.h>

@@ -7,7 +7,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 
 static const char magic[8] = {'I', 'S', 'O', 'M', 'E', 'T', 'R', '3'};
 

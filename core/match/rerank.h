@@ -12,8 +12,8 @@
 #ifndef ISO_CORE_MATCH_RERANK_H
 #define ISO_CORE_MATCH_RERANK_H
 
-#include "core/match/metric.h"
 #include "core/match/upper_surface.h"
+#include "isotherm/metric.h"
 
 /* Candidates that a search hands on for reranking. */
 enum { ISO_RERANK_CANDIDATES = 10 };

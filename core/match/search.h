@@ -5,8 +5,8 @@
 #include <stdint.h>
 
 #include "core/match/cohort.h"
-#include "core/match/metric.h"
 #include "core/match/rerank.h"
+#include "isotherm/metric.h"
 
 /* Refers to a template; the gallery keeps it alive. */
 struct iso_search_entry {

@@ -1,4 +1,4 @@
-#include "core/match/template.h"
+#include "isotherm/template.h"
 
 #include <errno.h>
 #include <math.h>

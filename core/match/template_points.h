@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "core/match/template.h"
 #include "core/registration/icp.h"
+#include "isotherm/template.h"
 
 /* One group for each radius, landmark and ISO_TEMPLATE_POINTS_MAX points, in the template's own
  * memory: points beyond n_points have weight 0 and drop out by themselves. */

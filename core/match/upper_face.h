@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 #define ISO_UPPER_SPACING_MM 3.0
 #define ISO_UPPER_TOP_MM     87.0

@@ -11,7 +11,7 @@
 #ifndef ISO_CORE_PRESENTATION_BENT_SHEET_H
 #define ISO_CORE_PRESENTATION_BENT_SHEET_H
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 enum { ISO_SHEET_POINTS_MAX = 1024 };
 

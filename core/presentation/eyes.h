@@ -6,8 +6,8 @@
 #ifndef ISO_CORE_PRESENTATION_EYES_H
 #define ISO_CORE_PRESENTATION_EYES_H
 
-#include "core/frame/frame.h"
 #include "core/landmark/shape_fit.h"
+#include "isotherm/frame.h"
 
 struct iso_eye {
     double around_share; /* of places about the lids that are measured, and on the face */

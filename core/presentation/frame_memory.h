@@ -22,7 +22,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 enum { ISO_FINGERPRINT_CLASSES = 32 };
 

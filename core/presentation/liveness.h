@@ -27,7 +27,7 @@
 
 #include <stdint.h>
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 enum { ISO_LIVENESS_FRAMES = 64, ISO_LIVENESS_COORDINATES = 6 };
 

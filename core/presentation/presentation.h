@@ -22,11 +22,11 @@
 
 #include <stdbool.h>
 
-#include "core/base/capture.h"
 #include "core/presentation/eyes.h"
 #include "core/presentation/relief.h"
 #include "core/presentation/sheet.h"
 #include "core/presentation/size.h"
+#include "isotherm/capture.h"
 
 /* What was measured; a cue that could not be is not there, and counts for nothing. */
 struct iso_presentation_cues {

@@ -3,8 +3,8 @@
 #ifndef ISO_CORE_PRESENTATION_RELIEF_H
 #define ISO_CORE_PRESENTATION_RELIEF_H
 
-#include "core/frame/frame.h"
 #include "core/presentation/bent_sheet.h"
+#include "isotherm/frame.h"
 
 struct iso_relief {
     int n_cells;                     /* of 6 mm that were measured */

@@ -6,8 +6,8 @@
 #ifndef ISO_CORE_PRESENTATION_SHEET_H
 #define ISO_CORE_PRESENTATION_SHEET_H
 
-#include "core/frame/frame.h"
 #include "core/presentation/bent_sheet.h"
+#include "isotherm/frame.h"
 
 struct iso_sheet {
     double area_mm2;     /* that was measured, as seen */

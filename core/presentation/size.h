@@ -10,8 +10,8 @@
 #ifndef ISO_CORE_PRESENTATION_SIZE_H
 #define ISO_CORE_PRESENTATION_SIZE_H
 
-#include "core/frame/frame.h"
-#include "core/landmark/head_model.h"
+#include "isotherm/frame.h"
+#include "isotherm/head_model.h"
 
 struct iso_size {
     double scale;    /* of the measured face over that of people of its shape */

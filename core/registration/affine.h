@@ -2,7 +2,7 @@
 #ifndef ISO_CORE_REGISTRATION_AFFINE_H
 #define ISO_CORE_REGISTRATION_AFFINE_H
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 /* x -> m[.][0..2] x + m[.][3] */
 struct iso_affine {

@@ -2,7 +2,7 @@
 #ifndef ISO_CORE_REGISTRATION_RIGID_H
 #define ISO_CORE_REGISTRATION_RIGID_H
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 /* Minimises sum_i weight[i] |T source[i] - target[i]|^2 over proper rigid motions T (Horn 1987,
  * unit quaternions: the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix, by Jacobi

@@ -6,7 +6,7 @@
 #ifndef ISO_CORE_SURFACE_CLEAN_H
 #define ISO_CORE_SURFACE_CLEAN_H
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 struct iso_cleaner;
 

@@ -13,9 +13,9 @@
 #ifndef ISO_CORE_SURFACE_FACE_PATCH_H
 #define ISO_CORE_SURFACE_FACE_PATCH_H
 
-#include "core/frame/frame.h"
-#include "core/landmark/head_model.h"
-#include "core/surface/mesh.h"
+#include "isotherm/frame.h"
+#include "isotherm/head_model.h"
+#include "isotherm/mesh.h"
 
 #define ISO_FACE_PATCH_ORIGIN_MM 250.0
 

@@ -9,9 +9,9 @@
 #ifndef ISO_CORE_SURFACE_GRID_H
 #define ISO_CORE_SURFACE_GRID_H
 
-#include "core/frame/frame.h"
 #include "core/surface/cell.h"
-#include "core/surface/mesh.h"
+#include "isotherm/frame.h"
+#include "isotherm/mesh.h"
 
 struct iso_grid {
     int width, height, stride; /* pixels */

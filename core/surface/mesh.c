@@ -1,4 +1,4 @@
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "core/frame/camera.h"
+#include "isotherm/camera.h"
 
 /* The plane that is drawn into: a window of the camera's image, as in iso_frame. Depth 0 is empty.
  * `triangle` and `weight` may be NULL; else they say what is seen: index of the triangle (set to -1

@@ -1,4 +1,4 @@
-#include "core/surface/triangulate.h"
+#include "isotherm/triangulate.h"
 
 #include <errno.h>
 #include <math.h>

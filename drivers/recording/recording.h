@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 enum { ISO_RECORDING_SENSOR_MAX = 32, ISO_RECORDING_LANDMARK_MAX = 32 };
 

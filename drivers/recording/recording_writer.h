@@ -7,8 +7,8 @@
 #include <stddef.h>
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
 #include "drivers/recording/recording.h"
+#include "isotherm/frame.h"
 
 struct sim_recording_writer;
 

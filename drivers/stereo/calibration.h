@@ -5,7 +5,7 @@
  *   [stereo]           format = 1; pairs and rms_px: how many pictures it was made from, and the
  *                      root mean square of what is left between their corners and the model
  *   [left], [right]    width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, k3, p1, p2
- *                      (distortion as in core/frame/camera.h; what is left out is 0)
+ *                      (distortion as in isotherm/camera.h; what is left out is 0)
  *   [right_from_left]  rx_rad, ry_rad, rz_rad (rotation vector), tx_mm, ty_mm, tz_mm:
  *                      x_right = R x_left + t
  *
@@ -15,7 +15,7 @@
 #define ISO_DRIVERS_STEREO_CALIBRATION_H
 
 #include "core/base/fault.h"
-#include "core/frame/camera.h"
+#include "isotherm/camera.h"
 
 enum iso_eye { ISO_EYE_LEFT, ISO_EYE_RIGHT, ISO_EYES };
 

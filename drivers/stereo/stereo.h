@@ -12,8 +12,8 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
 #include "drivers/stereo/rectification.h"
+#include "isotherm/frame.h"
 
 struct iso_stereo_options {
     double near_mm, far_mm; /* what is nearer or farther is not looked for */

@@ -22,8 +22,8 @@
 #define ISO_DRIVERS_VISION_FACE_CHECK_H
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
-#include "core/landmark/landmark.h"
+#include "isotherm/frame.h"
+#include "isotherm/landmark.h"
 
 /* What the image says. */
 enum iso_face_seen {

@@ -14,7 +14,7 @@
 
 #include <stdint.h>
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 enum {
     ISO_FACE_CHIP_SIDE = 128, /* pixels */

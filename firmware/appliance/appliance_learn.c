@@ -4,9 +4,9 @@
 #include <string.h>
 #include <syslog.h>
 
-#include "core/base/capture.h"
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/recognise/learning.h"
+#include "isotherm/capture.h"
 
 /* Whether the template in hand is as like the enrolled ones among these as has to be. */
 static bool is_like(const struct iso_appliance *appliance,

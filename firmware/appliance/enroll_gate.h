@@ -3,8 +3,8 @@
 #ifndef ISO_FIRMWARE_APPLIANCE_ENROLL_GATE_H
 #define ISO_FIRMWARE_APPLIANCE_ENROLL_GATE_H
 
-#include "core/extract/extract.h"
 #include "firmware/config/config.h"
+#include "isotherm/extract.h"
 
 struct iso_enroll_gate {
     double yaw_max_rad, pitch_max_rad;

@@ -62,7 +62,7 @@
  *       person: whom a duplicate duplicates; of "enroll-not-stored" what the disk refused; else ""
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-" before one of the words
- *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of core/base/capture.h: a hint,
+ *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of isotherm/capture.h: a hint,
  * which held for some frames; the action goes on Sent to those who called AimStart: View(a{sv})
  * what the sensor sees, some ten times a second: the keys marked + below Sent to the caller of
  * ExportPeople, ImportPeople, RotateKeys or VerifyLog while the call goes on: Progress(t done, t
@@ -76,7 +76,7 @@
  * firmware/visit/decision.h. What the door did is another fact: door is a word
  * ISO_CONTRACT_DOOR_... after "allow" and "" after "deny"; door_fault says why the door did not
  * unlock, else it is "" Hint(s word)                         what hinders who stands at the door: a
- * word of core/base/capture.h, which held for some frames DoorChanged(s state, s cause) words of
+ * word of isotherm/capture.h, which held for some frames DoorChanged(s state, s cause) words of
  * firmware/door/door.h
  *
  * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
@@ -106,7 +106,7 @@
  * "attack-frames" t that did.
  *
  * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
- * core/base/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from
+ * isotherm/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from
  * the sensor's axis, + "yaw-deg" d, + "pitch-deg" d and + "roll-deg" d of the head; + "residual-mm"
  * d and + "fit-coverage" d (0..1) of the fitted head model, + "coverage" d (0..1) of the face
  * patch,
@@ -219,7 +219,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_RESULT_ATTACK       "attack"   /* all: a picture, a screen, a mask */
 #define ISO_CONTRACT_RESULT_TIMED_OUT    "timed-out"
 #define ISO_CONTRACT_RESULT_DISCONNECTED "disconnected" /* the sensor is gone */
-#define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of core/base/capture.h */
+#define ISO_CONTRACT_RESULT_RETRY        "retry-"       /* and a word of isotherm/capture.h */
 
 /* What the door did for somebody who was let in: Visit, and the audit record "visit". */
 #define ISO_CONTRACT_DOOR_UNLOCKED     "unlocked"     /* its lock was switched */

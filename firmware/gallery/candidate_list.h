@@ -7,8 +7,8 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
-#include "core/match/index.h"
 #include "core/match/search.h"
+#include "isotherm/index.h"
 
 /* All zero: nobody. */
 struct iso_candidate_list {

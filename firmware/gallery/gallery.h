@@ -1,6 +1,6 @@
 /* The gallery: who is enrolled, with which templates; sealed in an SQLite database. In memory are
  * the people, and what a search looks at: an index of vectors if there is a metric
- * (core/match/index.h, 632 bytes a person), else the templates.
+ * (isotherm/index.h, 632 bytes a person), else the templates.
  *
  * Every change is one transaction that is on the disk when the call returns: after a kill at any
  * moment the gallery is what it was before the change or after it. A new database is made beside
@@ -34,13 +34,13 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
-#include "core/match/template.h"
 #include "firmware/contract/contract.h"
 #include "firmware/contract/person_name.h"
 #include "firmware/contract/validity.h"
 #include "firmware/contract/work_listener.h"
 #include "firmware/gallery/candidate_list.h"
 #include "firmware/keys/key_ring.h"
+#include "isotherm/template.h"
 
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* "ISOT" */

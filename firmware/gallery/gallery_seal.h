@@ -14,10 +14,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/match/template.h"
 #include "firmware/gallery/gallery.h"
 #include "firmware/keys/heads.h"
 #include "firmware/keys/seal.h"
+#include "isotherm/template.h"
 
 enum {
     ISO_GALLERY_ID_BYTES = 16,

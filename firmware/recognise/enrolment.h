@@ -20,9 +20,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/match/template.h"
 #include "core/registration/icp.h"
 #include "firmware/recognise/pipeline.h"
+#include "isotherm/template.h"
 
 enum { ISO_ENROLMENT_STAGES_MAX = 16 };
 

@@ -11,7 +11,6 @@
 
 #include "core/base/clock.h"
 #include "core/base/fault.h"
-#include "core/extract/extract.h"
 #include "drivers/vision/face_check.h"
 #include "firmware/recognise/method/method.h"
 

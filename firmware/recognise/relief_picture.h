@@ -4,8 +4,8 @@
 #define ISO_FIRMWARE_RECOGNISE_RELIEF_PICTURE_H
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
 #include "drivers/file/png.h"
+#include "isotherm/frame.h"
 
 enum { ISO_RELIEF_WIDTH_PX = 320, ISO_RELIEF_HEIGHT_PX = 240 };
 

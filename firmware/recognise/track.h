@@ -21,7 +21,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 #define ISO_TRACK_SLACK_MM   20.0
 #define ISO_TRACK_SLACK_RAD  0.26 /* 15 degrees */

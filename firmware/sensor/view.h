@@ -6,8 +6,8 @@
 
 #include <stdbool.h>
 
-#include "core/extract/extract.h"
 #include "firmware/recognise/track.h"
+#include "isotherm/extract.h"
 
 struct iso_view {
     enum iso_capture capture;

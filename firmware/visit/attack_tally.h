@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/base/capture.h"
+#include "isotherm/capture.h"
 
 struct iso_attack_attempt {
     enum iso_capture cue; /* that most of its frames have; of two, the one that had as many first */

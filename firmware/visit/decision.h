@@ -29,7 +29,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/base/capture.h"
+#include "isotherm/capture.h"
 
 enum { ISO_DECISION_FRAMES_MAX = 64 };
 

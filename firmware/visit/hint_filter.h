@@ -14,8 +14,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/base/capture.h"
 #include "drivers/base/times.h"
+#include "isotherm/capture.h"
 
 enum { ISO_HINT_FRAMES = 8 };
 

@@ -4,9 +4,9 @@
 #define SIM_BASE_DATA_FILE_H
 
 #include "core/base/fault.h"
-#include "core/landmark/head_model.h"
 #include "core/match/cohort.h"
-#include "core/match/metric.h"
+#include "isotherm/head_model.h"
+#include "isotherm/metric.h"
 
 /* -EBADMSG if the file is damaged, -EFBIG, -ENOMEM or the errno of open and read, each with a fault
  * "path: what is wrong". Free with iso_head_model_free. */

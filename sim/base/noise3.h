@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 /* Value noise (Perlin's lattice with smoothstep interpolation): -1..1, varies over about one unit
  * of p; another key gives an unrelated function. */

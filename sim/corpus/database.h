@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 #include "sim/corpus/corpus.h"
 
 struct sim_database_options {

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 
 enum {
     SIM_SCAN_SIDE_MAX = 4096,                /* rows and columns of a grid */

@@ -2,9 +2,9 @@
 #ifndef SIM_CORPUS_SCAN_VIEW_H
 #define SIM_CORPUS_SCAN_VIEW_H
 
-#include "core/frame/frame.h"
-#include "core/surface/mesh.h"
 #include "drivers/file/png.h"
+#include "isotherm/frame.h"
+#include "isotherm/mesh.h"
 
 /* The camera looks along -z of the scan's frame at the middle of its points; what lies nearest (but
  * for 1 % of the points) is 600 mm away. 640 x 480 pixels of 0.67 mm there. */

@@ -4,8 +4,8 @@
 #define SIM_CORPUS_TAPE_H
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
 #include "drivers/recording/recording_writer.h"
+#include "isotherm/frame.h"
 
 enum { SIM_TAPE_FRAMES = 32 };
 

@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 enum { SIM_FIELDS_MAX = 128 };
 

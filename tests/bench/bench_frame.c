@@ -14,13 +14,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/extract/extract.h"
-#include "core/match/index.h"
 #include "drivers/base/shipped.h"
 #include "drivers/base/times.h"
 #include "firmware/gallery/gallery.h"
 #include "firmware/recognise/method/reranker.h"
 #include "firmware/visit/decision.h"
+#include "isotherm/extract.h"
+#include "isotherm/index.h"
 #include "sim/base/data_file.h"
 #include "sim/corpus/corpus.h"
 #include "sim/lab/match/extract_options.h"

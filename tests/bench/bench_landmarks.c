@@ -8,8 +8,8 @@
 #include <string.h>
 #include <sys/utsname.h>
 
-#include "core/extract/extract.h"
 #include "core/frame/shrink.h"
+#include "isotherm/extract.h"
 #include "sim/base/data_file.h"
 #include "sim/lab/match/latency.h"
 #include "tests/bench/frames.h"

@@ -12,8 +12,8 @@
 #include <flann/flann.h>
 #endif
 
-#include "core/match/index.h"
 #include "drivers/base/shipped.h"
+#include "isotherm/index.h"
 #include "sim/base/data_file.h"
 #include "sim/base/options.h"
 #include "sim/lab/draw/plot.h"

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 
 /* A template of person `person`, made of the metric's mean curves, the person's own deviation (2 mm
  * a point) and that of the template number `take` (0.3 mm). Of no landmark that the metric does not

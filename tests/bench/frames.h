@@ -3,7 +3,7 @@
 #define TESTS_BENCH_FRAMES_H
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 #include "sim/corpus/corpus.h"
 
 /* Does something with a frame, which is there until it returns. 0, or what ends all. */

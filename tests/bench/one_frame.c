@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/extract/extract.h"
-#include "core/match/index.h"
+#include "isotherm/extract.h"
+#include "isotherm/index.h"
 #include "sim/base/data_file.h"
 #include "sim/lab/match/capture.h"
 #include "tests/bench/crowd.h"

@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/match/template.h"
 #include "firmware/daemon/components.h"
+#include "isotherm/template.h"
 #include "tests/e2e/appliance.h"
 #include "tests/e2e/process_memory.h"
 #include "tests/support/scratch.h"

@@ -12,7 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/base/capture.h"
 #include "core/base/fault_code.h"
 #include "enroll/cli/arguments/arguments.h"
 #include "enroll/cli/doctor/remedy.h"

@@ -11,10 +11,10 @@
 #include <string.h>
 #include <time.h>
 
-#include "core/base/capture.h"
 #include "enroll/cli/arguments/arguments.h"
 #include "enroll/cli/arguments/when.h"
 #include "enroll/cli/text/hint.h"
+#include "isotherm/capture.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

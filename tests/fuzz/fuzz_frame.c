@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/extract/extract.h"
 #include "drivers/file/data_file.h"
 #include "drivers/recording/recording.h"
+#include "isotherm/extract.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { STEP = 6 }; /* of the stored frame's pixels one in so many is taken, both ways */

@@ -4,7 +4,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { CHECKED_FROM = 16 };

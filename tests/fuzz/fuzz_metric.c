@@ -4,7 +4,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 #include "tests/fuzz/fuzz.h"
 
 enum { CHECKED_FROM = 16 };

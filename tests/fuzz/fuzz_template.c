@@ -5,7 +5,7 @@
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
 #include "core/match/distance.h"
-#include "core/match/template.h"
+#include "isotherm/template.h"
 #include "tests/fuzz/fuzz.h"
 
 /* What registrations work in. */

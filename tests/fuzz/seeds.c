@@ -6,10 +6,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "core/landmark/head_model.h"
 #include "core/match/cohort.h"
-#include "core/match/metric.h"
 #include "drivers/file/png.h"
+#include "isotherm/head_model.h"
+#include "isotherm/metric.h"
 #include "tests/fuzz/fuzz.h"
 
 static char path[4096];

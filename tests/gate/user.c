@@ -1,5 +1,5 @@
 /* A user of the installed library: nothing of this project's tree is on its include path. */
-#include <isotherm.h>
+#include <isotherm/isotherm.h>
 
 #include <stdio.h>
 #include <string.h>

@@ -21,8 +21,8 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
 #include "drivers/recording/recording.h"
+#include "isotherm/frame.h"
 
 enum { SIM_VIRTUAL_CAMERA_HZ = 30 };
 

@@ -1,4 +1,4 @@
-#include "core/shape/classify/classifier.h"
+#include "isotherm/classifier.h"
 
 #include <errno.h>
 #include <math.h>

@@ -40,7 +40,7 @@ struct iso_collaborative_kind {
 double iso_code_residual(const struct iso_collaborative *model, const struct iso_code *code,
                          int32_t k, int32_t class);
 
-/* As the operations of core/shape/classify/classifier.h; the model is an iso_collaborative. Ranking
+/* As the operations of isotherm/classifier.h; the model is an iso_collaborative. Ranking
  * takes each shape for a class of its own: its distance is what is left of y without its share,
  * over the parts by their weights. Not over |alpha_i|, which is near 0 for most and puts them in no
  * order.

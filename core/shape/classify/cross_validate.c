@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/classify/classifier.h"
+#include "isotherm/classifier.h"
 
 static uint32_t next_random(uint64_t *state, uint32_t below)
 {

@@ -2,7 +2,7 @@
 #ifndef ISO_CORE_SHAPE_CLASSIFY_TRAINING_SET_H
 #define ISO_CORE_SHAPE_CLASSIFY_TRAINING_SET_H
 
-#include "core/shape/classify/classifier.h"
+#include "isotherm/classifier.h"
 
 struct iso_training_set {
     struct iso_feature_layout layout;
@@ -23,7 +23,7 @@ void iso_training_set_normalise(const struct iso_feature_layout *layout, float *
 void iso_training_set_score(const struct iso_training_set *gallery, const double *distance,
                             double *score);
 
-/* The operations of core/shape/classify/classifier.h that this library has. */
+/* The operations of isotherm/classifier.h that this library has. */
 extern const struct iso_classifier_ops iso_classifier_nn_l1, iso_classifier_nn_l2,
     iso_classifier_crc_rls, iso_classifier_rcr, iso_classifier_naive_bayes;
 

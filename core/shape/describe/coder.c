@@ -1,11 +1,11 @@
-/* From descriptions to features (method.h). */
+/* From descriptions to features (isotherm/shape_method.h). */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/describe/method.h"
 #include "core/shape/describe/principal.h"
 #include "core/shape/describe/vocabulary.h"
+#include "isotherm/shape_method.h"
 
 /* Rows that vocabularies learn from, taken evenly from all shapes. */
 enum { LEARN_ROWS = 20000 };

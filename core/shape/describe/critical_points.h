@@ -4,7 +4,7 @@
 #ifndef ISO_CORE_SHAPE_DESCRIBE_CRITICAL_POINTS_H
 #define ISO_CORE_SHAPE_DESCRIBE_CRITICAL_POINTS_H
 
-#include "core/shape/describe/shape.h"
+#include "isotherm/shape.h"
 
 struct iso_critical_points {
     int32_t n;

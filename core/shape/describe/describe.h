@@ -1,9 +1,9 @@
-/* How each method of method.h describes a shape; and what they share. Each fills a description that
- * is all zero; iso_shape_describe frees what a failing one leaves in it. */
+/* How each method of isotherm/shape_method.h describes a shape; and what they share. Each fills a
+ * description that is all zero; iso_shape_describe frees what a failing one leaves in it. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 #define ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 
-#include "core/shape/describe/method.h"
+#include "isotherm/shape_method.h"
 
 int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_td(const struct iso_shape *shape, struct iso_shape_description *out);

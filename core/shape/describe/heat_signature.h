@@ -1,10 +1,10 @@
 /* What heat tells of a vertex: signatures of the heat kernel from eigenpairs.
  *
- * All take the eigenpairs of any (weighted) operator: L and B of core/heat/stiffness_mass.h. */
+ * All take the eigenpairs of any (weighted) operator: L and B of isotherm/stiffness_mass.h. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_HEAT_SIGNATURE_H
 #define ISO_CORE_SHAPE_DESCRIBE_HEAT_SIGNATURE_H
 
-#include "core/heat/eigenpairs.h"
+#include "isotherm/eigenpairs.h"
 
 /* Heat kernel signature K(x, x, t) = sum_i exp(-lambda_i t) phi_i(x)^2 (Sun, Ovsjanikov and Guibas
  * 2009; Abdelrahman 2013, 3.38; of weighted pairs the W-HKS, 5.17 without the B), pairs from

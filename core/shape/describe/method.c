@@ -1,4 +1,4 @@
-#include "core/shape/describe/method.h"
+#include "isotherm/shape_method.h"
 
 #include <string.h>
 

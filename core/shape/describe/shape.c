@@ -1,4 +1,4 @@
-#include "core/shape/describe/shape.h"
+#include "isotherm/shape.h"
 
 #include <errno.h>
 #include <math.h>

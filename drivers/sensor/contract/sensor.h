@@ -18,8 +18,8 @@
 
 #include "core/base/clock.h"
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
 #include "drivers/base/option.h"
+#include "isotherm/frame.h"
 
 /* What is known of the device behind a sensor, and what it can do. */
 struct iso_sensor_description {

@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-#include "core/frame/camera.h"
-#include "core/frame/frame.h"
 #include "drivers/sensor/openni2/openni2_api.h"
+#include "isotherm/camera.h"
+#include "isotherm/frame.h"
 
 /* Millimetres per count of a depth format; 0 for one that holds no lengths. */
 double iso__openni2_unit_mm(OniPixelFormat format);

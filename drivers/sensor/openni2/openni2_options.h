@@ -5,10 +5,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "core/frame/camera.h"
 #include "drivers/sensor/contract/camera_file.h"
 #include "drivers/sensor/contract/sensor.h"
 #include "drivers/sensor/openni2/openni2_wish.h"
+#include "isotherm/camera.h"
 
 /* Ended by an entry without a name. */
 extern const struct iso_option_spec iso__openni2_options[];

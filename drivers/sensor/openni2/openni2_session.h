@@ -7,7 +7,6 @@
 #include <stdbool.h>
 
 #include "core/base/fault.h"
-#include "core/frame/camera.h"
 #include "drivers/sensor/openni2/openni2_api.h"
 #include "drivers/sensor/openni2/openni2_wish.h"
 

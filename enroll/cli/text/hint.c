@@ -3,8 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "core/base/capture.h"
 #include "firmware/contract/contract.h"
+#include "isotherm/capture.h"
 
 const char *cli_hint_text(const char *capture_word)
 {

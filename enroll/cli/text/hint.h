@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* "too-far" -> "come closer". Knows every word of core/base/capture.h; NULL for any other word. */
+/* "too-far" -> "come closer". Knows every word of isotherm/capture.h; NULL for any other word. */
 const char *cli_hint_text(const char *capture_word);
 
 /* Tells whether `result` is `prefix` + "-retry-" + a word, and if so points *capture_word into

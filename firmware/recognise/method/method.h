@@ -1,7 +1,7 @@
 /* A recognition method: what compares the template of a face with the templates of people.
  *
  * A frame becomes a template (core/extract), which describes the face: the isotherms round its
- * landmarks and the surface of its upper part (core/match/template.h). A method gives each person
+ * landmarks and the surface of its upper part (isotherm/template.h). A method gives each person
  * of the gallery a score for that template. The key `method` of [match] names the method of an
  * appliance.
  *

@@ -1,5 +1,5 @@
 /* The method `metric`: the learned metric scores every person, and the best ones are reranked by
- * their upper faces (core/match/metric.h, rerank.h). */
+ * their upper faces (isotherm/metric.h, rerank.h). */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef SIM_LAB_EVAL_LANDMARK_ERROR_H
 #define SIM_LAB_EVAL_LANDMARK_ERROR_H
 
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 #include "sim/base/spread.h"
 #include "sim/lab/match/truth.h"
 

@@ -2,7 +2,7 @@
 #ifndef SIM_LAB_LANDMARKS_FIT_PICTURE_H
 #define SIM_LAB_LANDMARKS_FIT_PICTURE_H
 
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 #include "sim/lab/match/truth.h"
 
 struct sim_fit_subject {

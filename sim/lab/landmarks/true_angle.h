@@ -2,7 +2,7 @@
 #ifndef SIM_LAB_LANDMARKS_TRUE_ANGLE_H
 #define SIM_LAB_LANDMARKS_TRUE_ANGLE_H
 
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 #include "sim/lab/match/truth.h"
 
 /* The angle between where the face points and the camera's axis, yaw and pitch together:

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/extract/extract.h"
 #include "drivers/recording/recording.h"
+#include "isotherm/extract.h"
 #include "sim/corpus/corpus.h"
 
 struct sim_capture {
@@ -19,7 +19,7 @@ struct sim_capture {
 /* What became of a frame: a value of enum iso_capture, or SIM_REASON_UNREADABLE. */
 enum { SIM_REASON_UNREADABLE = ISO_CAPTURES, SIM_REASONS };
 
-/* A word of core/base/capture.h, or "unreadable". */
+/* A word of isotherm/capture.h, or "unreadable". */
 const char *sim_reason_name(int reason);
 
 int sim_capture_reason(const struct sim_capture *capture);

@@ -2,8 +2,8 @@
 #ifndef SIM_LAB_MATCH_EXTRACT_OPTIONS_H
 #define SIM_LAB_MATCH_EXTRACT_OPTIONS_H
 
-#include "core/extract/extract.h"
 #include "core/match/distance.h"
+#include "isotherm/extract.h"
 #include "sim/base/options.h"
 
 struct sim_option_set sim_extract_option_set(struct iso_extract_options *options);

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "core/landmark/landmark.h"
+#include "isotherm/landmark.h"
 #include "sim/base/options.h"
 
 /* What a mouth does not move, subnasale and what is below it left out: nasion, nose tip, alae and

@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-#include "core/base/vec.h"
-#include "core/landmark/landmark.h"
 #include "drivers/recording/recording.h"
+#include "isotherm/landmark.h"
+#include "isotherm/vec.h"
 #include "sim/corpus/corpus.h"
 
 /* Of one frame. Names other than the twelve are passed over. */

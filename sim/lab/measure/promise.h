@@ -1,5 +1,5 @@
 /* What a calibrated score promises, and what it keeps: a score of s or more is to be as rare as
- * 10^-s among strangers who are alike (core/match/metric.h), before every sensor. */
+ * 10^-s among strangers who are alike (isotherm/metric.h), before every sensor. */
 #ifndef SIM_LAB_MEASURE_PROMISE_H
 #define SIM_LAB_MEASURE_PROMISE_H
 

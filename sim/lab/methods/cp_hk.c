@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <math.h>
 
-#include "core/shape/describe/method.h"
+#include "isotherm/shape_method.h"
 #include "sim/lab/methods/method.h"
 #include "sim/lab/methods/scan_mesh.h"
 

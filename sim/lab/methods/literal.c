@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/heat/eigenpairs.h"
-#include "core/heat/heat_kernel.h"
-#include "core/isotherm/isotherm.h"
 #include "core/registration/icp.h"
+#include "isotherm/eigenpairs.h"
+#include "isotherm/heat_kernel.h"
+#include "isotherm/isotherm_curve.h"
 #include "sim/lab/methods/method.h"
 #include "sim/lab/methods/scan_mesh.h"
 
@@ -63,7 +63,7 @@ static int release_heat(struct work *w)
     return error;
 }
 
-/* Where the heat in the plane is as it is at the radius (core/heat/heat_kernel.h). */
+/* Where the heat in the plane is as it is at the radius (isotherm/heat_kernel.h). */
 static double contour_level(void)
 {
     const double pi = 3.14159265358979323846;

@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 
 /* The 25 points of anthroface that somebody has marked (methods/anthroface.h). */
 enum { SIM_MARKS = 25 };

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/surface/triangulate.h"
+#include "isotherm/triangulate.h"
 
 /* What only the making needs. */
 struct making {

@@ -2,7 +2,7 @@
 #ifndef SIM_LAB_METHODS_SCAN_MESH_H
 #define SIM_LAB_METHODS_SCAN_MESH_H
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 #include "sim/lab/methods/scan.h"
 
 struct sim_scan_mesh {

@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
 #include "core/match/distance.h"
+#include "isotherm/heat_kernel.h"
 #include "sim/lab/methods/method.h"
 #include "sim/lab/methods/scan_mesh.h"
 

@@ -3,7 +3,7 @@
 #define SIM_LAB_PICTURE_DEPTH_H
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 /* Draws depth in colours from the nearest (bright) to the farthest (dark) of the middle 98% of the
  * measured pixels, black where nothing was measured, with a bar of the colours in mm beside it.

@@ -3,7 +3,7 @@
 #define SIM_LAB_PICTURE_DEPTH_ERROR_H
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 #include "sim/world/view/view.h"
 
 /* Draws measured - true: grey where they agree, red where the measured depth is farther, blue where

@@ -3,7 +3,7 @@
 #define SIM_LAB_PICTURE_FACE_H
 
 #include "core/base/fault.h"
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 
 /* What there is to be drawn, in the face frame; all belongs to the caller. */
 struct sim_face {

@@ -3,8 +3,8 @@
 #define SIM_LAB_PICTURE_FIT_H
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
-#include "core/landmark/landmark.h"
+#include "isotherm/frame.h"
+#include "isotherm/landmark.h"
 
 enum { SIM_FIT_CAPTIONS = 3 };
 

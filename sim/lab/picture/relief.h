@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 
 /* Brightness 0.1..1 of a measured pixel as if its surface were lit from the upper left. The surface
  * is the plane through what is measured within `reach_px` (>= 1) pixels and 30 mm; the more, the

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-#include "core/surface/mesh.h"
 #include "core/surface/raster.h"
+#include "isotherm/mesh.h"
 #include "sim/lab/draw/canvas.h"
 
 /* From where a face is looked at: face frame, nose tip at the centre of the picture unless moved.

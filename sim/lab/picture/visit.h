@@ -5,8 +5,8 @@
 #include <stdbool.h>
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
-#include "core/landmark/landmark.h"
+#include "isotherm/frame.h"
+#include "isotherm/landmark.h"
 
 enum { SIM_VISIT_PANELS = 4 };
 

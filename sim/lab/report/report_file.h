@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 #include "core/base/fault.h"
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 
 /* Writes what a file is to contain. */
 typedef void sim_report_writer(const void *context, FILE *out);

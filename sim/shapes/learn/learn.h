@@ -1,11 +1,11 @@
-/* Classifiers of other libraries, behind the interface of core/shape/classify/classifier.h: the one
+/* Classifiers of other libraries, behind the interface of isotherm/classifier.h: the one
  * place that knows libsvm and OpenCV's ml. A build without one of them lacks its classifier; that
  * of OpenCV is in the module `trees` (drivers/base/module.h). */
 #ifndef ISO_SIM_SHAPES_LEARN_LEARN_H
 #define ISO_SIM_SHAPES_LEARN_LEARN_H
 
 #include "core/base/fault.h"
-#include "core/shape/classify/classifier.h"
+#include "isotherm/classifier.h"
 
 /* Of this build; the table ends with NULL:
  *

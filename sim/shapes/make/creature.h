@@ -7,7 +7,7 @@
 #ifndef SIM_SHAPES_MAKE_CREATURE_H
 #define SIM_SHAPES_MAKE_CREATURE_H
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 #include "sim/shapes/make/skeleton.h"
 
 struct sim_creature {

@@ -8,9 +8,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "core/shape/describe/shape.h"
 #include "core/surface/clean.h"
-#include "core/surface/triangulate.h"
+#include "isotherm/shape.h"
+#include "isotherm/triangulate.h"
 #include "sim/base/progress.h"
 #include "sim/lab/match/capture.h"
 #include "sim/shapes/make/manifest.h"

@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 
 /* Samples of a field on a grid of nx x ny x nz nodes; node (i, j, k) is at
  * origin + pitch (i, j, k), its value at (k ny + j) nx + i. */

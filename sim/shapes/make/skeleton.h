@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 #include "sim/base/random.h"
 
 enum { SIM_LIMB_JOINTS_MAX = 12, SIM_BONES_MAX = 96, SIM_LIMBS_MAX = 24 };

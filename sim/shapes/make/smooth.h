@@ -2,7 +2,7 @@
 #ifndef SIM_SHAPES_MAKE_SMOOTH_H
 #define SIM_SHAPES_MAKE_SMOOTH_H
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 
 /* Taubin's filter (SIGGRAPH 1995): so many double steps of lambda 0.5 and mu -0.53 with umbrella
  * weights, which takes noise away and leaves limbs as thick as they are. Vertices of a boundary

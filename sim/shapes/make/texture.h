@@ -2,7 +2,7 @@
 #ifndef SIM_SHAPES_MAKE_TEXTURE_H
 #define SIM_SHAPES_MAKE_TEXTURE_H
 
-#include "core/shape/describe/shape.h"
+#include "isotherm/shape.h"
 #include "sim/base/random.h"
 
 enum sim_texture {

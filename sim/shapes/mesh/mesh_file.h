@@ -16,7 +16,7 @@
 #include <stddef.h>
 
 #include "core/base/fault.h"
-#include "core/shape/describe/shape.h"
+#include "isotherm/shape.h"
 
 /* A mesh and the colours of its vertices, if it has any. All-zero is empty. */
 struct iso_coloured_mesh {
@@ -67,7 +67,7 @@ struct iso_mesh_mended {
  *  - vertices of no triangle are left out;
  *  - boundaries, edges of more than two triangles, triangles without area, triangles that are
  *    turned inside out and several components stay: heat needs nothing else. What becomes of them
- *    says core/shape/describe/shape.h.
+ *    says isotherm/shape.h.
  *
  * What is left keeps its order. `report` may be NULL. -EBADMSG if no triangle is left, -ENOMEM; the
  * mesh is then as it was. */

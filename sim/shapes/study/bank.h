@@ -2,7 +2,7 @@
 #ifndef SIM_SHAPES_STUDY_BANK_H
 #define SIM_SHAPES_STUDY_BANK_H
 
-#include "core/shape/describe/method.h"
+#include "isotherm/shape_method.h"
 #include "sim/shapes/make/distort.h"
 #include "sim/shapes/make/manifest.h"
 

@@ -5,9 +5,9 @@
 #ifndef SIM_SHAPES_STUDY_RETRIEVE_H
 #define SIM_SHAPES_STUDY_RETRIEVE_H
 
-#include "core/shape/classify/classifier.h"
 #include "core/shape/classify/confusion.h"
 #include "core/shape/classify/retrieval.h"
+#include "isotherm/classifier.h"
 #include "sim/shapes/study/bank.h"
 
 /* Features of a corpus, and of queries that were described apart from it. */

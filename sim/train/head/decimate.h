@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 struct sim_decimate_options {
     uint32_t n_target;        /* vertices to stop at */

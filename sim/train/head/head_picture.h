@@ -3,7 +3,7 @@
 #define SIM_TRAIN_HEAD_HEAD_PICTURE_H
 
 #include "core/base/fault.h"
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 
 /* Writes PNG files into a directory that exists: mean.png, mesh.png (with the triangles' edges)
  * and, for the first five identity and expression modes, identity-N-minus.png and so on, two

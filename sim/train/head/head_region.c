@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 #include "sim/train/head/head_exposure.h"
 
 /* In the face frame: from the forehead below the hair line to just under the chin. */

@@ -5,8 +5,8 @@
 
 #include <stdint.h>
 
-#include "core/base/vec.h"
-#include "core/landmark/landmark.h"
+#include "isotherm/landmark.h"
+#include "isotherm/vec.h"
 #include "sim/world/face/ict.h"
 
 /* Where a vertex comes from: halfway between two vertices of the head model (mostly the same one

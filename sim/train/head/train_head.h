@@ -1,8 +1,8 @@
-/* Training the compact head model (core/landmark/head_model.h) from the statistical head model. */
+/* Training the compact head model (isotherm/head_model.h) from the statistical head model. */
 #ifndef SIM_TRAIN_HEAD_TRAIN_HEAD_H
 #define SIM_TRAIN_HEAD_TRAIN_HEAD_H
 
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 #include "sim/world/face/ict.h"
 
 struct sim_train_head_options {

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 
 /* Samples of known people: rows of residuals [n][n_values], and whose each is, from 0. */
 struct sim_metric_samples {

@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 #include "core/base/fault.h"
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 #include "sim/lab/match/capture.h"
 
 /* All zero: there are none yet. */

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 
 /* Comparisons of strangers: the metric's calibrated score, and -ln(rms / 1 mm) of the upper faces'
  * misfit (NaN: they could not be registered; not counted). */

@@ -3,7 +3,7 @@
 #ifndef SIM_TRAIN_METRIC_TRAIN_COHORT_H
 #define SIM_TRAIN_METRIC_TRAIN_COHORT_H
 
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 #include "sim/world/face/ict.h"
 #include "sim/world/sensor/sensor.h"
 

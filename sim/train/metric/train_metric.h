@@ -1,4 +1,4 @@
-/* Training of the metric (core/match/metric.h) on corpora of generated people.
+/* Training of the metric (isotherm/metric.h) on corpora of generated people.
  *
  * Every usable frame of every row goes through the extractor, as in an evaluation. A person is a
  * subject of a corpus; corpora share nobody. One person in five is left out of the learning and
@@ -7,8 +7,8 @@
 #define SIM_TRAIN_METRIC_TRAIN_METRIC_H
 
 #include "core/base/fault.h"
-#include "core/extract/extract.h"
-#include "core/match/metric.h"
+#include "isotherm/extract.h"
+#include "isotherm/metric.h"
 
 enum { SIM_METRIC_CORPORA_MAX = ISO_METRIC_ORIGINS_MAX };
 

@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 #include "sim/world/face/ict.h"
 
 /* Populations are separate streams of random numbers: nobody of one is in another. Any other name

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 #include "sim/world/view/view.h"
 
 struct sim_solid {

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "core/landmark/landmark.h"
+#include "isotherm/landmark.h"
 #include "sim/base/random.h"
 #include "sim/world/face/ict.h"
 #include "sim/world/face/person.h"

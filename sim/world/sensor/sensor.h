@@ -8,7 +8,7 @@
 #include <stdbool.h>
 
 #include "core/base/fault.h"
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 #include "sim/base/random.h"
 #include "sim/world/sensor/infrared.h"
 #include "sim/world/view/view.h"

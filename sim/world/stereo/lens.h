@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "core/frame/camera.h"
+#include "isotherm/camera.h"
 
 struct sim_lens {
     struct iso_camera camera;

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/frame/camera.h"
+#include "isotherm/camera.h"
 
 enum sim_material {
     SIM_NOTHING = 0,

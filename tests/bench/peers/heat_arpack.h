@@ -4,7 +4,7 @@
 #ifndef TESTS_BENCH_PEERS_HEAT_ARPACK_H
 #define TESTS_BENCH_PEERS_HEAT_ARPACK_H
 
-#include "core/heat/stiffness_mass.h"
+#include "isotherm/stiffness_mass.h"
 
 /* k eigenpairs of L phi = lambda B phi nearest to the shift < 0, ascending: lambda [k], phi [k][n].
  * -ENOMEM, -ENOTRECOVERABLE if ARPACK gives up, errors of the factorisation. ARPACK keeps static

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "core/heat/grid/heat_grid.h"
-#include "core/heat/heat_kernel.h"
 #include "core/isotherm/grid_isotherm.h"
+#include "isotherm/heat_kernel.h"
 #include "tests/bench/peers/heat_arpack.h"
 #include "tests/bench/peers/heat_peers.h"
 

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-#include "core/isotherm/isotherm.h"
-#include "core/landmark/landmark.h"
+#include "isotherm/isotherm_curve.h"
+#include "isotherm/landmark.h"
 #include "tests/core/surfaces/grid_surface.h"
 #include "tests/core/surfaces/matrices.h"
 

@@ -2,7 +2,7 @@
 #ifndef TESTS_CORE_EXTRACT_EXTRACT_RIG_H
 #define TESTS_CORE_EXTRACT_EXTRACT_RIG_H
 
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 
 struct extract_rig {
     struct iso_head_model *model;

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "core/extract/extract.h"
+#include "isotherm/extract.h"
 #include "tests/core/surfaces/rendered_head.h"
 #include "tests/core/surfaces/shipped_model.h"
 #include "tests/support/memory/scarce_memory.h"

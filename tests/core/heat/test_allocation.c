@@ -12,9 +12,9 @@
 
 #include "core/heat/grid/grid_stencil.h"
 #include "core/heat/grid/heat_grid.h"
-#include "core/heat/heat_kernel.h"
 #include "core/isotherm/grid_isotherm.h"
-#include "core/surface/triangulate.h"
+#include "isotherm/heat_kernel.h"
+#include "isotherm/triangulate.h"
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/memory/scarce_memory.h"

@@ -11,11 +11,11 @@
 
 #include <cmocka.h>
 
-#include "core/heat/heat_kernel.h"
-#include "core/isotherm/isotherm.h"
-#include "core/landmark/head_model.h"
 #include "core/surface/raster.h"
-#include "core/surface/triangulate.h"
+#include "isotherm/head_model.h"
+#include "isotherm/heat_kernel.h"
+#include "isotherm/isotherm_curve.h"
+#include "isotherm/triangulate.h"
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/reference_heat.h"
 #include "tests/core/surfaces/shapes.h"

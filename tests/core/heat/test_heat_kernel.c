@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "core/heat/heat_kernel.h"
+#include "isotherm/heat_kernel.h"
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/reference_heat.h"
 #include "tests/core/surfaces/shapes.h"

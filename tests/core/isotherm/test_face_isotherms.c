@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "core/heat/heat_kernel.h"
 #include "core/isotherm/face_isotherms.h"
-#include "core/surface/triangulate.h"
+#include "isotherm/heat_kernel.h"
+#include "isotherm/triangulate.h"
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/rendered_head.h"
 #include "tests/core/surfaces/shapes.h"

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "core/heat/heat_kernel.h"
-#include "core/isotherm/isotherm.h"
+#include "isotherm/heat_kernel.h"
+#include "isotherm/isotherm_curve.h"
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/shapes.h"
 

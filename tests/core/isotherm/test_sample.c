@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "core/isotherm/isotherm.h"
+#include "isotherm/isotherm_curve.h"
 
 static const struct iso_vec3 origin = {0, 0, 0};
 

@@ -2,7 +2,7 @@
 #ifndef TESTS_CORE_LANDMARK_SMALL_HEAD_MODEL_H
 #define TESTS_CORE_LANDMARK_SMALL_HEAD_MODEL_H
 
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 
 /* Where things are in the file of the small model, by the layout of head_model.h. */
 enum {

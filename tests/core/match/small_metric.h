@@ -2,7 +2,7 @@
 #ifndef TESTS_CORE_MATCH_SMALL_METRIC_H
 #define TESTS_CORE_MATCH_SMALL_METRIC_H
 
-#include "core/match/metric.h"
+#include "isotherm/metric.h"
 
 enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
 

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "core/match/index.h"
+#include "isotherm/index.h"
 #include "tests/support/memory/scarce_memory.h"
 
 enum { DIMENSIONS = 150, PEOPLE = 3000, SHORTLIST = 10 };

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "core/extract/extract.h"
 #include "core/presentation/presentation.h"
+#include "isotherm/extract.h"
 #include "tests/core/surfaces/presented.h"
 #include "tests/core/surfaces/rendered_head.h"
 #include "tests/core/surfaces/shipped_model.h"

@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "core/shape/classify/classifier.h"
 #include "core/shape/classify/confusion.h"
 #include "core/shape/classify/retrieval.h"
+#include "isotherm/classifier.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/memory/scarce_memory.h"
 

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "core/shape/classify/classifier.h"
+#include "isotherm/classifier.h"
 #include "tests/support/near.h"
 
 enum { CLASSES = 3, EACH = 8, N = CLASSES * EACH, SIZE = 12 };

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "core/shape/describe/method.h"
 #include "core/shape/describe/vocabulary.h"
+#include "isotherm/shape_method.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "core/heat/eigenpairs.h"
+#include "isotherm/eigenpairs.h"
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"

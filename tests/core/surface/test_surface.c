@@ -11,7 +11,7 @@
 
 #include "core/surface/clean.h"
 #include "core/surface/fill.h"
-#include "core/surface/triangulate.h"
+#include "isotherm/triangulate.h"
 
 enum { W = 9, H = 6 };
 

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "core/surface/triangulate.h"
+#include "isotherm/triangulate.h"
 
 enum { WIDE = 37, HIGH = 23, PIXELS = WIDE * HIGH };
 

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "core/landmark/head_model.h"
 #include "core/surface/face_patch.h"
 #include "core/surface/raster.h"
+#include "isotherm/head_model.h"
 
 enum { COLUMNS = 75, ROWS = 58 };
 

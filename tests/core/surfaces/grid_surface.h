@@ -4,7 +4,7 @@
 #define TESTS_CORE_SURFACES_GRID_SURFACE_H
 
 #include "core/surface/grid.h"
-#include "core/surface/triangulate.h"
+#include "isotherm/triangulate.h"
 
 struct grid_surface {
     struct iso_frame *frame;

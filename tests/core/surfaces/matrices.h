@@ -2,7 +2,7 @@
 #ifndef TESTS_CORE_SURFACES_MATRICES_H
 #define TESTS_CORE_SURFACES_MATRICES_H
 
-#include "core/heat/stiffness_mass.h"
+#include "isotherm/stiffness_mass.h"
 
 struct matrices {
     struct iso_symmetric *stiffness, *mass;

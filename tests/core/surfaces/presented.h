@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 #include "sim/base/random.h"
 #include "sim/world/sensor/sensor.h"
 

@@ -4,7 +4,7 @@
 #ifndef TESTS_CORE_SURFACES_REFERENCE_HEAT_H
 #define TESTS_CORE_SURFACES_REFERENCE_HEAT_H
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 #include "tests/core/surfaces/matrices.h"
 
 /* Heat column of one source at n_times times, out[j * n] for time j, relative error about 1e-11.

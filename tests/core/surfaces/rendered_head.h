@@ -3,9 +3,9 @@
 #ifndef TESTS_CORE_SURFACES_RENDERED_HEAD_H
 #define TESTS_CORE_SURFACES_RENDERED_HEAD_H
 
-#include "core/frame/frame.h"
-#include "core/landmark/head_model.h"
-#include "core/surface/mesh.h"
+#include "isotherm/frame.h"
+#include "isotherm/head_model.h"
+#include "isotherm/mesh.h"
 
 /* 640 x 480, its principal point off the middle, focal lengths that differ a little. */
 struct iso_camera rendered_head_camera(void);

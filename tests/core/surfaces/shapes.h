@@ -4,7 +4,7 @@
 #ifndef TESTS_CORE_SURFACES_SHAPES_H
 #define TESTS_CORE_SURFACES_SHAPES_H
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 
 /* A flat sheet of columns x rows vertices about the origin in the plane z = 0, vertex
  * row * columns + column, diagonals turned about by place so that no direction is preferred. */

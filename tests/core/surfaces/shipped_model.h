@@ -2,7 +2,7 @@
 #ifndef TESTS_CORE_SURFACES_SHIPPED_MODEL_H
 #define TESTS_CORE_SURFACES_SHIPPED_MODEL_H
 
-#include "core/landmark/head_model.h"
+#include "isotherm/head_model.h"
 
 /* Free with iso_head_model_free. Failures fail the running cmocka test. */
 struct iso_head_model *shipped_head_model(void);

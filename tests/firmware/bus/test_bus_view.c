@@ -8,7 +8,7 @@
 #include "firmware/contract/contract.h"
 #include "tests/firmware/rigs/bus_rig.h"
 
-/* Every word of core/base/capture.h goes out as what it is. */
+/* Every word of isotherm/capture.h goes out as what it is. */
 static void tells_everybody_every_hint(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);

@@ -7,11 +7,11 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "core/extract/extract.h"
 #include "core/match/distance.h"
 #include "drivers/door/door_io.h"
 #include "drivers/sensor/contract/sensor.h"
 #include "firmware/config/config.h"
+#include "isotherm/extract.h"
 #include "tests/support/scratch.h"
 
 static void holds_defaults_without_a_file(void **state)

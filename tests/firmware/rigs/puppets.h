@@ -8,11 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/base/capture.h"
 #include "core/base/clock.h"
-#include "core/match/template.h"
 #include "firmware/recognise/pipeline.h"
 #include "firmware/sensor/sensor_supervisor.h"
+#include "isotherm/template.h"
 
 enum { PUPPET_ALGORITHM = 0x51, PUPPET_MODEL = 0xabc, PUPPET_FRAMES_MAX = 128 };
 

@@ -13,9 +13,9 @@
 
 #include <cmocka.h>
 
-#include "core/extract/extract.h"
 #include "core/presentation/frame_memory.h"
 #include "drivers/recording/recording.h"
+#include "isotherm/extract.h"
 #include "sim/corpus/corpus.h"
 #include "sim/world/scene/room.h"
 #include "sim/world/scene/sitter.h"

@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "core/extract/extract.h"
 #include "drivers/file/png.h"
+#include "isotherm/extract.h"
 #include "tests/support/scratch.h"
 
 enum { NAMES_MAX = 32, NAME_MAX_BYTES = 32 };

@@ -10,10 +10,10 @@
 
 #include <cmocka.h>
 
-#include "core/extract/extract.h"
 #include "drivers/recording/recording.h"
 #include "drivers/vision/face_check.h"
 #include "drivers/vision/face_detector.h"
+#include "isotherm/extract.h"
 #include "sim/corpus/corpus.h"
 #include "tests/support/devices/painted_face.h"
 #include "tests/support/scratch.h"

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "core/extract/extract.h"
 #include "core/match/rerank.h"
+#include "isotherm/extract.h"
 #include "sim/base/data_file.h"
 #include "sim/base/random.h"
 #include "sim/corpus/corpus.h"

@@ -3,7 +3,7 @@
 #ifndef TESTS_SIM_WORLD_GENERATED_H
 #define TESTS_SIM_WORLD_GENERATED_H
 
-#include "core/frame/frame.h"
+#include "isotherm/frame.h"
 #include "sim/corpus/corpus.h"
 #include "sim/world/generate/generate.h"
 

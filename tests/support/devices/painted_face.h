@@ -4,8 +4,8 @@
 #ifndef TESTS_SUPPORT_DEVICES_PAINTED_FACE_H
 #define TESTS_SUPPORT_DEVICES_PAINTED_FACE_H
 
-#include "core/frame/frame.h"
-#include "core/landmark/landmark.h"
+#include "isotherm/frame.h"
+#include "isotherm/landmark.h"
 
 /* How bright skin at 1 m is; 0.1 is like a Kinect v2's. */
 void painted_face(struct iso_frame *frame, const struct iso_vec3 ibug_mm[ISO_LANDMARKS_IBUG],

@@ -6,8 +6,8 @@
 
 #include <stdint.h>
 
-#include "core/frame/frame.h"
 #include "drivers/stereo/calibration.h"
+#include "isotherm/frame.h"
 
 enum { EYE_PAIR_BASELINE_MM = 60 };
 

@@ -5,12 +5,12 @@
  * (|t_r| + |t_s|) / 12 off the diagonal, sum of incident |t| / 6 on it; lumped: sum of incident |t|
  * / 3. Abdelrahman 2013, eqs. 3.33 and 3.34 with the signs put right (the text's 3.34 is -L, and
  * its diagonal of 3.33 sums over incident triangles). Units: L has none, B is mm^2. */
-#ifndef ISO_CORE_HEAT_STIFFNESS_MASS_H
-#define ISO_CORE_HEAT_STIFFNESS_MASS_H
+#ifndef ISOTHERM_STIFFNESS_MASS_H
+#define ISOTHERM_STIFFNESS_MASS_H
 
 #include <stdint.h>
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 
 /* Symmetric matrix in compressed columns, the lower triangle only, diagonal first in each column,
  * rows ascending. */

@@ -2,14 +2,14 @@
  * the lower end of its spectrum.
  *
  * Everything of this folder is made of the heat kernel K(x, y, t) = sum_i exp(-lambda_i t)
- * phi_i(x) phi_i(y) of such a shape, t as in core/heat/heat_kernel.h (the dissertation's t is twice
+ * phi_i(x) phi_i(y) of such a shape, t as in isotherm/heat_kernel.h (the dissertation's t is twice
  * ours). A shape may have any unit and any size. These are offline tools: functions allocate. */
-#ifndef ISO_CORE_SHAPE_DESCRIBE_SHAPE_H
-#define ISO_CORE_SHAPE_DESCRIBE_SHAPE_H
+#ifndef ISOTHERM_SHAPE_H
+#define ISOTHERM_SHAPE_H
 
-#include "core/heat/eigenpairs.h"
-#include "core/heat/stiffness_mass.h"
-#include "core/surface/mesh.h"
+#include "isotherm/eigenpairs.h"
+#include "isotherm/mesh.h"
+#include "isotherm/stiffness_mass.h"
 
 enum {
     ISO_CHANNELS = 3,

@@ -5,19 +5,19 @@
  *
  * One extractor is one workspace: created once, used for frame after frame by one thread, no
  * allocation of its own after it is created (but by ISO_HEAT_SPECTRAL, which is for comparison). */
-#ifndef ISO_CORE_EXTRACT_EXTRACT_H
-#define ISO_CORE_EXTRACT_EXTRACT_H
+#ifndef ISOTHERM_EXTRACT_H
+#define ISOTHERM_EXTRACT_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/base/capture.h"
-#include "core/frame/frame.h"
 #include "core/landmark/occlusion.h"
 #include "core/landmark/shape_fit.h"
-#include "core/match/template.h"
 #include "core/surface/face_patch.h"
-#include "core/surface/mesh.h"
+#include "isotherm/capture.h"
+#include "isotherm/frame.h"
+#include "isotherm/mesh.h"
+#include "isotherm/template.h"
 
 enum iso_heat_method {
     ISO_HEAT_GRID = 0, /* Chebyshev expansion on the patch's grid; too stiff: as DIRECT */

@@ -7,12 +7,12 @@
  *
  * All features of one coder have one layout. Its parts are what RCR codes apart (classifier.h);
  * other classifiers see one vector. */
-#ifndef ISO_CORE_SHAPE_DESCRIBE_METHOD_H
-#define ISO_CORE_SHAPE_DESCRIBE_METHOD_H
+#ifndef ISOTHERM_SHAPE_METHOD_H
+#define ISOTHERM_SHAPE_METHOD_H
 
 #include <stdbool.h>
 
-#include "core/shape/describe/shape.h"
+#include "isotherm/shape.h"
 
 enum {
     ISO_SHAPE_PARTS_MAX = 8,

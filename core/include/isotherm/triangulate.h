@@ -4,11 +4,11 @@
  * its corners were measured. A triangle with an edge across a depth jump is left out. Vertices are
  * in the frame's camera coordinates, row by row, one for each pixel that a triangle uses; triangles
  * are counter-clockwise seen from the camera. */
-#ifndef ISO_CORE_SURFACE_TRIANGULATE_H
-#define ISO_CORE_SURFACE_TRIANGULATE_H
+#ifndef ISOTHERM_TRIANGULATE_H
+#define ISOTHERM_TRIANGULATE_H
 
-#include "core/frame/frame.h"
-#include "core/surface/mesh.h"
+#include "isotherm/frame.h"
+#include "isotherm/mesh.h"
 
 struct iso_triangulate_options {
     double jump_mm;    /* an edge over which the depth changes by more is cut; > 0 */

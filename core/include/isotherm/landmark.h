@@ -2,8 +2,8 @@
  *
  * A name ending in _r or _l is the SUBJECT's right or left. The indices into the 68-point scheme
  * (iBUG 300-W / Multi-PIE, Sagonas 2013, counted from 0) are in iso_landmark_ibug. */
-#ifndef ISO_CORE_LANDMARK_LANDMARK_H
-#define ISO_CORE_LANDMARK_LANDMARK_H
+#ifndef ISOTHERM_LANDMARK_H
+#define ISOTHERM_LANDMARK_H
 
 enum iso_landmark {
     ISO_LM_NASION,

@@ -3,12 +3,12 @@
  * Camera frame: x right, y down, z forward along the optical axis, millimetres. Pixel (u, v) has
  * its centre at integer coordinates, u to the right, v down, counted in the sensor's FULL image:
  * a cropped frame carries its offset (frame.h), so that one camera serves every crop of it. */
-#ifndef ISO_CORE_FRAME_CAMERA_H
-#define ISO_CORE_FRAME_CAMERA_H
+#ifndef ISOTHERM_CAMERA_H
+#define ISOTHERM_CAMERA_H
 
 #include <stdbool.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 enum iso_projection {
     ISO_PROJECTION_NONE = 0,

@@ -7,13 +7,13 @@
  * It is then sampled at n points by polar angle about the landmark in the face frame: from the
  * face's +y, counter-clockwise seen from the front (x to the subject's left is to the viewer's
  * right, so +y, -x, -y, +x). */
-#ifndef ISO_CORE_ISOTHERM_ISOTHERM_H
-#define ISO_CORE_ISOTHERM_ISOTHERM_H
+#ifndef ISOTHERM_ISOTHERM_CURVE_H
+#define ISOTHERM_ISOTHERM_CURVE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/surface/mesh.h"
+#include "isotherm/mesh.h"
 
 enum { ISO_ISOTHERM_POINTS_MAX = 64 };
 

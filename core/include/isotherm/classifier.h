@@ -3,10 +3,10 @@
  * Each learns from labelled features and gives a score for every class. Those that also measure how
  * far a feature is from each one it learnt from (nearest neighbour, CRC-RLS, RCR) rank a gallery:
  * that ranking never looks at labels. Classifiers of other libraries: sim/shapes/learn/. */
-#ifndef ISO_CORE_SHAPE_CLASSIFY_CLASSIFIER_H
-#define ISO_CORE_SHAPE_CLASSIFY_CLASSIFIER_H
+#ifndef ISOTHERM_CLASSIFIER_H
+#define ISOTHERM_CLASSIFIER_H
 
-#include "core/shape/describe/method.h"
+#include "isotherm/shape_method.h"
 
 /* Features with their classes; borrowed. */
 struct iso_labelled {

@@ -24,11 +24,11 @@
  * One thread at a time may use an index, also for a search, which works in memory of the index. The
  * content is biometric: it is wiped when it is moved, removed or freed. A search wipes its working
  * memory at its end. */
-#ifndef ISO_CORE_MATCH_INDEX_H
-#define ISO_CORE_MATCH_INDEX_H
+#ifndef ISOTHERM_INDEX_H
+#define ISOTHERM_INDEX_H
 
-#include "core/match/metric.h"
 #include "core/match/search.h"
+#include "isotherm/metric.h"
 
 enum {
     ISO_INDEX_TEMPLATES_MAX = 16, /* of one person */

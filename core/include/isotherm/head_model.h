@@ -14,14 +14,14 @@
  *   68 x { uint16 triangle; uint16 reserved 0; float32 weight[3] }: the iBUG landmarks;
  *   (n_identity + n_expression) x { float32 scale; int16 mode[n_vertices][3] }: mm = scale * int.
  */
-#ifndef ISO_CORE_LANDMARK_HEAD_MODEL_H
-#define ISO_CORE_LANDMARK_HEAD_MODEL_H
+#ifndef ISOTHERM_HEAD_MODEL_H
+#define ISOTHERM_HEAD_MODEL_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/base/vec.h"
-#include "core/landmark/landmark.h"
+#include "isotherm/landmark.h"
+#include "isotherm/vec.h"
 
 enum {
     ISO_HEAD_VERTICES_MAX = 4096,

@@ -4,14 +4,14 @@
  * (column + crop_x_px, row + crop_y_px). Depth is along the optical axis in millimetres; 0 means
  * not measured, and nothing else does: NaN, infinite and negative depths are refused on entry by
  * iso_frame_check, so that every later step may test `> 0` alone. */
-#ifndef ISO_CORE_FRAME_FRAME_H
-#define ISO_CORE_FRAME_FRAME_H
+#ifndef ISOTHERM_FRAME_H
+#define ISOTHERM_FRAME_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/frame/camera.h"
+#include "isotherm/camera.h"
 
 struct iso_frame {
     struct iso_camera camera;

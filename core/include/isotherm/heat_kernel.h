@@ -16,14 +16,14 @@
  *    one Krylov space. For general meshes, the default.
  *
  * On a depth grid there is a third, faster one: heat_grid.h. */
-#ifndef ISO_CORE_HEAT_HEAT_KERNEL_H
-#define ISO_CORE_HEAT_HEAT_KERNEL_H
+#ifndef ISOTHERM_HEAT_KERNEL_H
+#define ISOTHERM_HEAT_KERNEL_H
 
 #include <stdint.h>
 
-#include "core/heat/eigenpairs.h"
-#include "core/heat/stiffness_mass.h"
-#include "core/surface/mesh.h"
+#include "isotherm/eigenpairs.h"
+#include "isotherm/mesh.h"
+#include "isotherm/stiffness_mass.h"
 
 /* Spectral columns: out[(s * n_times + j) * n] for source s and time j, n = pairs->n. */
 void iso_heat_spectral(const struct iso_eigenpairs *pairs, const struct iso_mesh *mesh,

@@ -22,10 +22,10 @@
  * people that the projection was not learned from, before several sensors (what it comes to on
  * others: sim/results/scores.md). One threshold is then one false match rate. The few candidates
  * that a search leaves are looked at again: rerank.h. */
-#ifndef ISO_CORE_MATCH_METRIC_H
-#define ISO_CORE_MATCH_METRIC_H
+#ifndef ISOTHERM_METRIC_H
+#define ISOTHERM_METRIC_H
 
-#include "core/match/template.h"
+#include "isotherm/template.h"
 
 enum {
     ISO_METRIC_DIMENSIONS_MAX = 160,

@@ -6,10 +6,10 @@
  * multiple eigenvalues, as symmetric and unconnected surfaces have them, and work at the speed of
  * matrix products. Whether none was missed is counted by Sylvester's law of inertia. No static
  * state: any number of threads may solve at once. */
-#ifndef ISO_CORE_HEAT_EIGENPAIRS_H
-#define ISO_CORE_HEAT_EIGENPAIRS_H
+#ifndef ISOTHERM_EIGENPAIRS_H
+#define ISOTHERM_EIGENPAIRS_H
 
-#include "core/heat/stiffness_mass.h"
+#include "isotherm/stiffness_mass.h"
 
 struct iso_eigenpairs {
     int32_t n, k;

@@ -3,15 +3,15 @@
  *
  * Fixed size, no pointers: it can be copied, compared and wiped as a whole. Points of weight 0 are
  * missing (open isotherm, or surface that was filled in rather than measured). */
-#ifndef ISO_CORE_MATCH_TEMPLATE_H
-#define ISO_CORE_MATCH_TEMPLATE_H
+#ifndef ISOTHERM_TEMPLATE_H
+#define ISOTHERM_TEMPLATE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/landmark/landmark.h"
 #include "core/match/upper_face.h"
+#include "isotherm/landmark.h"
 
 enum {
     ISO_TEMPLATE_VERSION = 2,

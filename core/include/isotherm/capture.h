@@ -3,8 +3,8 @@
  * something is there, and nothing about it is like a face.
  *
  * Directions are the SUBJECT's: "move-left" asks the person to step to his or her own left. */
-#ifndef ISO_CORE_BASE_CAPTURE_H
-#define ISO_CORE_BASE_CAPTURE_H
+#ifndef ISOTHERM_CAPTURE_H
+#define ISOTHERM_CAPTURE_H
 
 #include <stdbool.h>
 

@@ -3,13 +3,13 @@
  * Plain arrays, owned by the struct. Triangles are counter-clockwise seen from outside (for a depth
  * grid: from the camera). A mesh that is built again and again for frames is created once with its
  * largest size and refilled, so that nothing is allocated per frame. */
-#ifndef ISO_CORE_SURFACE_MESH_H
-#define ISO_CORE_SURFACE_MESH_H
+#ifndef ISOTHERM_MESH_H
+#define ISOTHERM_MESH_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 struct iso_mesh {
     int32_t n_vertices, n_triangles;

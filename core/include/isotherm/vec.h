@@ -2,8 +2,8 @@
  *
  * A transform is named for its frames, destination first: `camera_from_face` takes a point of the
  * face frame to the camera frame. Lengths are millimetres unless a name says otherwise. */
-#ifndef ISO_CORE_BASE_VEC_H
-#define ISO_CORE_BASE_VEC_H
+#ifndef ISOTHERM_VEC_H
+#define ISOTHERM_VEC_H
 
 #include <math.h>
 
