@@ -1,6 +1,6 @@
 # isotherm_module(NAME SOURCES sources... LIBS targets...): a shared object isotherm-NAME.so that programs load when they are
-# configured to (drivers/base/module.h). It lies in the folder isotherm beside libisotherm.so, here as where it is installed, and
-# exports one symbol.
+# configured to (drivers/base/module.h). It lies beside libisotherm-core.so, here as where it is installed, and exports one
+# symbol.
 function(isotherm_module name)
   cmake_parse_arguments(M "" "" "SOURCES;LIBS" ${ARGN})
   set(target isotherm-module-${name})
@@ -16,10 +16,7 @@ function(isotherm_module name)
   set_target_properties(${target} PROPERTIES
     PREFIX "" OUTPUT_NAME isotherm-${name} LINK_DEPENDS ${map}
     C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
-    LIBRARY_OUTPUT_DIRECTORY $<TARGET_FILE_DIR:isotherm-core>/isotherm
-    BUILD_RPATH "$ORIGIN/..") # as where it is installed: CMake would pad a shorter one with the current directory
-  if(NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr")
-    set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/..")
-  endif()
+    LIBRARY_OUTPUT_DIRECTORY $<TARGET_FILE_DIR:isotherm-core>
+    BUILD_RPATH "$ORIGIN" INSTALL_RPATH "$ORIGIN")
   install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/isotherm)
 endfunction()

@@ -83,7 +83,9 @@ FNR == 1 {
         fault("\"" header "\" is not written from the project root")
     } else if (quoted) {
         rule = deepest_rule(source)
-        if (!allowed(rule, in_its_room(header))) {
+        if (FILENAME ~ /^core\/include\// && header !~ /^isotherm\//) {
+            fault("a public header may not include \"" header "\", which is not installed")
+        } else if (!allowed(rule, in_its_room(header))) {
             fault(rule " may not include \"" header "\"")
         }
     } else if (FILENAME ~ /^core\// && header ~ impure) {

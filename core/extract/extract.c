@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/extract/extract_inside.h"
 #include "core/extract/extract_workspace.h"
 
 /* A mean face that fits worse than this, rms-like with residuals limited to 6 mm, sits on something

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "core/extract/extract_inside.h"
 #include "core/extract/extract_workspace.h"
 
 const char *iso_heat_method_name(enum iso_heat_method method)

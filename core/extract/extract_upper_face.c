@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "core/extract/extract_workspace.h"
+#include "core/match/upper_face.h"
 
 /* The patch's depth between its pixels, bilinear; 0 where there is none. */
 static double depth_at(const struct iso_frame *grid, double column, double row)

@@ -11,18 +11,7 @@
 
 #include "core/landmark/meeting.h"
 #include "core/landmark/pose_fit.h"
-
-enum { ISO_SHAPE_FIT_JAWS_MAX = 3 };
-
-struct iso_shape_fit_options {
-    int rigid_iterations, iterations; /* 1..64 each */
-    int jaws;                         /* starts: 1 mouth shut, 2 also half, 3 also wide open */
-    int vertices;                     /* compared at most; 0: all of the face */
-    double cutoff_first_mm, cutoff_last_mm; /* Tukey's, over the iterations with modes */
-    double soft_weight;                     /* of vertices that are not ISO_HEAD_RIGID, 0..1 */
-    double identity_stiffness_mm2;          /* prior's weight beside a vertex's squared residual */
-    double expression_stiffness_mm2;
-};
+#include "isotherm/head_fit.h"
 
 struct iso_shape_fit {
     struct iso_pose_fit pose;

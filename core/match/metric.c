@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "core/match/upper_face.h"
 #include "core/registration/rigid.h"
 
 enum { POINTS_MAX = ISO_METRIC_VALUES_MAX / 3, PRESENT_PERCENT_MIN = 30 };

@@ -6,18 +6,13 @@
 
 #include "core/match/cohort.h"
 #include "core/match/rerank.h"
+#include "isotherm/index.h"
 #include "isotherm/metric.h"
 
 /* Refers to a template; the gallery keeps it alive. */
 struct iso_search_entry {
     int64_t person; /* the caller's identifier; several entries may share it */
     const struct iso_template *tmpl;
-};
-
-struct iso_search_hit {
-    int64_t person;
-    double distance_mm; /* of the closest template; NaN by metric */
-    double score;       /* higher is more alike */
 };
 
 /* The best hits by falling score, one a person (its best template): at most `capacity` of them are

@@ -8,7 +8,9 @@
 
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
+#include "core/match/template_fuse.h"
 #include "core/match/template_points.h"
+#include "core/match/upper_face.h"
 #include "core/registration/icp.h"
 
 static const char magic[4] = {'I', 'S', 'O', 'T'};

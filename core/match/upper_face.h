@@ -13,32 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "isotherm/template.h"
 #include "isotherm/vec.h"
-
-#define ISO_UPPER_SPACING_MM 3.0
-#define ISO_UPPER_TOP_MM     87.0
-
-enum {
-    ISO_UPPER_COLUMNS = 49,
-    ISO_UPPER_MIDDLE = 24,
-    ISO_UPPER_ROWS = 37, /* y = 87 to -21 mm */
-    ISO_UPPER_NODES = ISO_UPPER_COLUMNS * ISO_UPPER_ROWS,
-    /* Serialised: for each node two bits, its kind, rounded up to a byte; then for each node with a
-     * surface int16, 1/64 mm. */
-    ISO_UPPER_KIND_BYTES = (ISO_UPPER_NODES + 3) / 4,
-    ISO_UPPER_BYTES_MAX = ISO_UPPER_KIND_BYTES + 2 * ISO_UPPER_NODES,
-};
-
-enum iso_upper_kind {
-    ISO_UPPER_NONE = 0, /* z_mm is 0 */
-    ISO_UPPER_FILLED,
-    ISO_UPPER_MEASURED,
-};
-
-struct iso_upper_face {
-    float z_mm[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS];
-    uint8_t kind[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS]; /* enum iso_upper_kind */
-};
 
 static inline double iso_upper_x_mm(int column)
 {

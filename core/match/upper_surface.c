@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/base/solve.h"
+#include "core/match/upper_face.h"
 
 enum {
     ITERATIONS_MAX = 15,

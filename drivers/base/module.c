@@ -16,14 +16,14 @@ int iso_module_path(const char *name, char path[PATH_MAX], struct iso_fault *fau
 {
     Dl_info library;
     char own[PATH_MAX];
-    /* A function of libisotherm.so. */
+    /* A function of libisotherm-core.so. */
     if (!dladdr((const void *)(uintptr_t)iso_fault_set, &library) ||
         !realpath(library.dli_fname, own)) {
         return iso_fault_set(fault, -ENOENT, "the module %s: the library's own folder is not known",
                              name);
     }
     const int folder = (int)(strrchr(own, '/') - own);
-    const int length = snprintf(path, PATH_MAX, "%.*s/isotherm/isotherm-%s.so", folder, own, name);
+    const int length = snprintf(path, PATH_MAX, "%.*s/isotherm-%s.so", folder, own, name);
     return length < PATH_MAX
                ? 0
                : iso_fault_set(fault, -ENAMETOOLONG, "the module %s: path too long", name);

@@ -3,8 +3,8 @@
  * program loads one when its configuration asks for it, so that it runs without these libraries
  * where it does not.
  *
- * A module lies in the folder `isotherm` beside the libisotherm.so that the process already runs,
- * and is called isotherm-NAME.so: /usr/lib/x86_64-linux-gnu/isotherm/isotherm-stereo.so. There is
+ * A module lies beside the libisotherm-core.so that the process already runs, and is called
+ * isotherm-NAME.so: /usr/lib/x86_64-linux-gnu/isotherm/isotherm-stereo.so. There is
  * no search path, and no variable of the environment or key of the configuration names another
  * place: whoever can put a file there could as well replace the library itself.
  *

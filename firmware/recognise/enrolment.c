@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <math.h>
 
+#include "core/match/template_fuse.h"
+
 void iso_enrolment_begin(struct iso_enrolment *enrolment,
                          const struct iso_enrolment_options *options, int64_t now_ns)
 {

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Gate of the gates: each of the text gates refuses what it is there to refuse.
-# usage: gates_bite.sh [ROOT]
+# usage: gates_bite.sh [ROOT [CC]]
 set -eu
 root=$(cd "${1:-$(dirname "$0")/../..}" && pwd)
+cc=${2:-cc}
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
 
@@ -120,6 +121,10 @@ includes() {
 }
 
 includes core/surface/b.c core/extract/a.h
+includes core/surface/b.c isotherm/extract.h
+includes core/include/isotherm/mesh.h isotherm/extract.h
+includes core/include/isotherm/extract.h core/base/a.h
+includes core/extract/b.c isotherm/nowhere.h
 includes drivers/file/b.c drivers/recording/a.h
 includes drivers/sensor/replay/b.c drivers/sensor/openni2/a.h
 includes firmware/gallery/b.c firmware/visit/a.h
@@ -210,6 +215,35 @@ refuses "$root/tests/gate/docs.sh" "$copy"
 what='a README of 169 lines'
 yes 'A line.' | head -169 >"$copy/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
+
+# A library and its public headers.
+library() {
+    fresh_tree
+    mkdir -p "$copy/core/include/isotherm" "$copy/board/debian"
+    printf '%s\n' 'struct iso_b { int (*c)(int); };' 'static inline int iso_c(int c) { return c; }' 'int iso_a(int);' \
+        'extern const int iso_d[2];' >"$copy/core/include/isotherm/a.h"
+    printf 'libisotherm.so.0 libisotherm0 #MINVER#\n iso_a@Base 0.1.0\n iso_d@Base 0.1.0\n' >"$copy/board/debian/libisotherm0.symbols"
+    $cc -shared -fPIC -x c - -o "$copy/lib.so" <<END
+int iso_a(int a) { return a; }
+const int iso_d[2] = {1, 2};
+$1
+END
+}
+
+library ''
+passes "$root/tests/gate/exports.sh" "$copy/lib.so" "$cc" "$copy"
+what='a library that exports what no public header declares'
+library 'int iso_e(int a) { return a; }'
+refuses "$root/tests/gate/exports.sh" "$copy/lib.so" "$cc" "$copy"
+what='a library that lacks what a public header declares'
+library ''
+echo 'int iso_e(int);' >>"$copy/core/include/isotherm/a.h"
+echo ' iso_e@Base 0.1.0' >>"$copy/board/debian/libisotherm0.symbols"
+refuses "$root/tests/gate/exports.sh" "$copy/lib.so" "$cc" "$copy"
+what='a symbols file that lacks what the library exports'
+library ''
+sed -i '/iso_a/d' "$copy/board/debian/libisotherm0.symbols"
+refuses "$root/tests/gate/exports.sh" "$copy/lib.so" "$cc" "$copy"
 
 # A diagram and its source.
 diagram() {

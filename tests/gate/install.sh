@@ -51,6 +51,14 @@ export PKG_CONFIG_SYSROOT_DIR="$root" PKG_CONFIG_LIBDIR="${pc%/*}"
 cflags=$(pkg-config --cflags isotherm)
 libs=$(pkg-config --libs isotherm)
 
+# No header comes along that is not public, and the public ones need no other.
+installed=$(cd "$prefix/include" && find . -name '*.h' | wc -l)
+public=$(find "$here/../../core/include" -name '*.h' | wc -l)
+[ "$installed" -eq "$public" ] || {
+    echo "$installed headers are installed, $public are public" >&2
+    exit 1
+}
+
 cd "$root"
 for header in $(find "$prefix/include/isotherm" -name '*.h'); do
     printf '#include "%s"\n' "$header" | $cc -std=c17 $cflags -Wall -Wextra -Werror -fsyntax-only -x c -

@@ -48,7 +48,7 @@ circle() {
 }
 
 includes=$(printf '%s\n' "$sources" | xargs grep -HE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' |
-    sed -E 's/^([^:]*):[^"]*"([^"]*)".*/\1 \2/')
+    sed -E 's/^([^:]*):[^"]*"([^"]*)".*/\1 \2/; s# isotherm/# core/include/isotherm/#')
 found=$(printf '%s\n' "$includes" | awk 'NF == 2 && $1 != $2' | circle)
 [ -z "$found" ] || fault "files that include each other in a circle:
 $found"

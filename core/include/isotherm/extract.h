@@ -11,11 +11,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/landmark/occlusion.h"
-#include "core/landmark/shape_fit.h"
-#include "core/surface/face_patch.h"
 #include "isotherm/capture.h"
 #include "isotherm/frame.h"
+#include "isotherm/head_fit.h"
+#include "isotherm/head_model.h"
 #include "isotherm/mesh.h"
 #include "isotherm/template.h"
 
@@ -41,6 +40,8 @@ enum iso_stage {
 
 /* "region", "clean", ...; NULL outside the range. */
 const char *iso_stage_name(enum iso_stage stage);
+
+struct iso_tasks; /* the threads of the appliance; not public */
 
 struct iso_extract_options {
     double t_mm2;                             /* time of the heat (heat_kernel.h): 100 */
@@ -119,13 +120,8 @@ int iso_extractor_locate(struct iso_extractor *extractor, const struct iso_frame
  * fit starts.) */
 void iso_extractor_forget(struct iso_extractor *extractor);
 
-/* The head that was fitted in the last run with `fitted`: its triangles are the head model's. */
-struct iso_shape_residuals iso_extractor_fit(const struct iso_extractor *extractor);
-
 /* What the last run with outcome OK worked on, for pictures; valid until the next run. */
 const struct iso_mesh *iso_extractor_mesh(const struct iso_extractor *extractor);
-/* The grid that mesh was made of: it knows what was measured and what filled in. */
-const struct iso_face_patch *iso_extractor_patch(const struct iso_extractor *extractor);
 /* Heat at the mesh's vertices from one landmark, 1/mm^2. */
 const double *iso_extractor_heat(const struct iso_extractor *extractor, enum iso_landmark landmark);
 

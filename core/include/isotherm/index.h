@@ -27,12 +27,17 @@
 #ifndef ISOTHERM_INDEX_H
 #define ISOTHERM_INDEX_H
 
-#include "core/match/search.h"
 #include "isotherm/metric.h"
 
 enum {
     ISO_INDEX_TEMPLATES_MAX = 16, /* of one person */
     ISO_INDEX_HITS_MAX = 64,      /* of one search */
+};
+
+struct iso_search_hit {
+    int64_t person;
+    double distance_mm; /* of the closest template; NaN by metric */
+    double score;       /* higher is more alike */
 };
 
 struct iso_index;

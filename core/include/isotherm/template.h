@@ -10,8 +10,32 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "core/match/upper_face.h"
 #include "isotherm/landmark.h"
+
+#define ISO_UPPER_SPACING_MM 3.0
+#define ISO_UPPER_TOP_MM     87.0
+
+enum {
+    ISO_UPPER_COLUMNS = 49,
+    ISO_UPPER_MIDDLE = 24,
+    ISO_UPPER_ROWS = 37, /* y = 87 to -21 mm */
+    ISO_UPPER_NODES = ISO_UPPER_COLUMNS * ISO_UPPER_ROWS,
+    /* Serialised: for each node two bits, its kind, rounded up to a byte; then for each node with a
+     * surface int16, 1/64 mm. */
+    ISO_UPPER_KIND_BYTES = (ISO_UPPER_NODES + 3) / 4,
+    ISO_UPPER_BYTES_MAX = ISO_UPPER_KIND_BYTES + 2 * ISO_UPPER_NODES,
+};
+
+enum iso_upper_kind {
+    ISO_UPPER_NONE = 0, /* z_mm is 0 */
+    ISO_UPPER_FILLED,
+    ISO_UPPER_MEASURED,
+};
+
+struct iso_upper_face {
+    float z_mm[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS];
+    uint8_t kind[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS]; /* enum iso_upper_kind */
+};
 
 enum {
     ISO_TEMPLATE_VERSION = 2,
@@ -65,16 +89,5 @@ int iso_template_check(const void *bytes, size_t size, struct iso_template_facts
 
 /* Overwrites it so that the compiler may not leave it out (biometric data). */
 void iso_template_wipe(struct iso_template *tmpl);
-
-struct iso_icp_workspace; /* icp.h */
-
-/* One template from several of the same person (1..64, all of one algorithm and shape): each is
- * registered to the first by trimmed ICP, then points are averaged by weight, and upper faces
- * moved along (the first keeps its place). -EINVAL for
- * none or templates that differ in shape or algorithm, -ENODATA if one has too few points in common
- * with the first to be registered. What was learned leaves no trace in it. `out` may not be one of
- * them. `work` is wiped. */
-int iso_template_fuse(struct iso_icp_workspace *work, const struct iso_template *const *templates,
-                      int n, struct iso_template *out) __attribute__((warn_unused_result));
 
 #endif

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "core/extract/extract_inside.h"
 #include "core/landmark/meeting.h"
 #include "sim/lab/landmarks/measure.h"
 #include "sim/lab/picture/fit.h"

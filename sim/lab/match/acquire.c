@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/match/template_fuse.h"
 #include "core/registration/icp.h"
 
 static void keep(void *context, size_t number, const struct sim_capture *capture)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/extract/extract_inside.h"
 #include "sim/lab/methods/reflectance.h"
 
 int sim_scan_new(int side, double spacing_mm, struct sim_scan **out)

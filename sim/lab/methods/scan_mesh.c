@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/surface/face_patch.h"
 #include "isotherm/triangulate.h"
 
 /* What only the making needs. */

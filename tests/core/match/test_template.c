@@ -13,6 +13,7 @@
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
 #include "core/match/search.h"
+#include "core/match/template_fuse.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;

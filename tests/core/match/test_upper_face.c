@@ -13,6 +13,7 @@
 
 #include "core/match/rerank.h"
 #include "core/match/search.h"
+#include "core/match/upper_face.h"
 #include "core/match/upper_surface.h"
 
 /* What the functions under test work in. */

@@ -250,7 +250,7 @@ static int find_library(struct dl_phdr_info *library, size_t size, void *context
                                               "/run/", "/dev/", "/var/tmp/", "/tmp/"};
     (void)size;
     (void)context;
-    if (!strstr(library->dlpi_name, "/libisotherm.so")) {
+    if (!strstr(library->dlpi_name, "/libisotherm-core.so")) {
         return 0;
     }
     for (size_t i = 0; i < sizeof open_to_all / sizeof *open_to_all; i++) {
@@ -268,7 +268,7 @@ static int find_library(struct dl_phdr_info *library, size_t size, void *context
 static int read_library(void)
 {
     char path[sizeof folder + 32];
-    (void)snprintf(path, sizeof path, "%s/libisotherm.so", folder);
+    (void)snprintf(path, sizeof path, "%s/libisotherm-core.so", folder);
     return try_open(path, O_RDONLY) || try_open(folder, O_RDONLY | O_DIRECTORY);
 }
 

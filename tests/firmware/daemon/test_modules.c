@@ -14,7 +14,7 @@
 
 #define DAEMON  ISOTHERM_BINARY_DIR "/firmware/isothermd"
 #define CLIENT  ISOTHERM_BINARY_DIR "/enroll/isotherm"
-#define LIBRARY ISOTHERM_BINARY_DIR "/core/libisotherm.so.0"
+#define LIBRARY ISOTHERM_BINARY_DIR "/core/isotherm/libisotherm-core.so"
 #define MODULES ISOTHERM_BINARY_DIR "/core/isotherm/"
 #define DATA    ISOTHERM_SOURCE_DIR "/core/data"
 #define NO_BUS  "unix:path=/nonexistent"
@@ -30,9 +30,10 @@ static void copy(const char *from, const char *to)
 static int setup(void **state)
 {
     const int error = scratch_setup(state);
-    copy(LIBRARY, scratch_path(*state, "libisotherm.so.0"));
-    scratch_mkdir(scratch_path(*state, "isotherm"));
-    return error ? error : setenv("LD_LIBRARY_PATH", *state, 1);
+    const char *beside = scratch_path(*state, "isotherm");
+    scratch_mkdir(beside);
+    copy(LIBRARY, scratch_path(beside, "libisotherm-core.so"));
+    return error ? error : setenv("LD_LIBRARY_PATH", beside, 1);
 }
 
 static int teardown(void **state)

@@ -7,13 +7,14 @@ shift 2
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 failures=0
-cp "$library" "$work/libisotherm.so.0"
+mkdir "$work/isotherm"
+cp "$library" "$work/isotherm"
 
 # misses NAME COMMAND...: exit code 3, one line that names the module's package, and nothing is written
 misses() {
     name=$1
     shift
-    LD_LIBRARY_PATH=$work "$simulator" "$@" --out "$work/out" >"$work/stdout" 2>"$work/stderr"
+    LD_LIBRARY_PATH=$work/isotherm "$simulator" "$@" --out "$work/out" >"$work/stdout" 2>"$work/stderr"
     got=$?
     wanted="the module $work/isotherm/isotherm-$name.so is missing: install the package isotherm-$name"
     if [ "$got" -ne 3 ] || [ "$(wc -l <"$work/stderr")" -ne 1 ] || ! grep -qF "$wanted" "$work/stderr"; then
@@ -34,7 +35,7 @@ for module in "$@"; do
     trees)
         misses trees shapes eval --corpus "$work/corpus" --classifier decision-tree
         # All that there are: without it, and that is told.
-        LD_LIBRARY_PATH=$work "$simulator" shapes eval --corpus "$work/corpus" --method shape-dna --classifier all \
+        LD_LIBRARY_PATH=$work/isotherm "$simulator" shapes eval --corpus "$work/corpus" --method shape-dna --classifier all \
             --pictures 0 --out "$work/all" >"$work/stdout" 2>"$work/stderr"
         if [ $? -ne 0 ] || ! grep -q '^isotherm-sim: decision-tree left out: the module ' "$work/stderr" ||
             grep -q '^shape-dna *decision-tree' "$work/stdout" || ! grep -q '^shape-dna *nn-l1' "$work/stdout"; then
