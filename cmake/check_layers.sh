@@ -79,7 +79,9 @@ FNR == 1 {
     quoted = header ~ /^"/
     header = substr(header, 2)
     sub(/[">].*$/, "", header)
-    if (quoted && header !~ /\//) {
+    if (quoted && header !~ /\// && FILENAME ~ /\/examples\//) {
+        next # examples are built by those who have nothing but this folder
+    } else if (quoted && header !~ /\//) {
         fault("\"" header "\" is not written from the project root")
     } else if (quoted) {
         rule = deepest_rule(source)
