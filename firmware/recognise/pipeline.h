@@ -13,6 +13,7 @@
 #include "core/base/fault.h"
 #include "drivers/vision/face_check.h"
 #include "firmware/recognise/method/method.h"
+#include "isotherm/extract.h"
 
 struct iso_pipeline_ops {
     /* The template of a frame, or why there is none: out->outcome. `sensor` is the model of the

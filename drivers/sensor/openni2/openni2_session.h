@@ -9,6 +9,7 @@
 #include "core/base/fault.h"
 #include "drivers/sensor/openni2/openni2_api.h"
 #include "drivers/sensor/openni2/openni2_wish.h"
+#include "isotherm/camera.h"
 
 struct iso__openni2_stream {
     OniStreamHandle handle; /* NULL: there is none */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/match/upper_face.h"
 #include "sim/base/progress.h"
 #include "sim/train/metric/metric_learn.h"
 
