@@ -2,10 +2,11 @@
 
 #include <stddef.h>
 
-/* So many rows are summed in single precision before they are added up in double. */
+/* The rows of one chunk are summed in single precision; the sums of the chunks are added in double
+ * precision. */
 enum { CHUNK = 128 };
 
-/* The block of entries (a .. a+3, b .. b+3) over some rows. */
+/* Adds the 4 x 4 block of entries that begins at (a, b), for some rows. */
 static void add_block(const float *rows, int n_rows, int stride, int a, int b, int n, double *h)
 {
     iso_lanes sum[ISO_GRAM_LANES] = {{0}};

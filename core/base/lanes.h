@@ -1,7 +1,6 @@
-/* Eight floats or four doubles at once, by the vector types of gcc and clang: what the compiler
- * makes of them depends on the processor that the file is compiled for (two SSE or NEON registers,
- * or one AVX register); the results do not. Loops that are left to the compiler stay scalar too
- * often. */
+/* Eight floats or four doubles at once, by the vector types of gcc and clang. The instructions
+ * depend on the processor that the file is compiled for (two SSE or NEON registers, or one AVX
+ * register); the results do not. Compilers often leave plain loops scalar. */
 #ifndef ISO_CORE_BASE_LANES_H
 #define ISO_CORE_BASE_LANES_H
 
@@ -12,8 +11,8 @@ typedef float iso_lanes __attribute__((vector_size(ISO_LANES * sizeof(float))));
 /* The same bits as whole numbers: for masks. */
 typedef int iso_lane_bits __attribute__((vector_size(ISO_LANES * sizeof(int))));
 
-/* The same in memory, aligned like a float. Macros rather than functions, since passing vectors by
- * value is a matter of the ABI. */
+/* The same in memory, aligned like a float. These are macros and not functions, because passing
+ * vectors by value depends on the ABI. */
 typedef float iso_lanes_in_memory
     __attribute__((vector_size(ISO_LANES * sizeof(float)), aligned(4), may_alias));
 

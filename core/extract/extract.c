@@ -7,22 +7,23 @@
 #include "core/extract/extract_inside.h"
 #include "core/extract/extract_workspace.h"
 
-/* A mean face that fits worse than this, rms-like with residuals limited to 6 mm, sits on something
- * that is no face; in the coarse frame. */
+/* A limit of the cost in the coarse frame, a mean square with residuals limited to 6 mm. If the
+ * mean face fits worse than this, the surface is no face. */
 static const double search_cost_max_mm2 = 14.0;
 static const double search_coverage_min = 0.5;
 
-/* Of the face patch. */
+/* The least share of the face patch that must be measured. */
 static const double patch_coverage_min = 0.45;
 
 /* People are found beyond the range in which they are recognised, to be told to come closer. */
 static const double too_near_share = 0.6, too_far_share = 1.4;
 
-/* A face is followed from frame to frame for so long before it is looked for again. */
+/* A face is followed for this many frames, and over gaps of this length, before it is searched
+ * again. */
 enum { TRACK_FRAMES = 10 };
 static const int64_t track_age_max_ns = 250000000;
 
-/* The cut-out about the nose reaches this much further than the patch. */
+/* The cut-out about the nose reaches further than the patch by this distance. */
 static const double clean_margin_mm = 20.0;
 
 const char *iso_stage_name(enum iso_stage stage)
@@ -38,8 +39,8 @@ static int64_t now_ns(const struct iso_extractor *x)
     return x->options.now_ns ? x->options.now_ns(x->options.now_context) : 0;
 }
 
-/* How much a frame is shrunk for the search: to the coarse pitch, and further if the camera sees so
- * wide that the coarse frame would still be too large. */
+/* By how much a frame is shrunk for the search: to the coarse pitch, and further if the view of the
+ * camera is so wide that the coarse frame would still be too large. */
 static int coarse_factor(const struct iso_frame *frame)
 {
     double pixel_mm = iso_camera_pixel_mm(&frame->camera, ISO_EXTRACT_COARSE_AT_MM);
@@ -75,7 +76,7 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
     if (error) {
         return error;
     }
-    /* An orthographic image has no distance: its depths count from anywhere. */
+    /* The depths of an orthographic image are not counted from the camera. */
     const struct iso_candidate_options range = {
         .near_mm = pinhole ? too_near_share * x->options.distance_min_mm : 0.0,
         .far_mm = pinhole ? too_far_share * x->options.distance_max_mm : INFINITY,
@@ -108,7 +109,7 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
     return 0;
 }
 
-/* What the fit says, in the camera frame. */
+/* Describes the fit, in the camera frame. */
 static void describe_fit(const struct iso_extractor *x, struct iso_extraction *out)
 {
     const struct iso_shape_fit *head = &x->head;
@@ -168,7 +169,8 @@ static bool same_camera(const struct iso_camera *a, const struct iso_camera *b)
            a->k1 == b->k1 && a->k2 == b->k2 && a->k3 == b->k3 && a->p1 == b->p1 && a->p2 == b->p2;
 }
 
-/* The face of the frame before as the rough place of this one, if that is recent enough. */
+/* Whether the face of the previous frame may serve as the rough place of this one: only if it is
+ * recent enough. */
 static bool is_tracked(const struct iso_extractor *x, const struct iso_frame *frame)
 {
     const struct iso_extract_track *t = &x->track;
@@ -177,7 +179,8 @@ static bool is_tracked(const struct iso_extractor *x, const struct iso_frame *fr
            same_camera(&t->camera, &frame->camera);
 }
 
-/* Remembers a good face, and every so often forgets it, since somebody nearer may have come. */
+/* Remembers a good face. After some frames it is forgotten on purpose, because somebody nearer may
+ * have come. */
 static void keep_track(struct iso_extractor *x, const struct iso_frame *frame, bool tracked,
                        const struct iso_extraction *out)
 {
@@ -205,15 +208,15 @@ struct passage {
     int error;
 };
 
-/* The end of a step, which is charged with the time since the end of the step before. False: the
- * step failed, or found the frame unusable and has set the outcome. */
+/* Ends a step, which is charged with the time since the end of the previous step. Returns false if
+ * the step failed, or if it found the frame unusable and has set the outcome. */
 static bool end_stage(struct passage *passage, enum iso_stage stage, int error)
 {
     const int64_t after_ns = now_ns(passage->x);
     passage->out->stage_ns[stage] = after_ns - passage->before_ns;
     passage->before_ns = after_ns;
     if (error == -ENODATA || error == -ENOENT) {
-        /* Nothing left by the cleaning, no triangle, or none at a landmark. */
+        /* The cleaning left nothing, there is no triangle, or there is none at a landmark. */
         passage->out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
         return false;
     }
@@ -229,8 +232,8 @@ static bool stands_well(const struct passage *passage, const struct iso_pose_fit
     return out->outcome == ISO_CAPTURE_OK;
 }
 
-/* The steps from a frame to a template, or to the face patch if that is the last one asked for. A
- * face that is tracked need not be looked for. */
+/* The steps from a frame to a template, or to the face patch if that is the last step asked for. A
+ * face that is tracked is not searched. */
 static int run_stages(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
                       bool tracked, struct iso_extraction *out)
 {

@@ -17,8 +17,8 @@ static void place_of(const struct iso_extractor *x, int landmark, double *column
     iso_face_patch_pixel(x->patch, at.x, at.y, column, row);
 }
 
-/* The patch as planes, with the landmarks on them. No mesh is made, and that of the frame before is
- * not of this one. */
+/* Makes planes of the patch and places the landmarks on them. No mesh is made, and the mesh of the
+ * previous frame is emptied. */
 static int make_grid(struct iso_extractor *x)
 {
     x->mesh->n_vertices = x->mesh->n_triangles = 0;
@@ -34,7 +34,7 @@ static int make_grid(struct iso_extractor *x)
     return error;
 }
 
-/* The patch as a mesh in the face frame. */
+/* Makes a mesh of the patch, in the face frame. */
 static int make_mesh(const struct iso_extractor *x)
 {
     int error = iso_triangulate(x->patch_triangulator, iso_face_patch_frame(x->patch), x->mesh);
@@ -44,7 +44,7 @@ static int make_mesh(const struct iso_extractor *x)
     return error;
 }
 
-/* The same with its neighbours and the landmarks on it. */
+/* The same, with the neighbours of its triangles and the landmarks on it. */
 static int make_mesh_with_sources(struct iso_extractor *x)
 {
     int error = make_mesh(x);
@@ -112,7 +112,7 @@ static int release_on_grid(struct iso_extractor *x)
         .radius_mm = radius_mm,
     };
     int error = iso_heat_grid(x->heat_grid, x->grid, &request);
-    if (error == -ERANGE) { /* too stiff: the general way, with the same mass */
+    if (error == -ERANGE) { /* too stiff: the general solver with the same mass */
         x->on_grid = false;
         error = make_mesh_with_sources(x);
         if (!error) {

@@ -1,33 +1,35 @@
-/* The gates: whether what was found can be used, and if not, what would help or what it is. */
+/* The checks of a face: whether it can be used, and if not, what would help or what it is. */
 #include <math.h>
 
 #include "core/extract/extract_workspace.h"
 
-/* A fit that is worse than this, rms-like with residuals limited to 6 mm, is to no face. */
+/* A limit of the fit's cost, a mean square with residuals limited to 6 mm. A worse fit is not to a
+ * face. */
 static const double fit_cost_max_mm2 = 10.0;
 
-/* A head that fits badly and is far from any head: millimetres of residual plus so much for every
- * standard deviation of the identity (root mean square of 60 coefficients). Rendered faces reach
- * 2.7, real ones (Kinect v2) 4.43, 2 of 378 beyond the limit; 1 of 275 frames of what is no face is
- * within it. With 40 modes the same bounds refused 12 of the real ones: the last modes say little
- * and make the mean square smaller. */
+/* The limit of how unlike a head a fit may be: millimetres of residual, plus 1.5 for every standard
+ * deviation of the identity (root mean square of 60 coefficients). Rendered faces reach 2.7. Real
+ * ones (Kinect v2) reach 4.43; 2 of 378 are beyond the limit. Of 275 frames that show no face 1 is
+ * within it. With 40 modes the same bounds refused 12 of the real faces: the last modes carry
+ * little information and make the mean square smaller. */
 static const double unlikeness_per_sigma_mm = 1.5, unlikeness_max_mm = 4.35;
 
 static const double fit_coverage_min = 0.5;
 static const double in_image_min = 0.9;
 
-/* Shares of a part that may be covered. Noses cast shadows and eyes are lost by some sensors. */
+/* The share of each part that may be covered. Noses cast shadows, and some sensors do not measure
+ * eyes. */
 static const double covered_max[ISO_FACE_PARTS] = {
     [ISO_PART_BROW] = 0.8,  [ISO_PART_EYES] = 0.7, [ISO_PART_NOSE] = 0.5,
     [ISO_PART_MOUTH] = 0.6, [ISO_PART_LEFT] = 0.6, [ISO_PART_RIGHT] = 0.6,
 };
 
-/* So much of a wall's or a table's surface lies on one plane. The backs of people and what else is
- * as large reach 0.6. */
+/* Walls and tables have at least this share of their surface on one plane. Backs of people, and
+ * other things of that size, reach 0.6. */
 static const double wall_flat_share = 0.8;
 
-/* Whether the nearest thing within the range of use is none that a visitor could be: there is none,
- * or it is larger than a person can hold and flat. */
+/* Whether the nearest thing within the range of use cannot be a visitor: there is none, or it is
+ * flat and larger than a person can hold. */
 static bool is_background(const struct iso_presentation_cues *cues,
                           const struct iso_presentation_options *bounds)
 {
@@ -47,13 +49,14 @@ enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
     if (outcome != ISO_CAPTURE_OK) {
         return outcome;
     }
-    /* The depths of an orthographic image count from anywhere: nothing of it is known to be far. */
+    /* The depths of an orthographic image have no fixed origin, so that nothing in it is known to
+     * be far. */
     const bool distant = isfinite(range->far_mm);
     return distant && is_background(&cues, &bounds) ? ISO_CAPTURE_NOBODY : otherwise;
 }
 
-/* The way a face that is cut by the image border should go, as the subject sees it, whose left is
- * the image's right. */
+/* The direction in which a face that is cut by the image border should move, as the subject sees
+ * it. The left of the subject is the right of the image. */
 static enum iso_capture way_to_the_middle(const struct iso_frame *frame, struct iso_vec3 nose_mm)
 {
     double u = 0.0, v = 0.0;
@@ -91,7 +94,7 @@ enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
     return ISO_CAPTURE_OK;
 }
 
-/* The part of which most is covered, if it is too much. */
+/* The part that is covered most, if that is too much. */
 static enum iso_capture judge_cover(const struct iso_occlusion *occlusion)
 {
     static const enum iso_capture words[ISO_FACE_PARTS] = {
@@ -111,7 +114,7 @@ static enum iso_capture judge_cover(const struct iso_occlusion *occlusion)
     return outcome;
 }
 
-/* Whether the fitted face is one that is alive, as far as a single frame says. */
+/* Whether the fitted face is alive, as far as a single frame shows that. */
 static enum iso_capture judge_presentation(const struct iso_extractor *x,
                                            const struct iso_frame *frame,
                                            const struct iso_frame *cleaned)
@@ -136,7 +139,7 @@ enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
 {
     const double norm = x->head.identity_norm;
     enum iso_capture cover = judge_cover(&out->occlusion);
-    /* What covers a face does not fit a head, but the rest of the face does. */
+    /* An object in front of a face does not fit a head, but the rest of the face does. */
     if (cover != ISO_CAPTURE_OK && is_like_a_face(out->occlusion.rest_mm2, norm)) {
         return cover;
     }

@@ -7,7 +7,7 @@
 #include "core/base/crc32.h"
 #include "core/extract/extract_workspace.h"
 
-/* Raised with every change of code that moves the points of a template. */
+/* To be raised with every change of code that moves the points of a template. */
 enum { ALGORITHM_REVISION = 3 };
 
 struct iso_extract_options iso_extract_options_default(void)
@@ -59,8 +59,8 @@ static bool options_sane(const struct iso_extract_options *o)
     return sane;
 }
 
-/* Hash of all that moves the points of a template: not of what only decides whether there is one.
- */
+/* A hash of everything that moves the points of a template. Options that only decide whether there
+ * is a template do not count. */
 static uint32_t algorithm_of(const struct iso_head_model *model,
                              const struct iso_extract_options *o)
 {
@@ -153,7 +153,7 @@ static int new_patch(struct iso_extractor *x, int32_t *n_px)
     }
     const struct iso_frame *grid = iso_face_patch_frame(x->patch);
     *n_px = grid->width_px * grid->height_px;
-    /* The patch is whole and smooth by construction: nothing to cut. */
+    /* The patch is whole and smooth by construction, so that no edge is cut. */
     const struct iso_triangulate_options whole = {.jump_mm = ISO_FACE_PATCH_ORIGIN_MM};
     error = iso_triangulator_new((size_t)*n_px, &whole, &x->patch_triangulator);
     if (!error) {
@@ -228,7 +228,7 @@ int iso_extractor_new(const struct iso_head_model *model, const struct iso_extra
     return 0;
 }
 
-/* What is left of a face in the plain buffers; the other workspaces overwrite their own. */
+/* Wipes the face from the plain buffers; the other workspaces wipe their own. */
 static void wipe_face(struct iso_extractor *x)
 {
     if (x->coarse.depth_mm) {

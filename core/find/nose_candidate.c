@@ -68,7 +68,7 @@ static bool are_joined(const struct iso_frame *frame, int a, int b,
            fabs(za - zb) <= part_jump_mm;
 }
 
-/* Labels the part that holds `seed`; returns its area, mm^2, and its mean depth. */
+/* Labels the part that holds `seed`. Returns its area, mm^2, and its mean depth. */
 static double flood_part(struct iso_candidate_finder *f, const struct iso_frame *frame, int seed,
                          int32_t label, const struct iso_candidate_options *options,
                          double *mean_mm)
@@ -154,8 +154,8 @@ static const double ring_cosine[RING] = {
     1.0,  0.92387953,  0.70710678,  0.38268343,  0.0, -0.38268343, -0.70710678, -0.92387953,
     -1.0, -0.92387953, -0.70710678, -0.38268343, 0.0, 0.38268343,  0.70710678,  0.92387953};
 
-/* Whether two opposite pairs of the ring, all of them on the surface, say that the place is not
- * high: a quick look that spares most pixels the whole ring. */
+/* Whether the place is certainly not high. This quick look needs only two opposite pairs of the
+ * ring, all of them on the surface; it spares most pixels the whole ring. */
 static bool surely_low(const struct iso_frame *frame, int column, int row, double z_mm,
                        double radius_px)
 {
@@ -178,8 +178,9 @@ static bool surely_low(const struct iso_frame *frame, int column, int row, doubl
     return sum / 4.0 - z_mm < low_mm;
 }
 
-/* Height of a pixel towards the camera above the least-squares plane z = a + b dx + c dy through
- * the ring about it, measured along the plane's normal; 0 if too little of the ring is there. */
+/* Height of a pixel towards the camera, above the least-squares plane z = a + b dx + c dy through
+ * the ring about the pixel. It is measured along the plane's normal, and it is 0 if too few points
+ * of the ring were measured. */
 static double height_above_ring(const struct iso_frame *frame, int column, int row)
 {
     struct iso_vec3 centre = smoothed_point(frame, column, row);
@@ -216,7 +217,8 @@ static double height_above_ring(const struct iso_frame *frame, int column, int r
     return right[0] / sqrt(1.0 + right[1] * right[1] + right[2] * right[2]);
 }
 
-/* Highest pixel of a part, or -1 when none is left; it and its surroundings are struck out. */
+/* The highest pixel of a part, or -1 if none is left. The pixel and its surroundings are removed
+ * from the search. */
 static int take_highest(struct iso_candidate_finder *f, const struct iso_frame *frame,
                         int32_t label)
 {

@@ -1,9 +1,9 @@
 /* Where a nose may be: convex places of the right size, in a coarse frame.
  *
- * On a frame shrunk to about 4 mm a pixel, a place is scored by its height above the plane through
- * a ring of 40 mm about it (nose tips 15..35 mm, at any pose to 40 degrees). The surface is first
- * split into parts at depth jumps; candidates come part by part, the nearest part first,
- * since of several people the nearest is meant. */
+ * The frame is shrunk to about 4 mm a pixel. The score of a place is its height above the plane
+ * through a ring of 40 mm about it (nose tips: 15..35 mm, at any pose up to 40 degrees). The
+ * surface is first split into parts at depth jumps. Candidates come part by part, the nearest part
+ * first, because the nearest of several people is the visitor. */
 #ifndef ISO_CORE_FIND_NOSE_CANDIDATE_H
 #define ISO_CORE_FIND_NOSE_CANDIDATE_H
 

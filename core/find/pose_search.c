@@ -4,23 +4,24 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* How many poses go from one round to the next: the best of each candidate, so that near copies of
- * one wrong pose do not crowd out the rest; then the best of all. */
+/* How many poses go from one round to the next. First these are the best of each candidate, so that
+ * near copies of one wrong pose do not displace all others; then they are the best of all. */
 enum { OTHERS = 4, OF_A_CANDIDATE = 2, FINALISTS = 16, REFINED = 8, FITTED = 4 };
 
-/* Of the vertices, in the first round. */
+/* Vertices that the first round compares. */
 enum { ROUGH_VERTICES = 110 };
 
 /* Faces turned further than this are not looked for. */
 static const double turned_max_rad = 1.05;
 static const double upright_cosine_min = 0.5;
-/* Cost of being turned, by the square of the angle: of two fits that are as good, the frontal one.
- */
+/* The cost of a turned face, by the square of its angle: of two fits that are equally good, the
+ * frontal one is taken. */
 static const double turned_cost_mm2 = 5.0;
 
-/* A fit this good is a face: what lies behind it is not looked at. */
+/* A fit this good is certainly a face; parts of the scene behind it are not searched. */
 static const double beyond_doubt_mm2 = 6.0;
-/* Another face is one whose nose is so far away, and not further than so many times the first. */
+/* A second face counts if its nose is at least this far from the first one, and at most this many
+ * times as far from the camera. */
 static const double other_coverage_min = 0.8;
 static const double other_apart_mm = 110.0, other_far_ratio = 1.2;
 /* A nearer fit gives way to one that is better by more than this. */
@@ -64,7 +65,7 @@ static struct iso_rigid posed_at(struct iso_vec3 nose_mm, double yaw_rad, double
     return (struct iso_rigid){iso_mat3_mul(&facing, &turned), nose_mm};
 }
 
-/* Angle by which a face is turned away from the camera, its own roll aside. */
+/* The angle by which a face is turned away from the camera. Its roll does not count. */
 static double turned_rad(const struct iso_frame *frame, const struct iso_rigid *pose)
 {
     const struct iso_mat3 *r = &pose->rotation;
@@ -74,9 +75,9 @@ static double turned_rad(const struct iso_frame *frame, const struct iso_rigid *
     return acos(fmin(fmax(-iso_dot(forward, sight), -1.0), 1.0));
 }
 
-/* Makes costs comparable: missing measurements must not make a fit look good, nor must turning
- * most of the face out of sight. False for attitudes in which no face can be recognised, or head
- * over heels. */
+/* Makes costs comparable. A fit must not look good because measurements are missing, or because
+ * most of the face is turned out of sight. Returns false for attitudes in which no face can be
+ * recognised, and for faces upside down. */
 static bool weigh_up(const struct iso_pose_search *search, struct iso_pose_fit *fit)
 {
     double turned = turned_rad(search->frame, &fit->camera_from_face);
@@ -118,7 +119,7 @@ static struct rough_poses try_candidate(const struct iso_pose_search *search,
     return poses;
 }
 
-/* Whether two poses are the same but for what further steps would even out. */
+/* Whether two poses are so close that further steps would bring them together. */
 static bool much_alike(const struct iso_rigid *a, const struct iso_rigid *b)
 {
     struct iso_mat3 bt = iso_mat3_transpose(&b->rotation);
@@ -128,7 +129,7 @@ static bool much_alike(const struct iso_rigid *a, const struct iso_rigid *b)
     return apart_mm < 6.0 && trace > 1.0 + 2.0 * cos(0.15);
 }
 
-/* Goes on from every pose of a ranking and keeps the best that differ. */
+/* Continues the fit of every pose of a ranking, and keeps the best ones that differ. */
 static struct ranking refine_ranking(const struct iso_pose_search *search,
                                      const struct ranking *from,
                                      const struct iso_pose_options *options, int room)
@@ -152,8 +153,8 @@ static struct ranking refine_ranking(const struct iso_pose_search *search,
     return refined;
 }
 
-/* Fits the whole head model from the best few poses and takes the one that it fits best: a rigid
- * mean face alone is misled by people who are far from the mean. False if there is none. */
+/* Fits the whole head model from each of the best few poses, and takes the best fit. The rigid mean
+ * face alone is misled by people who are far from the mean. Returns false if no fit succeeds. */
 static bool best_of(const struct iso_pose_search *search, const struct ranking *finalists,
                     struct iso_pose_fit *best)
 {
@@ -178,9 +179,9 @@ static bool best_of(const struct iso_pose_search *search, const struct ranking *
     return found;
 }
 
-/* Of fits to parts of the scene from near to far: the nearest one that is no worse by much than the
- * best, since a shoulder in front of a face fits the mean face too, but badly. NULL if none is good
- * enough. */
+/* Chooses among fits to parts of the scene, sorted from near to far: the nearest fit that is not
+ * much worse than the best one. A shoulder in front of a face fits the mean face too, but badly.
+ * NULL if no fit is good enough. */
 static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, int n,
                                                double cost_max_mm2)
 {
@@ -196,7 +197,7 @@ static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, 
     return NULL;
 }
 
-/* Whether the rough poses of other noses about as near lead to a face as well. */
+/* Whether the rough poses of other noses at about the same distance lead to a face as well. */
 static bool another_face(const struct iso_pose_search *search, const struct rough_poses *rough,
                          int n, const struct iso_pose_fit *found)
 {
@@ -249,7 +250,7 @@ int iso_pose_search(const struct iso_pose_search *search,
     if (!found) {
         return -ENOENT;
     }
-    /* Parts that were not looked at, since the face is beyond doubt. */
+    /* Parts that were not searched, because the face was beyond doubt. */
     double far_mm = other_far_ratio * found->camera_from_face.translation_mm.z;
     for (; i < n_candidates; i++) {
         if (candidates[i].point_mm.z < far_mm) {

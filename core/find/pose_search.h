@@ -1,27 +1,27 @@
 /* The face in a coarse frame: the best of many rough registrations.
  *
- * Every candidate is tried as the nose tip in nine attitudes (yaw and pitch), the mean face
- * registered by a few rigid steps; the best are refined, and from the best few of those the whole
- * head model is fitted. The nearest part of the scene in which it fits about as well as anywhere is
- * taken, so that a person standing behind the visitor is never meant. */
+ * Every candidate is tried as the nose tip in nine attitudes (yaw and pitch); the mean face is
+ * registered by a few rigid steps. The best ones are refined, and the whole head model is fitted
+ * from the best few of those. The nearest part of the scene is taken in which the fit is about as
+ * good as anywhere, so that a person who stands behind the visitor is never taken. */
 #ifndef ISO_CORE_FIND_POSE_SEARCH_H
 #define ISO_CORE_FIND_POSE_SEARCH_H
 
 #include "core/find/nose_candidate.h"
 #include "core/landmark/shape_fit.h"
 
-/* What a search works with and on. */
+/* The tools of a search, and the frame that it searches. */
 struct iso_pose_search {
     const struct iso_pose_vertices *vertices; /* a couple of hundred of the mean face */
     struct iso_shape_fitter *fitter;          /* set for few iterations */
-    const struct iso_frame *frame;            /* in which the candidates were found */
+    const struct iso_frame *frame;            /* the frame of the candidates */
     double cost_max_mm2;                      /* a worse fit is no face */
     double coverage_min;
 };
 
-/* Returns 0 and the pose, or -ENOENT if no part of the scene holds a face. Its cost includes what
- * the search adds for poor coverage and for being turned away. *several says whether there is
- * beyond doubt another face beside it, about as near. */
+/* Returns 0 and the pose, or -ENOENT if no part of the scene holds a face. The cost of the pose
+ * includes penalties for poor coverage and for being turned away. *several says whether there is
+ * certainly another face beside it, at about the same distance. */
 int iso_pose_search(const struct iso_pose_search *search,
                     const struct iso_nose_candidate *candidates, int n_candidates,
                     struct iso_pose_fit *out, bool *several) __attribute__((warn_unused_result));

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* More than noise does to a mean over half a second, less than a sway. */
+/* More than noise changes a mean over half a second, and less than a person's sway does. */
 static const float change_mm = 100.0F;
 static const int64_t window_ns = 500000000;
 enum { CELLS_MIN = 4, FRAMES_MIN = 3, STEP_PX = 2 };
@@ -40,7 +40,7 @@ static void add_frame(struct iso_scene_motion *scene, const struct iso_frame *fr
     scene->latest_ns = frame->t_ns;
 }
 
-/* Ends a half second: how many cells changed that were or are within reach. */
+/* Ends a half second. Returns how many cells changed that were within reach before or are now. */
 static int end_window(struct iso_scene_motion *scene, float reach_mm)
 {
     int n_changed = 0;

@@ -1,13 +1,13 @@
-/* Vectors side by side: what the direct heat solver does to all sources at once. Internal to
+/* Several vectors at once: the operations of the direct heat solver on all sources. Internal to
  * core/heat.
  *
  * A block is [n][width * ISO_DOUBLES]: value i of every vector, then value i + 1 of every vector.
- * An entry of a matrix is then read once for all of them and meets whole registers, which is where
- * the time of one vector after another goes. No vector sees another: each has the same operations
- * in the same order at every width.
+ * Each entry of a matrix is then read only once for all vectors, and is multiplied with whole
+ * registers; one vector after another spends most of its time on reading the matrix. The vectors do
+ * not affect each other: each has the same operations in the same order at every width.
  *
- * The same source is compiled for the least processor of the architecture and, on x86-64, for AVX2
- * (without FMA), as the grid's step is: the same results to the bit. */
+ * The same source is compiled for every processor of the architecture and, on x86-64, for AVX2
+ * (without FMA), like the steps of the grid. The results are the same to the bit. */
 #ifndef ISO_CORE_HEAT_BLOCK_H
 #define ISO_CORE_HEAT_BLOCK_H
 

@@ -1,4 +1,4 @@
-/* For the least processor of the architecture: SSE2 on x86-64, NEON on aarch64. */
+/* For every processor of the architecture: SSE2 on x86-64, NEON on aarch64. */
 #define OPS      iso__block_ops_baseline
 #define OPS_NAME "baseline"
 #include "core/heat/block.inc"

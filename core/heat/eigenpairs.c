@@ -44,8 +44,8 @@ static struct iso_eigenpairs *pairs_alloc(int32_t n, int32_t k)
     return NULL;
 }
 
-/* Sum of all entries of the mass matrix: the area of the surface. Eigenvalues are 4 pi / area
- * apart (Weyl 1911), by which the shift is measured. */
+/* The sum of all entries of the mass matrix, which is the area of the surface. Eigenvalues are 4 pi
+ * / area apart (Weyl 1911); the shift is given in units of that. */
 static double total_mass(const struct iso_symmetric *mass)
 {
     double sum = 0.0;
@@ -77,7 +77,7 @@ static int diagonalise_basis(struct attempt *a)
     return info == LAPACK_WORK_MEMORY_ERROR ? -ENOMEM : -ENOTRECOVERABLE;
 }
 
-/* Whether what A sends out of V from the k-th vector, and so from all before, is small. */
+/* Whether the part of A V outside of V is small for the k-th vector, and so for all before it. */
 static bool has_converged(const struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;
@@ -99,8 +99,8 @@ static bool has_converged(const struct attempt *a)
     return true;
 }
 
-/* Lets the basis grow until all k pairs are in it. -EAGAIN if it may grow no further: where
- * eigenvalues are multiple, small blocks come to their end without all copies. */
+/* Lets the basis grow until it contains all k pairs. -EAGAIN if it may grow no further: where
+ * eigenvalues are multiple, small blocks end before all copies are found. */
 static int grow_basis(struct attempt *a)
 {
     struct iso_lanczos *l = &a->lanczos;
@@ -130,8 +130,8 @@ static double lambda_of(const struct attempt *a, int32_t i)
     return 1.0 / a->value[a->lanczos.size - 1 - i] - a->shift;
 }
 
-/* Whether no eigenvalue below the k-th is missing: a copy of a multiple one can hide from blocks
- * that are smaller than its multiplicity. -EAGAIN if one does. */
+/* Whether an eigenvalue below the k-th is missing: a copy of a multiple one can be missed by blocks
+ * that are smaller than its multiplicity. -EAGAIN if one is missing. */
 static int count_again(const struct attempt *a, struct iso_factor *factor,
                        const struct iso_symmetric *stiffness, const struct iso_symmetric *mass)
 {
@@ -147,7 +147,7 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
     return below > found ? -EAGAIN : 0;
 }
 
-/* The last k vectors of T, turned round so that lambda ascends, on V. */
+/* The last k vectors of T, multiplied by V, in reversed order so that lambda ascends. */
 static void extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
     const struct iso_lanczos *l = &a->lanczos;

@@ -119,7 +119,8 @@ static int factorise_matrix(struct iso_factor *f, double a, const struct iso_sym
         finite = finite && isfinite(f->sum->value[i]);
     }
     cholmod_sparse view = view_of(f->sum);
-    /* CHOLMOD factorises NaN and indefinite matrices without complaint: look for oneself. */
+    /* CHOLMOD factorises NaN and indefinite matrices without an error, so that both are checked
+     * here. */
     if (!finite || !cholmod_factorize(&view, f->l, &f->common) || f->common.status != CHOLMOD_OK ||
         f->l->minor != f->l->n) {
         int error = finite ? error_of(f) : -EDOM;
@@ -129,7 +130,7 @@ static int factorise_matrix(struct iso_factor *f, double a, const struct iso_sym
     return 0;
 }
 
-/* Pivots of D that are not above 0; an LL' has none. */
+/* The number of pivots of D that are not above 0; an LL' has none. */
 static int32_t pivots_not_positive(const struct iso_factor *f)
 {
     const int *p = f->l->p;

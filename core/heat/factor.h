@@ -1,11 +1,12 @@
-/* Cholesky factor of a L + b B, by CHOLMOD: what both ways to the heat kernel solve with.
+/* Cholesky factor of a L + b B, by CHOLMOD: both general solvers of the heat kernel use it.
  *
  * Simplicial LDL' with AMD ordering only: CHOLMOD's supernodal module is GPL and never called. The
- * symbolic analysis is kept while the pattern stays the same (compared, since a pattern that
- * changed behind CHOLMOD's back gives silently wrong results). One factor belongs to one thread.
+ * symbolic analysis is kept while the pattern stays the same. The pattern is compared each time,
+ * because CHOLMOD gives wrong results without an error if it changes. One factor belongs to one
+ * thread.
  *
- * Few columns are solved for by CHOLMOD; many at once, as all sources of a heat column, by block.h
- * with the factor as it is. */
+ * CHOLMOD solves for few columns. For many at once, such as all sources of heat, block.h uses the
+ * factor directly. */
 #ifndef ISO_CORE_HEAT_FACTOR_H
 #define ISO_CORE_HEAT_FACTOR_H
 

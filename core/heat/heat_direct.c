@@ -52,7 +52,7 @@ struct iso_heat_direct {
     struct spaces spaces;
 };
 
-/* What a call works on. */
+/* The data of a call. */
 struct work {
     struct iso_ldl ldl;
     struct iso_rows mass;
@@ -128,8 +128,8 @@ static void put_loads(const struct iso_mesh *mesh, const struct iso_surface_poin
     }
 }
 
-/* What |u|, from its square, makes of the next vector: a norm of nothing means that the space is
- * exhausted, and everything that follows becomes 0. */
+/* Sets the entry of T and the scale of the next vector from the square of |u|. A norm of 0 means
+ * that the space is exhausted; everything that follows becomes 0. */
 static void measure_next(struct spaces *k, int j, const struct work *w, const double *square,
                          const double *total)
 {
@@ -180,8 +180,9 @@ static void conserve_heat(const double *total, int m, double *c)
     }
 }
 
-/* Coefficients of the heat column of source s in the Lanczos vectors, c = |v| g(T) e1, conserving
- * heat; weight is what they are of what is kept of those. */
+/* The coefficients of the heat column of source s in the Lanczos vectors, c = |v| g(T) e1, changed
+ * so that heat is conserved. `weight` has them for the vectors as they are stored, without their
+ * scale. */
 static int coefficients_of(const struct iso_heat_direct *h, int s, double t_mm2, double gamma,
                            double (*weight)[ISO_BLOCK_MAX])
 {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Numbers in -1..1 without order: Knuth's linear congruential generator (MMIX). */
+/* Pseudo-random numbers in -1..1: Knuth's linear congruential generator (MMIX). */
 static double next_random(struct iso_lanczos *l)
 {
     l->random = l->random * 6364136223846793005u + 1442695040888963407u;
@@ -19,8 +19,8 @@ static double *vector(double *vectors, const struct iso_lanczos *l, int32_t i)
     return &vectors[(size_t)i * (size_t)l->n];
 }
 
-/* Takes out of w [columns][n] what lies in the first `size` vectors of V; adds to `sum`
- * [columns][stride], if there is one, how much that was. */
+/* Subtracts from w [columns][n] its projection on the first `size` vectors of V. If `sum`
+ * [columns][stride] is given, the coefficients are added to it. */
 static void project_out(struct iso_lanczos *l, int32_t size, double *w, int32_t columns,
                         double *sum, int32_t stride)
 {
@@ -40,8 +40,8 @@ static void project_out(struct iso_lanczos *l, int32_t size, double *w, int32_t 
     }
 }
 
-/* Puts w, made orthogonal to V, behind the first `size` vectors if anything of it is left. Returns
- * its norm, or 0. */
+/* Stores w, which is orthogonal to V, behind the first `size` vectors, unless its norm is `least`
+ * or less. Returns its norm, or 0. */
 static double append(struct iso_lanczos *l, int32_t size, double *w, double least)
 {
     double *v = vector(l->v, l, size), *bv = vector(l->bv, l, size);
@@ -57,7 +57,7 @@ static double append(struct iso_lanczos *l, int32_t size, double *w, double leas
     return norm;
 }
 
-/* Fills the next block up with vectors of all directions, each orthogonal to those before. */
+/* Completes the next block with random vectors, each orthogonal to those before. */
 static int fill_up(struct iso_lanczos *l, int32_t wanted)
 {
     while (l->pending < wanted) {
@@ -106,7 +106,7 @@ void iso_lanczos_done(struct iso_lanczos *l)
     *l = (struct iso_lanczos){0};
 }
 
-/* Makes the next block of what A sent out of V: w = (next block) coupling. */
+/* Makes the next block from the part of A V that lies outside of V: w = (next block) coupling. */
 static int next_block(struct iso_lanczos *l, double scale)
 {
     int32_t left = l->n - l->size, wanted = l->last < left ? l->last : left;

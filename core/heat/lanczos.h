@@ -1,9 +1,9 @@
 /* The basis that block Lanczos builds for isotherm/eigenpairs.h.
  *
  * A = (L + s B)^-1 B is self-adjoint in the inner product x' B y; its largest eigenvalues 1 /
- * (lambda + s) belong to the smallest lambda. V holds vectors that are orthonormal in it, T = V' B
- * A V, and all of A V lies in V but for what the last block of V sends out of it, which is the next
- * block, `pending`. Every new block is made orthogonal to all of V, twice. */
+ * (lambda + s) belong to the smallest lambda. The vectors of V are orthonormal in that product, and
+ * T = V' B A V. All of A V lies in V, except for the part that comes from the last block of V; that
+ * part is the next block, `pending`. Every new block is made orthogonal to all of V, twice. */
 #ifndef ISO_CORE_HEAT_LANCZOS_H
 #define ISO_CORE_HEAT_LANCZOS_H
 

@@ -39,7 +39,7 @@ void iso_permuted_free(struct iso_permuted *matrix)
     }
 }
 
-/* Where each row begins, from how many entries it has. */
+/* Sets where each row begins, from the numbers of entries. */
 static void count_rows(struct iso_permuted *m, const struct iso_symmetric *a)
 {
     memset(m->start, 0, ((size_t)a->n + 1) * sizeof *m->start);
@@ -80,7 +80,7 @@ int iso_permuted_fill(struct iso_permuted *m, const struct iso_symmetric *a, con
             put(m, from, to, a->value[at]);
         }
     }
-    /* Putting has moved each start to that of the next row. */
+    /* Filling has moved each start to that of the next row. */
     memmove(&m->start[1], m->start, (size_t)a->n * sizeof *m->start);
     m->start[0] = 0;
     *out = (struct iso_rows){a->n, m->start, m->column, m->value};

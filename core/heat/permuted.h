@@ -1,6 +1,5 @@
-/* A symmetric matrix by rows, both triangles, in another order of its rows and columns: as the
- * blocks of vectors want it that a factor works on in an order of its own. Internal to core/heat.
- */
+/* A symmetric matrix by rows, both triangles, with its rows and columns in another order: the order
+ * of a factor, in which blocks of vectors are processed. Internal to core/heat. */
 #ifndef ISO_CORE_HEAT_PERMUTED_H
 #define ISO_CORE_HEAT_PERMUTED_H
 

@@ -51,7 +51,8 @@ void iso_symmetric_multiply(const struct iso_symmetric *a, const double *x, doub
     }
 }
 
-/* Rows of one column, the diagonal first: sorts them and drops repetitions. Returns how many. */
+/* The rows of one column, the diagonal first: sorts them and removes repetitions. Returns how many
+ * there are. */
 static int32_t sort_unique(int32_t *row, int32_t n)
 {
     for (int32_t i = 2; i < n; i++) {
@@ -70,8 +71,8 @@ static int32_t sort_unique(int32_t *row, int32_t n)
     return kept;
 }
 
-/* The pattern of a mesh: the diagonal and an entry for each edge. Edges are first put down once for
- * each of their triangles, in place, then made unique. */
+/* The pattern of a mesh: the diagonal and one entry for each edge. Each edge is first written once
+ * for each of its triangles, in place; then repetitions are removed. */
 static int make_pattern(const struct iso_mesh *mesh, struct iso_symmetric *a)
 {
     int32_t n = mesh->n_vertices;

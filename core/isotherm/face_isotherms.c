@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
-/* Samples the curve about a landmark; n = 0 where there is none. */
+/* Samples the curve about a landmark; n = 0 if there is none. */
 static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm, int n_points,
                    struct iso_isotherm *out)
 {
@@ -14,8 +14,7 @@ static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm,
     }
 }
 
-/* The isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 where there is none.
- */
+/* The isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 if there is none. */
 static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face *face,
                          int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
 {

@@ -36,8 +36,8 @@ static double heat_of(uint32_t key)
     return (double)heat;
 }
 
-/* The key at which the vertices' shares of the surface, hottest first, add up to an area: nearly
- * that of the level. 1 if they never do. */
+/* The key at which the areas of the vertices, hottest first, add up to the wanted area. The level
+ * is near it. 1 if they never do. */
 static uint32_t guess_key(struct iso__grid_band *band, const struct iso_grid *grid,
                           const struct iso_grid_field *field, double wanted_mm2, uint32_t *hottest)
 {
@@ -81,7 +81,7 @@ static float most_of(const float v[3])
     return v[2] > high ? v[2] : high;
 }
 
-/* Sorts one cell's triangles into above, in the band and below. */
+/* Sorts the triangles of one cell: above the band, in it, or below it. */
 static void sort_cell(struct iso__grid_band *band, const struct iso_grid *grid, int32_t at,
                       const float heat[4])
 {
@@ -100,7 +100,7 @@ static void sort_cell(struct iso__grid_band *band, const struct iso_grid *grid, 
     }
 }
 
-/* Collects the triangles that a level between two may cut. */
+/* Collects the triangles that a level between the two may cut. */
 static void collect(struct iso__grid_band *band, const struct iso_grid *grid,
                     const struct iso_grid_field *field, double low, double high)
 {
@@ -146,7 +146,7 @@ int iso__grid_band_find(struct iso__grid_band *band, const struct iso_grid *grid
         return -ERANGE;
     }
     uint32_t low = key > 2 ? key - 1 : 1, high = key + 2;
-    for (;;) { /* until the level lies between; each time twice as far */
+    for (;;) { /* until the level lies between them; each time the range is doubled */
         high = high < hottest + 1 ? high : hottest + 1;
         collect(band, grid, field, heat_of(low), heat_of(high));
         double f_low = area_above(band, band->low) - wanted;

@@ -19,7 +19,7 @@ struct scene {
     double level;
 };
 
-/* A triangle on the way; left_out < 0: there is none. */
+/* A triangle of the curve; left_out < 0: there is none. */
 struct place {
     int32_t cell;
     int left_out;
@@ -89,7 +89,7 @@ static struct iso_vec3 cut(const struct scene *scene, struct place at, int edge)
                     iso_sub(iso_grid_vertex(scene->grid, b), start));
 }
 
-/* The triangle of a cell that has both corners; the cell holds at most one but for the diagonal. */
+/* The triangle of a cell that has both corners. Except for a diagonal the cell has at most one. */
 static struct place with_corners(const struct scene *scene, int32_t cell, int p, int q)
 {
     int32_t row = cell / scene->grid->stride, column = cell % scene->grid->stride;
@@ -175,7 +175,7 @@ int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *g
     }
     tracer->curves->n_curves = 0;
     tracer->curves->start[0] = 0;
-    /* Open curves first, from where they enter: what is left then are loops. */
+    /* Open curves first, from where they enter the window, so that only loops are left. */
     for (int loops = 0; loops < 2; loops++) {
         for (int32_t i = 0; i < band->n; i++) {
             struct place at = {band->triangle[i].cell, band->triangle[i].left_out};

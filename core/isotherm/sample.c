@@ -119,7 +119,8 @@ int iso_isotherm_sample_arc(struct iso_curve curve, struct iso_vec3 landmark_mm,
     if (curve.closed) {
         at = uppermost(curve, landmark_mm);
     }
-    /* An open curve's last point is its end; a closed one's would be its first again. */
+    /* The last point of an open curve is its end; that of a closed curve would be its first point
+     * again. */
     double spacing = length_of(curve, segments) / (curve.closed ? n_points : n_points - 1);
     double walked = 0.0; /* arc length from the start to the point `at` */
     for (int i = 0; i < n_points; i++) {

@@ -75,8 +75,8 @@ static struct iso_vec3 cut(const struct scene *scene, int32_t triangle, int edge
     return iso_madd(from, s, iso_sub(scene->mesh->vertices_mm[b], from));
 }
 
-/* Follows the level from a triangle until it returns or leaves the mesh. (Or meets another curve,
- * which takes triangles that do not all turn the same way.) */
+/* Follows the level from a triangle until it returns or leaves the mesh. (Or until it meets another
+ * curve, which is possible if not all triangles have the same orientation.) */
 static void walk(struct iso_tracer *t, const struct scene *scene, int32_t first)
 {
     int32_t n = t->start[t->n_curves], triangle = first;
@@ -107,7 +107,7 @@ int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
     memset(tracer->passed, 0, (size_t)mesh->n_triangles);
     tracer->n_curves = 0;
     tracer->start[0] = 0;
-    /* Open curves first, from where they enter the mesh: what is left then are loops. */
+    /* Open curves first, from where they enter the mesh, so that only loops are left. */
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         int enters = turning_edge(&scene, t, true);
         if (!tracer->passed[t] && enters >= 0 && adjacent[t][enters] < 0) {
@@ -129,7 +129,8 @@ struct iso_curve iso_tracer_curve(const struct iso_tracer *tracer, int index)
                               &tracer->points[from]};
 }
 
-/* Turns that a curve makes about a place seen from the front, and twice the area it encloses. */
+/* How many times a curve turns about a place seen from the front, and twice the area that it
+ * encloses. */
 static double turns_about(struct iso_curve curve, struct iso_vec3 centre, double *area)
 {
     double angle = 0.0, sum = 0.0;

@@ -105,8 +105,8 @@ static bool point_fits(const struct iso_head_point *point, uint32_t n_triangles)
     return point->triangle < n_triangles && fabsf(sum - 1.0f) <= rounding;
 }
 
-/* What is wrong with the contents of a model whose counts are in range; NULL if nothing is. One
- * judgement for reader and writer, so that nothing is written that would not be read. */
+/* What is wrong with the contents of a model whose counts are in range; NULL if nothing is. Reader
+ * and writer use the same check, so that nothing is written that could not be read. */
 static const char *inconsistency_of(const struct iso_head_model *model)
 {
     uint32_t n = model->n_vertices;
@@ -136,7 +136,8 @@ static const char *inconsistency_of(const struct iso_head_model *model)
     return NULL;
 }
 
-/* Readers and writers below return the byte after what they took or put. */
+/* The readers and writers below return a pointer to the byte after those that they read or wrote.
+ */
 
 static const uint8_t *read_mesh(const uint8_t *p, struct iso_head_model *model)
 {

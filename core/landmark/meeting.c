@@ -6,7 +6,8 @@ static const double facing_cosine = 0.26;
 /* Depths about a place belong to one surface if they differ by less. */
 static const float together_mm = 10.0f;
 
-/* Ternaries, since fmin and fmax are calls, and this is done a hundred thousand times a frame. */
+/* Conditional expressions, because fmin and fmax would be calls, and this runs a hundred thousand
+ * times a frame. */
 static inline float smaller(float a, float b)
 {
     return a < b ? a : b;
@@ -63,7 +64,7 @@ enum iso_meeting iso_meet(const struct iso_frame *frame, struct iso_vec3 point,
     if (!(z > 0.0)) {
         return ISO_MEETING_UNMEASURED;
     }
-    /* What is measured lies on the point's own line of sight. */
+    /* The measured point lies on the line of sight of the model's point. */
     *distance_mm = frame->camera.projection == ISO_PINHOLE
                        ? iso_dot(normal, point) * (1.0 - z / point.z)
                        : normal.z * (point.z - z);

@@ -8,10 +8,10 @@
 static const double eye_reach_mm = 20.0, mouth_reach_mm = 26.0, nose_half_width_mm = 18.0;
 static const double side_from_mm = 12.0;
 
-/* The head may lie so far behind the surface for want of fitting better. */
+/* The head may lie this far behind the surface because it fits no better. */
 static const double before_mm = 10.0;
 
-/* A part of which fewer vertices are in view says nothing. */
+/* A part with fewer visible vertices is not judged. */
 enum { VERTICES_MIN = 8 };
 
 enum {

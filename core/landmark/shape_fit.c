@@ -43,7 +43,7 @@ static int trial_steps(const struct iso_shape_fit_options *options)
     return (options->iterations + 1) / 2;
 }
 
-/* The model's modes, vertex by vertex: how they are used. */
+/* Stores the modes of the model vertex by vertex, the order in which a step reads them. */
 static void gather_modes(struct iso_shape_fitter *f)
 {
     for (int k = 0; k < f->n_modes; k++) {
@@ -60,7 +60,7 @@ static void gather_modes(struct iso_shape_fitter *f)
 static int allocate_planes(struct iso_shape_fitter *f)
 {
     size_t n = f->model->n_vertices;
-    /* Both whole multiples of 16 bytes, as aligned_alloc wants it. */
+    /* Both sizes are multiples of 16 bytes, as aligned_alloc requires. */
     size_t modes = 3 * n * (size_t)f->mode_stride * sizeof *f->modes;
     size_t rows = n * (size_t)iso_gram_stride(ISO__SHAPE_UNKNOWNS_MAX + 1) * sizeof *f->rows;
     f->modes = aligned_alloc(ISO_GRAM_ALIGNMENT, modes);
@@ -123,7 +123,7 @@ static void wipe_points(struct iso_vec3 *points, size_t n)
 
 void iso_shape_fitter_free(struct iso_shape_fitter *fitter)
 {
-    if (fitter) { /* what is left of a face is biometric data */
+    if (fitter) { /* the remains of a face are biometric data */
         wipe_points(fitter->shape, fitter->model->n_vertices);
         wipe_points(fitter->fitted, fitter->model->n_vertices);
         free(fitter->modes);
@@ -179,7 +179,8 @@ static int try_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
     int error = take_steps(f, frame, 0, trial_steps(&f->options), TRIAL_VERTICES, state);
     if (!error) {
         iso__shape_measure(f, frame, &state->pose, &fit);
-        /* Where a closed mouth lies over an open one there are holes, which must count too. */
+        /* A closed mouth over an open one leaves places without measurements, which must count too.
+         */
         *cost_mm2 = fit.coverage * fit.cost_mm2 + (1.0 - fit.coverage) * unmeasured_cost_mm2;
     }
     return error;

@@ -3,9 +3,9 @@
  * Robust Gauss-Newton on point-to-plane residuals with projective association, as in pose_fit.h,
  * over six degrees of freedom and the coefficients of the model's modes, which are held by their
  * prior N(0, 1) (regularised morphable model fit: Blanz and Vetter 1999; Amberg, Knothe and Vetter
- * 2008). First rigid; then with all modes from several openings of the jaw, of which the best is
- * gone on with. What it is for: the landmarks of the fitted head are
- * repeatable to a fraction of the noise, since they rest on the whole face. */
+ * 2008). The first steps are rigid. Then all modes are fitted from several openings of the jaw, and
+ * the best of these fits is continued. The fit serves to find the landmarks: those of the fitted
+ * head are repeatable to a fraction of the noise, because they depend on the whole face. */
 #ifndef ISO_CORE_LANDMARK_SHAPE_FIT_H
 #define ISO_CORE_LANDMARK_SHAPE_FIT_H
 
@@ -20,8 +20,8 @@ struct iso_shape_fit {
     double identity_norm;                        /* root mean square of the coefficients */
     double expression_norm;                      /* the strength of the expression; 0: none */
     struct iso_vec3 ibug_mm[ISO_LANDMARKS_IBUG]; /* of the fitted head, face frame */
-    /* The twelve of the head with its expression taken off, face frame: where they would be if the
-     * face were at rest. */
+    /* The twelve landmarks of the head without its expression, face frame: where they would be if
+     * the face were at rest. */
     struct iso_vec3 neutral_mm[ISO_LANDMARKS];
     /* Standard deviation of where each of the twelve is (root of the trace of its covariance),
      * from the curvature of the fit at its minimum and its residual. */

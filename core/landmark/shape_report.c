@@ -1,5 +1,4 @@
-/* What a fit of the head model says of itself: its residuals, its landmarks and how sure they are.
- */
+/* What a fit of the head model reports: its residuals, its landmarks and their uncertainty. */
 #include <math.h>
 #include <string.h>
 
@@ -30,7 +29,7 @@ void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *fram
     iso_pose_tally_finish(&tally, out);
 }
 
-/* Root mean square of coefficients, which are copied. */
+/* Copies coefficients. Returns their root mean square. */
 static double copy_coefficients(const double *from, uint32_t n, float *to)
 {
     double sum = 0.0;
@@ -41,7 +40,8 @@ static double copy_coefficients(const double *from, uint32_t n, float *to)
     return n > 0 ? sqrt(sum / n) : 0.0;
 }
 
-/* Row of how one coordinate of a point of the head in the camera frame moves with the unknowns. */
+/* A row of the Jacobian: how one coordinate of a point of the head, in the camera frame, changes
+ * with the unknowns. */
 static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
                            struct iso_head_point point, int axis, int n,
                            double j[ISO__SHAPE_UNKNOWNS_MAX])

@@ -44,8 +44,8 @@ void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *s
     iso_head_normals(f->model, f->shape, f->normal);
 }
 
-/* Row of the Jacobian, times a factor: turn and shift of the head, then its modes along the normal.
- */
+/* A row of the Jacobian, times a factor: the turn and the shift of the head, then its modes along
+ * the normal. */
 static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
                      uint32_t vertex, struct iso_vec3 normal, int n, double factor, float *row)
 {

@@ -17,8 +17,8 @@ struct row {
     int32_t step;
 };
 
-/* A probe as people of a step see it: the score of one whose unscaled numbers are y is
- * constant + scale * sum weight y + scale^2 * sum square y^2. */
+/* A probe for people of one step: the score of a person whose unscaled numbers are y is constant +
+ * scale * sum weight y + scale^2 * sum square y^2. */
 struct view {
     double constant;
     float weight[STRIDE_MAX], square[STRIDE_MAX];
@@ -53,7 +53,7 @@ int iso_index_new(const struct iso_metric *metric, struct iso_index **out)
     return 0;
 }
 
-/* Only the rows in use: the others were never touched, or wiped before. */
+/* Only the rows in use are wiped: the others were never written, or were wiped before. */
 static void wipe_rows(struct iso_index *index)
 {
     if (index->n > 0) {
@@ -80,7 +80,7 @@ int iso_index_reserve(struct iso_index *index, size_t n_people)
     }
     const size_t least = index->capacity ? 2 * index->capacity : 16;
     const size_t capacity = n_people > least ? n_people : least;
-    /* Not realloc, which would leave what it moved. */
+    /* Not realloc, which would leave a copy in the old memory. */
     struct row *row = calloc(capacity, sizeof *row);
     float *mean = calloc(capacity, index->stride * sizeof *mean);
     if (!row || !mean) {
@@ -124,8 +124,8 @@ static void make_view(const struct iso_metric *metric, const struct iso_metric_v
     view->constant = half * sum + (double)metric->bias;
 }
 
-/* By address: how a vector is passed by value depends on what the compiler may use of the
- * processor. */
+/* Passed by address: how a vector is passed by value depends on the processor that the compiler may
+ * assume. */
 static float sum_of(const iso_lanes *lanes)
 {
     float a[ISO_LANES];
@@ -133,7 +133,7 @@ static float sum_of(const iso_lanes *lanes)
     return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }
 
-/* What the view makes of a person's numbers. */
+/* The score of a person's numbers for a view. */
 static double score_of(const struct view *view, const float *mean, float scale, size_t stride)
 {
     iso_lanes linear = {0}, square = {0};
@@ -267,13 +267,13 @@ int iso_index_remove(struct iso_index *index, int64_t person)
 
 /* ---- searching ---- */
 
-/* A row, and the scan's score of it. */
+/* A row and its score in the scan. */
 struct candidate {
     size_t at;
     double score;
 };
 
-/* By falling score; of equal ones the first row stays first. Returns how many there are. */
+/* Sorted by falling score; of equal ones the first row stays first. Returns how many there are. */
 static int keep_candidate(struct candidate *best, int n, int capacity, struct candidate candidate)
 {
     int i = n < capacity ? n : capacity - 1;

@@ -108,7 +108,7 @@ static void curve_residual(const struct curves *curves, const struct iso_rigid *
     residual_mm[2] = (float)left.z;
 }
 
-/* The height of a node that is used, less the mean one. */
+/* The difference between the height of a node and its mean, for the nodes that are used. */
 static float height_residual(const struct iso_metric *metric, const struct iso_upper_face *face,
                              int i)
 {
@@ -140,8 +140,9 @@ double iso_metric_variance(int step)
     return exp2(-0.5 * step);
 }
 
-/* The squared length of a vector of that variance within a person, each number in its expected
- * standard deviations; *log_volume is the logarithm of these, all together, squared. */
+/* The squared length of a vector with that variance within a person, each number in units of its
+ * expected standard deviation. *log_volume is the logarithm of the product of the squares of these
+ * deviations. */
 static double length_of(const struct iso_metric *metric, const float *mean, double variance,
                         double *log_volume)
 {
@@ -151,7 +152,7 @@ static double length_of(const struct iso_metric *metric, const float *mean, doub
         const double x = (double)mean[d], any = variance + (double)metric->between[d];
         length += x * x / any;
         volume *= any;
-        if (d % 8 == 7 || d + 1 == metric->n_dimensions) { /* far from where it would overflow */
+        if (d % 8 == 7 || d + 1 == metric->n_dimensions) { /* long before it would overflow */
             *log_volume += log(volume);
             volume = 1.0;
         }
@@ -159,7 +160,7 @@ static double length_of(const struct iso_metric *metric, const float *mean, doub
     return length;
 }
 
-/* With what variance within a person the vector of a template is likeliest. */
+/* The step of the most likely variance within a person, given the vector of a template. */
 static int likeliest_step(const struct iso_metric *metric, const float *mean)
 {
     double best = INFINITY;
@@ -183,11 +184,11 @@ static int step_of(float weight)
                                         : (int)step;
 }
 
-/* What makes a vector as long as is expected of one of that weight. What is unlike the
- * people that were learned from (another sensor, a bad fit) makes vectors long without saying who
- * it is, and real errors have heavier tails than the model (length normalisation: Garcia-Romero and
- * Espy-Wilson 2011). Equal error rate on real frames: 1.4 % with it, 2.3 % without; 2.6 % with it
- * if every template is taken for average. */
+/* The factor that gives a vector the length that is expected of one of its weight. Templates unlike
+ * the people of the training (another sensor, a bad fit) have long vectors, and that length does
+ * not tell who it is; real errors have heavier tails than the model (length normalisation:
+ * Garcia-Romero and Espy-Wilson 2011). Equal error rate on real frames: 1.4 % with it, 2.3 %
+ * without; 2.6 % with it if all templates are taken to be equally noisy. */
 static float normal_scale(const struct iso_metric *metric, const struct iso_metric_vector *vector)
 {
     double log_volume;
@@ -196,7 +197,7 @@ static float normal_scale(const struct iso_metric *metric, const struct iso_metr
     return (float)sqrt(metric->n_dimensions / fmax(length, 1e-9));
 }
 
-/* Adds what one residual says: the value times its row of the projection. */
+/* Adds the contribution of one residual: its value times its row of the projection. */
 static void project_value(const struct iso_metric *metric, int v, float residual_mm,
                           struct iso_metric_vector *out)
 {
@@ -253,9 +254,10 @@ void iso_metric_vector_add(const struct iso_metric *metric, const struct iso_met
     all->scale = normal_scale(metric, all);
 }
 
-/* With variance b between people, and a mean m whose variance within the person is v, the person's
- * own mean is known to be N(b m / (b + v), b v / (b + v)); a probe of the person varies by its own
- * variance within about it. A probe of anybody is N(0, that + b). */
+/* With the variance b between people, and a mean m whose variance within the person is v, the own
+ * mean of the person has the distribution N(b m / (b + v), b v / (b + v)). A probe of the person
+ * varies about that by its own variance within. A probe of anybody has the distribution N(0, its
+ * variance within + b). */
 double iso_metric_score(const struct iso_metric *metric, const struct iso_metric_vector *person,
                         const struct iso_metric_vector *probe)
 {

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Puts a hit in its place by falling score; a person keeps the best one only. */
+/* Inserts a hit by falling score; only the best hit of a person is kept. */
 static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct iso_search_hit hit)
 {
     int i = 0;

@@ -33,7 +33,7 @@ static bool counts_in_range(unsigned n_radii, unsigned n_points, unsigned n_fram
            n_frames <= ISO_TEMPLATE_FRAMES_MAX;
 }
 
-/* Up to the length of the upper face. */
+/* The size of everything before the length of the upper face. */
 static size_t curves_size(unsigned n_radii, unsigned n_points)
 {
     return HEADER_BYTES + 4 * n_radii + (size_t)POINT_BYTES * n_radii * ISO_LANDMARKS * n_points;
@@ -117,7 +117,7 @@ int iso_template_serialise(const struct iso_template *t, void *bytes, size_t siz
     return (int)needed;
 }
 
-/* Whether the curves that are written here are in range. */
+/* Whether the curves in these bytes are in range. */
 static bool curves_fit(const uint8_t *p, int n_radii, int n_points)
 {
     bool fit = true;
@@ -150,7 +150,7 @@ static void get_curves(const uint8_t *p, struct iso_template *t)
     }
 }
 
-/* What the header says. */
+/* The facts that the header holds. */
 static struct iso_template_facts facts_of(const uint8_t *p)
 {
     return (struct iso_template_facts){
@@ -162,7 +162,7 @@ static struct iso_template_facts facts_of(const uint8_t *p)
     };
 }
 
-/* Whether the bytes are as many as they say, and as they were written. */
+/* Whether the bytes have the size that they state, and are not damaged. */
 static bool bytes_whole(const uint8_t *bytes, size_t size, const struct iso_template_facts *facts)
 {
     const size_t curves = curves_size(facts->n_radii, facts->n_points);
@@ -170,7 +170,8 @@ static bool bytes_whole(const uint8_t *bytes, size_t size, const struct iso_temp
            iso_get_u32(bytes + size - 4) == iso_crc32(0, bytes, size - 4);
 }
 
-/* Everything but the upper face, which is written to *upper: all zero if there is none. */
+/* Checks everything except the upper face, which is written to *upper: all zero if there is none.
+ */
 static int check_bytes(const uint8_t *p, size_t size, struct iso_template_facts *facts,
                        struct iso_upper_face *upper)
 {
@@ -185,7 +186,7 @@ static int check_bytes(const uint8_t *p, size_t size, struct iso_template_facts 
         !bytes_whole(p, size, facts)) {
         return -EBADMSG;
     }
-    /* The checksum was right, so where this fails the writer wrote nonsense. */
+    /* The checksum was right, so that the writer made a mistake if this fails. */
     const int n_points = facts->n_radii * ISO_LANDMARKS * facts->n_points;
     if (!isfinite(iso_get_f32(p + QUALITY_AT)) || !memchr(p + SENSOR_AT, '\0', SENSOR_BYTES) ||
         !curves_fit(p + HEADER_BYTES, facts->n_radii, n_points)) {

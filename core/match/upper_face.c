@@ -118,7 +118,7 @@ static void add_moved(const struct iso_upper_face *face, const struct iso_rigid 
     }
 }
 
-/* The first stays where it is: at its nodes, to its edge. */
+/* The first face is not moved: its heights are added at its nodes, up to its edge. */
 static void add_first(const struct iso_upper_face *face, int row, int column, struct height *height)
 {
     const uint8_t kind = face->kind[row][column];
@@ -136,7 +136,7 @@ static void finish(const struct height *height, int row, int column, struct iso_
     }
 }
 
-/* The faces that count, and the motions. */
+/* The faces that count, and the motions that take them to the first. */
 struct moved_faces {
     int n;
     const struct iso_upper_face *const *faces;

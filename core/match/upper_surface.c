@@ -139,7 +139,8 @@ static int points_of(const struct iso_upper_face *face, struct iso_vec3 *points_
     return n;
 }
 
-/* The distance that the closest `trim` of the pairs do not exceed, to a bin's width. */
+/* The distance that the closest `trim` of the pairs do not exceed, rounded to the width of a bin.
+ */
 static double trim_limit(const struct iso_upper_pair *pairs, int n)
 {
     int count[BINS] = {0}, wanted = (int)ceil(trim * n);
@@ -153,8 +154,9 @@ static double trim_limit(const struct iso_upper_pair *pairs, int n)
     return cutoff_mm * (bin + 1) / BINS;
 }
 
-/* The motion that takes the pairs within the limit closest to their planes, to first order (Gauss
- * and Newton); -EDOM if they do not determine it. *rms_mm is what they are off before it. */
+/* The motion that brings the pairs within the limit closest to their planes, to first order (Gauss
+ * and Newton). -EDOM if they do not determine it. *rms_mm is their root mean square distance before
+ * the motion. */
 static int solve_step(const struct iso_upper_pair *pairs, int n, double limit_mm, double x[6],
                       double *rms_mm)
 {
@@ -197,7 +199,7 @@ static int pair_all(struct iso_upper_workspace *work, int n_points, int stride,
     return n;
 }
 
-/* Takes the step; returns how far the face moves by it. */
+/* Applies the step. Returns how far it moves the face. */
 static double move_pose(const double x[6], struct iso_rigid *gallery_from_probe)
 {
     const struct iso_vec3 w = iso_vec3(x[0], x[1], x[2]), t = iso_vec3(x[3], x[4], x[5]);

@@ -1,5 +1,5 @@
 /* A height field of the upper face between its nodes: heights and slopes; and how well two of them
- * fit together once one is moved rigidly onto the other. */
+ * agree once one is registered rigidly to the other. */
 #ifndef ISO_CORE_MATCH_UPPER_SURFACE_H
 #define ISO_CORE_MATCH_UPPER_SURFACE_H
 
@@ -25,8 +25,8 @@ void iso_upper_surface_of(const struct iso_upper_face *face, struct iso_upper_su
 bool iso_upper_surface_at(const struct iso_upper_surface *surface, double x_mm, double y_mm,
                           struct iso_upper_place *out);
 
-/* iso_upper_surface_at() of iso_upper_surface_of(face), to the bit, for those who ask for so few
- * places that the surface is not worth its memory. */
+/* The same as iso_upper_surface_at() of iso_upper_surface_of(face), to the bit, for callers that
+ * need so few places that the surface is not worth its memory. */
 bool iso_upper_face_at(const struct iso_upper_face *face, double x_mm, double y_mm,
                        struct iso_upper_place *out);
 

@@ -10,17 +10,19 @@
 
 enum { POINTS_MIN = 24, KNOTS_MAX = 28, UNKNOWNS_MAX = KNOTS_MAX + 1, ANGLES = 10, PLANE = 3 };
 
-/* Knots of the profile are no closer: a nose's width would be followed by anything finer. */
+/* The least distance of the knots of the profile: a finer profile would follow the width of a nose.
+ */
 static const double knot_mm = 12.0;
-/* Couples neighbouring knots, weakly: some may have no points. In points. */
+/* The weak coupling of neighbouring knots, in points. Some knots may have no points of their own.
+ */
 static const double stiffness = 0.05;
-/* Cut-offs of Tukey's weight, in units of the limit, after a step without one. The directions are
- * compared after the first of them. */
+/* The cut-offs of Tukey's weight, in units of the limit. The first step has none. The directions
+ * are compared after the first of these. */
 static const double cutoffs[] = {8.0, 4.0, 2.0, 1.0};
 
 enum { STEPS = sizeof cutoffs / sizeof cutoffs[0], STEPS_COMPARED = 2 };
 
-/* Points as a sheet ruled along one direction sees them, and the sheet. */
+/* The points as a sheet sees them that is ruled along one direction, and that sheet. */
 struct sheet {
     const struct iso_vec3 *point_mm;
     int n, n_knots;
@@ -67,8 +69,8 @@ static double above_sheet(const struct sheet *s, int i)
            along_mm(s, i) * s->x[s->n_knots];
 }
 
-/* One weighted least-squares step; `cutoff_mm` 0: all weights 1. Not to be inlined: its matrix
- * would come on top of the points in a frame of more than 16 KiB. */
+/* One weighted least-squares step. With a `cutoff_mm` of 0 all weights are 1. It must not be
+ * inlined: its matrix would be added to a stack frame of more than 16 KiB that holds the points. */
 __attribute__((noinline)) static int solve_sheet(struct sheet *s, double cutoff_mm)
 {
     double h[UNKNOWNS_MAX * UNKNOWNS_MAX], g[UNKNOWNS_MAX] = {0};
@@ -116,7 +118,7 @@ static void finish_fit(struct iso_sheet_fit *fit, int n)
     fit->inlier_share /= n;
 }
 
-/* How far the profile leaves the straight line through its ends. */
+/* How far the profile departs from the straight line through its ends. */
 static double bend_of(const struct sheet *s)
 {
     double low = 0.0, high = 0.0, rise = s->x[s->n_knots - 1] - s->x[0];
@@ -128,7 +130,7 @@ static double bend_of(const struct sheet *s)
     return high - low;
 }
 
-/* The sheet ruled across one angle after so many reweighted steps. */
+/* Fits the sheet that is ruled across one angle, with this many reweighted steps. */
 static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double angle_rad,
                         int steps, struct iso_sheet_fit *out)
 {
@@ -151,7 +153,7 @@ static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double
     return 0;
 }
 
-/* Turns the angle by up to `turn` to either side if that fits better. */
+/* Tries the angles up to `turn` to either side, and keeps the best. */
 static void refine_turn(const struct iso_vec3 *points_mm, int n, double limit_mm, double turn,
                         struct iso_sheet_fit *best)
 {
@@ -183,7 +185,8 @@ int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,
         fit_at_angle(points_mm, n, limit_mm, best.angle_rad, STEPS, &best)) {
         return -ENODATA;
     }
-    /* A roll of 60 mm that is met 7 degrees off is missed by millimetres: down to 1 degree. */
+    /* A roll of 60 mm radius whose angle is wrong by 7 degrees leaves residuals of millimetres, so
+     * that the angle is found to 1 degree. */
     for (double turn = 0.5 * M_PI / ANGLES; turn > 0.015; turn *= 0.5) {
         refine_turn(points_mm, n, limit_mm, turn, &best);
     }

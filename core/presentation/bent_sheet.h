@@ -1,13 +1,14 @@
-/* How well a plane, or a sheet of paper bent any way about one direction, fits a piece of surface.
+/* How well a plane, or a sheet of paper that is bent in any way about one direction, fits a piece
+ * of surface.
  *
- * What is printed or shown is flat, or bent: a developable surface, whose Gaussian curvature is 0
- * (do Carmo 1976, sec. 3-3). Rolled, wavy and folded alike about one direction it is a generalised
- * cylinder, over any plane that is not square to it
+ * Prints and displays are flat or bent: they are developable surfaces, whose Gaussian curvature is
+ * 0 (do Carmo 1976, sec. 3-3). A sheet that is rolled, wavy or folded about one direction is a
+ * generalised cylinder, over any plane that is not perpendicular to that direction:
  *
  *     z = c s + f(t),   t = x cos a + y sin a,   s = y cos a - x sin a,
  *
- * with rulings along s and any profile f: here piecewise linear, so that creases fit as well as
- * rolls. No angle fits a face, whose nose is curved both ways. */
+ * with rulings along s and any profile f. The profile is piecewise linear here, so that it fits
+ * creases as well as rolls. No angle fits a face, because a nose is curved in both directions. */
 #ifndef ISO_CORE_PRESENTATION_BENT_SHEET_H
 #define ISO_CORE_PRESENTATION_BENT_SHEET_H
 
@@ -23,9 +24,9 @@ struct iso_sheet_fit {
 };
 
 /* The plane z = a + b x + c y (plane = {a, b, c}), and the bent sheet, by iteratively reweighted
- * least squares with Tukey's biweight, so that a finger before the sheet does not matter. Residuals
- * are lengths along z. `n` points, at most ISO_SHEET_POINTS_MAX; -ENODATA if there are fewer than
- * 24 or they do not span a surface. */
+ * least squares with Tukey's biweight, so that a finger in front of the sheet has no effect.
+ * Residuals are measured along z. `n` points, at most ISO_SHEET_POINTS_MAX; -ENODATA if there are
+ * fewer than 24 or they do not span a surface. */
 int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, double plane[3],
                   struct iso_sheet_fit *out) __attribute__((warn_unused_result));
 int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,

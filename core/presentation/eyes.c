@@ -4,9 +4,9 @@
 
 enum { CORNERS = 6, RIGHT_EYE = 36, LEFT_EYE = 42, RINGS = 2, PLACES = CORNERS * RINGS + 1 };
 
-/* Rings of places about the middle of an eye, as multiples of its contour. */
+/* The rings of places about the middle of an eye, as multiples of the eye's contour. */
 static const double within[RINGS] = {0.3, 0.6}, about[RINGS] = {2.3, 2.9};
-/* A place about the lids is on the face if it lies so near to the fitted head. */
+/* A place about the lids counts as part of the face if it lies this near to the fitted head. */
 static const double on_face_mm = 8.0;
 
 static double median(double *values, int n)

@@ -1,8 +1,8 @@
-/* Whether a face has holes for eyes: what lies within the lids is far behind them, on both sides.
+/* Whether a face has holes for eyes: on both sides the surface within the lids is far behind them.
  *
- * A print with its eyes cut out shows the wearer's own eyes, some way behind, or what is behind all
- * of it. Eyes that are closed, behind glasses or not measured are no reason for doubt: sensors lose
- * eyes (wet, dark, specular). */
+ * Behind a print with its eyes cut out, the sensor measures the eyes of the wearer, or whatever
+ * lies behind the print. Eyes that are closed, behind glasses or not measured are no reason for
+ * doubt: sensors often fail to measure eyes (wet, dark, specular). */
 #ifndef ISO_CORE_PRESENTATION_EYES_H
 #define ISO_CORE_PRESENTATION_EYES_H
 

@@ -13,11 +13,11 @@ enum {
     SLOPES_MIN = 4,   /* differences that are not 0: a flat tile is no content */
 };
 
-/* The size of a tile is the same number of pixels at every distance, so that a constant added to
- * all depths does not change the tiles: as many as 12 mm are 700 mm away. */
+/* A tile has the same number of pixels at every distance, namely what 12 mm cover at 700 mm. A
+ * constant that is added to all depths therefore does not change the tiles. */
 static const double tile_mm = 12.0, tile_distance_mm = 700.0;
 
-/* What counts as being as far away as the face, from the nose tip. */
+/* The range of depths, counted from the nose tip, that counts as being as far away as the face. */
 static const float nearer_mm = 60.0F, farther_mm = 120.0F;
 
 /* The resolution of differences: finer than any sensor's, coarser than the rounding of a float. */
@@ -130,7 +130,7 @@ static int count_equal(const uint8_t *a, const uint8_t *b)
     return n;
 }
 
-/* Classes that are empty in both are equal, too; so many there are at least. */
+/* Classes that are empty in both fingerprints do not count. */
 double iso_fingerprint_likeness(const struct iso_fingerprint *a, const struct iso_fingerprint *b)
 {
     int same = 0, filled = 0;

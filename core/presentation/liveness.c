@@ -5,7 +5,8 @@
 
 #include "core/base/crc32.h"
 
-/* A turn is counted as the way of what lies so far from the axis: the face's own half length. */
+/* A turn is counted as the movement of a point at this distance from the axis: half the length of a
+ * face. */
 static const double arm_mm = 80.0;
 static const double sigma_max_mm = 6.0;
 static const double digest_mm = 80.0;
@@ -30,7 +31,8 @@ void iso_liveness_init(const struct iso_liveness_options *options, struct iso_li
     out->options = *options;
 }
 
-/* Small turn from one attitude to another, as a vector along its axis; good to a few degrees. */
+/* The small turn from one attitude to another, as a vector along its axis. It is exact for turns of
+ * a few degrees. */
 static struct iso_vec3 turn_between(const struct iso_mat3 *from, const struct iso_mat3 *to)
 {
     struct iso_mat3 back = iso_mat3_transpose(from);
@@ -56,7 +58,7 @@ static void remember(struct iso_liveness *l, const struct iso_liveness_frame *fr
     l->n = l->n < ISO_LIVENESS_FRAMES ? l->n + 1 : l->n;
 }
 
-/* Whether one coordinate moved over the frames held, beyond what noise without memory does. */
+/* Whether one coordinate moved over the frames held by more than independent noise explains. */
 static bool moved(const struct iso_liveness *l, int coordinate)
 {
     int from = (l->next - l->n + ISO_LIVENESS_FRAMES) % ISO_LIVENESS_FRAMES;
@@ -106,7 +108,7 @@ enum iso_liveness_answer iso_liveness_feed(struct iso_liveness *liveness,
     l->repeated = same ? l->repeated + 1 : 0;
     l->digest = frame->digest;
     l->last_ns = frame->t_ns;
-    /* A frame given twice is not two measurements: it would count as stillness. */
+    /* A frame that is given twice is not two measurements; it would count as stillness. */
     if (!same && frame->sigma_mm <= sigma_max_mm) {
         remember(l, frame);
     }

@@ -10,15 +10,18 @@ struct iso_presentation {
     struct iso_sheet_finder *finder;
 };
 
-/* How much of the scale the fit says; the rest is the size's own. */
+/* The share of the scale that comes from the fit; the rest comes from the measured size. */
 static const double fit_weight = 1.0 / 3.0;
-/* Of the root mean square of 60 coefficients, of which the last say little. */
+/* The limit of the root mean square of 60 coefficients. The last coefficients carry little
+ * information. */
 static const double people_norm = 0.41;
-/* A head that is fitted to a bent sheet is an odd one: so much less of the sheet has to be there
- * for every unit that its coefficients are beyond people's. (Of 376 real faces none has more than
- * 0.70 of a bent sheet; a rolled photograph that passed at 0.77 has an oddness of 0.57.) */
+/* A head that is fitted to a bent sheet has unusual coefficients. For every unit by which they
+ * exceed those of people, this much less of the bent sheet is enough for a refusal. (Of 376 real
+ * faces none has more than 0.70 of a bent sheet. A rolled photograph that passed at 0.77 exceeds by
+ * 0.57.) */
 static const double bent_share_per_oddness = 0.15;
-/* Of the places about an eye, for the eye to be judged. */
+/* The shares of the places about an eye and within it that must be measured before the eye is
+ * judged. */
 static const double around_min = 0.3, measured_min = 0.5;
 
 struct iso_presentation_options iso_presentation_options_default(void)

@@ -6,18 +6,18 @@ enum { SIDE = 17, CELLS = SIDE * SIDE, CELLS_MIN = 60, PER_CELL = 9 };
 
 static const double cell_mm = 6.0;
 static const double radius_mm = 48.0;
-/* Points further before or behind the origin are of something else. */
+/* Points further before or behind the origin do not belong to the face. */
 static const double depth_mm = 70.0;
-/* The nose's tip is in the middle; the ring lies beyond its wings. */
+/* The tip of the nose is in the middle; the ring lies outside the wings of the nose. */
 static const double tip_mm = 8.0, ring_mm = 30.0;
 
-/* Sums of the points of each cell; then their means, cells without any left out. */
+/* The sums of the points of each cell; later their means, without the cells that have no points. */
 struct cells {
     struct iso_vec3 point_mm[CELLS];
     int n[CELLS];
 };
 
-/* Pixels from one looked at to the next: several a cell are enough. */
+/* The step between pixels that are read: several in each cell are enough. */
 static int stride_of(const struct iso_frame *frame, double z_mm)
 {
     double pixel = iso_camera_pixel_mm(&frame->camera, z_mm);

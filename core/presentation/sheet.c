@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 static const double area_min_mm2 = 6000.0;
-/* A step between neighbours that ends a part: 12 mm, or a slope of 70 degrees. */
+/* A step of depth between neighbours ends a part if it exceeds 12 mm, or a slope of 70 degrees. */
 static const double jump_mm = 12.0, jump_slope = 2.75;
 /* The widest hole that a part reaches across. */
 static const double across_mm = 200.0;
@@ -132,7 +132,7 @@ static int sample_points(const struct iso_sheet_finder *f, const struct iso_fram
     return n;
 }
 
-/* What lies between the part's pixels in rows and in columns. */
+/* Counts the pixels between the part's outermost ones, in rows and in columns. */
 static void describe_outline(struct iso_sheet_finder *f, const struct iso_frame *frame,
                              const struct part *part, struct iso_sheet *out)
 {

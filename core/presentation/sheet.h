@@ -1,8 +1,8 @@
-/* The nearest thing of a scene, and whether it is a sheet or a plate that somebody holds up.
+/* The nearest object of a scene, and whether it is a sheet or a plate that somebody holds up.
  *
- * A photograph or a display rarely gets as far as a fitted face: where no face is found, this says
- * that a picture may have been meant for one. The thing is a connected part of a coarse frame
- * (steps of depth end it, holes do not: a display is often measured at its rim alone). */
+ * A photograph or a display rarely leads to a fitted face. If no face was found, this says whether
+ * the object may be a picture of one. The object is a connected part of a coarse frame. Steps of
+ * depth end it; holes do not, because often only the rim of a display is measured. */
 #ifndef ISO_CORE_PRESENTATION_SHEET_H
 #define ISO_CORE_PRESENTATION_SHEET_H
 

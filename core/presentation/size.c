@@ -20,10 +20,11 @@ enum {
 };
 
 static const double cutoff_first_mm = 14.0, cutoff_last_mm = 6.0;
-/* A surface of quite another size is not followed from the size of people. */
+/* Several starts, because the fit does not reach a surface of a very different size from that of
+ * people. */
 static const double starts[] = {1.0, 0.72, 1.35};
 static const double scale_min = 0.3, scale_max = 2.2;
-/* Of the modes' prior, beside a vertex's squared residual. */
+/* The weight of the modes' prior beside the squared residual of a vertex. */
 static const double stiffness_mm2 = 4.0;
 
 struct iso_sizer {
@@ -38,7 +39,7 @@ struct state {
     double scale, coefficient[MODES_MAX];
 };
 
-/* Every so many of the rigid vertices. */
+/* Chooses the rigid vertices at even steps. */
 static int choose_vertices(const struct iso_head_model *model, uint32_t vertex[VERTICES])
 {
     int rigid = 0, n = 0, seen = 0;
@@ -47,7 +48,7 @@ static int choose_vertices(const struct iso_head_model *model, uint32_t vertex[V
     }
     for (uint32_t i = 0; i < model->n_vertices; i++) {
         if (model->region[i] & ISO_HEAD_RIGID) {
-            /* Bresenham: evenly, VERTICES of them at most. */
+            /* Bresenham's way of even steps: at most VERTICES of them. */
             int before = seen * VERTICES / rigid, after = (seen + 1) * VERTICES / rigid;
             seen++;
             if (rigid <= VERTICES || after > before) {

@@ -1,12 +1,12 @@
-/* How large a face is beside the people that the head model was trained on.
+/* How large a face is, compared with the people that the head model was trained on.
  *
- * The fitted head follows a face that is too small or too large as far as its modes go: it hides
- * the size in its identity, up to a point. So the mean face is registered with a free scale, point
- * to plane with projective association as in pose_fit.h, over seven unknowns (rigid motion and the
- * logarithm of the scale). Then the leading modes of identity are let go as well, by their prior.
- * They hold what people's sizes are, and which shapes go with them: somebody large has the features
- * of large people, a large print those of the one it was taken from. What is left to the scale is
- * what people's shapes do not explain. */
+ * The fitted head follows a face that is too small or too large as far as its modes allow; up to a
+ * point it hides the size in its identity. The mean face is therefore registered with a free scale,
+ * point to plane with projective association as in pose_fit.h, over seven unknowns (rigid motion
+ * and the logarithm of the scale). Then the leading modes of identity become free as well, held by
+ * their prior. These modes describe the sizes of people, and which shapes belong to them: a large
+ * person has the features of large people, but a large print has those of the person it shows. The
+ * remaining scale is what the shapes of people do not explain. */
 #ifndef ISO_CORE_PRESENTATION_SIZE_H
 #define ISO_CORE_PRESENTATION_SIZE_H
 

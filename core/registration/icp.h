@@ -43,9 +43,9 @@ struct iso_icp_result {
     bool converged;
 };
 
-/* Working memory of a registration, 164 kB, to be allocated once and used by one thread at a time;
- * nothing has to be in it. All arrays run over the pairs of one iteration. It holds faces when it
- * was used: its owner wipes it. */
+/* Working memory of a registration, 164 kB. It is allocated once and used by one thread at a time;
+ * it needs no initial values. All arrays have an entry for each pair of one iteration. It holds
+ * biometric data after use: its owner wipes it. */
 struct iso_icp_workspace {
     int n;
     struct iso_vec3 source[ISO_ICP_POINTS_MAX], target[ISO_ICP_POINTS_MAX];

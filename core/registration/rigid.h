@@ -14,8 +14,8 @@ int iso_rigid_fit(const struct iso_vec3 *source, const struct iso_vec3 *target,
                   const double *weight, int n, struct iso_rigid *target_from_source)
     __attribute__((warn_unused_result));
 
-/* The same fit in steps, for those who have no arrays of the points: each point is given twice, in
- * the same order. Starts from all zero. */
+/* The same fit in steps, for callers that have no arrays of the points: each point is given twice,
+ * in the same order. Starts from all zero. */
 struct iso_rigid_sums {
     int used; /* points of positive weight */
     double weight;

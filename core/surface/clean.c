@@ -80,8 +80,9 @@ static struct iso_window window_about(const struct iso_frame *frame, struct iso_
                                (int)(bottom - top) + 1};
 }
 
-/* Whether a pixel (two or more from the border) agrees with its surroundings. That it lies within
- * 6 mm of the median is counted, not sorted: no more than half lie further to either side. */
+/* Whether a pixel, which is two or more from the border, agrees with its surroundings. That it lies
+ * within 6 mm of the median is found by counting instead of sorting: no more than half of the
+ * pixels lie further to either side. */
 static int agrees(const float *at, int width)
 {
     float z = *at;
@@ -119,7 +120,7 @@ static void drop_outliers(struct iso_cleaner *c)
     c->kept = swap;
 }
 
-/* Flood fill from a seed; the pixels stay in the queue. Returns how many, and their area. */
+/* Flood fill from a seed. The pixels stay in the queue. Returns their number and their area. */
 static int flood(struct iso_cleaner *c, int seed, double *area_mm2)
 {
     const struct iso_frame *f = &c->frame;

@@ -8,8 +8,8 @@
 #include "core/surface/fill.h"
 #include "core/surface/raster.h"
 
-/* The mean face's slope, depth over way, beyond which the patch ends: a view from the front says
- * little about such places. */
+/* Where the mean face is steeper than this (change of depth over distance), the patch ends: a view
+ * from the front shows little of such places. */
 static const float slope_max = 3.0f;
 
 struct iso_face_patch {
@@ -73,8 +73,9 @@ static void spread_mark(struct iso_face_patch *patch, uint8_t over, uint8_t mark
     }
 }
 
-/* Makes the domain of one piece without holes: what is joined to the nose tip, and the steep places
- * that this encloses (the sides of the nose). The outermost rows and columns are never in it. */
+/* Makes the domain one piece without holes: everything that is joined to the nose tip, and the
+ * steep places that it encloses (the sides of the nose). The outermost rows and columns are never
+ * part of it. */
 static void make_whole(struct iso_face_patch *patch)
 {
     enum { INSIDE = 1, JOINED = 2, OUTSIDE = 4 };

@@ -6,7 +6,7 @@
 
 enum { LEVELS_MAX = 11, RELAXATIONS = 40, KERNEL_MAX = 120, SIDE_MAX = 1024 };
 
-/* One level of the pyramid: averages of the known pixels under each cell. */
+/* One level of the pyramid: each cell has the average of the known pixels under it. */
 struct level {
     int width, height;
     float *value;
@@ -59,7 +59,7 @@ void iso_fill_free(struct iso_fill *fill)
     }
 }
 
-/* Averages each 2 x 2 of a finer level. */
+/* Averages each 2 x 2 cells of a finer level. */
 static void pull_level(const struct level *fine, struct level *coarse)
 {
     for (int row = 0; row < coarse->height; row++) {
@@ -161,8 +161,8 @@ void iso_fill_holes(struct iso_fill *fill, const uint8_t *domain, const uint8_t 
     relax_plane(base, domain, known, value);
 }
 
-/* One direction of the Gaussian: `step` 1 along rows or the width along columns. Value and weight
- * are smoothed alike; their quotient is taken at the end. */
+/* One direction of the Gaussian: `step` is 1 along rows, or the width along columns. Value and
+ * weight are smoothed in the same way; they are divided at the end. */
 static void smooth_line(const float *in, float *out, int n, int step, const float *kernel,
                         int reach)
 {

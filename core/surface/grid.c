@@ -21,7 +21,8 @@ size_t iso_grid_plane_origin(const struct iso_grid *grid)
     return (size_t)grid->stride + ISO_LANES;
 }
 
-/* What calloc gave stands before the planes, since the planes are aligned better. */
+/* The pointer from calloc is stored before the planes, because the planes have a larger alignment.
+ */
 enum { ALIGNMENT = 64 };
 
 float *iso_grid_planes_new(const struct iso_grid *grid, int n_planes)
@@ -60,8 +61,8 @@ int iso_grid_new(int width_px, int height_px, struct iso_grid **out)
     }
     g->width = width_px;
     g->height = height_px;
-    /* Whole groups of lanes and one more, so that what is worked on in groups ends before the next
-     * row begins. */
+    /* A whole number of groups of lanes plus one more group, so that the last group of a row ends
+     * before the next row begins. */
     g->stride = (width_px + ISO_LANES - 1) / ISO_LANES * ISO_LANES + ISO_LANES;
     float *planes = iso_grid_planes_new(g, PLANES);
     uint8_t *cells = calloc(iso_grid_plane_size(g), 1);

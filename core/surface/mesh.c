@@ -167,7 +167,7 @@ int iso_mesh_adjacency(const struct iso_mesh *mesh, int32_t (*adjacent)[3])
         if (s->low == t->low && s->high == t->high) {
             adjacent[s->triangle][s->corner] = t->triangle;
             adjacent[t->triangle][t->corner] = s->triangle;
-            /* Further triangles on this edge count as boundary. */
+            /* Further triangles at this edge count as boundary. */
             while (i + 2 < n && sides[i + 2].low == s->low && sides[i + 2].high == s->high) {
                 i++;
             }
@@ -178,7 +178,7 @@ int iso_mesh_adjacency(const struct iso_mesh *mesh, int32_t (*adjacent)[3])
     return 0;
 }
 
-/* A piece found by flood fill, to be renumbered by area. */
+/* A piece that flood fill found; pieces are renumbered by area. */
 struct piece {
     int32_t label;
     double area;
@@ -193,7 +193,7 @@ static int compare_pieces(const void *a, const void *b)
     return (p->label > q->label) - (p->label < q->label);
 }
 
-/* Labels all triangles joined to a seed; returns their area. */
+/* Labels all triangles that are joined to a seed. Returns their area. */
 static double flood_piece(const struct iso_mesh *mesh, const int32_t (*adjacent)[3], int32_t seed,
                           int32_t label, int32_t *component, int32_t *stack)
 {

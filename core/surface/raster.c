@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A corner on the image plane. `q` is what interpolates linearly there: 1/z under perspective, z
+/* A corner on the image plane. `q` is the value that is linear there: 1/z under perspective, z
  * itself under orthographic projection. */
 struct corner {
     double u_px, v_px, q;
@@ -84,7 +84,7 @@ static void draw_triangle(const struct iso_raster *raster, const struct corner c
                           int cull)
 {
     struct span span;
-    /* v grows downwards, hence a triangle that is counter-clockwise seen from the camera has a
+    /* v grows downwards. A triangle that is counter-clockwise seen from the camera has therefore a
      * negative area. */
     double area = edge(&c[0], &c[1], c[2].u_px, c[2].v_px);
     bool drawn = cull ? area < 0.0 : area < 0.0 || area > 0.0;

@@ -6,8 +6,8 @@
 
 #include "core/surface/cell.h"
 
-/* The triangles of one cell (cell.h): index of the first, and which corners each takes; count 0:
- * the cell is empty. */
+/* The triangles of one cell (cell.h): the index of the first, and the corners of each. With a count
+ * of 0 the cell is empty. */
 struct cell {
     int32_t first;
     uint8_t count;
@@ -102,8 +102,8 @@ static struct cell make_cell(const struct iso_frame *frame, int column, int row,
     return cell;
 }
 
-/* Cells and triangles, the latter with pixels for vertices. Returns the number of triangles, or
- * -ENOSPC. */
+/* Makes the cells and the triangles; the corners of the triangles are pixels at first. Returns the
+ * number of triangles, or -ENOSPC. */
 static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame *frame,
                               struct iso_mesh *mesh)
 {
@@ -131,7 +131,7 @@ static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame
     return n;
 }
 
-/* Turns triangles of pixels into triangles of vertices, one for each pixel that is used. */
+/* Replaces the pixels of the triangles by vertices, one for each pixel that is used. */
 static int number_vertices(struct iso_triangulator *t, const struct iso_frame *frame,
                            struct iso_mesh *mesh)
 {
@@ -164,7 +164,7 @@ static int number_vertices(struct iso_triangulator *t, const struct iso_frame *f
     return 0;
 }
 
-/* Takes the dropped triangles (moved -1) out of a cell. */
+/* Removes the dropped triangles (moved -1) from a cell. */
 static void thin_cell(const struct iso_triangulator *t, struct cell *cell)
 {
     struct cell before = *cell;

@@ -5,7 +5,7 @@
 
 int iso_chebyshev_exp(double z, double tolerance, double c[ISO_CHEBYSHEV_TERMS_MAX])
 {
-    /* I_k(z) exp(-z) falls off like exp(-k^2 / 2z): at this k there is nothing left of it. */
+    /* I_k(z) exp(-z) decreases like exp(-k^2 / 2z) and is negligible at this k. */
     double start = ceil(9.0 * sqrt(z) + 40.0);
     if (!(z > 0.0 && start < ISO_CHEBYSHEV_TERMS_MAX)) {
         return -ERANGE;

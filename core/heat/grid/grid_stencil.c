@@ -8,7 +8,7 @@
 
 #include "core/base/lanes.h"
 
-/* BLOCK: rows that share one row of the plane `bound`. */
+/* BLOCK: the number of rows that share one row of the plane `bound`. */
 enum { PLANES = 7, BLOCK = 8 };
 
 int iso_grid_stencil_new(const struct iso_grid *grid, struct iso_grid_stencil **out)
@@ -47,7 +47,7 @@ struct cells {
     iso_lanes bound;
 };
 
-/* Comparisons of vectors are what compilers split up: absolute values serve here. */
+/* Absolute values instead of comparisons, because compilers split comparisons of vectors up. */
 #define ABSOLUTE(a) ((iso_lanes)((iso_lane_bits)(a)&INT32_MAX))
 
 /* Adds the triangles that leave out corner k; z are the heights of the cells' corners. */
@@ -168,7 +168,8 @@ void iso_grid_stencil_build(struct iso_grid_stencil *s, const struct iso_grid *g
     }
 }
 
-/* The larger of each; none is negative, and then floats are in the order of their bits. */
+/* The larger of each pair. No value is negative, so that floats have the same order as their bits.
+ */
 #define LARGER(most, bound)                                                                \
     do {                                                                                   \
         const iso_lane_bits now = (iso_lane_bits)ISO_LANES_LOAD(bound), is = now > (most); \

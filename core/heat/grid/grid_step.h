@@ -1,15 +1,15 @@
 /* Steps of a three-term recurrence with the 9-point stencil: the inner loop of the grid heat
  * solver. Internal to core/heat.
  *
- * A sweep takes several steps in one pass over the rows, each two rows behind the one before it:
- * what a step wrote and what it read of A is still in the first-level cache when the next one wants
- * it. Every pixel sees the same operations as if one step were taken after the other, so that
- * results are the same to the bit.
+ * A sweep takes several steps in one pass over the rows. Each step is two rows behind the previous
+ * one, so that the values which it needs are still in the first-level cache. Every pixel has the
+ * same operations as if one step were taken after the other, so that results are the same to the
+ * bit.
  *
- * The same source is compiled for the least processor of the architecture and, on x86-64, for AVX2;
+ * The same source is compiled for every processor of the architecture and, on x86-64, for AVX2;
  * iso_grid_stepper chooses by what the machine has. Both do the same operations in the same order
- * (AVX2 without FMA), so that here, too, results are the same to the bit. (On arm64 the compiler
- * makes one instruction of a product and a sum; the tests tell if it did not do so everywhere.) */
+ * (AVX2 without FMA), so that their results are the same to the bit. (On arm64 the compiler may
+ * join a product and a sum into one instruction; the tests show whether it did so everywhere.) */
 #ifndef ISO_CORE_HEAT_GRID_GRID_STEP_H
 #define ISO_CORE_HEAT_GRID_GRID_STEP_H
 

@@ -1,4 +1,4 @@
-/* For the least processor of the architecture: SSE2 on x86-64, NEON on aarch64. */
+/* For every processor of the architecture: SSE2 on x86-64, NEON on aarch64. */
 #define SWEEP iso__grid_sweep_baseline
 #include "core/heat/grid/grid_step.inc"
 

@@ -27,13 +27,13 @@ struct iso_classifier_ops {
     int (*train)(const struct iso_labelled *training, void **model);
     void (*free)(void *model);
 
-    /* REQUIRED. A score for each class, higher is more likely; a class nothing was learnt of has
+    /* REQUIRED. A score for each class; higher is more likely. A class without examples has
      * -INFINITY. Thread-safe. -EDOM, -ENOMEM. */
     int (*score)(const void *model, const float *feature, double *score);
 
-    /* OPTIONAL. distance[i] from the feature to the i-th learnt from; lower is more alike. `left`
-     * is one of them that is left out, as if it had never been learnt, or -1; its own distance is
-     * then 0. Thread-safe. -EDOM, -ENOMEM. */
+    /* OPTIONAL. distance[i] is the distance from the feature to the i-th learned one; lower is more
+     * alike. `left` is a learned feature that is left out as if it had never been learned, or -1;
+     * its own distance is then 0. Thread-safe. -EDOM, -ENOMEM. */
     int (*rank)(const void *model, const float *feature, int32_t left, double *distance);
 };
 
@@ -45,7 +45,7 @@ struct iso_classifier_ops {
  *   naive-bayes    independent normal densities */
 extern const struct iso_classifier_ops *const iso_classifiers[];
 
-/* Checked ways to the operations. */
+/* Calls the operations, and checks the arguments first. */
 struct iso_classifier;
 
 /* -EINVAL for labels out of range, features that are not finite, n < 1 or fewer than 2 classes. */
@@ -60,9 +60,10 @@ int iso_classifier_score(const struct iso_classifier *classifier, const float *f
 int iso_classifier_rank(const struct iso_classifier *classifier, const float *feature, int32_t left,
                         double *distance) __attribute__((warn_unused_result));
 
-/* Scores of every feature by a classifier that has not learnt from it: stratified cross-validation
- * (Kohavi 1995). `folds` of 2..n; n is leave-one-out. score is [n][n_classes]. Classes are dealt to
- * the folds in an order drawn from `seed`. -EINVAL, errors of the classifier. */
+/* Scores every feature by a classifier that has not learned from it: stratified cross-validation
+ * (Kohavi 1995). `folds` is 2..n; n is leave-one-out. score is [n][n_classes]. The members of the
+ * classes are distributed over the folds in an order drawn from `seed`. -EINVAL, errors of the
+ * classifier. */
 int iso_cross_validate(const struct iso_classifier_ops *ops, const struct iso_labelled *all,
                        int32_t folds, uint64_t seed, double *score)
     __attribute__((warn_unused_result));

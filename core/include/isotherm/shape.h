@@ -1,4 +1,4 @@
-/* A non-rigid shape made ready for description: one connected surface with its finite elements and
+/* A non-rigid shape, prepared for description: one connected surface with its finite elements and
  * the lower end of its spectrum.
  *
  * Everything of this folder is made of the heat kernel K(x, y, t) = sum_i exp(-lambda_i t)
@@ -13,7 +13,7 @@
 
 enum {
     ISO_CHANNELS = 3,
-    ISO_SHAPE_PAIRS = 100, /* eigenpairs that do for every method */
+    ISO_SHAPE_PAIRS = 100, /* enough eigenpairs for every method */
     ISO_SHAPE_WEIGHTED_PAIRS = 64,
     ISO_SHAPE_VERTICES_MIN = 32,
 };

@@ -19,7 +19,8 @@ enum {
     ISO_SHAPE_BAGS_MAX = ISO_CHANNELS,
 };
 
-/* What a shape says of itself. Sizes but n_points are the method's, the same for all shapes. */
+/* The description of a shape. All sizes except n_points are the method's, the same for all shapes.
+ */
 struct iso_shape_description {
     /* Of methods with bags: a row of n_values for each vertex, in each bag (colour channel). */
     int32_t n_bags, n_points, n_values;
@@ -49,7 +50,7 @@ struct iso_shape_method {
     bool colour;        /* describe() is -ENODATA for a shape without colours */
     enum iso_shape_coding coding;
     int32_t size;           /* default: principal components, or words of each vocabulary; or 0 */
-    enum iso_norm norm;     /* by which its nearest neighbour is best looked for */
+    enum iso_norm norm;     /* the norm that suits its nearest neighbour best */
     const char *classifier; /* what the dissertation classifies it by: a name of classifier.h */
     /* Use iso_shape_describe. */
     int (*describe)(const struct iso_shape *shape, struct iso_shape_description *out);
@@ -90,10 +91,10 @@ struct iso_feature_layout {
 
 struct iso_shape_coder;
 
-/* Learns from the descriptions of a corpus by one method. `size` is that of the method if 0 (it
- * cannot be above n for ISO_CODING_REDUCED, and is cut to that); `seed` starts the vocabularies.
- * -EINVAL for descriptions of different sizes or n < 1, -ENOMEM, -EDOM if principal components
- * cannot be found. */
+/* Learns from the descriptions of a corpus by one method. A `size` of 0 stands for the method's
+ * default (with ISO_CODING_REDUCED it cannot be above n, and is reduced to that); `seed` starts the
+ * vocabularies. -EINVAL for descriptions of different sizes or n < 1, -ENOMEM, -EDOM if principal
+ * components cannot be found. */
 int iso_shape_coder_new(const struct iso_shape_method *method,
                         const struct iso_shape_description *const *training, int32_t n,
                         int32_t size, uint64_t seed, struct iso_shape_coder **out)

@@ -12,7 +12,7 @@ static struct iso_feature_layout parts_of(const struct iso_collaborative_kind *k
     return kind->joined ? (struct iso_feature_layout){layout->size, 1, {layout->size}} : *layout;
 }
 
-/* Each part of unit length, and what is joined as a whole, too. */
+/* Gives each part unit length, and also the whole feature if it is coded as a whole. */
 static void unit_length(const struct iso_collaborative_kind *kind,
                         const struct iso_feature_layout *layout, float *feature)
 {

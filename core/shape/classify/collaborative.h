@@ -1,8 +1,8 @@
-/* Classifiers by collaborative representation: what CRC-RLS and RCR have in common.
+/* Classifiers by collaborative representation: the common part of CRC-RLS and RCR.
  *
- * A feature is coded over all shapes of all classes at once; what a class, or one shape, takes part
- * in that code says how alike they are. Kinds differ by what a dictionary is made of, by how codes
- * are found, and by what a class's part is worth. */
+ * A feature is coded over all shapes of all classes at once. The share of a class, or of one shape,
+ * in that code says how alike they are. The classifiers differ in what a dictionary consists of, in
+ * how the codes are computed, and in how the share of a class becomes a score. */
 #ifndef ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 #define ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 
@@ -16,14 +16,14 @@ struct iso_collaborative {
     struct iso_dictionary part[ISO_SHAPE_PARTS_MAX];
 };
 
-/* A feature's codes, one for each dictionary, and what it takes to get them. */
+/* The codes of a feature, one for each dictionary, and the memory to compute them. */
 struct iso_code {
     int32_t left;                         /* the shape whose coefficients are 0, or -1 */
     const float *y[ISO_SHAPE_PARTS_MAX];  /* [part[k].size], of unit length */
     double *product[ISO_SHAPE_PARTS_MAX]; /* [n]: D_k y_k */
     double *alpha[ISO_SHAPE_PARTS_MAX];   /* [n] */
     double weight[ISO_SHAPE_PARTS_MAX];   /* of each part in what the codes say, above 0 */
-    double *mean, *right, *scratch;       /* [n], [n], [2 n], for who finds codes */
+    double *mean, *right, *scratch;       /* [n], [n], [2 n], for find() */
     float *residual;                      /* [size], for iso_code_residual */
 };
 
@@ -40,11 +40,10 @@ struct iso_collaborative_kind {
 double iso_code_residual(const struct iso_collaborative *model, const struct iso_code *code,
                          int32_t k, int32_t class);
 
-/* As the operations of isotherm/classifier.h; the model is an iso_collaborative. Ranking
- * takes each shape for a class of its own: its distance is what is left of y without its share,
- * over the parts by their weights. Not over |alpha_i|, which is near 0 for most and puts them in no
- * order.
- */
+/* The operations of isotherm/classifier.h; the model is an iso_collaborative. The
+ * ranking treats each shape as a class of its own. Its distance is the residual of y without the
+ * contribution of that shape, over the parts by their weights. It is not divided by |alpha_i|,
+ * which is near 0 for most shapes and would put them in no order. */
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
                             const struct iso_labelled *training, void **model)
     __attribute__((warn_unused_result));

@@ -11,7 +11,8 @@ static uint32_t next_random(uint64_t *state, uint32_t below)
     return (uint32_t)((*state >> 33) % below);
 }
 
-/* Deals the members of one class after another to the folds, each class in an order of its own. */
+/* Distributes the members of one class after another over the folds, each class in a random order.
+ */
 static void deal(const struct iso_labelled *all, int32_t folds, uint64_t seed, int32_t *order,
                  int32_t *fold)
 {

@@ -1,8 +1,9 @@
 /* Coding over a dictionary of all shapes at once.
  *
- * alpha = (D D' + c I)^-1 b, D one feature a row, b = D y + whatever pulls alpha elsewhere. By the
- * eigenvectors of D D', found once, any c > 0 costs two products of a matrix with a vector; and an
- * atom is left out exactly by the constraint that its coefficient be 0. */
+ * alpha = (D D' + c I)^-1 b, where D has one feature in each row, and b = D y plus whatever else
+ * determines alpha. The eigenvectors of D D' are computed once. With them each c > 0 costs two
+ * products of a matrix with a vector, and an atom can be left out exactly, by the constraint that
+ * its coefficient is 0. */
 #ifndef ISO_CORE_SHAPE_CLASSIFY_DICTIONARY_H
 #define ISO_CORE_SHAPE_CLASSIFY_DICTIONARY_H
 

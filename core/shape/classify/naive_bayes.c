@@ -7,8 +7,8 @@
 
 #include "core/shape/classify/training_set.h"
 
-/* Least variance of a value within a class, over its variance in all shapes: a histogram's bin that
- * is empty in a dozen shapes is not certain to be empty in the next. */
+/* The least variance of a value within a class, relative to its variance in all shapes. A bin of a
+ * histogram that is empty in a dozen shapes may not be empty in the next one. */
 static const double least_variance = 0.05;
 
 struct bayes {

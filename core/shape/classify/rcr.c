@@ -11,7 +11,7 @@
 
 #include "core/shape/classify/collaborative.h"
 
-/* Parts being of unit length; of a few tried on generated creatures. */
+/* For parts of unit length; chosen from a few values that were tried on generated creatures. */
 static const double lambda = 0.1;
 static const double tau = 0.5;
 static const double gamma_entropy = 0.05;

@@ -19,7 +19,7 @@ static int compare_items(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* One query's items, closest first, with what of them is relevant. */
+/* The items of one query, closest first, and which of them are relevant. */
 struct ranking {
     int32_t n;         /* items */
     int32_t n_class;   /* of the query's class */
@@ -115,7 +115,7 @@ static void precision_curve(const struct ranking *r, double *precision)
         if (!r->of_class[i]) {
             continue;
         }
-        /* Levels above what this hit reaches are done with. */
+        /* The levels above the recall of this hit are complete. */
         while (level > 0 && (int64_t)level * r->n_class > (int64_t)hits * ISO_RECALL_LEVELS) {
             precision[--level] = best;
         }
@@ -150,7 +150,7 @@ int iso_retrieval_query(const struct iso_ranked *ranked, int32_t query, struct i
     return 0;
 }
 
-/* Adds `share` of what one query measures. */
+/* Adds the measures of one query times `share`. */
 static void add(struct iso_retrieval *sum, const struct iso_retrieval *one, double share)
 {
     sum->nearest += share * one->nearest;

@@ -1,10 +1,10 @@
-/* How well a matrix of distances retrieves shapes of the query's class: the measures of the
- * Princeton Shape Benchmark (Shilane, Min, Kazhdan and Funkhouser, SMI 2004), and the average
+/* How well a matrix of distances retrieves shapes of the same class as the query: the measures of
+ * the Princeton Shape Benchmark (Shilane, Min, Kazhdan and Funkhouser, SMI 2004), and the average
  * dynamic recall of SHREC'13 (Cerri et al., "Retrieval on textured 3D models", 3DOR 2013; Typke,
  * Veltkamp and Wiering, ICME 2006).
  *
- * Each row is a query, each column an item that may be retrieved. Ties are broken by the order of
- * the items. A query of whose class there is nothing to be retrieved does not count. */
+ * Each row is a query; each column is an item that may be retrieved. Of equal distances the first
+ * item comes first. A query without an item of its class does not count. */
 #ifndef ISO_CORE_SHAPE_CLASSIFY_RETRIEVAL_H
 #define ISO_CORE_SHAPE_CLASSIFY_RETRIEVAL_H
 
@@ -31,11 +31,12 @@ struct iso_ranked {
     const double *distance;     /* [n_queries][n_items] */
     const int32_t *query_class; /* [n_queries] */
     const int32_t *item_class;  /* [n_items] */
-    /* Wider classes, for ADR: of the first C items only those of the class are relevant, of those
-     * further down (as many as the wider class has) all of the wider class. NULL: the same. */
+    /* Wider classes, for ADR. Among the first C items only those of the class are relevant. Among
+     * those after them, as many as the wider class has, all items of the wider class are relevant.
+     * NULL: the wider class is the class. */
     const int32_t *query_wider, *item_wider;
-    /* [n_queries]: the item that is the query itself, or what it was made of, and is left out of
-     * its row; -1: none. NULL: none for any. */
+    /* [n_queries]: the item that is the query itself, or from which the query was made, and which
+     * is left out of its row; -1: none. NULL: no query has one. */
     const int32_t *own;
 };
 

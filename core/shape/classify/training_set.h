@@ -1,4 +1,4 @@
-/* What classifiers keep of the features they learn from. */
+/* The features that a classifier learned from, and their classes. */
 #ifndef ISO_CORE_SHAPE_CLASSIFY_TRAINING_SET_H
 #define ISO_CORE_SHAPE_CLASSIFY_TRAINING_SET_H
 
@@ -16,7 +16,7 @@ int iso_training_set_init(struct iso_training_set *gallery, const struct iso_lab
     __attribute__((warn_unused_result));
 void iso_training_set_done(struct iso_training_set *gallery);
 
-/* Makes each part of a feature of unit length; a part of zeros stays. */
+/* Gives each part of a feature unit length; a part of zeros stays as it is. */
 void iso_training_set_normalise(const struct iso_feature_layout *layout, float *feature);
 
 /* For each class the lowest of its distances, as a score: the higher the better. */

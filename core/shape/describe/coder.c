@@ -13,7 +13,7 @@ enum { LEARN_ROWS = 20000 };
 struct iso_shape_coder {
     const struct iso_shape_method *method;
     struct iso_feature_layout layout;
-    /* What descriptions look like. */
+    /* The sizes of the descriptions. */
     int32_t n_bags, n_values, n_parts;
     int32_t part_size[ISO_SHAPE_PARTS_MAX];
     struct iso_principal principal; /* of ISO_CODING_REDUCED */
@@ -78,7 +78,7 @@ static int learn_vocabularies(struct iso_shape_coder *c,
     return error;
 }
 
-/* What was learnt decides the parts of a feature. */
+/* Sets the parts of a feature from what was learned. */
 static void lay_out(struct iso_shape_coder *c)
 {
     struct iso_feature_layout *layout = &c->layout;

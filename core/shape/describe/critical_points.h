@@ -1,6 +1,6 @@
 /* Critical points: the vertices where the first non-trivial eigenfunction has an extremum over its
- * two rings of neighbours, none near a boundary. Abdelrahman 2013, section 4.1 (after Reuter 2010).
- * They are the tips of a shape: their number is that of its limbs, whatever its pose. */
+ * two rings of neighbours, except near a boundary. Abdelrahman 2013, section 4.1 (after Reuter
+ * 2010). They lie at the tips of a shape: there are as many as limbs, whatever the pose. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_CRITICAL_POINTS_H
 #define ISO_CORE_SHAPE_DESCRIBE_CRITICAL_POINTS_H
 
@@ -11,13 +11,14 @@ struct iso_critical_points {
     int32_t *vertex; /* [n], by falling |value| of the eigenfunction */
 };
 
-/* Extrema of any function of the vertices. Of equal values at neighbours the lowest index counts. A
- * function without extremum (every one near the boundary) has n = 0. -ENOMEM. */
+/* Extrema of any function of the vertices. Of neighbours with equal values the one of the lowest
+ * index counts. A function without an extremum (all of them near the boundary) has n = 0. -ENOMEM.
+ */
 int iso_shape_extrema(const struct iso_shape *shape, const double *function,
                       struct iso_critical_points *out) __attribute__((warn_unused_result));
 
-/* Those of the first non-trivial eigenfunction; at least one: where all extrema lie near the
- * boundary, the one vertex of the largest |value|. -ENOMEM. */
+/* The extrema of the first non-trivial eigenfunction. There is at least one: if all extrema lie
+ * near the boundary, it is the vertex of the largest |value|. -ENOMEM. */
 int iso_shape_critical_points(const struct iso_shape *shape, struct iso_critical_points *out)
     __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
-/* How each method of isotherm/shape_method.h describes a shape; and what they share. Each fills a
- * description that is all zero; iso_shape_describe frees what a failing one leaves in it. */
+/* How each method of method.h describes a shape, and what the methods share. Each function fills a
+ * description that is all zero; iso_shape_describe frees what a failed one leaves in it. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 #define ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 
@@ -20,16 +20,17 @@ int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_descript
 int iso_describe_parts(struct iso_shape_description *out, int32_t n_parts, const int32_t *part_size)
     __attribute__((warn_unused_result));
 
-/* Adds values [n][stride] to a histogram of 2 or more bins over from..to, each by its weight, split
- * between the two bins whose middles it lies between; what lies outside counts in the first or last
- * bin. */
+/* Adds values [n][stride] to a histogram of 2 or more bins over from..to, each with its weight. A
+ * value is divided between the two bins whose middles are next to it. Values outside count in the
+ * first or last bin. */
 void iso_describe_histogram(const double *value, int32_t n, int stride, const double *weight,
                             double from, double to, int bins, float *histogram);
 
-/* n eigenvalues from the first non-trivial one on, normalised: how far each is from where it would
- * be if all rose evenly (as Weyl (1911) has it for high ones) at their mean slope, in shares of
- * that; times `weight`. Less sensitive to missing parts than eigenvalues over the first one, which
- * is as much at stake as any. 0 where the shape has fewer. */
+/* n eigenvalues from the first non-trivial one on, normalised, times `weight`. Each is the
+ * difference to the value that it would have if all eigenvalues rose evenly at their mean slope (as
+ * Weyl (1911) states for high ones), as a share of that value. This depends less on missing
+ * parts than eigenvalues divided by the first one, which changes as much as any other. 0 where the
+ * shape has fewer eigenvalues. */
 void iso_describe_eigenvalues(const struct iso_shape *shape, int n, double weight, float *out);
 
 #endif

@@ -17,7 +17,7 @@ enum {
     LEVELS = 4, /* of each channel in a histogram of colours */
 };
 
-/* The unit of time at tau = 0, in areas of the shape: what the eigenpairs resolve. */
+/* The time at tau = 0, in areas of the shape: the shortest that the eigenpairs resolve. */
 static const double google_unit = 1.0 / 1024.0;
 static const double w_unit = 1.0 / 200.0;
 

@@ -15,10 +15,10 @@ enum {
     AMPLITUDES = 6,
 };
 
-/* Times are measured by the area of the shape: eigenvalues and eigenfunctions are normalised by it
- * (4.2). The first one is what 100 pairs resolve. At the last one heat has come through the shape
- * (CP-HK: amplitudes want the whole course), or through a limb and not to where other parts may be
- * missing (CP-TD). */
+/* Times are given in units of the area of the shape, which also normalises eigenvalues and
+ * eigenfunctions (4.2). The first time is the shortest that 100 pairs resolve. At the last time
+ * heat has spread over the whole shape (CP-HK, because amplitudes need the whole course), or only
+ * over a limb (CP-TD), so that it does not reach places where parts may be missing. */
 static const double first_time = 1.0 / 400.0;
 static const double last_time_td = 0.5;
 static const double last_time_hk = 4.0;
@@ -29,7 +29,7 @@ static const double eigenvalue_weight = 3.0;
 /* The time of the heat mean signature whose minimum is the one point of 4.2.3. */
 static const double mean_time = 1.0 / 64.0;
 
-/* What is worked on: heat [n][TIMES] of one point. */
+/* The working memory: heat [n][TIMES] of one point. */
 struct bench {
     const struct iso_shape *shape;
     int32_t n;
@@ -73,8 +73,8 @@ static int add_temperatures(struct bench *bench, int32_t source, float *histogra
     return error;
 }
 
-/* CP-TD. The histograms of all points are added rather than put behind each other: the points of
- * two shapes have no order in common, and differ in number. */
+/* CP-TD. The histograms of all points are added, not concatenated: the points of two shapes have no
+ * common order, and their numbers differ. */
 static int describe_temperatures(const struct iso_shape *shape,
                                  const struct iso_critical_points *points,
                                  struct iso_shape_description *out)
@@ -124,7 +124,7 @@ int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_descr
     return error;
 }
 
-/* Amplitudes lie in 0..1, their sum being 1; the higher ones in a smaller range. */
+/* Amplitudes lie in 0..1 and their sum is 1; the higher ones lie in a smaller range. */
 static double amplitude_range(int w)
 {
     return w == 0 ? 0.5 : 0.25;
@@ -142,7 +142,7 @@ static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier
         return error;
     }
     for (int32_t i = 0; i < bench->n * AMPLITUDES; i++) {
-        bench->heat[i] = (double)amplitude[i]; /* the courses are done with */
+        bench->heat[i] = (double)amplitude[i]; /* the courses are no longer needed */
     }
     for (int w = 0; w < AMPLITUDES; w++) {
         iso_describe_histogram(&bench->heat[w], bench->n, AMPLITUDES, bench->weight, 0.0,
@@ -151,7 +151,7 @@ static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier
     return 0;
 }
 
-/* The histograms of CP-HK, the same number of points from all shapes weighing the same. */
+/* The histograms of CP-HK. Shapes have the same weight whatever the number of their points. */
 static int describe_amplitudes(const struct iso_shape *shape,
                                const struct iso_critical_points *points, float *histogram)
 {
@@ -177,7 +177,8 @@ static int describe_amplitudes(const struct iso_shape *shape,
     return error;
 }
 
-/* The number of points stands beside histograms whose sum is 1: a point more or less is a tenth. */
+/* The number of points is stored beside histograms whose sum is 1; one point more or less counts
+ * 0.1. */
 static const float per_point = 0.1f;
 
 int iso_describe_cp_hk_plain(const struct iso_shape *shape, struct iso_shape_description *out)

@@ -24,7 +24,7 @@ int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_descr
     return error;
 }
 
-/* The time of TD, in areas of the shape: heat has left the limbs' tips, not the limbs. */
+/* The time of TD, in areas of the shape: heat has left the tips of the limbs, but not the limbs. */
 static const double td_time = 1.0 / 64.0;
 
 /* Temperature distribution (Fang, Sun, Kim and Ramani 2011; 3.4.5): the histogram of the heat mean

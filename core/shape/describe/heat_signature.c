@@ -62,7 +62,8 @@ int iso_heat_from_vertex(const struct iso_eigenpairs *pairs, int32_t vertex, int
     return courses(pairs, vertex, first, t, n_times, out);
 }
 
-/* sum_j K(i, j, t) = sum_k exp(-lambda_k t) phi_k(i) sum_j phi_k(j), less what stays at i. */
+/* sum_j K(i, j, t) = sum_k exp(-lambda_k t) phi_k(i) sum_j phi_k(j), without the heat that stays at
+ * i. */
 int iso_heat_mean_signature(const struct iso_eigenpairs *pairs, double t, double *out)
 {
     int error = iso_heat_signature(pairs, 0, &t, 1, out);

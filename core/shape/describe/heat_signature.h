@@ -1,6 +1,7 @@
-/* What heat tells of a vertex: signatures of the heat kernel from eigenpairs.
+/* Signatures of a vertex: values of the heat kernel from eigenpairs.
  *
- * All take the eigenpairs of any (weighted) operator: L and B of isotherm/stiffness_mass.h. */
+ * All functions take the eigenpairs of any (weighted) operator: L and B of
+ * isotherm/stiffness_mass.h. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_HEAT_SIGNATURE_H
 #define ISO_CORE_SHAPE_DESCRIBE_HEAT_SIGNATURE_H
 
@@ -12,8 +13,8 @@
 int iso_heat_signature(const struct iso_eigenpairs *pairs, int32_t first, const double *t,
                        int n_times, double *out) __attribute__((warn_unused_result));
 
-/* Heat mean signature (Fang, Sun, Kim and Ramani 2011; 3.39): mean over all other vertices of the
- * heat that has come to them from the vertex by time t; [n]. -ENOMEM. */
+/* Heat mean signature (Fang, Sun, Kim and Ramani 2011; 3.39): the mean, over all other vertices, of
+ * the heat that they have received from the vertex by time t; [n]. -ENOMEM. */
 int iso_heat_mean_signature(const struct iso_eigenpairs *pairs, double t, double *out)
     __attribute__((warn_unused_result));
 

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Variance over the largest below which a component is noise of rounding: values are floats. */
+/* The variance, relative to the largest, below which a component is only rounding noise: values are
+ * floats. */
 static const double least_variance = 1e-10;
 
 static int fill_centred(const float *const *vector, int32_t n, struct iso_principal *p,

@@ -1,5 +1,5 @@
-/* Principal components of feature vectors that are longer than they are many (Turk and Pentland
- * 1991): of the matrix of their products. */
+/* Principal components of feature vectors whose length is larger than their number (Turk and
+ * Pentland 1991): from the matrix of their products. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_PRINCIPAL_H
 #define ISO_CORE_SHAPE_DESCRIBE_PRINCIPAL_H
 

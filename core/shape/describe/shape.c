@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Relative residual of the eigenpairs; their values are far better (its square). */
+/* The relative residual of the eigenpairs; the error of the eigenvalues is about its square. */
 static const double pairs_tolerance = 1e-8;
 
 /* Area over the square of the longest edge, below which a triangle is a line. */
@@ -23,7 +23,7 @@ static bool has_area(const struct iso_mesh *mesh, int32_t t)
     return longest > 0.0 && iso_mesh_triangle_area(mesh, t) >= least_roundness * longest;
 }
 
-/* The vertex that stands for the component of v; shortens the way on the way. */
+/* The root vertex of the component of v. It shortens the path to the root as it follows it. */
 static int32_t root_of(int32_t *parent, int32_t v)
 {
     while (parent[v] != v) {
@@ -33,8 +33,8 @@ static int32_t root_of(int32_t *parent, int32_t v)
     return v;
 }
 
-/* The component of the largest area: parent[v] becomes its root's for all of its vertices. Returns
- * that root, or -1 for a mesh without area. */
+/* Finds the component of the largest area: parent[v] becomes the root for all of its vertices.
+ * Returns that root, or -1 for a mesh without area. */
 static int32_t largest_part(const struct iso_mesh *mesh, int32_t *parent, double *area)
 {
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
@@ -60,7 +60,7 @@ static int32_t largest_part(const struct iso_mesh *mesh, int32_t *parent, double
     return best;
 }
 
-/* Copies the largest part, with its colours. `parent` and then `number` share their room. */
+/* Copies the largest part with its colours. `parent`, and later `number`, use the same memory. */
 static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t *number,
                      double *area, struct iso_shape *shape)
 {
@@ -231,7 +231,7 @@ static int solve_pairs(const struct iso_shape *shape, const struct iso_symmetric
     return iso_eigenpairs_new(stiffness, mass, wanted < most ? wanted : most, pairs_tolerance, out);
 }
 
-/* The spectra of the manifolds whose densities are the channels. */
+/* Computes the spectra of the manifolds whose densities are the channels. */
 static int solve_weighted(struct iso_shape *shape)
 {
     struct iso_symmetric *stiffness = NULL, *mass = NULL;

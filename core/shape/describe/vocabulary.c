@@ -26,7 +26,8 @@ static float square_distance(const float *a, const float *b, int32_t n)
     return sum;
 }
 
-/* Words far from each other, drawn by the square of their distance from those drawn before. */
+/* Words far from each other: each is drawn with a probability by the square of its distance from
+ * those drawn before (k-means++). */
 static void start(const float *row, int32_t n, uint64_t seed, float *nearest,
                   struct iso_vocabulary *v)
 {
@@ -66,7 +67,8 @@ static int32_t nearest_word(const struct iso_vocabulary *v, const float *row, fl
     return best;
 }
 
-/* Moves each word to the mean of the rows that say it. Returns how many rows changed theirs. */
+/* Moves each word to the mean of the rows that are nearest to it. Returns how many rows changed
+ * their word. */
 static int32_t improve(const float *row, int32_t n, int32_t *said, double *sum, int32_t *count,
                        struct iso_vocabulary *v)
 {

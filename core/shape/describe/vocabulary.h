@@ -1,8 +1,9 @@
-/* A vocabulary: typical rows of values, to which other rows are compared as to words.
+/* A vocabulary: typical rows of values, the words. Other rows are assigned to the words nearest to
+ * them.
  *
  * k-means (Lloyd 1982) started by k-means++ (Arthur and Vassilvitskii 2007). A bag counts how much
- * of a surface says which word, each vertex shared between words by its distance from them, as in
- * Bronstein et al., "Shape Google", ACM TOG 30, 2011, section 4. */
+ * of a surface belongs to each word. Each vertex is shared between words by its distance from them,
+ * as in Bronstein et al., "Shape Google", ACM TOG 30, 2011, section 4. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_VOCABULARY_H
 #define ISO_CORE_SHAPE_DESCRIBE_VOCABULARY_H
 
