@@ -27,12 +27,12 @@ static void add_block(const float *rows, int n_rows, int stride, int a, int b, i
 
 void iso_gram(const float *rows, int n_rows, int n, double *h)
 {
-    int stride = iso_gram_stride(n);
+    const int stride = iso_gram_stride(n);
     for (int i = 0; i < n * n; i++) {
         h[i] = 0.0;
     }
     for (int first = 0; first < n_rows; first += CHUNK) {
-        int some = n_rows - first < CHUNK ? n_rows - first : CHUNK;
+        const int some = n_rows - first < CHUNK ? n_rows - first : CHUNK;
         for (int a = 0; a < n; a += ISO_GRAM_LANES) {
             for (int b = 0; b <= a; b += ISO_GRAM_LANES) {
                 add_block(rows + (size_t)first * (size_t)stride, some, stride, a, b, n, h);

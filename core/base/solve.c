@@ -14,7 +14,7 @@ int iso_cholesky_factorise(double *a, int n)
         if (!(pivot > 1e-12 * fabs(a[j * n + j]))) {
             return -EDOM;
         }
-        double root = sqrt(pivot);
+        const double root = sqrt(pivot);
         a[j * n + j] = root;
         for (int i = j + 1; i < n; i++) {
             double sum = a[i * n + j];

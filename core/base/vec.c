@@ -2,12 +2,12 @@
 
 struct iso_mat3 iso_mat3_rotation(struct iso_vec3 w)
 {
-    double angle = iso_norm(w);
+    const double angle = iso_norm(w);
     struct iso_mat3 r = iso_mat3_identity();
     if (angle <= 0.0) {
         return r;
     }
-    struct iso_vec3 u = iso_scale(1.0 / angle, w);
+    const struct iso_vec3 u = iso_scale(1.0 / angle, w);
     double s = sin(angle), c = 1.0 - cos(angle);
     /* R = I + sin(a) [u]x + (1 - cos(a)) [u]x^2 */
     r.m[0][0] -= c * (u.y * u.y + u.z * u.z);

@@ -43,9 +43,9 @@ static int64_t now_ns(const struct iso_extractor *x)
  * camera is so wide that the coarse frame would still be too large. */
 static int coarse_factor(const struct iso_frame *frame)
 {
-    double pixel_mm = iso_camera_pixel_mm(&frame->camera, ISO_EXTRACT_COARSE_AT_MM);
-    double pitch = fmin(rint(ISO_EXTRACT_COARSE_PITCH_MM / pixel_mm), ISO_SHRINK_MAX);
-    double side_px = fmin(frame->width_px, frame->height_px);
+    const double pixel_mm = iso_camera_pixel_mm(&frame->camera, ISO_EXTRACT_COARSE_AT_MM);
+    const double pitch = fmin(rint(ISO_EXTRACT_COARSE_PITCH_MM / pixel_mm), ISO_SHRINK_MAX);
+    const double side_px = fmin(frame->width_px, frame->height_px);
     int factor = (int)fmax(fmin(pitch, side_px), 1.0);
     while ((frame->width_px / factor) * (frame->height_px / factor) > ISO_EXTRACT_COARSE_PX_MAX) {
         factor++;
@@ -69,8 +69,8 @@ static void describe_pose(const struct iso_pose_fit *fit, struct iso_extraction 
 static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
                      struct iso_pose_fit *fit, struct iso_extraction *out)
 {
-    bool pinhole = frame->camera.projection == ISO_PINHOLE;
-    struct iso_window all = {0, 0, frame->width_px, frame->height_px};
+    const bool pinhole = frame->camera.projection == ISO_PINHOLE;
+    const struct iso_window all = {0, 0, frame->width_px, frame->height_px};
     int error = iso_frame_shrink(frame, all, coarse_factor(frame), ISO_EXTRACT_COARSE_PX_MAX,
                                  &x->coarse);
     if (error) {
@@ -135,7 +135,7 @@ static int fit_head(struct iso_extractor *x, const struct iso_frame *frame,
                     struct iso_extraction *out)
 {
     struct iso_rigid start = fit->camera_from_face;
-    int error = iso_shape_fit(x->fitter, cleaned, &start, &x->head);
+    const int error = iso_shape_fit(x->fitter, cleaned, &start, &x->head);
     if (error) {
         return error;
     }
@@ -150,7 +150,7 @@ static int fit_head(struct iso_extractor *x, const struct iso_frame *frame,
 static int make_patch(struct iso_extractor *x, const struct iso_frame *cleaned,
                       struct iso_extraction *out)
 {
-    int error = iso_triangulate(x->triangulator, cleaned, x->surface);
+    const int error = iso_triangulate(x->triangulator, cleaned, x->surface);
     if (error) {
         return error;
     }
@@ -185,7 +185,7 @@ static void keep_track(struct iso_extractor *x, const struct iso_frame *frame, b
                        const struct iso_extraction *out)
 {
     struct iso_extract_track *t = &x->track;
-    int frames_left = tracked ? t->frames_left - 1 : TRACK_FRAMES;
+    const int frames_left = tracked ? t->frames_left - 1 : TRACK_FRAMES;
     *t = (struct iso_extract_track){
         .frames_left = out->outcome == ISO_CAPTURE_OK ? frames_left : 0,
         .camera_from_face = out->camera_from_face,

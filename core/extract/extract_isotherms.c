@@ -13,7 +13,7 @@ const char *iso_heat_method_name(enum iso_heat_method method)
 
 static void place_of(const struct iso_extractor *x, int landmark, double *column, double *row)
 {
-    struct iso_vec3 at = x->head.neutral_mm[landmark];
+    const struct iso_vec3 at = x->head.neutral_mm[landmark];
     iso_face_patch_pixel(x->patch, at.x, at.y, column, row);
 }
 
@@ -37,7 +37,8 @@ static int make_grid(struct iso_extractor *x)
 /* Makes a mesh of the patch, in the face frame. */
 static int make_mesh(const struct iso_extractor *x)
 {
-    int error = iso_triangulate(x->patch_triangulator, iso_face_patch_frame(x->patch), x->mesh);
+    const int error = iso_triangulate(x->patch_triangulator, iso_face_patch_frame(x->patch),
+                                      x->mesh);
     for (int32_t i = 0; !error && i < x->mesh->n_vertices; i++) {
         x->mesh->vertices_mm[i] = iso_face_from_patch(x->mesh->vertices_mm[i]);
     }
@@ -68,7 +69,7 @@ int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out)
     x->on_grid = x->options.heat == ISO_HEAT_GRID;
     memset(&out->tmpl, 0, sizeof out->tmpl);
     iso__extract_upper_face(x->patch, &out->tmpl.upper);
-    int error = x->on_grid ? make_grid(x) : make_mesh_with_sources(x);
+    const int error = x->on_grid ? make_grid(x) : make_mesh_with_sources(x);
     for (int l = 0; l < ISO_LANDMARKS && !error; l++) {
         out->source_mm[l] = iso_rigid_apply(&out->camera_from_face, x->source_mm[l]);
     }

@@ -45,7 +45,7 @@ enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
     struct iso_presentation_cues cues;
     iso_presentation_measure_scene(x->presentation, &x->coarse, range->near_mm,
                                    x->options.distance_max_mm, &cues);
-    enum iso_capture outcome = iso_presentation_judge(&cues, &bounds);
+    const enum iso_capture outcome = iso_presentation_judge(&cues, &bounds);
     if (outcome != ISO_CAPTURE_OK) {
         return outcome;
     }
@@ -61,8 +61,8 @@ static enum iso_capture way_to_the_middle(const struct iso_frame *frame, struct 
 {
     double u = 0.0, v = 0.0;
     (void)iso_camera_project(&frame->camera, nose_mm, &u, &v);
-    double right = (u - frame->crop_x_px) / frame->width_px - 0.5;
-    double down = (v - frame->crop_y_px) / frame->height_px - 0.5;
+    const double right = (u - frame->crop_x_px) / frame->width_px - 0.5;
+    const double down = (v - frame->crop_y_px) / frame->height_px - 0.5;
     if (fabs(right) > fabs(down)) {
         return right > 0.0 ? ISO_CAPTURE_MOVE_RIGHT : ISO_CAPTURE_MOVE_LEFT;
     }
@@ -75,7 +75,7 @@ enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
                                          const struct iso_pose_fit *fit,
                                          const struct iso_extraction *out)
 {
-    bool pinhole = frame->camera.projection == ISO_PINHOLE;
+    const bool pinhole = frame->camera.projection == ISO_PINHOLE;
     if (pinhole && out->distance_mm > x->options.distance_max_mm) {
         return ISO_CAPTURE_TOO_FAR;
     }
@@ -105,7 +105,7 @@ static enum iso_capture judge_cover(const struct iso_occlusion *occlusion)
     enum iso_capture outcome = ISO_CAPTURE_OK;
     double worst = 0.0;
     for (int part = 0; part < ISO_FACE_PARTS; part++) {
-        double over = occlusion->covered[part] - covered_max[part];
+        const double over = occlusion->covered[part] - covered_max[part];
         if (over > worst) {
             worst = over;
             outcome = words[part];
@@ -138,7 +138,7 @@ enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_extraction *out)
 {
     const double norm = x->head.identity_norm;
-    enum iso_capture cover = judge_cover(&out->occlusion);
+    const enum iso_capture cover = judge_cover(&out->occlusion);
     /* An object in front of a face does not fit a head, but the rest of the face does. */
     if (cover != ISO_CAPTURE_OK && is_like_a_face(out->occlusion.rest_mm2, norm)) {
         return cover;

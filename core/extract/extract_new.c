@@ -171,7 +171,7 @@ static int new_patch(struct iso_extractor *x, int32_t *n_px)
 
 static int new_heat(struct iso_extractor *x, int32_t n_px)
 {
-    int32_t nnz = n_px + 3 * 2 * n_px;
+    const int32_t nnz = n_px + 3 * 2 * n_px;
     int error = iso_symmetric_new(n_px, nnz, &x->stiffness);
     if (!error) {
         error = iso_symmetric_new(n_px, nnz, &x->mass);

@@ -79,8 +79,8 @@ static double flood_part(struct iso_candidate_finder *f, const struct iso_frame 
     f->part[seed] = label;
     while (head < tail) {
         int at = f->queue[head++], column = at % w, row = at / w;
-        double z = (double)frame->depth_mm[at];
-        double pixel = iso_camera_pixel_mm(&frame->camera, z);
+        const double z = (double)frame->depth_mm[at];
+        const double pixel = iso_camera_pixel_mm(&frame->camera, z);
         area += pixel * pixel;
         sum_z += z;
         const int next[4] = {column > 0 ? at - 1 : -1, column < w - 1 ? at + 1 : -1,
@@ -111,7 +111,7 @@ static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *fr
             continue;
         }
         double mean;
-        double area = flood_part(f, frame, i, label, options, &mean);
+        const double area = flood_part(f, frame, i, label, options, &mean);
         if (area >= part_area_mm2) {
             int at = n < ISO_CANDIDATE_PARTS_MAX ? n++ : n;
             for (; at > 0 && parts[at - 1].mean_mm > mean; at--) {
@@ -138,7 +138,7 @@ static struct iso_vec3 smoothed_point(const struct iso_frame *frame, int column,
             if (u < 0 || v < 0 || u >= frame->width_px || v >= frame->height_px) {
                 continue;
             }
-            double near = (double)iso_frame_depth_at(frame, u, v);
+            const double near = (double)iso_frame_depth_at(frame, u, v);
             if (near > 0.0 && fabs(near - z) < ring_radius_mm / 2) {
                 sum += near;
                 n++;
@@ -159,7 +159,7 @@ static const double ring_cosine[RING] = {
 static bool surely_low(const struct iso_frame *frame, int column, int row, double z_mm,
                        double radius_px)
 {
-    int reach = (int)lrint(radius_px);
+    const int reach = (int)lrint(radius_px);
     if (column < reach || row < reach || column + reach >= frame->width_px ||
         row + reach >= frame->height_px) {
         return false;
@@ -183,24 +183,24 @@ static bool surely_low(const struct iso_frame *frame, int column, int row, doubl
  * of the ring were measured. */
 static double height_above_ring(const struct iso_frame *frame, int column, int row)
 {
-    struct iso_vec3 centre = smoothed_point(frame, column, row);
-    double radius_px = ring_radius_mm / iso_camera_pixel_mm(&frame->camera, centre.z);
+    const struct iso_vec3 centre = smoothed_point(frame, column, row);
+    const double radius_px = ring_radius_mm / iso_camera_pixel_mm(&frame->camera, centre.z);
     if (surely_low(frame, column, row, centre.z, radius_px)) {
         return 0.0;
     }
     double normal[9] = {0}, right[3] = {0};
     int n = 0;
     for (int k = 0; k < RING; k++) {
-        int u = (int)lrint(column + radius_px * ring_cosine[k % RING]);
-        int v = (int)lrint(row + radius_px * ring_cosine[(k + 3 * RING / 4) % RING]);
+        const int u = (int)lrint(column + radius_px * ring_cosine[k % RING]);
+        const int v = (int)lrint(row + radius_px * ring_cosine[(k + 3 * RING / 4) % RING]);
         if (u < 0 || v < 0 || u >= frame->width_px || v >= frame->height_px) {
             continue;
         }
-        double z = (double)iso_frame_depth_at(frame, u, v);
+        const double z = (double)iso_frame_depth_at(frame, u, v);
         if (!(z > 0.0) || fabs(z - centre.z) > ring_reach_mm) {
             continue;
         }
-        struct iso_vec3 d = iso_sub(iso_frame_point_at(frame, u, v), centre);
+        const struct iso_vec3 d = iso_sub(iso_frame_point_at(frame, u, v), centre);
         const double x[3] = {1.0, d.x, d.y};
         for (int i = 0; i < 3; i++) {
             for (int j = 0; j < 3; j++) {
@@ -232,8 +232,8 @@ static int take_highest(struct iso_candidate_finder *f, const struct iso_frame *
         return -1;
     }
     int column = best % frame->width_px, row = best / frame->width_px;
-    double z = (double)frame->depth_mm[best];
-    int reach = (int)ceil(apart_mm / iso_camera_pixel_mm(&frame->camera, z));
+    const double z = (double)frame->depth_mm[best];
+    const int reach = (int)ceil(apart_mm / iso_camera_pixel_mm(&frame->camera, z));
     for (int v = row - reach; v <= row + reach; v++) {
         for (int u = column - reach; u <= column + reach; u++) {
             if (u >= 0 && v >= 0 && u < frame->width_px && v < frame->height_px) {
@@ -265,12 +265,12 @@ int iso_candidates_find(struct iso_candidate_finder *f, const struct iso_frame *
     }
     for (int p = 0; p < found_parts; p++) {
         for (int k = 0; k < ISO_CANDIDATES_PER_PART && n < ISO_CANDIDATES_MAX; k++) {
-            int at = take_highest(f, frame, parts[p].label);
+            const int at = take_highest(f, frame, parts[p].label);
             if (at < 0) {
                 break;
             }
             int column = at % frame->width_px, row = at / frame->width_px;
-            struct iso_vec3 point = smoothed_point(frame, column, row);
+            const struct iso_vec3 point = smoothed_point(frame, column, row);
             candidates[n++] = (struct iso_nose_candidate){point,
                                                           height_above_ring(frame, column, row), p};
         }

@@ -69,9 +69,10 @@ static struct iso_rigid posed_at(struct iso_vec3 nose_mm, double yaw_rad, double
 static double turned_rad(const struct iso_frame *frame, const struct iso_rigid *pose)
 {
     const struct iso_mat3 *r = &pose->rotation;
-    struct iso_vec3 forward = {r->m[0][2], r->m[1][2], r->m[2][2]};
-    struct iso_vec3 sight = frame->camera.projection == ISO_PINHOLE ? iso_unit(pose->translation_mm)
-                                                                    : iso_vec3(0, 0, 1);
+    const struct iso_vec3 forward = {r->m[0][2], r->m[1][2], r->m[2][2]};
+    const struct iso_vec3 sight = frame->camera.projection == ISO_PINHOLE
+                                      ? iso_unit(pose->translation_mm)
+                                      : iso_vec3(0, 0, 1);
     return acos(fmin(fmax(-iso_dot(forward, sight), -1.0), 1.0));
 }
 
@@ -80,7 +81,7 @@ static double turned_rad(const struct iso_frame *frame, const struct iso_rigid *
  * recognised, and for faces upside down. */
 static bool weigh_up(const struct iso_pose_search *search, struct iso_pose_fit *fit)
 {
-    double turned = turned_rad(search->frame, &fit->camera_from_face);
+    const double turned = turned_rad(search->frame, &fit->camera_from_face);
     if (turned > turned_max_rad || -fit->camera_from_face.rotation.m[1][1] < upright_cosine_min) {
         return false;
     }
@@ -123,9 +124,9 @@ static struct rough_poses try_candidate(const struct iso_pose_search *search,
 static bool much_alike(const struct iso_rigid *a, const struct iso_rigid *b)
 {
     struct iso_mat3 bt = iso_mat3_transpose(&b->rotation);
-    struct iso_mat3 between = iso_mat3_mul(&bt, &a->rotation);
+    const struct iso_mat3 between = iso_mat3_mul(&bt, &a->rotation);
     double trace = between.m[0][0] + between.m[1][1] + between.m[2][2];
-    double apart_mm = iso_norm(iso_sub(a->translation_mm, b->translation_mm));
+    const double apart_mm = iso_norm(iso_sub(a->translation_mm, b->translation_mm));
     return apart_mm < 6.0 && trace > 1.0 + 2.0 * cos(0.15);
 }
 
@@ -201,7 +202,7 @@ static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, 
 static bool another_face(const struct iso_pose_search *search, const struct rough_poses *rough,
                          int n, const struct iso_pose_fit *found)
 {
-    struct iso_vec3 nose_mm = found->camera_from_face.translation_mm;
+    const struct iso_vec3 nose_mm = found->camera_from_face.translation_mm;
     struct ranking others = {.room = OTHERS};
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < rough[i].n; k++) {
@@ -216,7 +217,7 @@ static bool another_face(const struct iso_pose_search *search, const struct roug
     if (others.n == 0 || !best_of(search, &others, &other)) {
         return false;
     }
-    struct iso_vec3 apart = iso_sub(other.camera_from_face.translation_mm, nose_mm);
+    const struct iso_vec3 apart = iso_sub(other.camera_from_face.translation_mm, nose_mm);
     return other.cost_mm2 <= beyond_doubt_mm2 && other.coverage >= other_coverage_min &&
            other.in_image >= other_coverage_min && iso_norm(apart) > other_apart_mm;
 }
@@ -231,7 +232,7 @@ int iso_pose_search(const struct iso_pose_search *search,
     int i = 0;
     while (i < n_candidates && n < ISO_CANDIDATE_PARTS_MAX) {
         struct ranking finalists = {.room = FINALISTS};
-        int part = candidates[i].part;
+        const int part = candidates[i].part;
         for (; i < n_candidates && candidates[i].part == part; i++) {
             rough[n_rough] = try_candidate(search, candidates[i].point_mm);
             for (int k = 0; k < rough[n_rough].n; k++) {
@@ -251,7 +252,7 @@ int iso_pose_search(const struct iso_pose_search *search,
         return -ENOENT;
     }
     /* Parts that were not searched, because the face was beyond doubt. */
-    double far_mm = other_far_ratio * found->camera_from_face.translation_mm.z;
+    const double far_mm = other_far_ratio * found->camera_from_face.translation_mm.z;
     for (; i < n_candidates; i++) {
         if (candidates[i].point_mm.z < far_mm) {
             rough[n_rough++] = try_candidate(search, candidates[i].point_mm);

@@ -55,8 +55,8 @@ int iso_camera_check(const struct iso_camera *camera, const char **fault)
 /* Brown's model on normalised coordinates. */
 static void distort(const struct iso_camera *c, double x, double y, double *xd, double *yd)
 {
-    double r2 = x * x + y * y;
-    double radial = 1.0 + r2 * (c->k1 + r2 * (c->k2 + r2 * c->k3));
+    const double r2 = x * x + y * y;
+    const double radial = 1.0 + r2 * (c->k1 + r2 * (c->k2 + r2 * c->k3));
     *xd = x * radial + 2.0 * c->p1 * x * y + c->p2 * (r2 + 2.0 * x * x);
     *yd = y * radial + c->p1 * (r2 + 2.0 * y * y) + 2.0 * c->p2 * x * y;
 }

@@ -20,7 +20,7 @@ int iso_frame_new(const struct iso_camera *camera, int width_px, int height_px, 
     if (!f) {
         return -ENOMEM;
     }
-    size_t n = (size_t)width_px * (size_t)height_px;
+    const size_t n = (size_t)width_px * (size_t)height_px;
     f->camera = *camera;
     f->width_px = width_px;
     f->height_px = height_px;
@@ -53,7 +53,7 @@ static int refuse(const char **fault, const char *text)
 
 int iso_frame_check(const struct iso_frame *frame, const char **fault)
 {
-    int error = iso_camera_check(&frame->camera, fault);
+    const int error = iso_camera_check(&frame->camera, fault);
     if (error) {
         return error;
     }
@@ -65,7 +65,7 @@ int iso_frame_check(const struct iso_frame *frame, const char **fault)
         frame->crop_y_px > frame->camera.height_px - frame->height_px) {
         return refuse(fault, "frame's window leaves the camera's image");
     }
-    size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
+    const size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
     bool sane = true;
     for (size_t i = 0; i < n; i++) {
         float z = frame->depth_mm[i];

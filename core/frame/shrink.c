@@ -13,7 +13,7 @@ static float block_depth(const struct iso_frame *frame, int column, int row, int
     int n = 0;
     for (int v = row; v < row + factor; v++) {
         for (int u = column; u < column + factor; u++) {
-            float z = iso_frame_depth_at(frame, u, v);
+            const float z = iso_frame_depth_at(frame, u, v);
             if (!(z > 0.0f)) {
                 continue;
             }
@@ -44,7 +44,7 @@ static struct iso_camera shrunken_camera(const struct iso_frame *frame, struct i
                                          int factor)
 {
     struct iso_camera c = frame->camera;
-    double shift = (factor - 1) / 2.0;
+    const double shift = (factor - 1) / 2.0;
     c.cx_px = (c.cx_px - frame->crop_x_px - window.column - shift) / factor;
     c.cy_px = (c.cy_px - frame->crop_y_px - window.row - shift) / factor;
     c.fx_px /= factor;
@@ -58,9 +58,9 @@ static struct iso_camera shrunken_camera(const struct iso_frame *frame, struct i
 int iso_frame_shrink(const struct iso_frame *frame, struct iso_window window, int factor,
                      size_t capacity_px, struct iso_frame *out)
 {
-    bool inside = window.column >= 0 && window.row >= 0 &&
-                  window.column + window.width_px <= frame->width_px &&
-                  window.row + window.height_px <= frame->height_px;
+    const bool inside = window.column >= 0 && window.row >= 0 &&
+                        window.column + window.width_px <= frame->width_px &&
+                        window.row + window.height_px <= frame->height_px;
     if (!inside || factor < 1 || factor > ISO_SHRINK_MAX || window.width_px < factor ||
         window.height_px < factor) {
         return -EINVAL;

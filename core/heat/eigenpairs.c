@@ -61,7 +61,7 @@ static double total_mass(const struct iso_symmetric *mass)
 static int diagonalise_basis(struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;
-    size_t m = (size_t)l->size;
+    const size_t m = (size_t)l->size;
     free(a->ritz);
     a->ritz = malloc(m * m * sizeof(double));
     if (!a->ritz) {
@@ -70,7 +70,8 @@ static int diagonalise_basis(struct attempt *a)
     for (size_t j = 0; j < m; j++) {
         memcpy(&a->ritz[j * m], &l->t[j * (size_t)l->capacity], m * sizeof(double));
     }
-    int info = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', l->size, a->ritz, l->size, a->value);
+    const int info = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', l->size, a->ritz, l->size,
+                                    a->value);
     if (info == 0) {
         return 0;
     }
@@ -82,7 +83,7 @@ static bool has_converged(const struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;
     for (int32_t i = 0; i < a->k; i++) {
-        int32_t at = l->size - 1 - i;
+        const int32_t at = l->size - 1 - i;
         const double *tail = &a->ritz[(size_t)at * (size_t)l->size + (size_t)(l->size - l->last)];
         double square = 0.0;
         for (int32_t r = 0; r < l->pending; r++) {
@@ -151,7 +152,7 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
 static void extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
     const struct iso_lanczos *l = &a->lanczos;
-    size_t m = (size_t)l->size;
+    const size_t m = (size_t)l->size;
     double *first = &a->ritz[(m - (size_t)a->k) * m];
     for (int32_t i = 0; i < a->k; i++) {
         pairs->lambda[i] = lambda_of(a, i);
@@ -202,7 +203,7 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
 int iso_eigenpairs_new(const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
                        int32_t k, double tolerance, struct iso_eigenpairs **out)
 {
-    int32_t n = stiffness->n;
+    const int32_t n = stiffness->n;
     if (n < 8 || k < 1 || k > n / 2 || !(tolerance >= 0.0)) {
         return -EINVAL;
     }

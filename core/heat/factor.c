@@ -29,7 +29,7 @@ int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor *
     f->common.postorder = 1;
     f->common.print = 0;
     f->common.error_handler = NULL;
-    int error = iso_symmetric_new(n_capacity, nnz_capacity, &f->sum);
+    const int error = iso_symmetric_new(n_capacity, nnz_capacity, &f->sum);
     if (error) {
         iso_factor_free(f);
         return error;
@@ -108,7 +108,7 @@ static int factorise_matrix(struct iso_factor *f, double a, const struct iso_sym
         return -ENOSPC;
     }
     if (!f->l || !same_pattern(f->sum, stiffness)) {
-        int error = analyse_pattern(f, stiffness);
+        const int error = analyse_pattern(f, stiffness);
         if (error) {
             return error;
         }
@@ -123,7 +123,7 @@ static int factorise_matrix(struct iso_factor *f, double a, const struct iso_sym
      * here. */
     if (!finite || !cholmod_factorize(&view, f->l, &f->common) || f->common.status != CHOLMOD_OK ||
         f->l->minor != f->l->n) {
-        int error = finite ? error_of(f) : -EDOM;
+        const int error = finite ? error_of(f) : -EDOM;
         cholmod_free_factor(&f->l, &f->common);
         return error;
     }
@@ -156,7 +156,7 @@ int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetri
 int iso_factor_count_below(struct iso_factor *f, const struct iso_symmetric *stiffness,
                            double limit, const struct iso_symmetric *mass, int32_t *count)
 {
-    int error = factorise_matrix(f, 1.0, stiffness, -limit, mass);
+    const int error = factorise_matrix(f, 1.0, stiffness, -limit, mass);
     if (error) {
         return error;
     }

@@ -201,8 +201,8 @@ static int coefficients_of(const struct iso_heat_direct *h, int s, double t_mm2,
     }
     for (int j = 0; j < m; j++) {
         /* The spectrum of S lies in (0, 1]; g vanishes as s goes to 0. */
-        double theta = fmin(d[j], 1.0);
-        double g = theta > 1e-8 ? exp(-(t_mm2 / gamma) * (1.0 / theta - 1.0)) / theta : 0.0;
+        const double theta = fmin(d[j], 1.0);
+        const double g = theta > 1e-8 ? exp(-(t_mm2 / gamma) * (1.0 / theta - 1.0)) / theta : 0.0;
         for (int i = 0; i < m; i++) {
             c[i] += k->beta[0][s] * g * z[j * m] * z[j * m + i];
         }

@@ -46,7 +46,7 @@ static double append(struct iso_lanczos *l, int32_t size, double *w, double leas
 {
     double *v = vector(l->v, l, size), *bv = vector(l->bv, l, size);
     iso_symmetric_multiply(l->mass, w, bv);
-    double norm = sqrt(fmax(0.0, cblas_ddot(l->n, w, 1, bv, 1)));
+    const double norm = sqrt(fmax(0.0, cblas_ddot(l->n, w, 1, bv, 1)));
     if (!(norm > least)) {
         return 0.0;
     }
@@ -64,9 +64,9 @@ static int fill_up(struct iso_lanczos *l, int32_t wanted)
         for (int32_t i = 0; i < l->n; i++) {
             l->w[i] = next_random(l);
         }
-        int32_t size = l->size + l->pending;
+        const int32_t size = l->size + l->pending;
         iso_symmetric_multiply(l->mass, l->w, vector(l->bv, l, size));
-        double before = sqrt(cblas_ddot(l->n, l->w, 1, vector(l->bv, l, size), 1));
+        const double before = sqrt(cblas_ddot(l->n, l->w, 1, vector(l->bv, l, size), 1));
         if (!isfinite(before)) {
             return -EDOM;
         }
@@ -116,12 +116,12 @@ static int next_block(struct iso_lanczos *l, double scale)
         double *w = vector(l->w, l, c), *coupling = &l->coupling[c * l->block];
         for (int pass = 0; pass < 2; pass++) {
             for (int32_t i = 0; i < l->pending; i++) {
-                double dot = cblas_ddot(l->n, vector(l->bv, l, l->size + i), 1, w, 1);
+                const double dot = cblas_ddot(l->n, vector(l->bv, l, l->size + i), 1, w, 1);
                 cblas_daxpy(l->n, -dot, vector(l->v, l, l->size + i), 1, w, 1);
                 coupling[i] += dot;
             }
         }
-        double norm = append(l, l->size + l->pending, w, 1e-14 * scale);
+        const double norm = append(l, l->size + l->pending, w, 1e-14 * scale);
         if (norm > 0.0) {
             coupling[l->pending++] = norm;
         }
@@ -132,7 +132,7 @@ static int next_block(struct iso_lanczos *l, double scale)
 int iso_lanczos_step(struct iso_lanczos *l)
 {
     int32_t from = l->size, columns = l->pending;
-    int error = iso_factor_solve(l->factor, vector(l->bv, l, from), columns, l->w);
+    const int error = iso_factor_solve(l->factor, vector(l->bv, l, from), columns, l->w);
     if (error) {
         return error;
     }

@@ -43,7 +43,7 @@ void iso_symmetric_multiply(const struct iso_symmetric *a, const double *x, doub
         int32_t at = a->column_start[j];
         double sum = a->value[at] * x[j];
         for (at++; at < a->column_start[j + 1]; at++) {
-            int32_t i = a->row[at];
+            const int32_t i = a->row[at];
             y[i] += a->value[at] * x[j];
             sum += a->value[at] * x[i];
         }
@@ -75,7 +75,7 @@ static int32_t sort_unique(int32_t *row, int32_t n)
  * for each of its triangles, in place; then repetitions are removed. */
 static int make_pattern(const struct iso_mesh *mesh, struct iso_symmetric *a)
 {
-    int32_t n = mesh->n_vertices;
+    const int32_t n = mesh->n_vertices;
     if (n > a->n_capacity || n + 3 * mesh->n_triangles > a->nnz_capacity) {
         return -ENOSPC;
     }
@@ -156,21 +156,21 @@ static void add_triangle(const struct iso_mesh *mesh, int32_t t, enum iso_mass k
         edge[k] = iso_sub(mesh->vertices_mm[v[(k + 2) % 3]], mesh->vertices_mm[v[(k + 1) % 3]]);
         longest = fmax(longest, iso_dot(edge[k], edge[k]));
     }
-    double area = 0.5 * iso_norm(iso_cross(edge[0], edge[1]));
+    const double area = 0.5 * iso_norm(iso_cross(edge[0], edge[1]));
     if (!(area >= 1e-12 * longest) || longest == 0.0) {
         return;
     }
-    struct corner_density h = density_of(density, v);
+    const struct corner_density h = density_of(density, v);
     for (int k = 0; k < 3; k++) {
         int32_t p = v[(k + 1) % 3], q = v[(k + 2) % 3];
         /* Cotangent of the angle at corner k, between edges k + 1 and k + 2. */
-        double cotangent = -iso_dot(edge[(k + 1) % 3], edge[(k + 2) % 3]) / (2.0 * area);
-        double conducted = 0.5 * h.mean * cotangent;
+        const double cotangent = -iso_dot(edge[(k + 1) % 3], edge[(k + 2) % 3]) / (2.0 * area);
+        const double conducted = 0.5 * h.mean * cotangent;
         add_entry(stiffness, p, q, -conducted);
         add_entry(stiffness, p, p, conducted);
         add_entry(stiffness, q, q, conducted);
         if (kind == ISO_MASS_CONSISTENT) {
-            double opposite = h.at[(k + 1) % 3] + h.at[(k + 2) % 3];
+            const double opposite = h.at[(k + 1) % 3] + h.at[(k + 2) % 3];
             add_entry(mass, p, q, area * (opposite / 60.0 + h.mean / 20.0));
             add_entry(mass, v[k], v[k], area * (h.at[k] / 15.0 + h.mean / 10.0));
         } else { /* the sum of a row of those */

@@ -7,7 +7,7 @@
 static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm, int n_points,
                    struct iso_isotherm *out)
 {
-    int enclosing = iso_tracer_enclosing(curves, landmark_mm);
+    const int enclosing = iso_tracer_enclosing(curves, landmark_mm);
     if (enclosing < 0 || iso_isotherm_sample_polar(iso_tracer_curve(curves, enclosing), landmark_mm,
                                                    n_points, out)) {
         out->n = 0;
@@ -24,7 +24,7 @@ static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face
     if (iso_isotherm_level(face->mesh, heat, radius_mm, &level)) {
         return 0;
     }
-    int curves = iso_tracer_run(tracer, face->mesh, face->adjacent, heat, level);
+    const int curves = iso_tracer_run(tracer, face->mesh, face->adjacent, heat, level);
     if (curves < 0) {
         return curves;
     }
@@ -48,8 +48,8 @@ static double keep(const struct iso_isotherm *curve, const struct iso_face_patch
 {
     double total = 0.0;
     for (int i = 0; i < curve->n; i++) {
-        struct iso_vec3 p = curve->points_mm[i];
-        double measured = patch ? iso_face_patch_measured(patch, p.x, p.y) : 1.0;
+        const struct iso_vec3 p = curve->points_mm[i];
+        const double measured = patch ? iso_face_patch_measured(patch, p.x, p.y) : 1.0;
         float *point = tmpl->points_mm[radius][landmark][i];
         point[0] = (float)p.x;
         point[1] = (float)p.y;
@@ -79,8 +79,8 @@ int iso_face_isotherms(struct iso_tracer *tracer, const struct iso_heated_face *
     for (int r = 0; r < tmpl->n_radii; r++) {
         for (int l = 0; l < ISO_LANDMARKS; l++) {
             struct iso_isotherm curve;
-            int error = trace_on_mesh(tracer, face, l, (double)tmpl->radius_mm[r], tmpl->n_points,
-                                      &curve);
+            const int error = trace_on_mesh(tracer, face, l, (double)tmpl->radius_mm[r],
+                                            tmpl->n_points, &curve);
             if (error) {
                 return error;
             }

@@ -10,7 +10,7 @@
 
 int iso__grid_band_init(struct iso__grid_band *band, const struct iso_grid *grid)
 {
-    size_t triangles = 2 * (size_t)grid->width * (size_t)grid->height;
+    const size_t triangles = 2 * (size_t)grid->width * (size_t)grid->height;
     band->triangle = calloc(triangles, sizeof *band->triangle);
     return band->triangle ? 0 : -ENOMEM;
 }
@@ -48,7 +48,7 @@ static uint32_t guess_key(struct iso__grid_band *band, const struct iso_grid *gr
         const float *share = &grid->share_mm2[row * grid->stride + w->column];
         for (int i = 0; i < w->width; i++) {
             if (heat[i] > 0.0f) {
-                uint32_t key = key_of(heat[i]);
+                const uint32_t key = key_of(heat[i]);
                 band->key_mm2[key] += share[i];
                 most = key > most ? key : most;
                 least = key < least ? key : least;
@@ -71,13 +71,13 @@ static uint32_t guess_key(struct iso__grid_band *band, const struct iso_grid *gr
 
 static float least_of(const float v[3])
 {
-    float low = v[0] < v[1] ? v[0] : v[1];
+    const float low = v[0] < v[1] ? v[0] : v[1];
     return v[2] < low ? v[2] : low;
 }
 
 static float most_of(const float v[3])
 {
-    float high = v[0] > v[1] ? v[0] : v[1];
+    const float high = v[0] > v[1] ? v[0] : v[1];
     return v[2] > high ? v[2] : high;
 }
 
@@ -85,7 +85,7 @@ static float most_of(const float v[3])
 static void sort_cell(struct iso__grid_band *band, const struct iso_grid *grid, int32_t at,
                       const float heat[4])
 {
-    struct iso_cell_list list = iso_cell_list(grid->cell[at]);
+    const struct iso_cell_list list = iso_cell_list(grid->cell[at]);
     for (int h = 0; h < list.count; h++) {
         struct iso__grid_triangle t = {
             at, list.left_out[h], grid->cell_mm2[list.left_out[h]][at], {0}};
@@ -109,13 +109,14 @@ static void collect(struct iso__grid_band *band, const struct iso_grid *grid,
     band->high = high;
     band->n = 0;
     band->above_mm2 = 0.0;
-    float cold = (float)low;
+    const float cold = (float)low;
     for (int row = w->row; row + 1 < w->row + w->height; row++) {
         int32_t at = row * grid->stride + w->column;
         const float *upper = &field->value[at], *lower = upper + grid->stride;
         for (int i = 0; i + 1 < w->width; i++, at++) {
             const float heat[4] = {upper[i], upper[i + 1], lower[i], lower[i + 1]};
-            bool warm = heat[0] >= cold || heat[1] >= cold || heat[2] >= cold || heat[3] >= cold;
+            const bool warm = heat[0] >= cold || heat[1] >= cold || heat[2] >= cold ||
+                              heat[3] >= cold;
             if (warm && grid->cell[at]) {
                 sort_cell(band, grid, at, heat);
             }
@@ -129,8 +130,8 @@ static double area_above(const void *surface, double level)
     double area = band->above_mm2;
     for (int32_t i = 0; i < band->n; i++) {
         const struct iso__grid_triangle *t = &band->triangle[i];
-        double share = iso__share_above((double)t->heat[0], (double)t->heat[1], (double)t->heat[2],
-                                        level);
+        const double share = iso__share_above((double)t->heat[0], (double)t->heat[1],
+                                              (double)t->heat[2], level);
         area += share * (double)t->area_mm2;
     }
     return area;
@@ -149,17 +150,17 @@ int iso__grid_band_find(struct iso__grid_band *band, const struct iso_grid *grid
     for (;;) { /* until the level lies between them; each time the range is doubled */
         high = high < hottest + 1 ? high : hottest + 1;
         collect(band, grid, field, heat_of(low), heat_of(high));
-        double f_low = area_above(band, band->low) - wanted;
+        const double f_low = area_above(band, band->low) - wanted;
         double f_high = area_above(band, band->high) - wanted;
         if (f_low >= 0.0 && f_high <= 0.0) {
             *level = iso__level_between(&search, band->low, f_low, band->high, f_high);
             return 0;
         }
-        bool too_high = !(f_low >= 0.0);
+        const bool too_high = !(f_low >= 0.0);
         if (too_high && low == 1) {
             return -ERANGE;
         }
-        uint32_t width = high - low;
+        const uint32_t width = high - low;
         if (too_high) {
             low = low > width ? low - width : 1;
         }

@@ -61,8 +61,8 @@ const struct iso_tracer *iso_grid_tracer_curves(const struct iso_grid_tracer *tr
 
 static bool is_hot(const struct scene *scene, struct place at, int corner)
 {
-    int32_t vertex = iso_grid_corner(scene->grid, at.cell,
-                                     iso_cell_corners[at.left_out][corner % 3]);
+    const int32_t vertex = iso_grid_corner(scene->grid, at.cell,
+                                           iso_cell_corners[at.left_out][corner % 3]);
     return (double)scene->field->value[vertex] >= scene->level;
 }
 
@@ -81,10 +81,10 @@ static int turning_edge(const struct scene *scene, struct place at, bool from_ho
 static struct iso_vec3 cut(const struct scene *scene, struct place at, int edge)
 {
     const uint8_t *corners = iso_cell_corners[at.left_out];
-    int32_t a = iso_grid_corner(scene->grid, at.cell, corners[(edge + 1) % 3]);
-    int32_t b = iso_grid_corner(scene->grid, at.cell, corners[(edge + 2) % 3]);
+    const int32_t a = iso_grid_corner(scene->grid, at.cell, corners[(edge + 1) % 3]);
+    const int32_t b = iso_grid_corner(scene->grid, at.cell, corners[(edge + 2) % 3]);
     double from = (double)scene->field->value[a], to = (double)scene->field->value[b];
-    struct iso_vec3 start = iso_grid_vertex(scene->grid, a);
+    const struct iso_vec3 start = iso_grid_vertex(scene->grid, a);
     return iso_madd(start, (scene->level - from) / (to - from),
                     iso_sub(iso_grid_vertex(scene->grid, b), start));
 }
@@ -94,7 +94,7 @@ static struct place with_corners(const struct scene *scene, int32_t cell, int p,
 {
     int32_t row = cell / scene->grid->stride, column = cell % scene->grid->stride;
     const struct iso_grid_window *w = &scene->field->window;
-    struct place none = {cell, -1};
+    const struct place none = {cell, -1};
     if (row < w->row || column < w->column || row + 1 >= w->row + w->height ||
         column + 1 >= w->column + w->width) {
         return none;
@@ -125,7 +125,7 @@ static struct place across(const struct scene *scene, struct place at, int edge)
     case 1 << 1 | 1 << 3:
         return with_corners(scene, at.cell + 1, 0, 2);
     default: { /* the diagonal: the cell's other triangle, if it is there */
-        int other = 3 - at.left_out;
+        const int other = 3 - at.left_out;
         return (struct place){at.cell, scene->grid->cell[at.cell] >> other & 1 ? other : -1};
     }
     }
@@ -146,8 +146,8 @@ static void walk(struct iso_grid_tracer *t, const struct scene *scene, struct pl
     while (!is_passed(t, at)) {
         t->passed[at.cell] |= (uint8_t)(1 << at.left_out);
         curves->points[n++] = cut(scene, at, turning_edge(scene, at, true));
-        int leaves = turning_edge(scene, at, false);
-        struct place next = across(scene, at, leaves);
+        const int leaves = turning_edge(scene, at, false);
+        const struct place next = across(scene, at, leaves);
         if (next.left_out < 0) {
             curves->points[n++] = cut(scene, at, leaves);
             open = true;
@@ -165,7 +165,7 @@ int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *g
 {
     const struct iso__grid_band *band = &tracer->band;
     double found;
-    int error = iso__grid_band_find(&tracer->band, grid, field, radius_mm, &found);
+    const int error = iso__grid_band_find(&tracer->band, grid, field, radius_mm, &found);
     if (error) {
         return error;
     }
@@ -178,8 +178,8 @@ int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *g
     /* Open curves first, from where they enter the window, so that only loops are left. */
     for (int loops = 0; loops < 2; loops++) {
         for (int32_t i = 0; i < band->n; i++) {
-            struct place at = {band->triangle[i].cell, band->triangle[i].left_out};
-            int enters = is_passed(tracer, at) ? -1 : turning_edge(&scene, at, true);
+            const struct place at = {band->triangle[i].cell, band->triangle[i].left_out};
+            const int enters = is_passed(tracer, at) ? -1 : turning_edge(&scene, at, true);
             if (enters >= 0 && (loops || across(&scene, at, enters).left_out < 0)) {
                 walk(tracer, &scene, at);
             }

@@ -10,7 +10,7 @@ double iso_isotherm_area_above(const struct iso_mesh *mesh, const double *heat, 
     double area = 0.0;
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         const int32_t *v = mesh->triangles[t];
-        double share = iso__share_above(heat[v[0]], heat[v[1]], heat[v[2]], level);
+        const double share = iso__share_above(heat[v[0]], heat[v[1]], heat[v[2]], level);
         if (share > 0.0) {
             area += share * iso_mesh_triangle_area(mesh, t);
         }
@@ -57,7 +57,7 @@ static double area_of_whole(const void *surface, double level)
 int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double radius_mm,
                        double *level)
 {
-    double wanted = M_PI * radius_mm * radius_mm;
+    const double wanted = M_PI * radius_mm * radius_mm;
     double low = INFINITY, high = -INFINITY;
     for (int32_t i = 0; i < mesh->n_vertices; i++) {
         low = heat[i] < low ? heat[i] : low;

@@ -38,22 +38,23 @@ static int check(struct iso_curve curve, int n_points)
 int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_mm, int n_points,
                               struct iso_isotherm *out)
 {
-    int error = check(curve, n_points);
+    const int error = check(curve, n_points);
     if (error) {
         return error;
     }
     out->n = n_points;
     out->closed = curve.closed;
-    int32_t segments = curve.closed ? curve.n : curve.n - 1;
+    const int32_t segments = curve.closed ? curve.n : curve.n - 1;
     for (int i = 0; i < n_points; i++) {
-        double angle = 2.0 * M_PI * i / n_points;
-        struct place d = {-sin(angle), cos(angle)}; /* +y, then -x: counter-clockwise from +z */
+        const double angle = 2.0 * M_PI * i / n_points;
+        const struct place d = {-sin(angle),
+                                cos(angle)}; /* +y, then -x: counter-clockwise from +z */
         double farthest = -1.0;
         out->points_mm[i] = iso_vec3(0, 0, 0);
         for (int32_t k = 0; k < segments; k++) {
             struct iso_vec3 a = curve.points_mm[k], b = curve.points_mm[(k + 1) % curve.n];
             double s = 0.0;
-            double reach = meet_ray(d, about(a, landmark_mm), about(b, landmark_mm), &s);
+            const double reach = meet_ray(d, about(a, landmark_mm), about(b, landmark_mm), &s);
             if (reach > farthest) {
                 farthest = reach;
                 out->points_mm[i] = between(a, b, s);
@@ -81,8 +82,8 @@ static double signed_area(struct iso_curve curve, struct iso_vec3 landmark)
 {
     double area = 0.0;
     for (int32_t k = 0; k < curve.n; k++) {
-        struct place a = about(curve.points_mm[k], landmark);
-        struct place b = about(curve.points_mm[(k + 1) % curve.n], landmark);
+        const struct place a = about(curve.points_mm[k], landmark);
+        const struct place b = about(curve.points_mm[(k + 1) % curve.n], landmark);
         area += a.x * b.y - a.y * b.x;
     }
     return area;
@@ -94,8 +95,8 @@ static int32_t uppermost(struct iso_curve curve, struct iso_vec3 landmark)
     int32_t best = 0;
     double best_cosine = -INFINITY;
     for (int32_t k = 0; k < curve.n; k++) {
-        struct place p = about(curve.points_mm[k], landmark);
-        double cosine = p.y / fmax(hypot(p.x, p.y), 1e-12);
+        const struct place p = about(curve.points_mm[k], landmark);
+        const double cosine = p.y / fmax(hypot(p.x, p.y), 1e-12);
         if (cosine > best_cosine) {
             best_cosine = cosine;
             best = k;
@@ -107,21 +108,21 @@ static int32_t uppermost(struct iso_curve curve, struct iso_vec3 landmark)
 int iso_isotherm_sample_arc(struct iso_curve curve, struct iso_vec3 landmark_mm, int n_points,
                             struct iso_isotherm *out)
 {
-    int error = check(curve, n_points);
+    const int error = check(curve, n_points);
     if (error) {
         return error;
     }
     out->n = n_points;
     out->closed = curve.closed;
     int32_t segments = curve.closed ? curve.n : curve.n - 1;
-    int32_t step = signed_area(curve, landmark_mm) >= 0.0 ? 1 : curve.n - 1;
+    const int32_t step = signed_area(curve, landmark_mm) >= 0.0 ? 1 : curve.n - 1;
     int32_t at = step == 1 ? 0 : curve.n - 1;
     if (curve.closed) {
         at = uppermost(curve, landmark_mm);
     }
     /* The last point of an open curve is its end; that of a closed curve would be its first point
      * again. */
-    double spacing = length_of(curve, segments) / (curve.closed ? n_points : n_points - 1);
+    const double spacing = length_of(curve, segments) / (curve.closed ? n_points : n_points - 1);
     double walked = 0.0; /* arc length from the start to the point `at` */
     for (int i = 0; i < n_points; i++) {
         int32_t next = (at + step) % curve.n;
@@ -133,7 +134,7 @@ int iso_isotherm_sample_arc(struct iso_curve curve, struct iso_vec3 landmark_mm,
             next = (at + step) % curve.n;
             length = iso_norm(iso_sub(curve.points_mm[next], curve.points_mm[at]));
         }
-        double s = length > 0.0 ? fmin((i * spacing - walked) / length, 1.0) : 0.0;
+        const double s = length > 0.0 ? fmin((i * spacing - walked) / length, 1.0) : 0.0;
         out->points_mm[i] = between(curve.points_mm[at], curve.points_mm[next], s);
         out->weight[i] = 1.0f;
     }

@@ -25,7 +25,7 @@ int iso_tracer_new(int32_t triangle_capacity, struct iso_tracer **out)
     if (!t) {
         return -ENOMEM;
     }
-    size_t n = (size_t)triangle_capacity;
+    const size_t n = (size_t)triangle_capacity;
     t->triangle_capacity = triangle_capacity;
     t->points = calloc(2 * n, sizeof *t->points);
     t->start = calloc(n + 1, sizeof *t->start);
@@ -56,7 +56,7 @@ static int turning_edge(const struct scene *scene, int32_t triangle, bool from_h
 {
     const int32_t *v = scene->mesh->triangles[triangle];
     for (int k = 0; k < 3; k++) {
-        bool first = scene->heat[v[(k + 1) % 3]] >= scene->level;
+        const bool first = scene->heat[v[(k + 1) % 3]] >= scene->level;
         bool second = scene->heat[v[(k + 2) % 3]] >= scene->level;
         if (first == from_hot && second != from_hot) {
             return k;
@@ -70,8 +70,8 @@ static struct iso_vec3 cut(const struct scene *scene, int32_t triangle, int edge
 {
     const int32_t *v = scene->mesh->triangles[triangle];
     int32_t a = v[(edge + 1) % 3], b = v[(edge + 2) % 3];
-    double s = (scene->level - scene->heat[a]) / (scene->heat[b] - scene->heat[a]);
-    struct iso_vec3 from = scene->mesh->vertices_mm[a];
+    const double s = (scene->level - scene->heat[a]) / (scene->heat[b] - scene->heat[a]);
+    const struct iso_vec3 from = scene->mesh->vertices_mm[a];
     return iso_madd(from, s, iso_sub(scene->mesh->vertices_mm[b], from));
 }
 
@@ -84,8 +84,8 @@ static void walk(struct iso_tracer *t, const struct scene *scene, int32_t first)
     while (!t->passed[triangle]) {
         t->passed[triangle] = 1;
         t->points[n++] = cut(scene, triangle, turning_edge(scene, triangle, true));
-        int leaves = turning_edge(scene, triangle, false);
-        int32_t next = scene->adjacent[triangle][leaves];
+        const int leaves = turning_edge(scene, triangle, false);
+        const int32_t next = scene->adjacent[triangle][leaves];
         if (next < 0) {
             t->points[n++] = cut(scene, triangle, leaves);
             open = true;
@@ -124,7 +124,7 @@ int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
 
 struct iso_curve iso_tracer_curve(const struct iso_tracer *tracer, int index)
 {
-    int32_t from = tracer->start[index];
+    const int32_t from = tracer->start[index];
     return (struct iso_curve){tracer->start[index + 1] - from, tracer->closed[index],
                               &tracer->points[from]};
 }
@@ -135,9 +135,9 @@ static double turns_about(struct iso_curve curve, struct iso_vec3 centre, double
 {
     double angle = 0.0, sum = 0.0;
     for (int32_t k = 0; k < curve.n; k++) {
-        struct iso_vec3 a = iso_sub(curve.points_mm[k], centre);
-        struct iso_vec3 b = iso_sub(curve.points_mm[(k + 1) % curve.n], centre);
-        double cross = a.x * b.y - a.y * b.x;
+        const struct iso_vec3 a = iso_sub(curve.points_mm[k], centre);
+        const struct iso_vec3 b = iso_sub(curve.points_mm[(k + 1) % curve.n], centre);
+        const double cross = a.x * b.y - a.y * b.x;
         angle += atan2(cross, a.x * b.x + a.y * b.y);
         sum += cross;
     }
@@ -151,7 +151,7 @@ int iso_tracer_enclosing(const struct iso_tracer *tracer, struct iso_vec3 landma
     double best_area = 0.0;
     for (int i = 0; i < tracer->n_curves; i++) {
         double area;
-        double turns = turns_about(iso_tracer_curve(tracer, i), landmark_mm, &area);
+        const double turns = turns_about(iso_tracer_curve(tracer, i), landmark_mm, &area);
         if (fabs(turns) > 0.5 && area > best_area) {
             best_area = area;
             best = i;

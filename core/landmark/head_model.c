@@ -28,8 +28,8 @@ static bool counts_in_range(uint32_t n_vertices, uint32_t n_triangles, uint32_t 
 
 static size_t file_bytes(const struct iso_head_model *model)
 {
-    size_t n = model->n_vertices;
-    size_t n_modes = (size_t)model->n_identity + model->n_expression;
+    const size_t n = model->n_vertices;
+    const size_t n_modes = (size_t)model->n_identity + model->n_expression;
     return HEADER_BYTES + n * (3 * 4 + 1) + (size_t)model->n_triangles * 3 * 2 +
            (size_t)ISO_LANDMARKS_IBUG * LANDMARK_BYTES + n_modes * (4 + n * 3 * 2);
 }
@@ -52,7 +52,7 @@ int iso_head_model_new(uint32_t n_vertices, uint32_t n_triangles, uint32_t n_ide
     model->triangles = calloc(n_triangles, sizeof *model->triangles);
     model->region = calloc(n_vertices, sizeof *model->region);
     /* One spare element, so that a model without modes does not look like a failed allocation. */
-    size_t mode = 3 * (size_t)n_vertices;
+    const size_t mode = 3 * (size_t)n_vertices;
     model->identity_mm = calloc(n_identity * mode + 1, sizeof *model->identity_mm);
     model->expression_mm = calloc(n_expression * mode + 1, sizeof *model->expression_mm);
     if (!model->mean_mm || !model->triangles || !model->region || !model->identity_mm ||
@@ -109,9 +109,9 @@ static bool point_fits(const struct iso_head_point *point, uint32_t n_triangles)
  * and writer use the same check, so that nothing is written that could not be read. */
 static const char *inconsistency_of(const struct iso_head_model *model)
 {
-    uint32_t n = model->n_vertices;
+    const uint32_t n = model->n_vertices;
     for (uint32_t i = 0; i < n; i++) {
-        struct iso_vec3 p = model->mean_mm[i];
+        const struct iso_vec3 p = model->mean_mm[i];
         if (!isfinite((float)p.x) || !isfinite((float)p.y) || !isfinite((float)p.z)) {
             return "head model: a vertex is not finite";
         }
@@ -172,7 +172,7 @@ static const uint8_t *read_landmarks(const uint8_t *p, struct iso_head_model *mo
 static const uint8_t *read_modes(const uint8_t *p, size_t n_modes, size_t n, float *mode_mm)
 {
     for (size_t m = 0; m < n_modes; m++) {
-        float scale_mm = iso_get_f32(p);
+        const float scale_mm = iso_get_f32(p);
         p += 4;
         for (size_t i = 0; i < n; i++, p += 2) {
             *mode_mm++ = scale_mm * (float)(int16_t)iso_get_u16(p);
@@ -215,7 +215,7 @@ static uint8_t *write_modes(uint8_t *p, size_t n_modes, size_t n, const float *m
         for (size_t i = 0; i < n; i++) {
             largest_mm = fmaxf(largest_mm, fabsf(mode_mm[i]));
         }
-        float scale_mm = largest_mm / INT16_LARGEST;
+        const float scale_mm = largest_mm / INT16_LARGEST;
         p = iso_put_f32(p, scale_mm);
         for (size_t i = 0; i < n; i++) {
             long counts = scale_mm > 0.0f ? lrintf(mode_mm[i] / scale_mm) : 0;
@@ -230,7 +230,7 @@ static uint8_t *write_modes(uint8_t *p, size_t n_modes, size_t n, const float *m
 /* Fills in a model of the right counts from a file of the right size and checksum. */
 static const char *parse_contents(const uint8_t *p, struct iso_head_model *model)
 {
-    size_t n = 3 * (size_t)model->n_vertices;
+    const size_t n = 3 * (size_t)model->n_vertices;
     p = read_landmarks(read_mesh(p + HEADER_BYTES, model), model);
     if (!p) {
         return "head model: reserved bytes are not zero";
@@ -297,7 +297,7 @@ int iso_head_model_serialise(const struct iso_head_model *model, void **bytes, s
         inconsistency_of(model)) {
         return -EINVAL;
     }
-    size_t total = file_bytes(model);
+    const size_t total = file_bytes(model);
     if (total > ISO_HEAD_BYTES_MAX) {
         return -EFBIG;
     }
@@ -310,7 +310,7 @@ int iso_head_model_serialise(const struct iso_head_model *model, void **bytes, s
     p = iso_put_u32(p, model->n_identity);
     p = iso_put_u32(p, model->n_expression);
     p = write_landmarks(write_mesh(p, model), model);
-    size_t n = 3 * (size_t)model->n_vertices;
+    const size_t n = 3 * (size_t)model->n_vertices;
     p = write_modes(p, model->n_identity, n, model->identity_mm);
     (void)write_modes(p, model->n_expression, n, model->expression_mm);
 

@@ -25,7 +25,7 @@ static double depth_between(const struct iso_frame *frame, double column, double
     if (u < frame->width_px - 1 && v < frame->height_px - 1) {
         const float *at = &frame->depth_mm[(size_t)v * (size_t)frame->width_px + (size_t)u];
         const float *below = at + frame->width_px;
-        float low = smaller(smaller(at[0], at[1]), smaller(below[0], below[1]));
+        const float low = smaller(smaller(at[0], at[1]), smaller(below[0], below[1]));
         float high = larger(larger(at[0], at[1]), larger(below[0], below[1]));
         if (low > 0.0f && high - low < together_mm) {
             double s = column - u, t = row - v;
@@ -41,7 +41,7 @@ static bool faces_away(const struct iso_frame *frame, struct iso_vec3 point, str
     if (frame->camera.projection != ISO_PINHOLE) {
         return -normal.z < facing_cosine;
     }
-    double toward = -iso_dot(normal, point);
+    const double toward = -iso_dot(normal, point);
     return toward <= 0.0 || toward * toward < facing_cosine * facing_cosine * iso_dot(point, point);
 }
 
@@ -60,7 +60,7 @@ enum iso_meeting iso_meet(const struct iso_frame *frame, struct iso_vec3 point,
           row < frame->height_px - 0.5)) {
         return ISO_MEETING_OUTSIDE;
     }
-    double z = depth_between(frame, column, row);
+    const double z = depth_between(frame, column, row);
     if (!(z > 0.0)) {
         return ISO_MEETING_UNMEASURED;
     }

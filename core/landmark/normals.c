@@ -8,8 +8,9 @@ void iso_head_normals(const struct iso_head_model *model, const struct iso_vec3 
     memset(normal, 0, model->n_vertices * sizeof *normal);
     for (uint32_t t = 0; t < model->n_triangles; t++) {
         const uint32_t *v = model->triangles[t];
-        struct iso_vec3 a = shape_mm[v[0]];
-        struct iso_vec3 area = iso_cross(iso_sub(shape_mm[v[1]], a), iso_sub(shape_mm[v[2]], a));
+        const struct iso_vec3 a = shape_mm[v[0]];
+        const struct iso_vec3 area = iso_cross(iso_sub(shape_mm[v[1]], a),
+                                               iso_sub(shape_mm[v[2]], a));
         for (int k = 0; k < 3; k++) {
             normal[v[k]] = iso_add(normal[v[k]], area);
         }

@@ -60,14 +60,15 @@ void iso_face_parts_of(const struct iso_head_model *model, uint8_t *parts)
                  nose_end_mm = ibug(model, SUBNASALE_IBUG).y;
     for (uint32_t i = 0; i < model->n_vertices; i++) {
         struct iso_vec3 p = model->mean_mm[i];
-        bool eyes = apart_mm(p, eye[0]) < eye_reach_mm || apart_mm(p, eye[1]) < eye_reach_mm;
-        bool at_nose = fabs(p.x) < nose_half_width_mm && p.y <= nose_top_mm && p.y >= nose_end_mm;
-        bool at_mouth = apart_mm(p, mouth) < mouth_reach_mm;
-        bool aside = !at_nose && !at_mouth;
-        int bits = (p.y >= brow_mm) << ISO_PART_BROW | eyes << ISO_PART_EYES |
-                   at_nose << ISO_PART_NOSE | at_mouth << ISO_PART_MOUTH |
-                   (aside && p.x > side_from_mm) << ISO_PART_LEFT |
-                   (aside && p.x < -side_from_mm) << ISO_PART_RIGHT;
+        const bool eyes = apart_mm(p, eye[0]) < eye_reach_mm || apart_mm(p, eye[1]) < eye_reach_mm;
+        const bool at_nose = fabs(p.x) < nose_half_width_mm && p.y <= nose_top_mm &&
+                             p.y >= nose_end_mm;
+        const bool at_mouth = apart_mm(p, mouth) < mouth_reach_mm;
+        const bool aside = !at_nose && !at_mouth;
+        const int bits = (p.y >= brow_mm) << ISO_PART_BROW | eyes << ISO_PART_EYES |
+                         at_nose << ISO_PART_NOSE | at_mouth << ISO_PART_MOUTH |
+                         (aside && p.x > side_from_mm) << ISO_PART_LEFT |
+                         (aside && p.x < -side_from_mm) << ISO_PART_RIGHT;
         parts[i] = model->region[i] & ISO_HEAD_FACE ? (uint8_t)bits : 0;
     }
 }
@@ -82,10 +83,10 @@ struct iso_occlusion iso_occlusion_measure(const struct iso_shape_residuals *hea
         if (meeting != ISO_MEETING_MEASURED && meeting != ISO_MEETING_UNMEASURED) {
             continue;
         }
-        bool is_covered = meeting == ISO_MEETING_UNMEASURED ||
-                          (double)head->residual_mm[i] < -before_mm;
+        const bool is_covered = meeting == ISO_MEETING_UNMEASURED ||
+                                (double)head->residual_mm[i] < -before_mm;
         if (!is_covered) {
-            double r = (double)head->residual_mm[i];
+            const double r = (double)head->residual_mm[i];
             out.rest_mm2 += fmin(r * r, ISO_POSE_COST_LIMIT_MM2);
             bare++;
         }

@@ -15,19 +15,19 @@ static int accumulate(const struct iso_pose_vertices *vertices, int n,
 {
     int met = 0;
     for (int i = 0; i < n; i++) {
-        struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, vertices->point_mm[i]);
-        struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, vertices->normal[i]);
+        const struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, vertices->point_mm[i]);
+        const struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, vertices->normal[i]);
         double r;
         if (iso_meet(frame, iso_add(arm, pose->translation_mm), normal, &r) !=
             ISO_MEETING_MEASURED) {
             continue;
         }
         met++;
-        double w = vertices->weight[i] * iso_tukey(r, cutoff_mm);
+        const double w = vertices->weight[i] * iso_tukey(r, cutoff_mm);
         if (!(w > 0.0)) {
             continue;
         }
-        struct iso_vec3 turn = iso_cross(arm, normal);
+        const struct iso_vec3 turn = iso_cross(arm, normal);
         const double j[DOF] = {turn.x, turn.y, turn.z, normal.x, normal.y, normal.z};
         for (int a = 0; a < DOF; a++) {
             for (int b = 0; b <= a; b++) {
@@ -45,8 +45,8 @@ static void add_prior(const struct iso_pose_options *options, const struct iso_r
 {
     /* The sum of squares has hundreds of vertices of about 2 mm rms; the prior counts as much as
      * ten of them. */
-    double w = 10.0 * 4.0 / (options->nose_sigma_mm * options->nose_sigma_mm);
-    struct iso_vec3 off = iso_sub(pose->translation_mm, options->nose_mm);
+    const double w = 10.0 * 4.0 / (options->nose_sigma_mm * options->nose_sigma_mm);
+    const struct iso_vec3 off = iso_sub(pose->translation_mm, options->nose_mm);
     const double r[3] = {off.x, off.y, off.z};
     for (int a = 0; a < 3; a++) {
         h[DOF * (a + 3) + a + 3] += w;
@@ -59,11 +59,12 @@ static void measure(const struct iso_pose_vertices *vertices, int n, const struc
 {
     struct iso_pose_tally tally = {0};
     for (int i = 0; i < n; i++) {
-        struct iso_vec3 point = iso_rigid_apply(&fit->camera_from_face, vertices->point_mm[i]);
-        struct iso_vec3 normal = iso_mat3_apply(&fit->camera_from_face.rotation,
-                                                vertices->normal[i]);
+        const struct iso_vec3 point = iso_rigid_apply(&fit->camera_from_face,
+                                                      vertices->point_mm[i]);
+        const struct iso_vec3 normal = iso_mat3_apply(&fit->camera_from_face.rotation,
+                                                      vertices->normal[i]);
         double r = 0.0;
-        enum iso_meeting meeting = iso_meet(frame, point, normal, &r);
+        const enum iso_meeting meeting = iso_meet(frame, point, normal, &r);
         iso_pose_tally_add(&tally, meeting, r);
     }
     iso_pose_tally_finish(&tally, fit);
@@ -74,11 +75,12 @@ int iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_fram
                  struct iso_pose_fit *out)
 {
     struct iso_pose_fit fit = {.camera_from_face = *start};
-    int n = options->vertices > 0 && options->vertices < vertices->n ? options->vertices
-                                                                     : vertices->n;
-    double fall = options->iterations > 1 ? pow(options->cutoff_last_mm / options->cutoff_first_mm,
-                                                1.0 / (options->iterations - 1))
-                                          : 1.0;
+    const int n = options->vertices > 0 && options->vertices < vertices->n ? options->vertices
+                                                                           : vertices->n;
+    const double fall = options->iterations > 1
+                            ? pow(options->cutoff_last_mm / options->cutoff_first_mm,
+                                  1.0 / (options->iterations - 1))
+                            : 1.0;
     double cutoff = options->cutoff_first_mm;
     for (int step = 0; step < options->iterations; step++, cutoff *= fall) {
         double h[DOF * DOF] = {0}, g[DOF] = {0};

@@ -35,7 +35,7 @@ int iso_pose_vertices_new(const struct iso_head_model *model, int count, double 
     struct iso_pose_vertices *v = vertices_alloc((size_t)n);
     struct iso_vec3 *normal = calloc(model->n_vertices, sizeof *normal);
     uint32_t *order = calloc(model->n_vertices, sizeof *order);
-    int error = v && normal && order ? iso_head_spread(model, n, order, &n) : -ENOMEM;
+    const int error = v && normal && order ? iso_head_spread(model, n, order, &n) : -ENOMEM;
     if (error) {
         free(order);
         free(normal);
@@ -44,7 +44,7 @@ int iso_pose_vertices_new(const struct iso_head_model *model, int count, double 
     }
     iso_head_normals(model, model->mean_mm, normal);
     for (v->n = 0; v->n < n; v->n++) {
-        uint32_t i = order[v->n];
+        const uint32_t i = order[v->n];
         v->point_mm[v->n] = model->mean_mm[i];
         v->normal[v->n] = normal[i];
         v->weight[v->n] = model->region[i] & ISO_HEAD_RIGID ? 1.0 : soft_weight;

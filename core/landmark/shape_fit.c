@@ -33,7 +33,7 @@ static double jaw_sign(const struct iso_head_model *model)
     if (model->n_expression == 0) {
         return 0.0;
     }
-    uint32_t chin = model->triangles[model->landmarks[chin_ibug].triangle][0];
+    const uint32_t chin = model->triangles[model->landmarks[chin_ibug].triangle][0];
     return model->expression_mm[3 * (size_t)chin + 1] > 0.0f ? -1.0 : 1.0;
 }
 
@@ -59,10 +59,10 @@ static void gather_modes(struct iso_shape_fitter *f)
 
 static int allocate_planes(struct iso_shape_fitter *f)
 {
-    size_t n = f->model->n_vertices;
+    const size_t n = f->model->n_vertices;
     /* Both sizes are multiples of 16 bytes, as aligned_alloc requires. */
-    size_t modes = 3 * n * (size_t)f->mode_stride * sizeof *f->modes;
-    size_t rows = n * (size_t)iso_gram_stride(ISO__SHAPE_UNKNOWNS_MAX + 1) * sizeof *f->rows;
+    const size_t modes = 3 * n * (size_t)f->mode_stride * sizeof *f->modes;
+    const size_t rows = n * (size_t)iso_gram_stride(ISO__SHAPE_UNKNOWNS_MAX + 1) * sizeof *f->rows;
     f->modes = aligned_alloc(ISO_GRAM_ALIGNMENT, modes);
     f->rows = aligned_alloc(ISO_GRAM_ALIGNMENT, rows);
     f->face = calloc(n, sizeof *f->face);
@@ -100,7 +100,7 @@ int iso_shape_fitter_new(const struct iso_head_model *model,
     int error = allocate_planes(f);
     if (!error) {
         gather_modes(f);
-        int most = options->vertices > 0 ? options->vertices : (int)model->n_vertices;
+        const int most = options->vertices > 0 ? options->vertices : (int)model->n_vertices;
         error = iso_head_spread(model, most, f->face, &f->n_face);
     }
     if (!error && f->n_face < ISO__SHAPE_MEASURED_MIN) {
@@ -176,7 +176,7 @@ static int try_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
     state->pose = *pose;
     state->coefficient[f->model->n_identity] = jaw * f->jaw_sign;
     iso__shape_set(f, state);
-    int error = take_steps(f, frame, 0, trial_steps(&f->options), TRIAL_VERTICES, state);
+    const int error = take_steps(f, frame, 0, trial_steps(&f->options), TRIAL_VERTICES, state);
     if (!error) {
         iso__shape_measure(f, frame, &state->pose, &fit);
         /* A closed mouth over an open one leaves places without measurements, which must count too.

@@ -17,10 +17,11 @@ void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *fram
     memset(f->residual_mm, 0, f->model->n_vertices * sizeof *f->residual_mm);
     memset(f->meeting, ISO_MEETING_TURNED_AWAY, f->model->n_vertices * sizeof *f->meeting);
     for (int i = 0; i < f->n_face; i++) {
-        uint32_t vertex = f->face[i];
+        const uint32_t vertex = f->face[i];
         double r = 0.0;
-        enum iso_meeting meeting = iso_meet(frame, iso_rigid_apply(pose, f->shape[vertex]),
-                                            iso_mat3_apply(&pose->rotation, f->normal[vertex]), &r);
+        const enum iso_meeting meeting = iso_meet(
+            frame, iso_rigid_apply(pose, f->shape[vertex]),
+            iso_mat3_apply(&pose->rotation, f->normal[vertex]), &r);
         f->meeting[vertex] = (uint8_t)meeting;
         f->residual_mm[vertex] = (float)r;
         iso_pose_tally_add(&tally, meeting, r);
@@ -47,10 +48,10 @@ static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_ri
                            double j[ISO__SHAPE_UNKNOWNS_MAX])
 {
     const uint32_t *corner = f->model->triangles[point.triangle];
-    struct iso_vec3 along = {axis == 0, axis == 1, axis == 2};
-    struct iso_vec3 arm = iso_mat3_apply(&pose->rotation,
-                                         iso_head_point_on(f->model, f->fitted, point));
-    struct iso_vec3 turn = iso_cross(arm, along);
+    const struct iso_vec3 along = {axis == 0, axis == 1, axis == 2};
+    const struct iso_vec3 arm = iso_mat3_apply(&pose->rotation,
+                                               iso_head_point_on(f->model, f->fitted, point));
+    const struct iso_vec3 turn = iso_cross(arm, along);
     const double rigid[ISO__SHAPE_POSE] = {turn.x, turn.y, turn.z, along.x, along.y, along.z};
     memcpy(j, rigid, sizeof rigid);
     for (int k = ISO__SHAPE_POSE; k < n; k++) {
@@ -58,7 +59,7 @@ static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_ri
         struct iso_vec3 moved = {0, 0, 0};
         for (int c = 0; c < 3; c++) {
             const float *m = &mode[3 * (size_t)corner[c]];
-            double w = (double)point.weight[c];
+            const double w = (double)point.weight[c];
             moved.x += w * (double)m[0];
             moved.y += w * (double)m[1];
             moved.z += w * (double)m[2];
@@ -92,7 +93,7 @@ void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame
                        const struct iso__shape_state *state, struct iso_shape_fit *out)
 {
     const struct iso_head_model *model = f->model;
-    int n = ISO__SHAPE_POSE + f->n_modes;
+    const int n = ISO__SHAPE_POSE + f->n_modes;
     memset(out, 0, sizeof *out);
     iso__shape_measure(f, frame, &state->pose, &out->pose);
     out->identity_norm = copy_coefficients(state->coefficient, model->n_identity, out->identity);
@@ -104,7 +105,7 @@ void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame
     }
     iso__shape_make(f, state->coefficient, (int)model->n_identity);
     for (int l = 0; l < ISO_LANDMARKS; l++) {
-        struct iso_head_point point = model->landmarks[iso_landmark_ibug[l]];
+        const struct iso_head_point point = model->landmarks[iso_landmark_ibug[l]];
         out->neutral_mm[l] = iso_head_point_on(model, f->shape, point);
         out->sigma_mm[l] = point_sigma_mm(f, out, point, n);
     }

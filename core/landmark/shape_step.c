@@ -11,7 +11,7 @@
 
 const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k)
 {
-    size_t stride = 3 * (size_t)model->n_vertices;
+    const size_t stride = 3 * (size_t)model->n_vertices;
     return k < model->n_identity ? &model->identity_mm[k * stride]
                                  : &model->expression_mm[(k - model->n_identity) * stride];
 }
@@ -49,14 +49,14 @@ void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *s
 static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
                      uint32_t vertex, struct iso_vec3 normal, int n, double factor, float *row)
 {
-    struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, f->shape[vertex]);
-    struct iso_vec3 turn = iso_scale(factor, iso_cross(arm, normal));
-    struct iso_vec3 shift = iso_scale(factor, normal);
+    const struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, f->shape[vertex]);
+    const struct iso_vec3 turn = iso_scale(factor, iso_cross(arm, normal));
+    const struct iso_vec3 shift = iso_scale(factor, normal);
     const double rigid[ISO__SHAPE_POSE] = {turn.x, turn.y, turn.z, shift.x, shift.y, shift.z};
     for (int k = 0; k < ISO__SHAPE_POSE; k++) {
         row[k] = (float)rigid[k];
     }
-    struct iso_vec3 along = iso_scale(factor, f->normal[vertex]);
+    const struct iso_vec3 along = iso_scale(factor, f->normal[vertex]);
     float ax = (float)along.x, ay = (float)along.y, az = (float)along.z;
     const float *x = iso__shape_modes_at(f, vertex), *y = x + f->mode_stride,
                 *z = y + f->mode_stride;
@@ -72,10 +72,10 @@ static int build_equations(struct iso_shape_fitter *f, const struct iso_frame *f
                            double g[ISO__SHAPE_UNKNOWNS_MAX])
 {
     int measured = 0, n_rows = 0, n = unknowns->n;
-    int width = iso_gram_stride(n + 1);
+    const int width = iso_gram_stride(n + 1);
     for (int i = 0; i < unknowns->n_vertices && i < f->n_face; i++) {
-        uint32_t vertex = f->face[i];
-        struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, f->normal[vertex]);
+        const uint32_t vertex = f->face[i];
+        const struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, f->normal[vertex]);
         double r;
         if (iso_meet(frame, iso_rigid_apply(pose, f->shape[vertex]), normal, &r) !=
             ISO_MEETING_MEASURED) {
@@ -86,7 +86,7 @@ static int build_equations(struct iso_shape_fitter *f, const struct iso_frame *f
         w *= f->model->region[vertex] & ISO_HEAD_RIGID ? 1.0 : f->options.soft_weight;
         if (w > 0.0) {
             float *row = &f->rows[(size_t)n_rows++ * (size_t)width];
-            double factor = sqrt(w);
+            const double factor = sqrt(w);
             fill_row(f, pose, vertex, normal, n, factor, row);
             row[n] = (float)(-factor * r);
             for (int k = n + 1; k < width; k++) {
@@ -106,10 +106,10 @@ static int build_equations(struct iso_shape_fitter *f, const struct iso_frame *f
 static void add_priors(struct iso_shape_fitter *f, const double *coefficient, int n,
                        double g[ISO__SHAPE_UNKNOWNS_MAX])
 {
-    int identity = (int)f->model->n_identity;
+    const int identity = (int)f->model->n_identity;
     for (int k = 0; k < n - ISO__SHAPE_POSE; k++) {
-        double stiffness = k < identity ? f->options.identity_stiffness_mm2
-                                        : f->options.expression_stiffness_mm2;
+        const double stiffness = k < identity ? f->options.identity_stiffness_mm2
+                                              : f->options.expression_stiffness_mm2;
         f->h[(k + ISO__SHAPE_POSE) * n + k + ISO__SHAPE_POSE] += stiffness;
         g[k + ISO__SHAPE_POSE] -= stiffness * coefficient[k];
     }
@@ -119,7 +119,7 @@ int iso__shape_step(struct iso_shape_fitter *f, const struct iso_frame *frame,
                     const struct iso__shape_unknowns *unknowns, struct iso__shape_state *state)
 {
     double g[ISO__SHAPE_UNKNOWNS_MAX];
-    int n = unknowns->n;
+    const int n = unknowns->n;
     if (build_equations(f, frame, &state->pose, unknowns, g) < ISO__SHAPE_MEASURED_MIN) {
         return -ENODATA;
     }

@@ -14,7 +14,7 @@ static uint32_t choose_farthest(const struct iso_head_model *model, double *dist
         best = distance[i] > distance[best] ? i : best;
     }
     for (uint32_t i = 0; i < model->n_vertices; i++) {
-        double d = iso_norm(iso_sub(model->mean_mm[i], model->mean_mm[best]));
+        const double d = iso_norm(iso_sub(model->mean_mm[i], model->mean_mm[best]));
         distance[i] = fmin(distance[i], d);
     }
     distance[best] = -1.0;
@@ -29,7 +29,7 @@ int iso_head_spread(const struct iso_head_model *model, int most, uint32_t *orde
     }
     int available = 0;
     for (uint32_t i = 0; i < model->n_vertices; i++) {
-        bool face = (model->region[i] & ISO_HEAD_FACE) != 0;
+        const bool face = (model->region[i] & ISO_HEAD_FACE) != 0;
         distance[i] = face ? INFINITY : -1.0;
         available += face;
     }

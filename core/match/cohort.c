@@ -34,7 +34,7 @@ static int parse_templates(const uint8_t *p, size_t size, struct iso_cohort *coh
         if (size < 4 || iso_get_u32(p) > size - 4) {
             return refuse(fault, "cohort file: template cut off");
         }
-        size_t bytes = iso_get_u32(p);
+        const size_t bytes = iso_get_u32(p);
         if (iso_template_parse(p + 4, bytes, &cohort->templates[i]) ||
             !iso_template_comparable(&cohort->templates[i], &cohort->templates[0])) {
             return refuse(fault, "cohort file: bad template");
@@ -57,7 +57,7 @@ int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out, co
     if (iso_get_u32(p + 12) != iso_crc32(0, p + HEADER_BYTES, size - HEADER_BYTES)) {
         return refuse(fault, "cohort file: checksum is wrong");
     }
-    uint32_t count = iso_get_u32(p + HEADER_BYTES);
+    const uint32_t count = iso_get_u32(p + HEADER_BYTES);
     if (count < ISO_COHORT_MIN || count > ISO_COHORT_MAX) {
         return refuse(fault, "cohort file: number of templates out of range");
     }
@@ -66,8 +66,8 @@ int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out, co
         return -ENOMEM;
     }
     cohort->n = (int)count;
-    int error = parse_templates(p + HEADER_BYTES + COUNT_BYTES, size - HEADER_BYTES - COUNT_BYTES,
-                                cohort, fault);
+    const int error = parse_templates(p + HEADER_BYTES + COUNT_BYTES,
+                                      size - HEADER_BYTES - COUNT_BYTES, cohort, fault);
     if (error) {
         iso_cohort_free(cohort);
         return error;
@@ -82,21 +82,21 @@ int iso_cohort_serialise(const struct iso_template *const *templates, int n, voi
     if (n < ISO_COHORT_MIN || n > ISO_COHORT_MAX) {
         return -EINVAL;
     }
-    size_t capacity = HEADER_BYTES + COUNT_BYTES + (size_t)n * (4 + ISO_TEMPLATE_BYTES_MAX);
+    const size_t capacity = HEADER_BYTES + COUNT_BYTES + (size_t)n * (4 + ISO_TEMPLATE_BYTES_MAX);
     uint8_t *buffer = malloc(capacity);
     if (!buffer) {
         return -ENOMEM;
     }
     uint8_t *p = iso_put_u32(buffer + HEADER_BYTES, (uint32_t)n);
     for (int i = 0; i < n; i++) {
-        int written = iso_template_serialise(templates[i], p + 4, ISO_TEMPLATE_BYTES_MAX);
+        const int written = iso_template_serialise(templates[i], p + 4, ISO_TEMPLATE_BYTES_MAX);
         if (written < 0 || !iso_template_comparable(templates[i], templates[0])) {
             free(buffer);
             return -EINVAL;
         }
         p = iso_put_u32(p, (uint32_t)written) + written;
     }
-    size_t total = (size_t)(p - buffer);
+    const size_t total = (size_t)(p - buffer);
     p = iso_put_bytes(buffer, magic, sizeof magic);
     p = iso_put_u32(p, (uint32_t)total);
     (void)iso_put_u32(p, iso_crc32(0, buffer + HEADER_BYTES, total - HEADER_BYTES));
@@ -127,7 +127,8 @@ int iso_cohort_normalise(struct iso_icp_workspace *work, const struct iso_cohort
     double sum = 0.0;
     for (int i = 0; i < cohort->n; i++) {
         double distance;
-        int error = iso_match_distance(work, probe, &cohort->templates[i], options, &distance);
+        const int error = iso_match_distance(work, probe, &cohort->templates[i], options,
+                                             &distance);
         if (error) {
             return error;
         }

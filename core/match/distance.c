@@ -43,7 +43,7 @@ int iso_match_distance(struct iso_icp_workspace *work, const struct iso_template
     }
     icp.group_weight = group_weight;
     struct iso_icp_result result;
-    int error = iso_icp(work, &source, &target, &icp, &result);
+    const int error = iso_icp(work, &source, &target, &icp, &result);
     if (error) {
         return error;
     }

@@ -195,7 +195,7 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
         return refuse_file(fault, "metric file: nodes out of range");
     }
     struct iso_metric *m = NULL;
-    int error = iso_metric_new(&shape, &m);
+    const int error = iso_metric_new(&shape, &m);
     if (error) {
         return error;
     }

@@ -46,17 +46,17 @@ static void lay_out(const struct iso_vec3 *p, int n, double angle_rad, struct sh
     s->cosine = cos(angle_rad);
     s->sine = sin(angle_rad);
     for (int i = 0; i < n; i++) {
-        double t = p[i].x * s->cosine + p[i].y * s->sine;
+        const double t = p[i].x * s->cosine + p[i].y * s->sine;
         s->part[i] = t;
         low = t < low ? t : low;
         high = t > high ? t : high;
     }
-    double gaps = fmin(fmax(floor((high - low) / knot_mm), 1.0), KNOTS_MAX - 1.0);
-    double spacing_mm = fmax((high - low) / gaps, 1e-6);
+    const double gaps = fmin(fmax(floor((high - low) / knot_mm), 1.0), KNOTS_MAX - 1.0);
+    const double spacing_mm = fmax((high - low) / gaps, 1e-6);
     s->n_knots = (int)gaps + 1;
     for (int i = 0; i < n; i++) {
-        double at = (s->part[i] - low) / spacing_mm;
-        int k = (int)at < s->n_knots - 2 ? (int)at : s->n_knots - 2;
+        const double at = (s->part[i] - low) / spacing_mm;
+        const int k = (int)at < s->n_knots - 2 ? (int)at : s->n_knots - 2;
         s->below[i] = (uint8_t)k;
         s->part[i] = at - k;
     }
@@ -64,7 +64,7 @@ static void lay_out(const struct iso_vec3 *p, int n, double angle_rad, struct sh
 
 static double above_sheet(const struct sheet *s, int i)
 {
-    int k = s->below[i];
+    const int k = s->below[i];
     return s->point_mm[i].z - s->x[k] - s->part[i] * (s->x[k + 1] - s->x[k]) -
            along_mm(s, i) * s->x[s->n_knots];
 }
@@ -77,8 +77,8 @@ __attribute__((noinline)) static int solve_sheet(struct sheet *s, double cutoff_
     int m = s->n_knots + 1, slope = s->n_knots;
     memset(h, 0, (size_t)(m * m) * sizeof *h);
     for (int i = 0; i < s->n; i++) {
-        double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, i), cutoff_mm) : 1.0;
-        int k = s->below[i];
+        const double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, i), cutoff_mm) : 1.0;
+        const int k = s->below[i];
         double b = w * s->part[i], a = w - b, c = along_mm(s, i), z = s->point_mm[i].z;
         double *row = &h[k * m + k];
         row[0] += a * (1.0 - s->part[i]);
@@ -107,7 +107,7 @@ __attribute__((noinline)) static int solve_sheet(struct sheet *s, double cutoff_
 /* Adds one residual to the figures of a fit. */
 static void add_residual(struct iso_sheet_fit *fit, double r, double limit_mm)
 {
-    double size = fabs(r);
+    const double size = fabs(r);
     fit->rms_mm += size < limit_mm ? r * r : limit_mm * limit_mm;
     fit->inlier_share += size < 0.5 * limit_mm ? 1.0 : 0.0;
 }
@@ -123,7 +123,7 @@ static double bend_of(const struct sheet *s)
 {
     double low = 0.0, high = 0.0, rise = s->x[s->n_knots - 1] - s->x[0];
     for (int k = 0; k < s->n_knots; k++) {
-        double off = s->x[k] - s->x[0] - rise * k / (s->n_knots - 1);
+        const double off = s->x[k] - s->x[0] - rise * k / (s->n_knots - 1);
         low = fmin(low, off);
         high = fmax(high, off);
     }
@@ -144,7 +144,7 @@ static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double
         return error;
     }
     struct iso_sheet_fit fit = {.angle_rad = angle_rad, .bend_mm = bend_of(&sheet)};
-    double limit = steps < STEPS ? cutoffs[steps] * limit_mm : limit_mm;
+    const double limit = steps < STEPS ? cutoffs[steps] * limit_mm : limit_mm;
     for (int i = 0; i < n; i++) {
         add_residual(&fit, above_sheet(&sheet, i), limit);
     }
@@ -157,10 +157,10 @@ static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double
 static void refine_turn(const struct iso_vec3 *points_mm, int n, double limit_mm, double turn,
                         struct iso_sheet_fit *best)
 {
-    double middle = best->angle_rad;
+    const double middle = best->angle_rad;
     for (int side = -1; side <= 1; side += 2) {
         struct iso_sheet_fit fit;
-        double angle = fmod(middle + side * turn + M_PI, M_PI);
+        const double angle = fmod(middle + side * turn + M_PI, M_PI);
         if (!fit_at_angle(points_mm, n, limit_mm, angle, STEPS, &fit) &&
             fit.rms_mm < best->rms_mm) {
             *best = fit;
@@ -204,9 +204,9 @@ int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, doub
     for (int step = -1; step < STEPS; step++) {
         double h[PLANE * PLANE] = {0}, g[PLANE] = {0};
         for (int i = 0; i < n; i++) {
-            double w = step < 0
-                           ? 1.0
-                           : iso_tukey(iso_above_plane(x, points_mm[i]), cutoffs[step] * limit_mm);
+            const double w = step < 0 ? 1.0
+                                      : iso_tukey(iso_above_plane(x, points_mm[i]),
+                                                  cutoffs[step] * limit_mm);
             const double j[PLANE] = {1.0, points_mm[i].x, points_mm[i].y};
             for (int a = 0; a < PLANE; a++) {
                 for (int b = 0; b <= a; b++) {

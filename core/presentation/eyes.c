@@ -12,7 +12,7 @@ static const double on_face_mm = 8.0;
 static double median(double *values, int n)
 {
     for (int i = 1; i < n; i++) {
-        double value = values[i];
+        const double value = values[i];
         int at = i;
         for (; at > 0 && values[at - 1] > value; at--) {
             values[at] = values[at - 1];
@@ -26,7 +26,7 @@ static double median(double *values, int n)
 static enum iso_meeting behind(const struct iso_frame *frame, const struct iso_rigid *pose,
                                struct iso_vec3 place, double *behind_mm)
 {
-    struct iso_vec3 out = iso_mat3_apply(&pose->rotation, iso_vec3(0, 0, 1));
+    const struct iso_vec3 out = iso_mat3_apply(&pose->rotation, iso_vec3(0, 0, 1));
     return iso_meet(frame, iso_rigid_apply(pose, place), out, behind_mm);
 }
 
@@ -41,7 +41,7 @@ static struct iso_eye measure(const struct iso_frame *frame, const struct iso_ri
         middle = iso_madd(middle, 1.0 / CORNERS, contour[k]);
     }
     for (int i = 0; i < CORNERS * RINGS; i++) {
-        struct iso_vec3 arm = iso_sub(contour[i % CORNERS], middle);
+        const struct iso_vec3 arm = iso_sub(contour[i % CORNERS], middle);
         if (behind(frame, pose, iso_madd(middle, about[i / CORNERS], arm), &r) ==
                 ISO_MEETING_MEASURED &&
             fabs(r) < on_face_mm) {
@@ -49,11 +49,11 @@ static struct iso_eye measure(const struct iso_frame *frame, const struct iso_ri
         }
     }
     eye.around_share = (double)n_ring / (CORNERS * RINGS);
-    double lids_mm = median(ring, n_ring);
+    const double lids_mm = median(ring, n_ring);
     for (int i = 0; i < PLACES; i++) {
-        struct iso_vec3 arm = i == 0 ? iso_vec3(0, 0, 0)
-                                     : iso_scale(within[(i - 1) / CORNERS],
-                                                 iso_sub(contour[(i - 1) % CORNERS], middle));
+        const struct iso_vec3 arm = i == 0 ? iso_vec3(0, 0, 0)
+                                           : iso_scale(within[(i - 1) / CORNERS],
+                                                       iso_sub(contour[(i - 1) % CORNERS], middle));
         if (behind(frame, pose, iso_add(middle, arm), &r) == ISO_MEETING_MEASURED) {
             inner[n_inner++] = r - lids_mm;
             far_behind += r - lids_mm > ISO_EYE_BEHIND_MM;

@@ -36,7 +36,7 @@ void iso_liveness_init(const struct iso_liveness_options *options, struct iso_li
 static struct iso_vec3 turn_between(const struct iso_mat3 *from, const struct iso_mat3 *to)
 {
     struct iso_mat3 back = iso_mat3_transpose(from);
-    struct iso_mat3 turn = iso_mat3_mul(to, &back);
+    const struct iso_mat3 turn = iso_mat3_mul(to, &back);
     return iso_vec3(0.5 * (turn.m[2][1] - turn.m[1][2]), 0.5 * (turn.m[0][2] - turn.m[2][0]),
                     0.5 * (turn.m[1][0] - turn.m[0][1]));
 }
@@ -46,9 +46,9 @@ static void remember(struct iso_liveness *l, const struct iso_liveness_frame *fr
     if (l->n == 0) {
         l->first = frame->camera_from_face;
     }
-    struct iso_vec3 shift = iso_sub(frame->camera_from_face.translation_mm,
-                                    l->first.translation_mm);
-    struct iso_vec3 turn = iso_scale(
+    const struct iso_vec3 shift = iso_sub(frame->camera_from_face.translation_mm,
+                                          l->first.translation_mm);
+    const struct iso_vec3 turn = iso_scale(
         arm_mm, turn_between(&l->first.rotation, &frame->camera_from_face.rotation));
     const double x_mm[ISO_LIVENESS_COORDINATES] = {shift.x, shift.y, shift.z,
                                                    turn.x,  turn.y,  turn.z};
@@ -61,18 +61,18 @@ static void remember(struct iso_liveness *l, const struct iso_liveness_frame *fr
 /* Whether one coordinate moved over the frames held by more than independent noise explains. */
 static bool moved(const struct iso_liveness *l, int coordinate)
 {
-    int from = (l->next - l->n + ISO_LIVENESS_FRAMES) % ISO_LIVENESS_FRAMES;
+    const int from = (l->next - l->n + ISO_LIVENESS_FRAMES) % ISO_LIVENESS_FRAMES;
     double mean = 0.0, variance = 0.0, successive = 0.0, before = 0.0;
     for (int i = 0; i < l->n; i++) {
         mean += l->x_mm[(from + i) % ISO_LIVENESS_FRAMES][coordinate] / l->n;
     }
     for (int i = 0; i < l->n; i++) {
-        double x = l->x_mm[(from + i) % ISO_LIVENESS_FRAMES][coordinate] - mean;
+        const double x = l->x_mm[(from + i) % ISO_LIVENESS_FRAMES][coordinate] - mean;
         variance += x * x / (l->n - 1);
         successive += i > 0 ? 0.5 * (x - before) * (x - before) / (l->n - 1) : 0.0;
         before = x;
     }
-    double bound = l->options.moved_mm;
+    const double bound = l->options.moved_mm;
     return variance - successive > bound * bound &&
            successive < (1.0 - l->options.doubt / sqrt(l->n)) * variance;
 }
@@ -90,7 +90,7 @@ static enum iso_liveness_answer judge(const struct iso_liveness *l)
             return ISO_LIVENESS_ALIVE;
         }
     }
-    int oldest = (l->next - l->n + ISO_LIVENESS_FRAMES) % ISO_LIVENESS_FRAMES;
+    const int oldest = (l->next - l->n + ISO_LIVENESS_FRAMES) % ISO_LIVENESS_FRAMES;
     return l->last_ns - l->t_ns[oldest] >= l->options.still_ns ? ISO_LIVENESS_STILL : l->answer;
 }
 
@@ -104,7 +104,7 @@ enum iso_liveness_answer iso_liveness_feed(struct iso_liveness *liveness,
         iso_liveness_init(&options, l);
         begun = false;
     }
-    bool same = begun && frame->digest == l->digest;
+    const bool same = begun && frame->digest == l->digest;
     l->repeated = same ? l->repeated + 1 : 0;
     l->digest = frame->digest;
     l->last_ns = frame->t_ns;
@@ -122,11 +122,11 @@ uint32_t iso_liveness_digest(const struct iso_frame *frame, struct iso_vec3 nose
     if (!iso_camera_project(&frame->camera, nose_mm, &u, &v)) {
         return 0;
     }
-    double reach = digest_mm / iso_camera_pixel_mm(&frame->camera, nose_mm.z);
-    double left = fmax(u - frame->crop_x_px - reach, 0.0);
-    double right = fmin(u - frame->crop_x_px + reach, frame->width_px - 1.0);
-    double top = fmax(v - frame->crop_y_px - reach, 0.0);
-    double bottom = fmin(v - frame->crop_y_px + reach, frame->height_px - 1.0);
+    const double reach = digest_mm / iso_camera_pixel_mm(&frame->camera, nose_mm.z);
+    const double left = fmax(u - frame->crop_x_px - reach, 0.0);
+    const double right = fmin(u - frame->crop_x_px + reach, frame->width_px - 1.0);
+    const double top = fmax(v - frame->crop_y_px - reach, 0.0);
+    const double bottom = fmin(v - frame->crop_y_px + reach, frame->height_px - 1.0);
     uint32_t digest = 0;
     for (int row = (int)top; right >= left && row <= bottom; row += DIGEST_ROWS) {
         const float *at = &frame->depth_mm[(size_t)row * (size_t)frame->width_px + (size_t)left];

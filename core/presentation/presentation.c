@@ -54,7 +54,7 @@ static bool is_bent(const struct iso_presentation_cues *cues,
 
 static bool cut_out(const struct iso_eye *eye, const struct iso_presentation_options *o)
 {
-    bool behind = eye->hole_share <= 1.0 - measured_min && eye->depth_mm >= o->eye_behind_mm;
+    const bool behind = eye->hole_share <= 1.0 - measured_min && eye->depth_mm >= o->eye_behind_mm;
     return eye->around_share >= around_min && (behind || eye->hole_share >= o->eye_hole_share);
 }
 
@@ -64,7 +64,7 @@ static enum iso_capture judge_sheet(const struct iso_sheet *sheet,
     if (sheet->area_mm2 > o->held_area_max_mm2) {
         return ISO_CAPTURE_OK;
     }
-    bool flat = sheet->flat.inlier_share >= o->held_flat_share;
+    const bool flat = sheet->flat.inlier_share >= o->held_flat_share;
     if (flat && sheet->hole_share >= o->screen_hole_share) {
         return ISO_CAPTURE_SCREEN;
     }
@@ -84,7 +84,7 @@ enum iso_capture iso_presentation_judge(const struct iso_presentation_cues *cues
         return ISO_CAPTURE_BENT;
     }
     if (cues->has_size) {
-        double over = iso_presentation_oversize(cues);
+        const double over = iso_presentation_oversize(cues);
         if (over > options->too_large || over < -options->too_small ||
             cues->size.cost_mm2 > options->no_size_cost_mm2) {
             return ISO_CAPTURE_WRONG_SIZE;
@@ -94,7 +94,7 @@ enum iso_capture iso_presentation_judge(const struct iso_presentation_cues *cues
         cut_out(&cues->eyes[ISO_EYE_L], options)) {
         return ISO_CAPTURE_EYES_CUT;
     }
-    bool face = cues->has_relief || cues->has_size || cues->has_eyes;
+    const bool face = cues->has_relief || cues->has_size || cues->has_eyes;
     return cues->has_sheet && !face ? judge_sheet(&cues->sheet, options) : ISO_CAPTURE_OK;
 }
 

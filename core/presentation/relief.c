@@ -20,7 +20,7 @@ struct cells {
 /* The step between pixels that are read: several in each cell are enough. */
 static int stride_of(const struct iso_frame *frame, double z_mm)
 {
-    double pixel = iso_camera_pixel_mm(&frame->camera, z_mm);
+    const double pixel = iso_camera_pixel_mm(&frame->camera, z_mm);
     return (int)fmin(fmax(cell_mm / (PER_CELL * pixel) + 0.5, 1.0), 16.0);
 }
 
@@ -28,13 +28,13 @@ static void collect(const struct iso_frame *frame, const struct iso_rigid *camer
                     struct cells *cells)
 {
     const struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
-    struct iso_vec3 middle = camera_from_face->translation_mm;
+    const struct iso_vec3 middle = camera_from_face->translation_mm;
     double u, v;
     if (!iso_camera_project(&frame->camera, middle, &u, &v)) {
         return;
     }
-    int stride = stride_of(frame, middle.z);
-    double reach = 1.2 * radius_mm / iso_camera_pixel_mm(&frame->camera, middle.z);
+    const int stride = stride_of(frame, middle.z);
+    const double reach = 1.2 * radius_mm / iso_camera_pixel_mm(&frame->camera, middle.z);
     u -= frame->crop_x_px;
     v -= frame->crop_y_px;
     int left = (int)fmax(u - reach, 0.0), right = (int)fmin(u + reach, frame->width_px - 1.0);
@@ -44,13 +44,13 @@ static void collect(const struct iso_frame *frame, const struct iso_rigid *camer
             if (!(iso_frame_depth_at(frame, column, row) > 0.0f)) {
                 continue;
             }
-            struct iso_vec3 p = iso_rigid_apply(&face_from_camera,
-                                                iso_frame_point_at(frame, column, row));
+            const struct iso_vec3 p = iso_rigid_apply(&face_from_camera,
+                                                      iso_frame_point_at(frame, column, row));
             if (p.x * p.x + p.y * p.y > radius_mm * radius_mm || fabs(p.z) > depth_mm) {
                 continue;
             }
-            int i = (int)floor(p.x / cell_mm + 0.5) + SIDE / 2;
-            int j = (int)floor(p.y / cell_mm + 0.5) + SIDE / 2;
+            const int i = (int)floor(p.x / cell_mm + 0.5) + SIDE / 2;
+            const int j = (int)floor(p.y / cell_mm + 0.5) + SIDE / 2;
             const int cell = j * SIDE + i;
             cells->point_mm[cell] = iso_add(cells->point_mm[cell], p);
             cells->n[cell]++;
@@ -70,8 +70,8 @@ int iso_relief_measure(const struct iso_frame *frame, const struct iso_rigid *ca
         if (cells.n[i] == 0) {
             continue;
         }
-        struct iso_vec3 p = iso_scale(1.0 / cells.n[i], cells.point_mm[i]);
-        double r = hypot(p.x, p.y);
+        const struct iso_vec3 p = iso_scale(1.0 / cells.n[i], cells.point_mm[i]);
+        const double r = hypot(p.x, p.y);
         points[n++] = p; /* n <= i */
         if (r > ring_mm) {
             ring[n_ring++] = p;

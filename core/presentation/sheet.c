@@ -90,19 +90,19 @@ static struct part flood_part(struct iso_sheet_finder *f, const struct iso_frame
     f->queue[tail++] = seed;
     f->label[seed] = label;
     while (head < tail) {
-        int at = f->queue[head++];
-        double z = (double)frame->depth_mm[at];
-        double pixel = iso_camera_pixel_mm(&frame->camera, z);
-        double jump = fmax(jump_mm, jump_slope * pixel);
+        const int at = f->queue[head++];
+        const double z = (double)frame->depth_mm[at];
+        const double pixel = iso_camera_pixel_mm(&frame->camera, z);
+        const double jump = fmax(jump_mm, jump_slope * pixel);
         part.area_mm2 += pixel * pixel;
         part.mean_mm += z;
         for (int k = 0; k < 4; k++) {
-            int to = next_measured(frame, at % w, at / w, steps[k][0], steps[k][1],
-                                   (int)(across_mm / pixel));
+            const int to = next_measured(frame, at % w, at / w, steps[k][0], steps[k][1],
+                                         (int)(across_mm / pixel));
             if (to < 0 || f->label[to] >= 0) {
                 continue;
             }
-            double other = (double)frame->depth_mm[to];
+            const double other = (double)frame->depth_mm[to];
             if (in_range(other, near_mm, far_mm) && fabs(other - z) <= jump) {
                 f->label[to] = label;
                 f->queue[tail++] = to;
@@ -183,7 +183,7 @@ static int describe_sheet(struct iso_sheet_finder *f, const struct iso_frame *fr
     struct iso_sheet sheet = {.area_mm2 = part->area_mm2,
                               .distance_mm = part->mean_mm,
                               .limit_mm = limit_mm * fmax(1.0, farther)};
-    int n = sample_points(f, frame, part, points);
+    const int n = sample_points(f, frame, part, points);
     int error = iso_plane_fit(points, n, sheet.limit_mm, plane, &sheet.flat);
     if (!error) {
         error = iso_bent_sheet_fit(points, n, sheet.limit_mm, &sheet.bent);
@@ -198,7 +198,7 @@ static int describe_sheet(struct iso_sheet_finder *f, const struct iso_frame *fr
 int iso_sheet_find(struct iso_sheet_finder *finder, const struct iso_frame *coarse, double near_mm,
                    double far_mm, struct iso_sheet *out)
 {
-    int n_px = coarse->width_px * coarse->height_px;
+    const int n_px = coarse->width_px * coarse->height_px;
     int32_t label = 0;
     struct part nearest = {.mean_mm = INFINITY};
     if ((size_t)n_px > finder->capacity_px) {

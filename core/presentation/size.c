@@ -75,7 +75,7 @@ static void fill_sizer(struct iso_sizer *s, const struct iso_head_model *model,
 int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
 {
     uint32_t vertex[VERTICES];
-    int n = choose_vertices(model, vertex);
+    const int n = choose_vertices(model, vertex);
     if (n < VERTICES_MIN) {
         return -EINVAL;
     }
@@ -138,20 +138,20 @@ static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, d
     double h[UNKNOWNS_MAX * UNKNOWNS_MAX] = {0}, g[UNKNOWNS_MAX] = {0};
     int measured = 0, n = SIMILARITY + n_modes;
     for (int i = 0; i < s->n; i++) {
-        struct iso_vec3 normal = iso_mat3_apply(&state->pose.rotation, s->normal[i]);
-        struct iso_vec3 arm = iso_mat3_apply(&state->pose.rotation,
-                                             vertex_of(s, state, i, n_modes));
+        const struct iso_vec3 normal = iso_mat3_apply(&state->pose.rotation, s->normal[i]);
+        const struct iso_vec3 arm = iso_mat3_apply(&state->pose.rotation,
+                                                   vertex_of(s, state, i, n_modes));
         double r;
         if (iso_meet(frame, iso_add(arm, state->pose.translation_mm), normal, &r) !=
             ISO_MEETING_MEASURED) {
             continue;
         }
         measured++;
-        double w = iso_tukey(r, cutoff_mm);
+        const double w = iso_tukey(r, cutoff_mm);
         if (!(w > 0.0)) {
             continue;
         }
-        struct iso_vec3 turn = iso_cross(arm, normal);
+        const struct iso_vec3 turn = iso_cross(arm, normal);
         /* The scale by its logarithm: d(s p) = s p d(ln s). */
         double j[UNKNOWNS_MAX] = {
             turn.x, turn.y, turn.z, normal.x, normal.y, normal.z, iso_dot(arm, normal)};
@@ -160,7 +160,7 @@ static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, d
                                 iso_dot(s->normal[i], s->mode_mm[i * s->n_modes + k]);
         }
         for (int a = 0; a < n; a++) {
-            double wj = w * j[a];
+            const double wj = w * j[a];
             for (int b = 0; b <= a; b++) {
                 h[a * n + b] += wj * j[b];
             }
@@ -185,9 +185,10 @@ static double cost_of(const struct iso_sizer *s, const struct iso_frame *frame,
     struct iso_pose_tally tally = {0};
     struct iso_pose_fit fit;
     for (int i = 0; i < s->n; i++) {
-        struct iso_vec3 place = iso_rigid_apply(&state->pose, vertex_of(s, state, i, n_modes));
+        const struct iso_vec3 place = iso_rigid_apply(&state->pose,
+                                                      vertex_of(s, state, i, n_modes));
         double r = 0.0;
-        enum iso_meeting meeting = iso_meet(
+        const enum iso_meeting meeting = iso_meet(
             frame, place, iso_mat3_apply(&state->pose.rotation, s->normal[i]), &r);
         iso_pose_tally_add(&tally, meeting, r);
     }
@@ -208,7 +209,7 @@ int iso_size_measure(const struct iso_sizer *sizer, const struct iso_frame *fram
         for (int i = 0; i < STEPS && !error; i++, cutoff *= fall) {
             error = take_step(sizer, frame, cutoff, 0, &state);
         }
-        double cost = error ? INFINITY : cost_of(sizer, frame, &state, 0);
+        const double cost = error ? INFINITY : cost_of(sizer, frame, &state, 0);
         if (cost < least) {
             best = state;
             least = cost;

@@ -28,7 +28,7 @@ int iso_affine_fit(const struct iso_vec3 *source, const struct iso_vec3 *target,
     double x[16] = {0}, y[3][4] = {{0}};
     int used = 0;
     for (int i = 0; i < n; i++) {
-        double w = weight ? weight[i] : 1.0;
+        const double w = weight ? weight[i] : 1.0;
         used += w > 0.0;
         const double s[4] = {source[i].x, source[i].y, source[i].z, 1.0};
         const double t[3] = {target[i].x, target[i].y, target[i].z};
@@ -44,7 +44,7 @@ int iso_affine_fit(const struct iso_vec3 *source, const struct iso_vec3 *target,
     if (used < 4) {
         return -EINVAL;
     }
-    int error = iso_cholesky_factorise(x, 4);
+    const int error = iso_cholesky_factorise(x, 4);
     if (error) {
         return error;
     }

@@ -20,8 +20,8 @@ static int nearest_in_group(const struct iso_icp_points *target, int first, stru
         if (!(target->weight[i] > 0.0f)) {
             continue;
         }
-        struct iso_vec3 d = iso_sub(point_of(target, i), p);
-        double squared = iso_dot(d, d);
+        const struct iso_vec3 d = iso_sub(point_of(target, i), p);
+        const double squared = iso_dot(d, d);
         if (squared < best_squared) {
             best_squared = squared;
             best = i;
@@ -43,13 +43,13 @@ static void make_pairs(const struct iso_icp_points *source, const struct iso_icp
         if (!(source->weight[i] > 0.0f) || !(group_weight > 0.0)) {
             continue;
         }
-        struct iso_vec3 moved = iso_affine_apply(target_from_source, point_of(source, i));
-        int first = i - i % source->n_per_group;
-        int j = pairing == ISO_ICP_ORDERED ? i : nearest_in_group(target, first, moved);
+        const struct iso_vec3 moved = iso_affine_apply(target_from_source, point_of(source, i));
+        const int first = i - i % source->n_per_group;
+        const int j = pairing == ISO_ICP_ORDERED ? i : nearest_in_group(target, first, moved);
         if (j < 0 || !(target->weight[j] > 0.0f)) {
             continue;
         }
-        int k = pairs->n++;
+        const int k = pairs->n++;
         pairs->source[k] = point_of(source, i);
         pairs->target[k] = point_of(target, j);
         pairs->weight[k] = (double)source->weight[i] * (double)target->weight[j] * group_weight;
@@ -62,7 +62,7 @@ static double select_smallest(double *a, int n, int k)
 {
     int low = 0, high = n - 1;
     while (low < high) {
-        double pivot = a[(low + high) / 2];
+        const double pivot = a[(low + high) / 2];
         int i = low, j = high;
         while (i <= j) {
             while (a[i] < pivot) {
@@ -72,7 +72,7 @@ static double select_smallest(double *a, int n, int k)
                 j--;
             }
             if (i <= j) {
-                double swap = a[i];
+                const double swap = a[i];
                 a[i++] = a[j];
                 a[j--] = swap;
             }
@@ -94,8 +94,8 @@ static double trim_pairs(struct iso_icp_workspace *pairs, double trim)
     for (int i = 0; i < pairs->n; i++) {
         pairs->sorted[i] = pairs->distance[i];
     }
-    int kept = (int)ceil(trim * pairs->n);
-    double limit = select_smallest(pairs->sorted, pairs->n, kept - 1);
+    const int kept = (int)ceil(trim * pairs->n);
+    const double limit = select_smallest(pairs->sorted, pairs->n, kept - 1);
     double sum = 0.0, total = 0.0;
     for (int i = 0; i < pairs->n; i++) {
         pairs->trimmed[i] = pairs->distance[i] <= limit ? pairs->weight[i] : 0.0;
@@ -113,7 +113,7 @@ static int fit_transform(const struct iso_icp_workspace *pairs, enum iso_icp_tra
                               target_from_source);
     }
     struct iso_rigid rigid;
-    int error = iso_rigid_fit(pairs->source, pairs->target, pairs->trimmed, pairs->n, &rigid);
+    const int error = iso_rigid_fit(pairs->source, pairs->target, pairs->trimmed, pairs->n, &rigid);
     if (!error) {
         *target_from_source = iso_affine_of_rigid(&rigid);
     }
@@ -123,7 +123,8 @@ static int fit_transform(const struct iso_icp_workspace *pairs, enum iso_icp_tra
 static int check(const struct iso_icp_points *source, const struct iso_icp_points *target,
                  const struct iso_icp_options *options)
 {
-    bool same = source->n_groups == target->n_groups && source->n_per_group == target->n_per_group;
+    const bool same = source->n_groups == target->n_groups &&
+                      source->n_per_group == target->n_per_group;
     bool size = source->n_groups >= 1 && source->n_per_group >= 1 &&
                 source->n_groups <= ISO_ICP_POINTS_MAX / source->n_per_group;
     bool sane = options->trim > 0.0 && options->trim <= 1.0 && options->iterations_max >= 1 &&
@@ -152,7 +153,7 @@ int iso_icp(struct iso_icp_workspace *work, const struct iso_icp_points *source,
             return error;
         }
         make_pairs(source, target, &found.target_from_source, options, options->pairing, work);
-        double distance = trim_pairs(work, options->trim);
+        const double distance = trim_pairs(work, options->trim);
         found.converged = fabs(found.distance_mm - distance) < options->tolerance_mm;
         found.distance_mm = distance;
         found.iterations++;

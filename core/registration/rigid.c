@@ -8,8 +8,8 @@ enum { JACOBI_SWEEPS_MAX = 32 };
 /* Zeroes a[p][q] of a symmetric matrix by one rotation, kept in the columns of v. */
 static void jacobi_rotate(double a[4][4], double v[4][4], int p, int q)
 {
-    double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    double t = copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
+    const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    const double t = copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
     double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
     for (int k = 0; k < 4; k++) {
         double kp = a[k][p], kq = a[k][q];

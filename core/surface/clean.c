@@ -63,16 +63,16 @@ void iso_cleaner_free(struct iso_cleaner *cleaner)
 static struct iso_window window_about(const struct iso_frame *frame, struct iso_vec3 centre_mm,
                                       double radius_mm)
 {
-    struct iso_window none = {0};
+    const struct iso_window none = {0};
     double u, v;
     if (!iso_camera_project(&frame->camera, centre_mm, &u, &v)) {
         return none;
     }
-    double reach = radius_mm / iso_camera_pixel_mm(&frame->camera, centre_mm.z);
-    double left = fmax(ceil(u - frame->crop_x_px - reach), 0.0);
+    const double reach = radius_mm / iso_camera_pixel_mm(&frame->camera, centre_mm.z);
+    const double left = fmax(ceil(u - frame->crop_x_px - reach), 0.0);
     double top = fmax(ceil(v - frame->crop_y_px - reach), 0.0);
-    double right = fmin(floor(u - frame->crop_x_px + reach), frame->width_px - 1.0);
-    double bottom = fmin(floor(v - frame->crop_y_px + reach), frame->height_px - 1.0);
+    const double right = fmin(floor(u - frame->crop_x_px + reach), frame->width_px - 1.0);
+    const double bottom = fmin(floor(v - frame->crop_y_px + reach), frame->height_px - 1.0);
     if (!(left <= right && top <= bottom)) {
         return none;
     }
@@ -85,13 +85,13 @@ static struct iso_window window_about(const struct iso_frame *frame, struct iso_
  * pixels lie further to either side. */
 static int agrees(const float *at, int width)
 {
-    float z = *at;
+    const float z = *at;
     int close = 0, measured = 0, below = 0, above = 0;
     for (int dv = -2; dv <= 2; dv++) {
         for (int du = -2; du <= 2; du++) {
-            float near = at[dv * width + du];
-            int is = near > 0.0f;
-            float d = near - z;
+            const float near = at[dv * width + du];
+            const int is = near > 0.0f;
+            const float d = near - z;
             measured += is;
             below += is & (d < -median_mm);
             above += is & (d > median_mm);
@@ -108,8 +108,8 @@ static void drop_outliers(struct iso_cleaner *c)
     int w = f->width_px, h = f->height_px;
     for (int row = 0; row < h; row++) {
         for (int column = 0; column < w; column++) {
-            int i = row * w + column;
-            int inner = row >= 2 && column >= 2 && row < h - 2 && column < w - 2;
+            const int i = row * w + column;
+            const int inner = row >= 2 && column >= 2 && row < h - 2 && column < w - 2;
             c->kept[i] = inner && f->depth_mm[i] > 0.0f && agrees(&f->depth_mm[i], w)
                              ? f->depth_mm[i]
                              : 0.0f;
@@ -130,12 +130,12 @@ static int flood(struct iso_cleaner *c, int seed, double *area_mm2)
     c->seen[seed] = 1;
     while (head < tail) {
         int at = c->queue[head++], column = at % w, row = at / w;
-        double pixel = iso_camera_pixel_mm(&f->camera, (double)f->depth_mm[at]);
+        const double pixel = iso_camera_pixel_mm(&f->camera, (double)f->depth_mm[at]);
         area += pixel * pixel;
         const int next[4] = {column > 0 ? at - 1 : -1, column < w - 1 ? at + 1 : -1,
                              row > 0 ? at - w : -1, row < h - 1 ? at + w : -1};
         for (int k = 0; k < 4; k++) {
-            int to = next[k];
+            const int to = next[k];
             if (to >= 0 && !c->seen[to] && f->depth_mm[to] > 0.0f &&
                 fabsf(f->depth_mm[to] - f->depth_mm[at]) <= neighbour_mm) {
                 c->seen[to] = 1;
@@ -150,7 +150,7 @@ static int flood(struct iso_cleaner *c, int seed, double *area_mm2)
 static void drop_pieces(struct iso_cleaner *c)
 {
     struct iso_frame *f = &c->frame;
-    int n = f->width_px * f->height_px;
+    const int n = f->width_px * f->height_px;
     for (int i = 0; i < n; i++) {
         c->seen[i] = 0;
     }
@@ -159,7 +159,7 @@ static void drop_pieces(struct iso_cleaner *c)
             continue;
         }
         double area;
-        int pixels = flood(c, i, &area);
+        const int pixels = flood(c, i, &area);
         for (int k = 0; area < piece_mm2 && k < pixels; k++) {
             f->depth_mm[c->queue[k]] = 0.0f;
         }
@@ -169,13 +169,14 @@ static void drop_pieces(struct iso_cleaner *c)
 int iso_clean(struct iso_cleaner *cleaner, const struct iso_frame *frame, struct iso_vec3 centre_mm,
               double radius_mm, double pitch_mm, const struct iso_frame **out)
 {
-    struct iso_window window = window_about(frame, centre_mm, radius_mm);
-    double pixel_mm = iso_camera_pixel_mm(&frame->camera, centre_mm.z);
-    int factor = (int)fmin(fmax(floor(pitch_mm / pixel_mm), 1.0), ISO_SHRINK_MAX);
+    const struct iso_window window = window_about(frame, centre_mm, radius_mm);
+    const double pixel_mm = iso_camera_pixel_mm(&frame->camera, centre_mm.z);
+    const int factor = (int)fmin(fmax(floor(pitch_mm / pixel_mm), 1.0), ISO_SHRINK_MAX);
     if (window.width_px < 8 * factor || window.height_px < 8 * factor) {
         return -ENODATA;
     }
-    int error = iso_frame_shrink(frame, window, factor, cleaner->capacity_px, &cleaner->frame);
+    const int error = iso_frame_shrink(frame, window, factor, cleaner->capacity_px,
+                                       &cleaner->frame);
     if (error) {
         return error;
     }

@@ -41,14 +41,14 @@ static struct iso_raster raster_of(const struct iso_face_patch *patch)
 static bool too_steep(const struct iso_face_patch *patch, int column, int row)
 {
     const float *z = patch->frame.depth_mm;
-    float limit = slope_max * (float)patch->options.spacing_mm;
-    float at = z[row * patch->side + column];
+    const float limit = slope_max * (float)patch->options.spacing_mm;
+    const float at = z[row * patch->side + column];
     for (int k = 0; k < 4; k++) {
         int u = column + (k == 0) - (k == 1), v = row + (k == 2) - (k == 3);
         if (u < 0 || v < 0 || u >= patch->side || v >= patch->side) {
             continue;
         }
-        float near = z[v * patch->side + u];
+        const float near = z[v * patch->side + u];
         if (!(near > 0.0f) || fabsf(near - at) > limit) {
             return true;
         }
@@ -59,7 +59,7 @@ static bool too_steep(const struct iso_face_patch *patch, int column, int row)
 /* Spreads a mark from pixels that carry it to their four neighbours whose domain is `over`. */
 static void spread_mark(struct iso_face_patch *patch, uint8_t over, uint8_t mark)
 {
-    int side = patch->side;
+    const int side = patch->side;
     uint8_t *d = patch->domain;
     for (bool grown = true; grown;) {
         grown = false;
@@ -84,7 +84,7 @@ static void make_whole(struct iso_face_patch *patch)
     d[n / 2] = INSIDE | JOINED;
     spread_mark(patch, INSIDE, JOINED);
     for (int i = 0; i < n; i++) {
-        bool border = i < side || i >= n - side || i % side == 0 || i % side == side - 1;
+        const bool border = i < side || i >= n - side || i % side == 0 || i % side == side - 1;
         if (d[i] & JOINED) {
             d[i] = INSIDE;
         } else {
@@ -114,12 +114,12 @@ static int draw_mean(struct iso_face_patch *patch, const struct iso_head_model *
                          (int32_t)model->n_triangles, 0, 1.0, 1);
     free(vertices);
 
-    double middle = (patch->side - 1) / 2.0;
+    const double middle = (patch->side - 1) / 2.0;
     for (int row = 0; row < patch->side; row++) {
         for (int column = 0; column < patch->side; column++) {
-            int i = row * patch->side + column;
+            const int i = row * patch->side + column;
             double off_mm = patch->options.spacing_mm * hypot(column - middle, row - middle);
-            float z = patch->frame.depth_mm[i];
+            const float z = patch->frame.depth_mm[i];
             patch->domain[i] = z > 0.0f && off_mm <= patch->options.radius_mm &&
                                !too_steep(patch, column, row);
             patch->mean_depth[i] = z;
@@ -146,7 +146,7 @@ int iso_face_patch_new(const struct iso_head_model *model,
     if (!p) {
         return -ENOMEM;
     }
-    int half = (int)ceil(options->radius_mm / options->spacing_mm) + 1;
+    const int half = (int)ceil(options->radius_mm / options->spacing_mm) + 1;
     p->options = *options;
     p->side = 2 * half + 1;
     p->frame.camera = (struct iso_camera){
@@ -204,7 +204,7 @@ static void draw_surface(struct iso_face_patch *patch, struct iso_mesh *surface,
 {
     struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
     for (int32_t i = 0; i < surface->n_vertices; i++) {
-        struct iso_vec3 face = iso_rigid_apply(&face_from_camera, surface->vertices_mm[i]);
+        const struct iso_vec3 face = iso_rigid_apply(&face_from_camera, surface->vertices_mm[i]);
         surface->vertices_mm[i] = iso_patch_from_face(face);
     }
     struct iso_raster raster = raster_of(patch);
@@ -221,7 +221,7 @@ double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surfa
     float *depth = patch->frame.depth_mm;
     size_t inside = 0, measured = 0;
     for (size_t i = 0; i < count_pixels(patch); i++) {
-        float residual = depth[i] - patch->mean_depth[i];
+        const float residual = depth[i] - patch->mean_depth[i];
         patch->measured[i] = patch->domain[i] && depth[i] > 0.0f &&
                              fabsf(residual) <= (float)patch->options.outlier_mm;
         patch->residual[i] = patch->measured[i] ? residual : 0.0f;
@@ -247,7 +247,7 @@ const struct iso_frame *iso_face_patch_frame(const struct iso_face_patch *patch)
 void iso_face_patch_pixel(const struct iso_face_patch *patch, double x_mm, double y_mm,
                           double *column, double *row)
 {
-    double middle = (patch->side - 1) / 2.0;
+    const double middle = (patch->side - 1) / 2.0;
     *column = middle + x_mm / patch->options.spacing_mm;
     *row = middle - y_mm / patch->options.spacing_mm;
 }

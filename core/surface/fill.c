@@ -31,7 +31,7 @@ int iso_fill_new(int width, int height, struct iso_fill **out)
     int error = 0;
     for (int w = width, h = height;; w = (w + 1) / 2, h = (h + 1) / 2) {
         struct level *level = &f->level[f->n_levels++];
-        size_t n = (size_t)w * (size_t)h;
+        const size_t n = (size_t)w * (size_t)h;
         *level = (struct level){w, h, calloc(n, sizeof(float)), calloc(n, sizeof(float))};
         error |= !level->value || !level->weight;
         if (w == 1 && h == 1) {
@@ -68,12 +68,12 @@ static void pull_level(const struct level *fine, struct level *coarse)
             for (int k = 0; k < 4; k++) {
                 int u = 2 * column + (k & 1), v = 2 * row + (k >> 1);
                 if (u < fine->width && v < fine->height) {
-                    int i = v * fine->width + u;
+                    const int i = v * fine->width + u;
                     sum += fine->weight[i] * fine->value[i];
                     weight += fine->weight[i];
                 }
             }
-            int to = row * coarse->width + column;
+            const int to = row * coarse->width + column;
             coarse->weight[to] = weight;
             coarse->value[to] = weight > 0.0f ? sum / weight : 0.0f;
         }
@@ -100,7 +100,7 @@ static void push_level(const struct level *coarse, struct level *fine)
 {
     for (int row = 0; row < fine->height; row++) {
         for (int column = 0; column < fine->width; column++) {
-            int i = row * fine->width + column;
+            const int i = row * fine->width + column;
             if (fine->weight[i] > 0.0f) {
                 continue;
             }
@@ -144,7 +144,7 @@ void iso_fill_holes(struct iso_fill *fill, const uint8_t *domain, const uint8_t 
                     float *value)
 {
     struct level *base = &fill->level[0];
-    int n = base->width * base->height;
+    const int n = base->width * base->height;
     for (int i = 0; i < n; i++) {
         base->weight[i] = domain[i] && known[i] ? 1.0f : 0.0f;
         base->value[i] = value[i];
@@ -195,11 +195,11 @@ void iso_fill_smooth(struct iso_fill *fill, const uint8_t *domain, double sigma_
         return;
     }
     float kernel[KERNEL_MAX + 1];
-    int reach = (int)fmin(ceil(3.0 * sigma_px), KERNEL_MAX);
+    const int reach = (int)fmin(ceil(3.0 * sigma_px), KERNEL_MAX);
     for (int k = 0; k <= reach; k++) {
         kernel[k] = (float)exp(-0.5 * k * k / (sigma_px * sigma_px));
     }
-    int n = fill->level[0].width * fill->level[0].height;
+    const int n = fill->level[0].width * fill->level[0].height;
     float *weight = &fill->scratch[n];
     for (int i = 0; i < n; i++) {
         weight[i] = domain[i] ? 1.0f : 0.0f;

@@ -12,7 +12,7 @@ enum { SIDE_MAX = 2048 };
 
 size_t iso_grid_plane_size(const struct iso_grid *grid)
 {
-    size_t n = (size_t)(grid->height + 2) * (size_t)grid->stride + 2 * ISO_LANES;
+    const size_t n = (size_t)(grid->height + 2) * (size_t)grid->stride + 2 * ISO_LANES;
     return (n + 15) / 16 * 16;
 }
 
@@ -27,7 +27,7 @@ enum { ALIGNMENT = 64 };
 
 float *iso_grid_planes_new(const struct iso_grid *grid, int n_planes)
 {
-    size_t bytes = iso_grid_plane_size(grid) * (size_t)n_planes * sizeof(float);
+    const size_t bytes = iso_grid_plane_size(grid) * (size_t)n_planes * sizeof(float);
     char *memory = calloc(1, bytes + ALIGNMENT + sizeof memory);
     if (!memory) {
         return NULL;
@@ -94,7 +94,7 @@ void iso_grid_free(struct iso_grid *grid)
  * front, meet at corner 3 - k. */
 static float area_of(const float z[4], int k, float pitch_mm)
 {
-    int middle = 3 - k;
+    const int middle = 3 - k;
     float along = z[middle ^ 1] - z[middle], down = z[middle ^ 2] - z[middle];
     return 0.5f * pitch_mm * sqrtf(pitch_mm * pitch_mm + along * along + down * down);
 }
@@ -102,7 +102,7 @@ static float area_of(const float z[4], int k, float pitch_mm)
 /* Adds the triangle of a cell that leaves out corner k. */
 static void add_triangle(struct iso_grid *grid, int32_t at, const float depth[4], int k)
 {
-    float area = area_of(depth, k, (float)grid->pitch_mm);
+    const float area = area_of(depth, k, (float)grid->pitch_mm);
     grid->cell_mm2[k][at] = area;
     for (int c = 0; c < 3; c++) {
         grid->share_mm2[iso_grid_corner(grid, at, iso_cell_corners[k][c])] += area / 3.0f;
@@ -113,8 +113,8 @@ static void add_triangle(struct iso_grid *grid, int32_t at, const float depth[4]
 static int build_cell(struct iso_grid *grid, int32_t at, const float depth[4], double jump_mm)
 {
     float falling = depth[0] - depth[3], rising = depth[1] - depth[2];
-    bool rises = (double)rising * (double)rising < (double)falling * (double)falling;
-    uint8_t set = iso_cell_set(depth, rises, jump_mm);
+    const bool rises = (double)rising * (double)rising < (double)falling * (double)falling;
+    const uint8_t set = iso_cell_set(depth, rises, jump_mm);
     grid->cell[at] = set;
     int n = 0;
     for (int k = 0; k < 4; k++) {
@@ -164,10 +164,10 @@ int iso_grid_build(struct iso_grid *grid, const struct iso_frame *frame, double 
  * the order of its corners; false if it lies outside. */
 static bool weigh_corners(int k, double s, double t, double weight[3])
 {
-    int middle = 3 - k;
+    const int middle = 3 - k;
     double along = middle & 1 ? 1.0 - s : s, down = middle >> 1 ? 1.0 - t : t;
     for (int c = 0; c < 3; c++) {
-        int corner = iso_cell_corners[k][c];
+        const int corner = iso_cell_corners[k][c];
         weight[c] = corner == (middle ^ 1) ? along : down;
         if (corner == middle) {
             weight[c] = 1.0 - along - down;
@@ -187,13 +187,13 @@ int iso_grid_locate(const struct iso_grid *grid, double column, double row,
         return -ENOENT;
     }
     int u = (int)fmin(column, grid->width - 2.0), v = (int)fmin(row, grid->height - 2.0);
-    int32_t at = v * grid->stride + u;
-    struct iso_cell_list list = iso_cell_list(grid->cell[at]);
+    const int32_t at = v * grid->stride + u;
+    const struct iso_cell_list list = iso_cell_list(grid->cell[at]);
     for (int h = 0; h < list.count; h++) {
         struct iso_grid_point found;
         if (weigh_corners(list.left_out[h], column - u, row - v, found.weight)) {
             for (int c = 0; c < 3; c++) {
-                int corner = iso_cell_corners[list.left_out[h]][c];
+                const int corner = iso_cell_corners[list.left_out[h]][c];
                 found.corner[c] = iso_grid_corner(grid, at, corner);
             }
             *point = found;

@@ -51,7 +51,7 @@ static const char *triangle_fault(const struct iso_mesh *mesh, int32_t t)
 static const char *mesh_fault(const struct iso_mesh *mesh)
 {
     for (int32_t i = 0; i < mesh->n_vertices; i++) {
-        struct iso_vec3 p = mesh->vertices_mm[i];
+        const struct iso_vec3 p = mesh->vertices_mm[i];
         if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z)) {
             return "vertex that is not finite";
         }
@@ -68,8 +68,8 @@ static int reserve_array(void **array, size_t element, int32_t wanted, int32_t *
     if (wanted <= *capacity) {
         return 0;
     }
-    int32_t doubled = *capacity <= INT32_MAX / 2 ? 2 * *capacity : INT32_MAX;
-    int32_t room = doubled > wanted ? doubled : wanted;
+    const int32_t doubled = *capacity <= INT32_MAX / 2 ? 2 * *capacity : INT32_MAX;
+    const int32_t room = doubled > wanted ? doubled : wanted;
     void *moved = realloc(*array, (size_t)room * element);
     if (!moved) {
         return -ENOMEM;
@@ -114,7 +114,7 @@ struct iso_vec3 iso_mesh_point_at(const struct iso_mesh *mesh, struct iso_surfac
 double iso_mesh_triangle_area(const struct iso_mesh *mesh, int32_t triangle)
 {
     const int32_t *v = mesh->triangles[triangle];
-    struct iso_vec3 a = mesh->vertices_mm[v[0]];
+    const struct iso_vec3 a = mesh->vertices_mm[v[0]];
     return 0.5 * iso_norm(iso_cross(iso_sub(mesh->vertices_mm[v[1]], a),
                                     iso_sub(mesh->vertices_mm[v[2]], a)));
 }
@@ -149,7 +149,7 @@ static int compare_sides(const void *a, const void *b)
 
 int iso_mesh_adjacency(const struct iso_mesh *mesh, int32_t (*adjacent)[3])
 {
-    size_t n = 3 * (size_t)mesh->n_triangles;
+    const size_t n = 3 * (size_t)mesh->n_triangles;
     struct side *sides = malloc((n + 1) * sizeof *sides);
     if (!sides) {
         return -ENOMEM;
@@ -202,10 +202,10 @@ static double flood_piece(const struct iso_mesh *mesh, const int32_t (*adjacent)
     stack[top++] = seed;
     component[seed] = label;
     while (top > 0) {
-        int32_t t = stack[--top];
+        const int32_t t = stack[--top];
         area += iso_mesh_triangle_area(mesh, t);
         for (int k = 0; k < 3; k++) {
-            int32_t next = adjacent[t][k];
+            const int32_t next = adjacent[t][k];
             if (next >= 0 && component[next] < 0) {
                 component[next] = label;
                 stack[top++] = next;
@@ -218,7 +218,7 @@ static double flood_piece(const struct iso_mesh *mesh, const int32_t (*adjacent)
 int32_t iso_mesh_components(const struct iso_mesh *mesh, const int32_t (*adjacent)[3],
                             int32_t *component)
 {
-    size_t n = (size_t)mesh->n_triangles + 1;
+    const size_t n = (size_t)mesh->n_triangles + 1;
     int32_t *stack = malloc(n * sizeof *stack), *rank = malloc(n * sizeof *rank), pieces = 0;
     struct piece *piece = malloc(n * sizeof *piece);
     if (!stack || !rank || !piece) {
@@ -228,7 +228,7 @@ int32_t iso_mesh_components(const struct iso_mesh *mesh, const int32_t (*adjacen
     memset(component, 0xff, (n - 1) * sizeof *component);
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         if (component[t] < 0) {
-            double area = flood_piece(mesh, adjacent, t, pieces, component, stack);
+            const double area = flood_piece(mesh, adjacent, t, pieces, component, stack);
             piece[pieces] = (struct piece){pieces, area};
             pieces++;
         }

@@ -15,7 +15,7 @@ struct span {
 
 void iso_raster_clear(const struct iso_raster *raster)
 {
-    size_t n = (size_t)raster->width_px * (size_t)raster->height_px;
+    const size_t n = (size_t)raster->width_px * (size_t)raster->height_px;
     for (size_t i = 0; i < n; i++) {
         raster->depth_mm[i] = 0.0f;
     }
@@ -31,7 +31,7 @@ static struct corner corner_of(const struct iso_raster *raster, struct iso_vec3 
     if (camera->projection == ISO_ORTHOGRAPHIC) {
         return (struct corner){u + p.x / camera->pitch_mm, v + p.y / camera->pitch_mm, p.z};
     }
-    double q = 1.0 / p.z;
+    const double q = 1.0 / p.z;
     return (struct corner){u + camera->fx_px * p.x * q, v + camera->fy_px * p.y * q, q};
 }
 
@@ -47,7 +47,7 @@ static double edge(const struct corner *a, const struct corner *b, double u, dou
 static bool span_of(const struct iso_raster *raster, const struct corner c[3], struct span *out)
 {
     double u_min = fmin(c[0].u_px, fmin(c[1].u_px, c[2].u_px));
-    double u_max = fmax(c[0].u_px, fmax(c[1].u_px, c[2].u_px));
+    const double u_max = fmax(c[0].u_px, fmax(c[1].u_px, c[2].u_px));
     double v_min = fmin(c[0].v_px, fmin(c[1].v_px, c[2].v_px));
     double v_max = fmax(c[0].v_px, fmax(c[1].v_px, c[2].v_px));
     double right = raster->width_px - 1, bottom = raster->height_px - 1;
@@ -63,9 +63,9 @@ static bool span_of(const struct iso_raster *raster, const struct corner c[3], s
 static void draw_pixel(const struct iso_raster *raster, size_t pixel, const struct corner c[3],
                        double w1, double w2, int32_t index)
 {
-    bool perspective = raster->camera.projection != ISO_ORTHOGRAPHIC;
-    double q = (1.0 - w1 - w2) * c[0].q + w1 * c[1].q + w2 * c[2].q;
-    float z = (float)(perspective ? 1.0 / q : q);
+    const bool perspective = raster->camera.projection != ISO_ORTHOGRAPHIC;
+    const double q = (1.0 - w1 - w2) * c[0].q + w1 * c[1].q + w2 * c[2].q;
+    const float z = (float)(perspective ? 1.0 / q : q);
     float old = raster->depth_mm[pixel];
     if (old > 0.0f && old <= z) {
         return;
@@ -86,19 +86,19 @@ static void draw_triangle(const struct iso_raster *raster, const struct corner c
     struct span span;
     /* v grows downwards. A triangle that is counter-clockwise seen from the camera has therefore a
      * negative area. */
-    double area = edge(&c[0], &c[1], c[2].u_px, c[2].v_px);
-    bool drawn = cull ? area < 0.0 : area < 0.0 || area > 0.0;
+    const double area = edge(&c[0], &c[1], c[2].u_px, c[2].v_px);
+    const bool drawn = cull ? area < 0.0 : area < 0.0 || area > 0.0;
     if (!drawn || !span_of(raster, c, &span)) {
         return;
     }
-    double sign = area < 0.0 ? -1.0 : 1.0;
+    const double sign = area < 0.0 ? -1.0 : 1.0;
     for (int row = span.row_from; row <= span.row_to; row++) {
         for (int column = span.column_from; column <= span.column_to; column++) {
-            double e0 = sign * edge(&c[1], &c[2], column, row);
+            const double e0 = sign * edge(&c[1], &c[2], column, row);
             double e1 = sign * edge(&c[2], &c[0], column, row);
             double e2 = sign * edge(&c[0], &c[1], column, row);
             if (e0 >= 0.0 && e1 >= 0.0 && e2 >= 0.0) {
-                size_t pixel = (size_t)row * (size_t)raster->width_px + (size_t)column;
+                const size_t pixel = (size_t)row * (size_t)raster->width_px + (size_t)column;
                 draw_pixel(raster, pixel, c, sign * e1 / area, sign * e2 / area, index);
             }
         }

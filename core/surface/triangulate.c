@@ -74,9 +74,9 @@ static int corner_pixel(const struct iso_triangulator *t, int cell, int corner)
 /* Squared length of the diagonal between two corners of a cell. */
 static double diagonal_squared(const struct iso_frame *frame, int column, int row, int from, int to)
 {
-    struct iso_vec3 a = iso_frame_point_at(frame, column + (from & 1), row + (from >> 1));
-    struct iso_vec3 b = iso_frame_point_at(frame, column + (to & 1), row + (to >> 1));
-    struct iso_vec3 d = iso_sub(a, b);
+    const struct iso_vec3 a = iso_frame_point_at(frame, column + (from & 1), row + (from >> 1));
+    const struct iso_vec3 b = iso_frame_point_at(frame, column + (to & 1), row + (to >> 1));
+    const struct iso_vec3 d = iso_sub(a, b);
     return iso_dot(d, d);
 }
 
@@ -85,14 +85,14 @@ static struct cell make_cell(const struct iso_frame *frame, int column, int row,
 {
     const float *at = &frame->depth_mm[row * frame->width_px + column];
     const float z[4] = {at[0], at[1], at[frame->width_px], at[frame->width_px + 1]};
-    int measured = (z[0] > 0) + (z[1] > 0) + (z[2] > 0) + (z[3] > 0);
+    const int measured = (z[0] > 0) + (z[1] > 0) + (z[2] > 0) + (z[3] > 0);
     struct cell cell = {0};
     if (measured < 3) {
         return cell;
     }
-    bool rising = measured == 4 && diagonal_squared(frame, column, row, 1, 2) <
-                                       diagonal_squared(frame, column, row, 0, 3);
-    struct iso_cell_list list = iso_cell_list(iso_cell_set(z, rising, jump_mm));
+    const bool rising = measured == 4 && diagonal_squared(frame, column, row, 1, 2) <
+                                             diagonal_squared(frame, column, row, 0, 3);
+    const struct iso_cell_list list = iso_cell_list(iso_cell_set(z, rising, jump_mm));
     cell.count = list.count;
     for (int h = 0; h < list.count; h++) {
         for (int k = 0; k < 3; k++) {
@@ -110,7 +110,7 @@ static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame
     int32_t n = 0;
     for (int row = 0; row < t->height_px; row++) {
         for (int column = 0; column < t->width_px; column++) {
-            int at = row * t->width_px + column;
+            const int at = row * t->width_px + column;
             struct cell *cell = &t->cells[at];
             *cell = (struct cell){0};
             if (row + 1 == t->height_px || column + 1 == t->width_px) {
@@ -135,7 +135,7 @@ static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame
 static int number_vertices(struct iso_triangulator *t, const struct iso_frame *frame,
                            struct iso_mesh *mesh)
 {
-    int n_px = t->width_px * t->height_px;
+    const int n_px = t->width_px * t->height_px;
     for (int i = 0; i < n_px; i++) {
         t->vertex[i] = -1;
     }
@@ -167,10 +167,10 @@ static int number_vertices(struct iso_triangulator *t, const struct iso_frame *f
 /* Removes the dropped triangles (moved -1) from a cell. */
 static void thin_cell(const struct iso_triangulator *t, struct cell *cell)
 {
-    struct cell before = *cell;
+    const struct cell before = *cell;
     cell->count = 0;
     for (int h = 0; h < before.count; h++) {
-        int32_t index = t->moved[before.first + h];
+        const int32_t index = t->moved[before.first + h];
         if (index < 0) {
             continue;
         }
@@ -187,7 +187,7 @@ static int keep_largest(struct iso_triangulator *t, const struct iso_frame *fram
                         struct iso_mesh *mesh)
 {
     iso_triangulate_adjacency(t, t->adjacent);
-    int32_t pieces = iso_mesh_components(mesh, (const int32_t(*)[3])t->adjacent, t->piece);
+    const int32_t pieces = iso_mesh_components(mesh, (const int32_t(*)[3])t->adjacent, t->piece);
     if (pieces <= 1) {
         return pieces < 0 ? pieces : 0;
     }
@@ -211,14 +211,14 @@ static int keep_largest(struct iso_triangulator *t, const struct iso_frame *fram
 int iso_triangulate(struct iso_triangulator *t, const struct iso_frame *frame,
                     struct iso_mesh *mesh)
 {
-    int32_t n_px = frame->width_px * frame->height_px;
+    const int32_t n_px = frame->width_px * frame->height_px;
     if ((size_t)n_px > t->capacity_px) {
         return -ENOSPC;
     }
     t->width_px = frame->width_px;
     t->height_px = frame->height_px;
     mesh->n_vertices = mesh->n_triangles = 0;
-    int32_t n = make_triangles(t, frame, mesh);
+    const int32_t n = make_triangles(t, frame, mesh);
     if (n <= 0) {
         return n < 0 ? n : -ENODATA;
     }
@@ -241,7 +241,7 @@ static bool weigh_corners(const uint8_t corner[3], double s, double t, double we
         x[k] = corner[k] & 1;
         y[k] = corner[k] >> 1;
     }
-    double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+    const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
     weight[1] = ((s - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (t - y[0])) / area;
     weight[2] = ((x[1] - x[0]) * (t - y[0]) - (s - x[0]) * (y[1] - y[0])) / area;
     weight[0] = 1.0 - weight[1] - weight[2];
@@ -276,7 +276,7 @@ static int32_t triangle_on(const struct cell *cell, int p, int q, int32_t except
 {
     for (int h = 0; h < cell->count; h++) {
         const uint8_t *c = cell->corner[h];
-        bool has_p = c[0] == p || c[1] == p || c[2] == p;
+        const bool has_p = c[0] == p || c[1] == p || c[2] == p;
         bool has_q = c[0] == q || c[1] == q || c[2] == q;
         if (has_p && has_q && cell->first + h != except) {
             return cell->first + h;
@@ -312,7 +312,7 @@ void iso_triangulate_adjacency(const struct iso_triangulator *triangulator, int3
         for (int column = 0; column < t->width_px; column++) {
             const struct cell *cell = &t->cells[row * t->width_px + column];
             for (int h = 0; h < cell->count; h++) {
-                int32_t self = cell->first + h;
+                const int32_t self = cell->first + h;
                 for (int k = 0; k < 3; k++) {
                     int p = cell->corner[h][(k + 1) % 3], q = cell->corner[h][(k + 2) % 3];
                     adjacent[self][k] = triangle_across(t, column, row, p < q ? p : q,

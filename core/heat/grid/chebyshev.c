@@ -15,7 +15,7 @@ int iso_chebyshev_exp(double z, double tolerance, double c[ISO_CHEBYSHEV_TERMS_M
     for (int k = n; k >= 0; k--) {
         c[k] = at;
         sum += k > 0 ? 2.0 * at : at;
-        double below = above + 2.0 * k / z * at;
+        const double below = above + 2.0 * k / z * at;
         above = at;
         at = below;
     }

@@ -121,7 +121,7 @@ static void root_row(struct iso_grid_stencil *s, const struct iso_grid *grid, pt
                      ptrdiff_t to)
 {
     for (ptrdiff_t i = from; i < to; i++) {
-        float share = grid->share_mm2[i];
+        const float share = grid->share_mm2[i];
         s->root[i] = 1.0f / sqrtf(share > 0.0f ? share : INFINITY);
     }
 }

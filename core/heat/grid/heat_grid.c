@@ -86,8 +86,8 @@ void iso_heat_grid_free(struct iso_heat_grid *solver)
  * u, is pitch exp(-r^2 / 4t) / (4 pi t), that at the source is 1 / pitch. */
 static double tolerance_of(double pitch_mm, double radius_mm, double t_mm2)
 {
-    double level = exp(-radius_mm * radius_mm / (4.0 * t_mm2)) / (4.0 * M_PI * t_mm2);
-    double share = expansion_error_mm * radius_mm / (2.0 * t_mm2);
+    const double level = exp(-radius_mm * radius_mm / (4.0 * t_mm2)) / (4.0 * M_PI * t_mm2);
+    const double share = expansion_error_mm * radius_mm / (2.0 * t_mm2);
     return fmax(pitch_mm * pitch_mm * level * share, tolerance_min);
 }
 
@@ -180,7 +180,7 @@ static void scale_by_root(const struct iso_heat_grid *h, struct iso_grid_window 
                           const float *y, float *heat)
 {
     for (int row = window.row; row < window.row + window.height; row++) {
-        ptrdiff_t from = row * h->stencil->stride + window.column;
+        const ptrdiff_t from = row * h->stencil->stride + window.column;
         for (ptrdiff_t i = from; i < from + window.width; i++) {
             heat[i] = h->stencil->root[i] * y[i];
         }

@@ -14,7 +14,7 @@ static const double window_error_mm = 0.2;
  * relative change of heat over that distance, for u ~ exp(-r^2 / 4t). */
 double iso_heat_window_reach_mm(double radius_mm, double t_mm2)
 {
-    double exponent = fmax(log(2.0 * t_mm2 / (radius_mm * window_error_mm)), 1.0);
+    const double exponent = fmax(log(2.0 * t_mm2 / (radius_mm * window_error_mm)), 1.0);
     return 0.5 * radius_mm + sqrt(0.25 * radius_mm * radius_mm + t_mm2 * exponent);
 }
 
@@ -44,7 +44,7 @@ static int round_up(int value)
 struct iso_grid_window iso_heat_window(const struct iso_grid *grid,
                                        const struct iso_grid_point *source, double reach_mm)
 {
-    int px = (int)ceil(fmin(reach_mm / grid->pitch_mm, grid->width + grid->height));
+    const int px = (int)ceil(fmin(reach_mm / grid->pitch_mm, grid->width + grid->height));
     int row = source->corner[0] / grid->stride, column = source->corner[0] % grid->stride;
     struct iso_grid_window w = {.column = clamp(column - px, 0, grid->width - 1) / ISO_LANES *
                                           ISO_LANES,
@@ -59,10 +59,10 @@ struct iso_grid_window iso_heat_window(const struct iso_grid *grid,
 static struct iso_grid_window clip(struct iso_grid_window in, int column, int row, int column_end,
                                    int row_end)
 {
-    int left = clamp(column - in.column, 0, in.width) / ISO_LANES * ISO_LANES;
-    int right = round_up(clamp(column_end - in.column, 0, in.width));
-    int top = clamp(row, in.row, in.row + in.height);
-    int bottom = clamp(row_end, in.row, in.row + in.height);
+    const int left = clamp(column - in.column, 0, in.width) / ISO_LANES * ISO_LANES;
+    const int right = round_up(clamp(column_end - in.column, 0, in.width));
+    const int top = clamp(row, in.row, in.row + in.height);
+    const int bottom = clamp(row_end, in.row, in.row + in.height);
     return (struct iso_grid_window){in.column + left, top, right - left, bottom - top};
 }
 
@@ -83,7 +83,7 @@ struct iso_grid_window iso_heat_window_reached(struct iso_grid_window window, pt
 struct iso_grid_window iso_heat_window_join(struct iso_grid_window a, struct iso_grid_window b)
 {
     int column = smaller(a.column, b.column), row = smaller(a.row, b.row);
-    int end = larger(a.column + a.width, b.column + b.width);
-    int bottom = larger(a.row + a.height, b.row + b.height);
+    const int end = larger(a.column + a.width, b.column + b.width);
+    const int bottom = larger(a.row + a.height, b.row + b.height);
     return (struct iso_grid_window){column, row, end - column, bottom - row};
 }

@@ -27,7 +27,7 @@ static bool is_valid(const struct iso_labelled *l)
             return false;
         }
     }
-    size_t values = (size_t)l->n * (size_t)l->layout->size;
+    const size_t values = (size_t)l->n * (size_t)l->layout->size;
     for (size_t i = 0; i < values; i++) {
         if (!isfinite(l->feature[i])) {
             return false;
@@ -47,7 +47,7 @@ int iso_classifier_new(const struct iso_classifier_ops *ops, const struct iso_la
         return -ENOMEM;
     }
     c->ops = ops;
-    int error = ops->train(training, &c->model);
+    const int error = ops->train(training, &c->model);
     if (error) {
         free(c);
         return error;

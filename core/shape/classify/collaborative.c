@@ -105,7 +105,7 @@ static int find_code(const struct iso_collaborative *m, const float *feature, in
                      struct room *room, struct iso_code *code)
 {
     *code = (struct iso_code){.left = left};
-    int error = code_init(m, room, code);
+    const int error = code_init(m, room, code);
     if (error) {
         return error;
     }
@@ -152,7 +152,7 @@ int iso_collaborative_score(const void *model, const float *feature, double *sco
     const struct iso_collaborative *m = model;
     struct room room;
     struct iso_code code;
-    int error = find_code(m, feature, -1, &room, &code);
+    const int error = find_code(m, feature, -1, &room, &code);
     if (error) {
         return error;
     }
@@ -168,7 +168,7 @@ int iso_collaborative_rank(const void *model, const float *feature, int32_t left
     const struct iso_collaborative *m = model;
     struct room room;
     struct iso_code code;
-    int error = find_code(m, feature, left, &room, &code);
+    const int error = find_code(m, feature, left, &room, &code);
     if (error) {
         return error;
     }
@@ -179,7 +179,7 @@ int iso_collaborative_rank(const void *model, const float *feature, int32_t left
     for (int32_t i = 0; i < m->gallery.n; i++) {
         double square = 0.0;
         for (int32_t k = 0; i != left && k < m->n_parts; k++) {
-            double a = code.alpha[k][i];
+            const double a = code.alpha[k][i];
             square += code.weight[k] / weight * (1.0 - 2.0 * a * code.product[k][i] + a * a);
         }
         distance[i] = sqrt(fmax(0.0, square));

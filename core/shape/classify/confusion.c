@@ -23,8 +23,8 @@ static double roc_area(const double *score, const int32_t *label, int32_t n, int
     for (int32_t i = 0; i < n; i++) {
         for (int32_t j = 0; label[i] == class && j < n; j++) {
             if (label[j] != class) {
-                double a = score[(size_t)i * (size_t)n_classes + (size_t) class];
-                double b = score[(size_t)j * (size_t)n_classes + (size_t) class];
+                const double a = score[(size_t)i * (size_t)n_classes + (size_t) class];
+                const double b = score[(size_t)j * (size_t)n_classes + (size_t) class];
                 above += 0.5 * ((a > b) + (a >= b)); /* half for a tie */
                 pairs += 1.0;
             }
@@ -39,7 +39,7 @@ static struct iso_confusion_rates rates_of(const int32_t *count, int32_t n_class
     double hit = 0.0, told_it = 0.0, is_it = 0.0, all = 0.0;
     for (int32_t i = 0; i < n_classes; i++) {
         for (int32_t j = 0; j < n_classes; j++) {
-            double n = count[(size_t)i * (size_t)n_classes + (size_t)j];
+            const double n = count[(size_t)i * (size_t)n_classes + (size_t)j];
             all += n;
             is_it += i == class ? n : 0.0;
             told_it += j == class ? n : 0.0;
@@ -78,13 +78,13 @@ int iso_confusion_measure(const double *score, const int32_t *label, int32_t n, 
     if (!is_valid(score, label, n, n_classes)) {
         return -EINVAL;
     }
-    size_t cells = (size_t)n_classes * (size_t)n_classes;
+    const size_t cells = (size_t)n_classes * (size_t)n_classes;
     int32_t *matrix = calloc(cells, sizeof *matrix);
     if (!matrix) {
         return -ENOMEM;
     }
     for (int32_t i = 0; i < n; i++) {
-        int32_t said = told(&score[(size_t)i * (size_t)n_classes], n_classes);
+        const int32_t said = told(&score[(size_t)i * (size_t)n_classes], n_classes);
         matrix[(size_t)label[i] * (size_t)n_classes + (size_t)said]++;
     }
     struct iso_confusion_rates sum = {0};
@@ -96,7 +96,7 @@ int iso_confusion_measure(const double *score, const int32_t *label, int32_t n, 
             members += label[i] == c;
         }
         r.roc_area = roc_area(score, label, n, n_classes, c);
-        double weight = members < n ? members : 0.0;
+        const double weight = members < n ? members : 0.0;
         weights += weight;
         sum.tp_rate += weight * r.tp_rate;
         sum.fp_rate += weight * r.fp_rate;

@@ -23,7 +23,7 @@ static double score(const struct iso_collaborative *m, const struct iso_code *co
 {
     double square = 0.0;
     for (int32_t i = 0; i < m->gallery.n; i++) {
-        double a = m->gallery.label[i] == class ? code->alpha[0][i] : 0.0;
+        const double a = m->gallery.label[i] == class ? code->alpha[0][i] : 0.0;
         square += a * a;
     }
     return square > 0.0 ? -sqrt(iso_code_residual(m, code, 0, class) / square) : -INFINITY;

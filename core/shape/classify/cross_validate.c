@@ -26,7 +26,7 @@ static void deal(const struct iso_labelled *all, int32_t folds, uint64_t seed, i
             }
         }
         for (int32_t i = n; i > 0; i--) { /* Fisher and Yates */
-            int32_t drawn = (int32_t)next_random(&state, (uint32_t)i);
+            const int32_t drawn = (int32_t)next_random(&state, (uint32_t)i);
             fold[order[drawn]] = next++ % folds;
             order[drawn] = order[i - 1];
         }
@@ -38,7 +38,7 @@ static int validate_fold(const struct iso_classifier_ops *ops, const struct iso_
                          const int32_t *fold, int32_t which, float *feature, int32_t *label,
                          double *score)
 {
-    size_t size = (size_t)all->layout->size;
+    const size_t size = (size_t)all->layout->size;
     struct iso_labelled rest = *all;
     struct iso_classifier *classifier = NULL;
     rest.n = 0;

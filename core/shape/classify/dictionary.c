@@ -9,7 +9,7 @@
 int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, int32_t size,
                         int32_t stride)
 {
-    size_t entries = (size_t)n * (size_t)n;
+    const size_t entries = (size_t)n * (size_t)n;
     struct iso_dictionary made = {.n = n, .size = size, .atom = atom, .stride = stride};
     made.value = calloc((size_t)n, sizeof *made.value);
     made.vector = calloc(entries, sizeof *made.vector);

@@ -35,7 +35,8 @@ static int32_t moments(const struct iso_labelled *t, int32_t class, int32_t k, d
     for (int pass = 0; pass < 2; pass++) {
         for (int32_t i = 0; i < t->n; i++) {
             if (class < 0 || t->label[i] == class) {
-                double x = (double)t->feature[(size_t)i * (size_t)t->layout->size + (size_t)k];
+                const double x = (double)
+                                     t->feature[(size_t)i * (size_t)t->layout->size + (size_t)k];
                 n += pass == 0;
                 sum += pass == 0 ? x : 0.0;
                 square += pass == 0 ? 0.0 : (x - sum / n) * (x - sum / n);
@@ -67,8 +68,8 @@ static int train(const struct iso_labelled *training, void **model)
         double mean, variance;
         moments(training, -1, k, &mean, &variance);
         for (int32_t c = 0; c < m->n_classes; c++) {
-            size_t at = (size_t)c * size + (size_t)k;
-            int32_t n = moments(training, c, k, &m->mean[at], &m->variance[at]);
+            const size_t at = (size_t)c * size + (size_t)k;
+            const int32_t n = moments(training, c, k, &m->mean[at], &m->variance[at]);
             m->variance[at] = fmax(m->variance[at], least_variance * variance);
             m->prior[c] = n > 0 ? log((double)n / training->n) : -INFINITY;
         }
@@ -83,7 +84,7 @@ static int score(const void *model, const float *feature, double *score)
     for (int32_t c = 0; c < m->n_classes; c++) {
         score[c] = m->prior[c];
         for (int32_t k = 0; k < m->size; k++) {
-            size_t at = (size_t)c * (size_t)m->size + (size_t)k;
+            const size_t at = (size_t)c * (size_t)m->size + (size_t)k;
             double off = (double)feature[k] - m->mean[at], variance = m->variance[at];
             if (variance > 0.0) {
                 score[c] -= 0.5 * (off * off / variance + log(2.0 * M_PI * variance));

@@ -8,7 +8,7 @@
 static int train(const struct iso_labelled *training, void **model)
 {
     struct iso_training_set *g = calloc(1, sizeof *g);
-    int error = g ? iso_training_set_init(g, training) : -ENOMEM;
+    const int error = g ? iso_training_set_init(g, training) : -ENOMEM;
     if (error) {
         free(g);
         return error;
@@ -65,7 +65,7 @@ static int score_by(const struct iso_training_set *g, const float *feature,
                     int (*rank)(const void *, const float *, int32_t, double *), double *score)
 {
     double *distance = malloc((size_t)g->n * sizeof *distance);
-    int error = distance ? rank(g, feature, -1, distance) : -ENOMEM;
+    const int error = distance ? rank(g, feature, -1, distance) : -ENOMEM;
     if (!error) {
         iso_training_set_score(g, distance, score);
     }

@@ -40,7 +40,7 @@ static void reweigh(const struct iso_collaborative *m, struct iso_code *code)
     for (int32_t k = 0; k < m->n_parts; k++) {
         double square = 0.0;
         for (int32_t i = 0; i < m->gallery.n; i++) {
-            double off = code->alpha[k][i] - code->mean[i];
+            const double off = code->alpha[k][i] - code->mean[i];
             square += off * off;
         }
         code->weight[k] = exp(-1.0 - tau * square / gamma_entropy);
@@ -59,7 +59,7 @@ static void find(const struct iso_collaborative *m, struct iso_code *code)
         reweigh(m, code);
         average(m, code);
         for (int32_t k = 0; k < m->n_parts; k++) {
-            double pull = tau * code->weight[k];
+            const double pull = tau * code->weight[k];
             for (int32_t i = 0; i < m->gallery.n; i++) {
                 code->right[i] = code->product[k][i] + pull * code->mean[i];
             }

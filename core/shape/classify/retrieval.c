@@ -38,7 +38,7 @@ static void ranking_done(struct ranking *r)
 
 static int ranking_init(struct ranking *r, const struct iso_ranked *ranked, int32_t query)
 {
-    size_t room = (size_t)ranked->n_items + 1;
+    const size_t room = (size_t)ranked->n_items + 1;
     *r = (struct ranking){.item = calloc(room, sizeof *r->item)};
     r->of_class = calloc(room, 1);
     r->of_wider = calloc(room, 1);
@@ -53,9 +53,9 @@ static int ranking_init(struct ranking *r, const struct iso_ranked *ranked, int3
         }
     }
     qsort(r->item, (size_t)r->n, sizeof *r->item, compare_items);
-    bool wider = ranked->query_wider && ranked->item_wider;
+    const bool wider = ranked->query_wider && ranked->item_wider;
     for (int32_t i = 0; i < r->n; i++) {
-        int32_t at = r->item[i].index;
+        const int32_t at = r->item[i].index;
         r->of_class[i] = ranked->item_class[at] == ranked->query_class[query];
         r->of_wider[i] = r->of_class[i] ||
                          (wider && ranked->item_wider[at] == ranked->query_wider[query]);
@@ -76,8 +76,8 @@ static int32_t hits_within(const struct ranking *r, int32_t n)
 
 static double e_measure(const struct ranking *r)
 {
-    int32_t looked_at = r->n < ISO_E_MEASURE_FIRST ? r->n : ISO_E_MEASURE_FIRST;
-    double hits = hits_within(r, looked_at);
+    const int32_t looked_at = r->n < ISO_E_MEASURE_FIRST ? r->n : ISO_E_MEASURE_FIRST;
+    const double hits = hits_within(r, looked_at);
     double precision = hits / looked_at, recall = hits / r->n_class;
     return hits > 0.0 ? 2.0 / (1.0 / precision + 1.0 / recall) : 0.0;
 }
@@ -87,7 +87,7 @@ static double discounted_gain(const struct ranking *r)
 {
     double gain = 0.0, perfect = 0.0;
     for (int32_t i = 0; i < r->n; i++) {
-        double discount = i == 0 ? 1.0 : 1.0 / log2(i + 1.0);
+        const double discount = i == 0 ? 1.0 : 1.0 / log2(i + 1.0);
         gain += r->of_class[i] ? discount : 0.0;
         perfect += i < r->n_class ? discount : 0.0;
     }
@@ -130,7 +130,7 @@ static void precision_curve(const struct ranking *r, double *precision)
 int iso_retrieval_query(const struct iso_ranked *ranked, int32_t query, struct iso_retrieval *out)
 {
     struct ranking r;
-    int error = ranking_init(&r, ranked, query);
+    const int error = ranking_init(&r, ranked, query);
     if (error) {
         return error;
     }
@@ -166,7 +166,7 @@ static void add(struct iso_retrieval *sum, const struct iso_retrieval *one, doub
 
 int iso_retrieval_measure(const struct iso_ranked *ranked, struct iso_retrieval *out)
 {
-    size_t cells = (size_t)ranked->n_queries * (size_t)ranked->n_items;
+    const size_t cells = (size_t)ranked->n_queries * (size_t)ranked->n_items;
     for (int32_t q = 0; ranked->own && q < ranked->n_queries; q++) {
         if (ranked->own[q] < -1 || ranked->own[q] >= ranked->n_items) {
             return -EINVAL;
@@ -180,7 +180,7 @@ int iso_retrieval_measure(const struct iso_ranked *ranked, struct iso_retrieval 
     struct iso_retrieval sum = {0}, mean = {0};
     for (int32_t q = 0; q < ranked->n_queries; q++) {
         struct iso_retrieval one;
-        int error = iso_retrieval_query(ranked, q, &one);
+        const int error = iso_retrieval_query(ranked, q, &one);
         if (error) {
             return error;
         }

@@ -34,8 +34,8 @@ static int learn_principal(struct iso_shape_coder *c,
     for (int32_t i = 0; vector && i < n; i++) {
         vector[i] = training[i]->whole;
     }
-    int error = vector ? iso_principal_init(vector, n, c->part_size[0], size, &c->principal)
-                       : -ENOMEM;
+    const int error = vector ? iso_principal_init(vector, n, c->part_size[0], size, &c->principal)
+                             : -ENOMEM;
     free(vector);
     return error;
 }
@@ -49,10 +49,10 @@ static int32_t gather_rows(const struct iso_shape_description *const *training, 
     for (int32_t i = 0; i < n; i++) {
         all += training[i]->n_points;
     }
-    int64_t step = all / LEARN_ROWS + 1;
+    const int64_t step = all / LEARN_ROWS + 1;
     for (int32_t i = 0; i < n; i++) {
         const struct iso_shape_description *d = training[i];
-        size_t size = (size_t)d->n_values;
+        const size_t size = (size_t)d->n_values;
         const float *local = &d->local[(size_t)bag * (size_t)d->n_points * size];
         for (int32_t p = 0; p < d->n_points; p++, at++) {
             if (at % step == 0) {
@@ -70,7 +70,7 @@ static int learn_vocabularies(struct iso_shape_coder *c,
     float *row = calloc((size_t)LEARN_ROWS * (size_t)c->n_values, sizeof *row);
     int error = row ? 0 : -ENOMEM;
     for (int32_t b = 0; !error && b < c->n_bags; b++) {
-        int32_t rows = gather_rows(training, n, b, row);
+        const int32_t rows = gather_rows(training, n, b, row);
         error = iso_vocabulary_init(row, rows, c->n_values, size, seed + (uint64_t)b,
                                     &c->vocabulary[b]);
     }
@@ -86,8 +86,8 @@ static void lay_out(struct iso_shape_coder *c)
         layout->part_size[layout->n_parts++] = c->vocabulary[b].n_words;
     }
     for (int32_t p = 0; p < c->n_parts; p++) {
-        bool reduced = c->method->coding == ISO_CODING_REDUCED && p == 0;
-        int32_t size = reduced ? c->principal.n_components : c->part_size[p];
+        const bool reduced = c->method->coding == ISO_CODING_REDUCED && p == 0;
+        const int32_t size = reduced ? c->principal.n_components : c->part_size[p];
         if (size > 0) {
             layout->part_size[layout->n_parts++] = size;
         }

@@ -16,7 +16,7 @@ static void compare_ring(const struct iso_shape *shape, const double *value, int
                          int32_t *above_v, int32_t *below_v)
 {
     for (int32_t at = shape->neighbour_start[w]; at < shape->neighbour_start[w + 1]; at++) {
-        int32_t u = shape->neighbour[at];
+        const int32_t u = shape->neighbour[at];
         if (u != v) {
             *(below(value, v, u) ? above_v : below_v) += 1;
         }
@@ -79,7 +79,7 @@ int iso_shape_extrema(const struct iso_shape *shape, const double *function,
 int iso_shape_critical_points(const struct iso_shape *shape, struct iso_critical_points *out)
 {
     const double *phi = &shape->pairs->phi[shape->pairs->n];
-    int error = iso_shape_extrema(shape, phi, out);
+    const int error = iso_shape_extrema(shape, phi, out);
     if (error || out->n > 0) {
         return error;
     }

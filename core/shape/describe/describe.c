@@ -20,11 +20,11 @@ int iso_describe_parts(struct iso_shape_description *out, int32_t n_parts, const
 void iso_describe_histogram(const double *value, int32_t n, int stride, const double *weight,
                             double from, double to, int bins, float *histogram)
 {
-    double scale = to > from ? bins / (to - from) : 0.0;
+    const double scale = to > from ? bins / (to - from) : 0.0;
     for (int32_t i = 0; i < n; i++) {
         double at = (value[(size_t)i * (size_t)stride] - from) * scale - 0.5;
         at = fmin(fmax(at, 0.0), bins - 1.0);
-        int bin = at < bins - 2 ? (int)at : bins - 2;
+        const int bin = at < bins - 2 ? (int)at : bins - 2;
         histogram[bin] += (float)(weight[i] * (1.0 - (at - bin)));
         histogram[bin + 1] += (float)(weight[i] * (at - bin));
     }
@@ -39,8 +39,8 @@ void iso_describe_eigenvalues(const struct iso_shape *shape, int n, double weigh
         ranks += i;
     }
     for (int i = 1; i <= n; i++) {
-        bool there = i < pairs->k && sum > 0.0;
-        double evenly = there ? sum / ranks * i : 1.0;
+        const bool there = i < pairs->k && sum > 0.0;
+        const double evenly = there ? sum / ranks * i : 1.0;
         out[i - 1] = there ? (float)(weight * (pairs->lambda[i] / evenly - 1.0)) : 0.0f;
     }
 }
@@ -52,7 +52,7 @@ int iso_shape_describe(const struct iso_shape_method *method, const struct iso_s
         return -ENODATA;
     }
     struct iso_shape_description *d = calloc(1, sizeof *d);
-    int error = d ? method->describe(shape, d) : -ENOMEM;
+    const int error = d ? method->describe(shape, d) : -ENOMEM;
     if (error) {
         iso_shape_description_free(d);
         return error;

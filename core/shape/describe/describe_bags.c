@@ -24,7 +24,7 @@ static const double w_unit = 1.0 / 200.0;
 static int make_bags(const struct iso_shape *shape, int32_t n_bags, int32_t n_values,
                      struct iso_shape_description *out)
 {
-    size_t n = (size_t)shape->mesh->n_vertices;
+    const size_t n = (size_t)shape->mesh->n_vertices;
     out->n_bags = n_bags;
     out->n_points = shape->mesh->n_vertices;
     out->n_values = n_values;
@@ -43,7 +43,7 @@ static int make_bags(const struct iso_shape *shape, int32_t n_bags, int32_t n_va
  * alpha = 2, the first 6 frequencies. */
 int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out)
 {
-    size_t n = (size_t)shape->mesh->n_vertices;
+    const size_t n = (size_t)shape->mesh->n_vertices;
     double t[GOOGLE_TIMES];
     double *course = malloc(n * GOOGLE_TIMES * sizeof *course);
     struct iso_fourier *fourier = NULL;
@@ -88,7 +88,7 @@ static int amplitudes_of(const struct iso_eigenpairs *pairs, double total_area, 
 /* W-HKS of each channel (5.3), a bag for each. */
 static int describe_channels(const struct iso_shape *shape, struct iso_shape_description *out)
 {
-    size_t bag = (size_t)shape->mesh->n_vertices * W_AMPLITUDES;
+    const size_t bag = (size_t)shape->mesh->n_vertices * W_AMPLITUDES;
     int error = make_bags(shape, ISO_CHANNELS, W_AMPLITUDES, out);
     for (int c = 0; !error && c < ISO_CHANNELS; c++) {
         error = amplitudes_of(shape->weighted[c], shape->total_area, &out->local[(size_t)c * bag]);
@@ -102,7 +102,7 @@ static void add_colour(const struct iso_colour *colour, float weight, float *his
     int level[ISO_CHANNELS];
     float above[ISO_CHANNELS];
     for (int c = 0; c < ISO_CHANNELS; c++) {
-        float at = colour->channel[c] * (float)(LEVELS - 1);
+        const float at = colour->channel[c] * (float)(LEVELS - 1);
         level[c] = at >= (float)(LEVELS - 1) ? LEVELS - 2 : (int)at;
         above[c] = at - (float)level[c];
     }
@@ -110,7 +110,7 @@ static void add_colour(const struct iso_colour *colour, float weight, float *his
         float share = weight;
         int cell = 0;
         for (int c = 0; c < ISO_CHANNELS; c++) {
-            int up = corner >> c & 1;
+            const int up = corner >> c & 1;
             share *= up ? above[c] : 1.0f - above[c];
             cell = cell * LEVELS + level[c] + up;
         }
@@ -121,7 +121,7 @@ static void add_colour(const struct iso_colour *colour, float weight, float *his
 static int describe_colours(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     const int32_t sizes[] = {LEVELS * LEVELS * LEVELS};
-    int error = iso_describe_parts(out, 1, sizes);
+    const int error = iso_describe_parts(out, 1, sizes);
     for (int32_t v = 0; !error && v < shape->mesh->n_vertices; v++) {
         add_colour(&shape->colour[v], out->weight[v], out->whole);
     }

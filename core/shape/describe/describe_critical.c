@@ -40,7 +40,7 @@ struct bench {
 
 static int bench_init(struct bench *bench, const struct iso_shape *shape, double last_time)
 {
-    size_t n = (size_t)shape->mesh->n_vertices;
+    const size_t n = (size_t)shape->mesh->n_vertices;
     *bench = (struct bench){.shape = shape, .n = shape->mesh->n_vertices};
     iso_heat_times(first_time * shape->total_area, last_time * shape->total_area, TIMES, bench->t);
     bench->heat = malloc(n * TIMES * sizeof *bench->heat);
@@ -64,9 +64,10 @@ static void share_weight(struct bench *bench, int32_t n_points)
 /* Heat of one point at each time, over its own temperature there: histograms of 0..1. */
 static int add_temperatures(struct bench *bench, int32_t source, float *histogram)
 {
-    int error = iso_heat_from_vertex(bench->shape->pairs, source, 0, bench->t, TIMES, bench->heat);
+    const int error = iso_heat_from_vertex(bench->shape->pairs, source, 0, bench->t, TIMES,
+                                           bench->heat);
     for (int j = 0; !error && j < TIMES; j++) {
-        double own = bench->heat[(size_t)source * TIMES + (size_t)j];
+        const double own = bench->heat[(size_t)source * TIMES + (size_t)j];
         iso_describe_histogram(&bench->heat[j], bench->n, TIMES, bench->weight, 0.0, own, BINS,
                                &histogram[(size_t)j * BINS]);
     }

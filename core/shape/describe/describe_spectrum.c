@@ -15,7 +15,7 @@ enum {
 int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     const int32_t sizes[] = {DNA_VALUES};
-    int error = iso_describe_parts(out, 1, sizes);
+    const int error = iso_describe_parts(out, 1, sizes);
     const struct iso_eigenpairs *pairs = shape->pairs;
     for (int i = 1; !error && i <= DNA_VALUES && i < pairs->k; i++) {
         out->whole[i - 1] = pairs->lambda[1] > 0.0 ? (float)(pairs->lambda[i] / pairs->lambda[1])

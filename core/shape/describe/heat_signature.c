@@ -66,7 +66,7 @@ int iso_heat_from_vertex(const struct iso_eigenpairs *pairs, int32_t vertex, int
  * i. */
 int iso_heat_mean_signature(const struct iso_eigenpairs *pairs, double t, double *out)
 {
-    int error = iso_heat_signature(pairs, 0, &t, 1, out);
+    const int error = iso_heat_signature(pairs, 0, &t, 1, out);
     if (error) {
         return error;
     }
@@ -88,7 +88,7 @@ int iso_heat_mean_signature(const struct iso_eigenpairs *pairs, double t, double
 void iso_heat_times(double t_first, double t_last, int n, double *t)
 {
     for (int j = 0; j < n; j++) {
-        double share = n > 1 ? (double)j / (n - 1) : 0.0;
+        const double share = n > 1 ? (double)j / (n - 1) : 0.0;
         t[j] = t_first * pow(t_last / t_first, share);
     }
 }

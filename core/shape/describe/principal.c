@@ -13,7 +13,7 @@ static const double least_variance = 1e-10;
 static int fill_centred(const float *const *vector, int32_t n, struct iso_principal *p,
                         double *centred)
 {
-    size_t size = (size_t)p->size;
+    const size_t size = (size_t)p->size;
     for (size_t j = 0; j < size; j++) {
         double sum = 0.0;
         for (int32_t i = 0; i < n; i++) {
@@ -34,10 +34,10 @@ static int fill_centred(const float *const *vector, int32_t n, struct iso_princi
 static void combine(const double *centred, const double *eigenvector, const double *value,
                     int32_t n, double *sum, struct iso_principal *p)
 {
-    int32_t wanted = p->n_components;
+    const int32_t wanted = p->n_components;
     p->n_components = 0;
     for (int32_t c = 0; c < wanted; c++) {
-        double variance = value[n - 1 - c];
+        const double variance = value[n - 1 - c];
         if (!(variance > 0.0) || variance < least_variance * value[n - 1]) {
             return;
         }

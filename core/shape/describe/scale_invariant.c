@@ -31,7 +31,7 @@ int iso_fourier_new(int n, int n_kept, struct iso_fourier **out)
     double *entry = f->table;
     for (int j = 0; j < n; j++) {
         for (int w = 0; w < f->n_frequencies; w++) {
-            double angle = 2.0 * M_PI * (double)((long)j * w % n) / n;
+            const double angle = 2.0 * M_PI * (double)((long)j * w % n) / n;
             *entry++ = cos(angle);
             *entry++ = sin(angle);
         }
@@ -63,13 +63,13 @@ static void transform(const struct iso_fourier *f, const double *course, int row
 
 int iso_si_hk(const struct iso_fourier *f, const double *course, int32_t n_courses, float *out)
 {
-    int frequencies = f->n_frequencies;
+    const int frequencies = f->n_frequencies;
     double *spectrum = malloc((size_t)ROWS * 2 * (size_t)frequencies * sizeof *spectrum);
     if (!spectrum) {
         return -ENOMEM;
     }
     for (int32_t from = 0; from < n_courses; from += ROWS) {
-        int rows = n_courses - from < ROWS ? n_courses - from : ROWS;
+        const int rows = n_courses - from < ROWS ? n_courses - from : ROWS;
         transform(f, &course[(size_t)from * (size_t)f->n], rows, f->n, frequencies, spectrum);
         for (int r = 0; r < rows; r++) {
             const double *s = &spectrum[(size_t)r * 2 * (size_t)frequencies];
@@ -101,7 +101,7 @@ static void log_differences(const double *course, int n, double *difference)
 
 int iso_si_hks(const struct iso_fourier *f, const double *course, int32_t n_courses, float *out)
 {
-    int frequencies = f->n_kept;
+    const int frequencies = f->n_kept;
     double *difference = malloc((size_t)ROWS * (size_t)f->n * sizeof *difference);
     double *spectrum = malloc((size_t)ROWS * 2 * (size_t)frequencies * sizeof *spectrum);
     if (!difference || !spectrum) {
@@ -110,7 +110,7 @@ int iso_si_hks(const struct iso_fourier *f, const double *course, int32_t n_cour
         return -ENOMEM;
     }
     for (int32_t from = 0; from < n_courses; from += ROWS) {
-        int rows = n_courses - from < ROWS ? n_courses - from : ROWS;
+        const int rows = n_courses - from < ROWS ? n_courses - from : ROWS;
         for (int r = 0; r < rows; r++) {
             log_differences(&course[(size_t)(from + r) * (size_t)(f->n + 1)], f->n + 1,
                             &difference[(size_t)r * (size_t)f->n]);

@@ -17,7 +17,8 @@ static bool has_area(const struct iso_mesh *mesh, int32_t t)
     const int32_t *v = mesh->triangles[t];
     double longest = 0.0;
     for (int k = 0; k < 3; k++) {
-        struct iso_vec3 edge = iso_sub(mesh->vertices_mm[v[(k + 1) % 3]], mesh->vertices_mm[v[k]]);
+        const struct iso_vec3 edge = iso_sub(mesh->vertices_mm[v[(k + 1) % 3]],
+                                             mesh->vertices_mm[v[k]]);
         longest = fmax(longest, iso_dot(edge, edge));
     }
     return longest > 0.0 && iso_mesh_triangle_area(mesh, t) >= least_roundness * longest;
@@ -44,7 +45,7 @@ static int32_t largest_part(const struct iso_mesh *mesh, int32_t *parent, double
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         const int32_t *v = mesh->triangles[t];
         if (has_area(mesh, t)) {
-            int32_t root = root_of(parent, v[0]);
+            const int32_t root = root_of(parent, v[0]);
             parent[root_of(parent, v[1])] = root;
             parent[root_of(parent, v[2])] = root;
         }
@@ -52,7 +53,7 @@ static int32_t largest_part(const struct iso_mesh *mesh, int32_t *parent, double
     int32_t best = -1;
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         if (has_area(mesh, t)) {
-            int32_t root = root_of(parent, mesh->triangles[t][0]);
+            const int32_t root = root_of(parent, mesh->triangles[t][0]);
             area[root] += iso_mesh_triangle_area(mesh, t);
             best = best < 0 || area[root] > area[best] ? root : best;
         }
@@ -78,7 +79,7 @@ static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colou
     if (n < ISO_SHAPE_VERTICES_MIN) {
         return -ENODATA;
     }
-    int error = iso_mesh_new(n, triangles, &shape->mesh);
+    const int error = iso_mesh_new(n, triangles, &shape->mesh);
     shape->colour = colour ? calloc((size_t)n, sizeof *colour) : NULL;
     if (error || (colour && !shape->colour)) {
         return -ENOMEM;
@@ -110,10 +111,10 @@ static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colou
 static int take_part(const struct iso_mesh *mesh, const struct iso_colour *colour,
                      struct iso_shape *shape)
 {
-    size_t n = (size_t)mesh->n_vertices + 1;
+    const size_t n = (size_t)mesh->n_vertices + 1;
     int32_t *number = calloc(n, sizeof *number);
     double *area = calloc(n, sizeof *area);
-    int error = number && area ? copy_part(mesh, colour, number, area, shape) : -ENOMEM;
+    const int error = number && area ? copy_part(mesh, colour, number, area, shape) : -ENOMEM;
     free(number);
     free(area);
     return error;
@@ -128,7 +129,7 @@ static int measure_area(struct iso_shape *shape)
         return -ENOMEM;
     }
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        double area = iso_mesh_triangle_area(mesh, t);
+        const double area = iso_mesh_triangle_area(mesh, t);
         shape->total_area += area;
         for (int k = 0; k < 3; k++) {
             shape->area[mesh->triangles[t][k]] += area / 3.0;
@@ -154,7 +155,7 @@ static int assemble_matrices(struct iso_shape *shape)
 static int find_neighbours(struct iso_shape *shape)
 {
     const struct iso_symmetric *a = shape->stiffness;
-    size_t n = (size_t)a->n;
+    const size_t n = (size_t)a->n;
     int32_t *start = calloc(n + 2, sizeof *start);
     shape->neighbour_start = start;
     shape->neighbour = calloc(2 * (size_t)a->nnz, sizeof *shape->neighbour);
@@ -193,7 +194,7 @@ static void widen_marks(const struct iso_shape *shape, const uint8_t *from, uint
 
 static int find_boundary(struct iso_shape *shape)
 {
-    size_t n = (size_t)shape->mesh->n_vertices;
+    const size_t n = (size_t)shape->mesh->n_vertices;
     int32_t(*adjacent)[3] = calloc((size_t)shape->mesh->n_triangles, sizeof *adjacent);
     uint8_t *one_edge = calloc(n, 1);
     shape->near_boundary = calloc(n, 1);
@@ -227,7 +228,7 @@ static int solve_pairs(const struct iso_shape *shape, const struct iso_symmetric
                        const struct iso_symmetric *mass, int32_t wanted,
                        struct iso_eigenpairs **out)
 {
-    int32_t most = shape->mesh->n_vertices / 2;
+    const int32_t most = shape->mesh->n_vertices / 2;
     return iso_eigenpairs_new(stiffness, mass, wanted < most ? wanted : most, pairs_tolerance, out);
 }
 

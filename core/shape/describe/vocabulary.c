@@ -31,7 +31,7 @@ static float square_distance(const float *a, const float *b, int32_t n)
 static void start(const float *row, int32_t n, uint64_t seed, float *nearest,
                   struct iso_vocabulary *v)
 {
-    size_t size = (size_t)v->n_values;
+    const size_t size = (size_t)v->n_values;
     uint64_t state = seed * 2862933555777941757u + 3037000493u;
     int32_t drawn = (int32_t)(next_random(&state) * n);
     for (int32_t i = 0; i < n; i++) {
@@ -58,7 +58,8 @@ static int32_t nearest_word(const struct iso_vocabulary *v, const float *row, fl
     int32_t best = 0;
     *distance = INFINITY;
     for (int32_t w = 0; w < v->n_words; w++) {
-        float d = square_distance(row, &v->word[(size_t)w * (size_t)v->n_values], v->n_values);
+        const float d = square_distance(row, &v->word[(size_t)w * (size_t)v->n_values],
+                                        v->n_values);
         if (d < *distance) {
             *distance = d;
             best = w;
@@ -72,14 +73,14 @@ static int32_t nearest_word(const struct iso_vocabulary *v, const float *row, fl
 static int32_t improve(const float *row, int32_t n, int32_t *said, double *sum, int32_t *count,
                        struct iso_vocabulary *v)
 {
-    size_t size = (size_t)v->n_values;
+    const size_t size = (size_t)v->n_values;
     int32_t changed = 0;
     memset(sum, 0, (size_t)v->n_words * size * sizeof *sum);
     memset(count, 0, (size_t)v->n_words * sizeof *count);
     v->spread = 0.0;
     for (int32_t i = 0; i < n; i++) {
         float distance;
-        int32_t w = nearest_word(v, &row[(size_t)i * size], &distance);
+        const int32_t w = nearest_word(v, &row[(size_t)i * size], &distance);
         changed += w != said[i];
         said[i] = w;
         v->spread += (double)distance / n;
@@ -103,13 +104,13 @@ int iso_vocabulary_init(const float *row, int32_t n, int32_t n_values, int32_t n
         return -EINVAL;
     }
     struct iso_vocabulary v = {.n_words = n_words, .n_values = n_values};
-    size_t cells = (size_t)n_words * (size_t)n_values;
+    const size_t cells = (size_t)n_words * (size_t)n_values;
     v.word = calloc(cells, sizeof *v.word);
     float *nearest = calloc((size_t)n, sizeof *nearest);
     int32_t *said = calloc((size_t)n, sizeof *said),
             *count = calloc((size_t)n_words, sizeof *count);
     double *sum = calloc(cells, sizeof *sum);
-    int error = v.word && nearest && said && count && sum ? 0 : -ENOMEM;
+    const int error = v.word && nearest && said && count && sum ? 0 : -ENOMEM;
     if (!error) {
         start(row, n, seed, nearest, &v);
         memset(said, 0xff, (size_t)n * sizeof *said);
@@ -138,7 +139,7 @@ void iso_vocabulary_done(struct iso_vocabulary *vocabulary)
 void iso_vocabulary_count(const struct iso_vocabulary *v, const float *row, const float *weight,
                           int32_t n, float *bag)
 {
-    float scale = (float)(-0.5 / fmax(softness * v->spread, 1e-30));
+    const float scale = (float)(-0.5 / fmax(softness * v->spread, 1e-30));
     for (int32_t i = 0; i < n; i++) {
         const float *r = &row[(size_t)i * (size_t)v->n_values];
         float nearest, sum = 0.0f, share[ISO_WORDS_MAX];
