@@ -200,7 +200,7 @@ void iso_extractor_forget(struct iso_extractor *extractor)
 }
 
 /* A frame on its way through the steps. */
-struct passage {
+struct progress {
     struct iso_extractor *x;
     const struct iso_frame *frame;
     struct iso_extraction *out;
@@ -210,25 +210,25 @@ struct passage {
 
 /* Ends a step, which is charged with the time since the end of the previous step. Returns false if
  * the step failed, or if it found the frame unusable and has set the outcome. */
-static bool end_stage(struct passage *passage, enum iso_stage stage, int error)
+static bool end_stage(struct progress *progress, enum iso_stage stage, int error)
 {
-    const int64_t after_ns = now_ns(passage->x);
-    passage->out->stage_ns[stage] = after_ns - passage->before_ns;
-    passage->before_ns = after_ns;
+    const int64_t after_ns = now_ns(progress->x);
+    progress->out->stage_ns[stage] = after_ns - progress->before_ns;
+    progress->before_ns = after_ns;
     if (error == -ENODATA || error == -ENOENT) {
         /* The cleaning left nothing, there is no triangle, or there is none at a landmark. */
-        passage->out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
+        progress->out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
         return false;
     }
-    passage->error = error;
-    return !error && passage->out->outcome == ISO_CAPTURE_OK;
+    progress->error = error;
+    return !error && progress->out->outcome == ISO_CAPTURE_OK;
 }
 
 /* Whether the face stands where it can be used; if not, the outcome says what would help. */
-static bool stands_well(const struct passage *passage, const struct iso_pose_fit *fit)
+static bool stands_well(const struct progress *progress, const struct iso_pose_fit *fit)
 {
-    struct iso_extraction *out = passage->out;
-    out->outcome = iso__extract_judge_pose(passage->x, passage->frame, fit, out);
+    struct iso_extraction *out = progress->out;
+    out->outcome = iso__extract_judge_pose(progress->x, progress->frame, fit, out);
     return out->outcome == ISO_CAPTURE_OK;
 }
 
@@ -237,7 +237,7 @@ static bool stands_well(const struct passage *passage, const struct iso_pose_fit
 static int run_stages(struct iso_extractor *x, const struct iso_frame *frame, enum iso_stage last,
                       bool tracked, struct iso_extraction *out)
 {
-    struct passage p = {.x = x, .frame = frame, .out = out, .before_ns = now_ns(x)};
+    struct progress p = {.x = x, .frame = frame, .out = out, .before_ns = now_ns(x)};
     struct iso_pose_fit fit = {.camera_from_face = x->track.camera_from_face, .in_image = 1.0};
     const struct iso_vec3 *nose_mm = &fit.camera_from_face.translation_mm;
     const double radius_mm = x->options.crop_radius_mm + clean_margin_mm;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int32_t told(const double *score, int32_t n_classes)
+static int32_t predicted_class(const double *score, int32_t n_classes)
 {
     int32_t best = 0;
     for (int32_t c = 1; c < n_classes; c++) {
@@ -15,7 +15,7 @@ static int32_t told(const double *score, int32_t n_classes)
     return best;
 }
 
-/* Chance that a member's score is above another's. */
+/* The chance that the score of a member is above that of a non-member. */
 static double roc_area(const double *score, const int32_t *label, int32_t n, int32_t n_classes,
                        int32_t class)
 {
@@ -36,20 +36,20 @@ static double roc_area(const double *score, const int32_t *label, int32_t n, int
 /* Rates of one class from the matrix; all but the area. */
 static struct iso_confusion_rates rates_of(const int32_t *count, int32_t n_classes, int32_t class)
 {
-    double hit = 0.0, told_it = 0.0, is_it = 0.0, all = 0.0;
+    double hit = 0.0, predicted = 0.0, members = 0.0, all = 0.0;
     for (int32_t i = 0; i < n_classes; i++) {
         for (int32_t j = 0; j < n_classes; j++) {
             const double n = count[(size_t)i * (size_t)n_classes + (size_t)j];
             all += n;
-            is_it += i == class ? n : 0.0;
-            told_it += j == class ? n : 0.0;
+            members += i == class ? n : 0.0;
+            predicted += j == class ? n : 0.0;
             hit += i == class && j == class ? n : 0.0;
         }
     }
     struct iso_confusion_rates r = {0};
-    r.tp_rate = r.recall = is_it > 0.0 ? hit / is_it : 0.0;
-    r.fp_rate = all > is_it ? (told_it - hit) / (all - is_it) : 0.0;
-    r.precision = told_it > 0.0 ? hit / told_it : 0.0;
+    r.tp_rate = r.recall = members > 0.0 ? hit / members : 0.0;
+    r.fp_rate = all > members ? (predicted - hit) / (all - members) : 0.0;
+    r.precision = predicted > 0.0 ? hit / predicted : 0.0;
     return r;
 }
 
@@ -84,8 +84,8 @@ int iso_confusion_measure(const double *score, const int32_t *label, int32_t n, 
         return -ENOMEM;
     }
     for (int32_t i = 0; i < n; i++) {
-        const int32_t said = told(&score[(size_t)i * (size_t)n_classes], n_classes);
-        matrix[(size_t)label[i] * (size_t)n_classes + (size_t)said]++;
+        const int32_t predicted = predicted_class(&score[(size_t)i * (size_t)n_classes], n_classes);
+        matrix[(size_t)label[i] * (size_t)n_classes + (size_t)predicted]++;
     }
     struct iso_confusion_rates sum = {0};
     double weights = 0.0;

@@ -28,8 +28,8 @@ static float square_distance(const float *a, const float *b, int32_t n)
 
 /* Words far from each other: each is drawn with a probability by the square of its distance from
  * those drawn before (k-means++). */
-static void start(const float *row, int32_t n, uint64_t seed, float *nearest,
-                  struct iso_vocabulary *v)
+static void start_words(const float *row, int32_t n, uint64_t seed, float *nearest,
+                        struct iso_vocabulary *v)
 {
     const size_t size = (size_t)v->n_values;
     uint64_t state = seed * 2862933555777941757u + 3037000493u;
@@ -70,8 +70,8 @@ static int32_t nearest_word(const struct iso_vocabulary *v, const float *row, fl
 
 /* Moves each word to the mean of the rows that are nearest to it. Returns how many rows changed
  * their word. */
-static int32_t improve(const float *row, int32_t n, int32_t *said, double *sum, int32_t *count,
-                       struct iso_vocabulary *v)
+static int32_t improve_words(const float *row, int32_t n, int32_t *word_of, double *sum,
+                             int32_t *count, struct iso_vocabulary *v)
 {
     const size_t size = (size_t)v->n_values;
     int32_t changed = 0;
@@ -81,8 +81,8 @@ static int32_t improve(const float *row, int32_t n, int32_t *said, double *sum, 
     for (int32_t i = 0; i < n; i++) {
         float distance;
         const int32_t w = nearest_word(v, &row[(size_t)i * size], &distance);
-        changed += w != said[i];
-        said[i] = w;
+        changed += w != word_of[i];
+        word_of[i] = w;
         v->spread += (double)distance / n;
         count[w]++;
         for (size_t k = 0; k < size; k++) {
@@ -107,15 +107,15 @@ int iso_vocabulary_init(const float *row, int32_t n, int32_t n_values, int32_t n
     const size_t cells = (size_t)n_words * (size_t)n_values;
     v.word = calloc(cells, sizeof *v.word);
     float *nearest = calloc((size_t)n, sizeof *nearest);
-    int32_t *said = calloc((size_t)n, sizeof *said),
+    int32_t *word_of = calloc((size_t)n, sizeof *word_of),
             *count = calloc((size_t)n_words, sizeof *count);
     double *sum = calloc(cells, sizeof *sum);
-    const int error = v.word && nearest && said && count && sum ? 0 : -ENOMEM;
+    const int error = v.word && nearest && word_of && count && sum ? 0 : -ENOMEM;
     if (!error) {
-        start(row, n, seed, nearest, &v);
-        memset(said, 0xff, (size_t)n * sizeof *said);
+        start_words(row, n, seed, nearest, &v);
+        memset(word_of, 0xff, (size_t)n * sizeof *word_of);
         for (int round = 0; round < ROUNDS_MAX; round++) {
-            if (improve(row, n, said, sum, count, &v) == 0) {
+            if (improve_words(row, n, word_of, sum, count, &v) == 0) {
                 break;
             }
         }
@@ -124,7 +124,7 @@ int iso_vocabulary_init(const float *row, int32_t n, int32_t n_values, int32_t n
         iso_vocabulary_done(&v);
     }
     free(nearest);
-    free(said);
+    free(word_of);
     free(count);
     free(sum);
     return error;
