@@ -44,9 +44,7 @@ void extract_rig_draw(struct extract_rig *rig, double yaw_deg, double pitch_deg,
                       struct iso_vec3 nose_mm)
 {
     struct iso_rigid pose = rendered_head_pose(yaw_deg, pitch_deg, nose_mm);
-    for (int i = 0; i < rig->frame->width_px * rig->frame->height_px; i++) {
-        rig->frame->depth_mm[i] = 0.0f;
-    }
+    rendered_head_clear(rig->frame);
     rendered_head_draw(rig->frame, rig->model, NULL, 1.0, &pose);
 }
 

@@ -30,9 +30,7 @@ static void frames_are_run_without_allocating(void **state)
     const struct iso_vec3 places[] = {{0, 0, 600}, {30, 10, 500}, {-40, 0, 800}, {0, 0, 2000}};
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
         struct iso_rigid pose = rendered_head_pose(5.0 * (double)i, 3.0, places[i]);
-        for (int k = 0; k < frame->width_px * frame->height_px; k++) {
-            frame->depth_mm[k] = 0.0f;
-        }
+        rendered_head_clear(frame);
         rendered_head_draw(frame, model, NULL, 1.0, &pose);
         scarce_memory_left = ALLOCATIONS_MAX;
         assert_int_equal(iso_extractor_run(extractor, frame, out), 0);

@@ -74,13 +74,6 @@ static int tear_down(void **state)
     return 0;
 }
 
-static void empty(struct iso_frame *frame)
-{
-    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
-        frame->depth_mm[i] = 0.0f;
-    }
-}
-
 /* Shrinks the frame and looks for candidates, then for a face. */
 static int find(struct fixture *f, struct iso_pose_fit *fit)
 {
@@ -102,7 +95,7 @@ static void a_head_is_found_in_every_attitude_and_distance(void **state)
             for (int d = 0; d < 3; d++) {
                 struct iso_rigid truth = rendered_head_pose(yaws[y], pitches[p], places[d]);
                 struct iso_pose_fit fit;
-                empty(f->frame);
+                rendered_head_clear(f->frame);
                 rendered_head_draw(f->frame, f->model, NULL, 1.0, &truth);
                 rendered_head_wall(f->frame, 1900.0f);
                 assert_int_equal(find(f, &fit), 0);
@@ -144,7 +137,7 @@ static void assert_nearer_is_meant(struct fixture *f, const struct iso_vec3 *nea
     struct iso_rigid near = rendered_head_pose(10.0, 5.0, iso_vec3(-110, 0, 650));
     struct iso_rigid far = rendered_head_pose(0.0, 0.0, iso_vec3(110, -20, 800));
     struct iso_pose_fit fit;
-    empty(f->frame);
+    rendered_head_clear(f->frame);
     rendered_head_draw(f->frame, f->model, near_shape, near_size, &near);
     rendered_head_draw(f->frame, f->model, NULL, far_size, &far);
     assert_int_equal(find(f, &fit), 0);
@@ -232,7 +225,7 @@ static void a_ball_is_no_face(void **state)
     const double radii_mm[] = {50.0, 75.0, 110.0, 160.0};
     for (int i = 0; i < 4; i++) {
         struct iso_pose_fit fit;
-        empty(f->frame);
+        rendered_head_clear(f->frame);
         draw_ball(f->frame, iso_vec3(15, -20, 800), radii_mm[i]);
         rendered_head_wall(f->frame, 1900.0f);
         assert_int_equal(find(f, &fit), -ENOENT);

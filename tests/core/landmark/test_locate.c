@@ -5,67 +5,22 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include <cmocka.h>
 
-#include "isotherm/extract.h"
+#include "tests/core/extract/extract_rig.h"
 #include "tests/core/surfaces/rendered_head.h"
-#include "tests/core/surfaces/shipped_model.h"
 
 static const struct iso_vec3 middle = {0, 0, 600};
 enum { FRAME_NS = 33333333 };
 
-struct fixture {
-    struct iso_head_model *model;
-    struct iso_frame *frame;
-    struct iso_extractor *extractor;
-    struct iso_extraction out;
-};
-
-static void remake(struct fixture *f, bool track)
-{
-    struct iso_extract_options options = iso_extract_options_default();
-    options.track = track;
-    iso_extractor_free(f->extractor);
-    f->extractor = NULL;
-    assert_int_equal(iso_extractor_new(f->model, &options, &f->extractor), 0);
-}
-
-static int set_up(void **state)
-{
-    struct fixture *f = calloc(1, sizeof *f);
-    assert_non_null(f);
-    f->model = shipped_head_model();
-    f->frame = rendered_head_frame();
-    remake(f, false);
-    *state = f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    struct fixture *f = *state;
-    iso_extractor_free(f->extractor);
-    iso_frame_free(f->frame);
-    iso_head_model_free(f->model);
-    free(f);
-    return 0;
-}
-
-static void empty(struct fixture *f)
-{
-    memset(f->frame->depth_mm, 0, 640 * 480 * sizeof *f->frame->depth_mm);
-}
-
-static void draw(struct fixture *f, struct iso_vec3 nose_mm)
+static void draw(struct extract_rig *f, struct iso_vec3 nose_mm)
 {
     struct iso_rigid pose = rendered_head_pose(0, 0, nose_mm);
     rendered_head_draw(f->frame, f->model, NULL, 1.0, &pose);
 }
 
-static enum iso_capture locate(struct fixture *f)
+static enum iso_capture locate(struct extract_rig *f)
 {
     assert_int_equal(iso_extractor_locate(f->extractor, f->frame, &f->out), 0);
     return f->out.outcome;
@@ -73,8 +28,8 @@ static enum iso_capture locate(struct fixture *f)
 
 /* Puts something before the head (a depth), or a hole (0), over a rectangle of the face frame of a
  * head in the middle. */
-static void cover(struct fixture *f, double left_mm, double right_mm, double low_mm, double high_mm,
-                  float depth_mm)
+static void cover(struct extract_rig *f, double left_mm, double right_mm, double low_mm,
+                  double high_mm, float depth_mm)
 {
     for (int v = 0; v < 480; v++) {
         for (int u = 0; u < 640; u++) {
@@ -103,13 +58,13 @@ static const struct {
 
 static void what_is_covered_is_named(void **state)
 {
-    struct fixture *f = *state;
+    struct extract_rig *f = *state;
     const float depths[] = {0.0f, 560.0f}; /* a hole; a hand 40 mm before the nose */
     for (size_t i = 0; i < sizeof covers / sizeof *covers; i++) {
         /* A board before half of the face is the nearest thing there is, and flat. */
         bool side = covers[i].part == ISO_PART_LEFT || covers[i].part == ISO_PART_RIGHT;
         for (int k = 0; k < (side ? 1 : 2); k++) {
-            empty(f);
+            rendered_head_clear(f->frame);
             draw(f, middle);
             cover(f, covers[i].left, covers[i].right, covers[i].low, covers[i].high, depths[k]);
             enum iso_capture outcome = locate(f);
@@ -124,7 +79,7 @@ static void what_is_covered_is_named(void **state)
 
 static void nothing_is_covered_of_a_bare_face(void **state)
 {
-    struct fixture *f = *state;
+    struct extract_rig *f = *state;
     draw(f, middle);
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
     for (int part = 0; part < ISO_FACE_PARTS; part++) {
@@ -136,11 +91,11 @@ static void nothing_is_covered_of_a_bare_face(void **state)
 
 static void two_as_near_are_several_one_behind_is_not(void **state)
 {
-    struct fixture *f = *state;
+    struct extract_rig *f = *state;
     draw(f, iso_vec3(-110, 0, 620));
     draw(f, iso_vec3(110, 0, 640));
     assert_int_equal(locate(f), ISO_CAPTURE_SEVERAL_FACES);
-    empty(f);
+    rendered_head_clear(f->frame);
     draw(f, iso_vec3(-110, 0, 620));
     draw(f, iso_vec3(140, 0, 1000));
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
@@ -149,7 +104,7 @@ static void two_as_near_are_several_one_behind_is_not(void **state)
 
 static void landmarks_are_those_of_a_template(void **state)
 {
-    struct fixture *f = *state;
+    struct extract_rig *f = *state;
     draw(f, middle);
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
     struct iso_extraction located = f->out;
@@ -165,7 +120,7 @@ static void landmarks_are_those_of_a_template(void **state)
 }
 
 /* Alternating signs of a fixed size: as rough as noise, and the same on every machine. */
-static void roughen(struct fixture *f, float amount_mm)
+static void roughen(struct extract_rig *f, float amount_mm)
 {
     for (int i = 0; i < 640 * 480; i++) {
         float sign = (i * 7 + i / 640 * 3) % 5 < 2 ? 1.5f : -1.0f;
@@ -177,7 +132,7 @@ static void roughen(struct fixture *f, float amount_mm)
 
 static void rough_frames_are_less_sure(void **state)
 {
-    struct fixture *f = *state;
+    struct extract_rig *f = *state;
     draw(f, middle);
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
     struct iso_extraction smooth = f->out;
@@ -194,15 +149,16 @@ static void rough_frames_are_less_sure(void **state)
 /* A head that drifts from frame to frame, looked for and followed. */
 static void a_face_is_followed(void **state)
 {
-    struct fixture *f = *state;
+    struct extract_rig *f = *state;
     struct iso_extractor *plain = NULL;
     struct iso_extract_options options = iso_extract_options_default();
     assert_int_equal(iso_extractor_new(f->model, &options, &plain), 0);
-    remake(f, true);
+    f->options.track = true;
+    extract_rig_renew(f);
     int followed = 0;
     for (int i = 0; i < 24; i++) {
         struct iso_extraction looked_for;
-        empty(f);
+        rendered_head_clear(f->frame);
         draw(f, iso_vec3(4.0 * i - 40.0, 2.0 * i, 600.0 + i));
         f->frame->t_ns = (int64_t)(i + 1) * FRAME_NS;
         assert_int_equal(locate(f), ISO_CAPTURE_OK);
@@ -219,12 +175,13 @@ static void a_face_is_followed(void **state)
 
 static void a_lost_face_is_looked_for(void **state)
 {
-    struct fixture *f = *state;
-    remake(f, true);
+    struct extract_rig *f = *state;
+    f->options.track = true;
+    extract_rig_renew(f);
     draw(f, iso_vec3(-100, 0, 700));
     f->frame->t_ns = FRAME_NS;
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
-    empty(f);
+    rendered_head_clear(f->frame);
     draw(f, iso_vec3(120, 20, 600)); /* somewhere else in the next frame */
     f->frame->t_ns = 2 * FRAME_NS;
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
@@ -240,17 +197,18 @@ static void a_lost_face_is_looked_for(void **state)
     f->frame->t_ns += FRAME_NS;
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
     assert_false(f->out.tracked);
-    empty(f);
+    rendered_head_clear(f->frame);
     f->frame->t_ns += FRAME_NS;
     assert_int_equal(locate(f), ISO_CAPTURE_NOBODY);
 }
 
 static void who_comes_nearer_is_seen_within_ten_frames(void **state)
 {
-    struct fixture *f = *state;
-    remake(f, true);
+    struct extract_rig *f = *state;
+    f->options.track = true;
+    extract_rig_renew(f);
     for (int i = 0; i < 13; i++) {
-        empty(f);
+        rendered_head_clear(f->frame);
         draw(f, iso_vec3(-130, 0, 900));
         if (i > 0) {
             draw(f, iso_vec3(90, 0, 550));
@@ -266,16 +224,21 @@ static void who_comes_nearer_is_seen_within_ten_frames(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(what_is_covered_is_named, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(nothing_is_covered_of_a_bare_face, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(two_as_near_are_several_one_behind_is_not, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(landmarks_are_those_of_a_template, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(rough_frames_are_less_sure, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_face_is_followed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_lost_face_is_looked_for, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(who_comes_nearer_is_seen_within_ten_frames, set_up,
-                                        tear_down),
+        cmocka_unit_test_setup_teardown(what_is_covered_is_named, extract_rig_new,
+                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(nothing_is_covered_of_a_bare_face, extract_rig_new,
+                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(two_as_near_are_several_one_behind_is_not, extract_rig_new,
+                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(landmarks_are_those_of_a_template, extract_rig_new,
+                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(rough_frames_are_less_sure, extract_rig_new,
+                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(a_face_is_followed, extract_rig_new, extract_rig_free),
+        cmocka_unit_test_setup_teardown(a_lost_face_is_looked_for, extract_rig_new,
+                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(who_comes_nearer_is_seen_within_ten_frames, extract_rig_new,
+                                        extract_rig_free),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

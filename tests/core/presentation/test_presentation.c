@@ -242,18 +242,14 @@ static void the_size_of_the_mean_face_is_found(void **state)
         struct iso_rigid pose = rendered_head_pose(12.0, -6.0, iso_vec3(20, -10, 560));
         struct iso_rigid start = rendered_head_pose(10.0, -3.0, iso_vec3(22, -8, 563));
         struct iso_size size;
-        for (int k = 0; k < frame->width_px * frame->height_px; k++) {
-            frame->depth_mm[k] = 0.0f;
-        }
+        rendered_head_clear(frame);
         rendered_head_draw(frame, model, NULL, sizes[i], &pose);
         assert_int_equal(iso_size_measure(sizer, frame, &start, &size), 0);
         print_message("size %.2f: %.3f\n", sizes[i], size.scale);
         assert_true(fabs(size.scale / sizes[i] - 1.0) < 0.02);
     }
     assert_true(fabs(iso_size_of_fit(model, model->mean_mm) - 1.0) < 1e-12);
-    for (int k = 0; k < frame->width_px * frame->height_px; k++) {
-        frame->depth_mm[k] = 0.0f;
-    }
+    rendered_head_clear(frame);
     struct iso_rigid pose = rendered_head_pose(0, 0, iso_vec3(0, 0, 560));
     struct iso_size untouched = {.scale = 5.0};
     struct iso_relief relief = {.n_cells = 77};

@@ -83,6 +83,13 @@ struct iso_mesh *rendered_head_mesh(const struct iso_head_model *model,
     return mesh;
 }
 
+void rendered_head_clear(struct iso_frame *frame)
+{
+    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
+        frame->depth_mm[i] = 0.0f;
+    }
+}
+
 void rendered_head_wall(struct iso_frame *frame, float depth_mm)
 {
     for (int i = 0; i < frame->width_px * frame->height_px; i++) {

@@ -26,6 +26,9 @@ void rendered_head_draw(struct iso_frame *frame, const struct iso_head_model *mo
 struct iso_mesh *rendered_head_mesh(const struct iso_head_model *model,
                                     const struct iso_vec3 *shape_mm, const struct iso_rigid *pose);
 
+/* Makes the whole frame empty again. */
+void rendered_head_clear(struct iso_frame *frame);
+
 /* A flat wall at a depth behind what the frame holds. */
 void rendered_head_wall(struct iso_frame *frame, float depth_mm);
 
