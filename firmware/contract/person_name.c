@@ -5,12 +5,10 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unicase.h>
 #include <unictype.h>
-#include <uninorm.h>
-#include <unistr.h>
 
 #include "drivers/base/utf8.h"
+#include "firmware/contract/name_folding.h"
 
 /* ---- which characters a name may have ---- */
 
@@ -21,14 +19,12 @@ static bool is_control(uint32_t c)
            (c >= 0x2066 && c <= 0x2069) || c == 0x200e || c == 0x200f || c == 0xfeff;
 }
 
-/* Two names that differ in such characters alone look the same. Unicode's table has all that a font
- * may leave out; the others are of its category "format" (Cf), no characters at all, or a pattern
- * without dots. */
+/* Two names that differ in such characters alone look the same: those that folding drops, the
+ * Unicode category "format" (Cf), noncharacters, and a pattern without dots. */
 static bool is_unseen(uint32_t c)
 {
     static const uint32_t braille_blank = 0x2800;
-    return uc_is_property_default_ignorable_code_point(c) || uc_is_property_bidi_control(c) ||
-           uc_is_general_category_withtable(c, UC_CATEGORY_MASK_Cf) ||
+    return iso_name_folding_drops(c) || uc_is_general_category_withtable(c, UC_CATEGORY_MASK_Cf) ||
            uc_is_property_not_a_character(c) || c == braille_blank;
 }
 
@@ -85,7 +81,7 @@ bool iso_person_name_can_be_stored(const char *name)
 
 /* ---- which names are one ---- */
 
-static void digest(const uint8_t *folded, size_t size, struct iso_person_name_key *out)
+static void digest_name(const uint8_t *folded, size_t size, struct iso_person_name_key *out)
 {
     (void)crypto_generichash(out->bytes, sizeof out->bytes, folded, size, NULL, 0);
 }
@@ -103,61 +99,20 @@ static bool fold_ascii(const char *name, size_t size, uint8_t *folded)
     return true;
 }
 
-/* Takes away what a font may leave out, in place: the new size. */
-static size_t drop_unseen(uint8_t *text, size_t size)
-{
-    size_t kept = 0;
-    for (size_t at = 0; at < size;) {
-        ucs4_t c = 0;
-        const size_t length = (size_t)u8_mbtouc(&c, text + at, size - at);
-        if (!uc_is_property_default_ignorable_code_point(c) && !uc_is_property_bidi_control(c)) {
-            memmove(text + kept, text + at, length);
-            kept += length;
-        }
-        at += length;
-    }
-    return kept;
-}
-
-static uint8_t *fold_once(const uint8_t *text, size_t size, size_t *folded_size)
-{
-    uint8_t *folded = u8_casefold(text, size, NULL, UNINORM_NFKC, NULL, folded_size);
-    if (folded) {
-        *folded_size = drop_unseen(folded, *folded_size);
-    }
-    return folded;
-}
-
-/* Folded twice: compatibility characters, such as a square MHz, become letters with a case only by
- * the first normalisation. */
-static int fold(const char *name, size_t size, uint8_t **folded, size_t *folded_size)
-{
-    size_t once_size = 0;
-    if (u8_check((const uint8_t *)name, size)) {
-        return -EINVAL;
-    }
-    uint8_t *seen = (uint8_t *)strdup(name);
-    uint8_t *once = seen ? fold_once(seen, drop_unseen(seen, size), &once_size) : NULL;
-    *folded = once ? fold_once(once, once_size, folded_size) : NULL;
-    free(seen);
-    free(once);
-    return *folded ? 0 : -ENOMEM;
-}
-
 int iso_person_name_key(const char *name, struct iso_person_name_key *out)
 {
     const size_t size = strlen(name);
-    uint8_t lower[ISO_PERSON_NAME_SIZE], *folded = NULL;
-    size_t folded_size = 0;
+    uint8_t lower[ISO_PERSON_NAME_SIZE];
+    char *folded = NULL;
     if (size < sizeof lower && fold_ascii(name, size, lower)) {
-        digest(lower, size, out);
+        digest_name(lower, size, out);
         return 0;
     }
-    const int error = fold(name, size, &folded, &folded_size);
+    const int error = iso_name_fold(name, &folded);
     if (error) {
         return error;
     }
-    digest(folded, folded_size, out);
+    digest_name((const uint8_t *)folded, strlen(folded), out);
     free(folded);
     return 0;
 }

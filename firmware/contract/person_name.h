@@ -22,11 +22,9 @@ const char *iso_person_name_flaw(const char *name);
  * seen. */
 bool iso_person_name_can_be_stored(const char *name);
 
-/* Two names are one person's if their keys are the same: without regard to case and to how a
- * character is encoded ("Ada" and "ada", "STRASSE" and "Straße", composed and decomposed accents,
- * full-width letters), by the compatibility caseless match of the Unicode standard (section 3.13,
- * D146), and without the characters that are not seen (D147, as for identifiers). The key is a
- * digest of fixed size, to be kept and compared instead of the folded name. */
+/* Two names are one person's if their keys are the same ("Ada" and "ada", "STRASSE" and "Straße",
+ * and other spellings that name_folding.h makes one). The key is a digest of fixed size, to be kept
+ * and compared instead of the folded name. */
 struct iso_person_name_key {
     uint8_t bytes[16];
 };

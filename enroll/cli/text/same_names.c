@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "enroll/cli/text/name.h"
+#include "firmware/contract/name_folding.h"
 
 struct cli_spelling {
     char *name, *folded;
@@ -11,8 +12,11 @@ struct cli_spelling {
 
 void cli_same_names_add(struct cli_same_names *names, const char *name)
 {
-    struct cli_spelling spelling = {strdup(name), cli_name_fold(name)};
+    struct cli_spelling spelling = {.name = strdup(name)};
 
+    if (iso_name_fold(name, &spelling.folded)) {
+        spelling.folded = NULL;
+    }
     if (names->n == names->capacity) {
         const size_t capacity = 2 * names->capacity + 64;
         struct cli_spelling *grown = realloc(names->items, capacity * sizeof *grown);
