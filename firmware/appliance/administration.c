@@ -231,26 +231,20 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
                          const char **remark, struct iso_fault *fault)
 {
     struct iso_gallery *gallery = appliance->borrowed.gallery;
-    const struct iso_person *known = iso_gallery_find(gallery, person);
-    const struct iso_person *holder = iso_gallery_find(gallery, name);
-    const char *flaw = iso_person_name_flaw(name);
     char before[ISO_PERSON_NAME_SIZE];
     struct iso_fault own = {.text = ""};
     if (iso_gallery_state(gallery, fault)) {
         return -EIO;
     }
-    if (!known || flaw) {
-        return known ? iso_fault_set(fault, -EINVAL, "%s", flaw)
-                     : iso_fault_set(fault, -ENOENT, "%s: no such person", person);
+    int error = iso_gallery_may_rename(gallery, person, name, fault);
+    if (error) {
+        return error;
     }
-    if (holder && holder != known) {
-        return iso_fault_set(fault, -EEXIST, "somebody else is enrolled as %s", holder->name);
-    }
-    (void)snprintf(before, sizeof before, "%s", known->name);
+    (void)snprintf(before, sizeof before, "%s", iso_gallery_find(gallery, person)->name);
     struct iso_audit_record record = iso_audit_record_of("rename");
     record.person = record.before = before;
     record.after = name;
-    int error = record_change(appliance, &record, fault);
+    error = record_change(appliance, &record, fault);
     if (error) {
         return error;
     }

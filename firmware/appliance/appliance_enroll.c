@@ -19,10 +19,6 @@ static struct iso_validity validity_of(const struct iso_person *person)
 static int check_request(const struct iso_appliance *appliance,
                          const struct iso_enroll_request *request, struct iso_fault *fault)
 {
-    const char *flaw = iso_person_name_flaw(request->person);
-    if (flaw) {
-        return iso_fault_set(fault, -EINVAL, "%s", flaw);
-    }
     const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, request->person);
     const struct iso_validity before = validity_of(known);
     const int64_t now_s = iso_times_wall_ns(&appliance->borrowed.times) / ISO_NS_PER_S;

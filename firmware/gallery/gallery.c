@@ -46,6 +46,10 @@ void iso_gallery_close(struct iso_gallery *gallery)
 int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
+    const char *flaw = person ? NULL : iso_person_name_flaw(name);
+    if (flaw) { /* of a new name: those of before stay */
+        return iso_fault_set(fault, -EINVAL, "%s", flaw);
+    }
     if (!person && gallery->memory.n_people >= gallery->capacity) {
         return iso_fault_set_code(fault, ISO_FAULT_GALLERY_FULL, -EDQUOT,
                                   "the gallery is full: %zu %s", gallery->memory.n_people,
@@ -94,11 +98,6 @@ static int add_prepared(struct iso_gallery *gallery, const struct iso_person *pe
 static int check_addition(const struct iso_gallery *gallery, const struct iso_person *person,
                           const struct iso_template *tmpl, struct iso_fault *fault)
 {
-    const char *flaw = iso_gallery_find(gallery, person->name) ? NULL
-                                                               : iso_person_name_flaw(person->name);
-    if (flaw) { /* of a new name: those of before stay */
-        return iso_fault_set(fault, -EINVAL, "%s", flaw);
-    }
     if (tmpl->algorithm != gallery->memory.algorithm) {
         return iso_fault_set(fault, -EINVAL, "the template is of another algorithm");
     }

@@ -95,7 +95,11 @@ int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso
     __attribute__((warn_unused_result));
 
 /* Gives a person another name; templates, dates and number stay. -ENOENT nobody has this name,
- * -EINVAL the new one is bad, -EEXIST somebody else has it, else as add. */
+ * -EINVAL the new one is bad, -EEXIST somebody else has it, else as add. The first function only
+ * asks whether the second one would refuse. */
+int iso_gallery_may_rename(const struct iso_gallery *gallery, const char *name,
+                           const char *new_name, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 int iso_gallery_rename(struct iso_gallery *gallery, const char *name, const char *new_name,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -105,7 +109,8 @@ int iso_gallery_set_validity(struct iso_gallery *gallery, const char *name,
                              const struct iso_validity *validity, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* 0 if a template can be added for this name, else -EDQUOT with a fault. */
+/* 0 if a template can be added for this name, else with a fault: -EINVAL the name is new and bad,
+ * -EDQUOT there is no room. */
 int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -27,8 +27,8 @@ static int update(struct iso_gallery *gallery, const struct iso_person *row,
     return error;
 }
 
-int iso_gallery_rename(struct iso_gallery *gallery, const char *name, const char *new_name,
-                       struct iso_fault *fault)
+int iso_gallery_may_rename(const struct iso_gallery *gallery, const char *name,
+                           const char *new_name, struct iso_fault *fault)
 {
     const struct iso_person *known = iso_gallery_find(gallery, name);
     const struct iso_person *holder = iso_gallery_find(gallery, new_name);
@@ -42,7 +42,17 @@ int iso_gallery_rename(struct iso_gallery *gallery, const char *name, const char
     if (holder && holder != known) {
         return iso_fault_set(fault, -EEXIST, "somebody else is enrolled as %s", holder->name);
     }
-    struct iso_person row = *known;
+    return 0;
+}
+
+int iso_gallery_rename(struct iso_gallery *gallery, const char *name, const char *new_name,
+                       struct iso_fault *fault)
+{
+    const int error = iso_gallery_may_rename(gallery, name, new_name, fault);
+    if (error) {
+        return error;
+    }
+    struct iso_person row = *iso_gallery_find(gallery, name);
     (void)snprintf(row.name, sizeof row.name, "%s", new_name);
     return iso_person_name_key(new_name, &row.key)
                ? iso_fault_set(fault, -ENOMEM, "gallery: out of memory")
