@@ -108,10 +108,10 @@ static int export_to(struct iso_appliance *appliance, int fd, const char *const 
     if (!error && length > 0) {
         error = iso_fault_set(fault, -EINVAL, "the file is not empty");
     }
-    error = error
-                ? error
-                : iso_transfer_write(appliance->borrowed.gallery, people, appliance->borrowed.ring,
-                                     lock, listener, &bytes, &size, n, fault);
+    if (!error) {
+        error = iso_transfer_write(appliance->borrowed.gallery, people, appliance->borrowed.ring,
+                                   lock, listener, &bytes, &size, n, fault);
+    }
     if (!error) {
         error = write_file(fd, bytes, size, fault);
         iso_transfer_free(bytes, size);
@@ -150,9 +150,10 @@ static int import_from(struct iso_appliance *appliance, const struct iso_import_
     uint8_t *bytes = NULL;
     size_t size = 0;
     int error = read_file(request->fd, &bytes, &size, fault);
-    error = error ? error
-                  : iso_transfer_read(bytes, size, appliance->borrowed.ring, request->key,
-                                      request->sender, &transfer, fault);
+    if (!error) {
+        error = iso_transfer_read(bytes, size, appliance->borrowed.ring, request->key,
+                                  request->sender, &transfer, fault);
+    }
     free(bytes);
     if (!error) {
         const struct iso_gallery_item *items = iso_transfer_items(transfer, n);
@@ -313,7 +314,9 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
     struct iso_fault own = {.text = ""};
     const struct iso_audit_record record = iso_audit_record_of("door-test");
     int error = may_test_door(appliance, fault);
-    error = error ? error : iso__appliance_record_grant(appliance, &record, fault);
+    if (!error) {
+        error = iso__appliance_record_grant(appliance, &record, fault);
+    }
     if (error) {
         return error;
     }
@@ -332,9 +335,15 @@ static int rotate_anchors(struct iso_appliance *appliance, struct iso_audit *aud
     struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     uint32_t anchor = 0;
     int error = iso_key_ring_add(borrowed->ring, ISO_KEY_ANCHOR, &anchor, fault);
-    error = error ? error : iso_gallery_renew_anchor(borrowed->gallery, fault);
-    error = error ? error : iso_audit_renew_anchor(audit, fault);
-    error = error ? error : iso__appliance_keep_lockout(appliance, fault);
+    if (!error) {
+        error = iso_gallery_renew_anchor(borrowed->gallery, fault);
+    }
+    if (!error) {
+        error = iso_audit_renew_anchor(audit, fault);
+    }
+    if (!error) {
+        error = iso__appliance_keep_lockout(appliance, fault);
+    }
     return error ? error : iso_key_ring_drop(borrowed->ring, ISO_KEY_ANCHOR, anchor, fault);
 }
 
@@ -344,8 +353,12 @@ static int rotate_stores(struct iso_appliance *appliance, const struct iso_work_
     struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     int error = iso_gallery_rotate(borrowed->gallery, listener, fault);
     struct iso_audit *audit = iso_audit_writer_hold(appliance->log);
-    error = error ? error : iso_audit_rotate_key(audit, fault);
-    error = error ? error : rotate_anchors(appliance, audit, fault);
+    if (!error) {
+        error = iso_audit_rotate_key(audit, fault);
+    }
+    if (!error) {
+        error = rotate_anchors(appliance, audit, fault);
+    }
     iso_audit_writer_release(appliance->log);
     return error;
 }

@@ -116,10 +116,11 @@ static void refuse(struct iso_appliance *appliance, struct iso_visit *visit)
 static void note_answer(struct iso_appliance *appliance, struct iso_visit *visit)
 {
     appliance->outcome.door_look = iso_door_guard_look(appliance->door);
-    visit->door_fault = visit->door != ISO_DOOR_DID_NOT_UNLOCK ? ""
-                        : appliance->outcome.door_look.fault.text[0]
-                            ? appliance->outcome.door_look.fault.text
-                            : "the door is at fault";
+    const char *text = appliance->outcome.door_look.fault.text;
+    visit->door_fault = "";
+    if (visit->door == ISO_DOOR_DID_NOT_UNLOCK) {
+        visit->door_fault = *text ? text : "the door is at fault";
+    }
 }
 
 /* The card of the person who is let in, whatever spelling of the name the file has. Of an old

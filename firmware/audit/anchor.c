@@ -144,7 +144,9 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
         (void)iso_fault_set_code(fault, why.code, error, "%s", why.text);
         error = iso_storage_reword(path, error, fault);
     }
-    error = error ? error : read_slots(anchor, fault);
+    if (!error) {
+        error = read_slots(anchor, fault);
+    }
     /* What a power cut may still take away is not told to the other stores (heads.h). */
     if (!error && sync && iso_disk_wait_fdatasync(anchor->fd)) {
         error = iso_storage_refused(path, -errno, fault);

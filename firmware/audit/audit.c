@@ -36,7 +36,13 @@ int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *
     const struct iso_audit_header header = {number, audit->last + 1, audit->link};
     const size_t length = iso_audit_header_put(&header, audit->line);
     const ssize_t written = write(fd, audit->line, length);
-    error = written < 0 ? -errno : (size_t)written < length ? -ENOSPC : iso__audit_sync(audit, fd);
+    if (written < 0) {
+        error = -errno;
+    } else if ((size_t)written < length) {
+        error = -ENOSPC;
+    } else {
+        error = iso__audit_sync(audit, fd);
+    }
     if (error) {
         return iso_storage_refused(audit->path, error, fault);
     }
@@ -65,11 +71,14 @@ static int begin(struct iso_audit *audit, struct iso_fault *fault)
         char path[PATH_MAX];
         error = iso_audit_segment_path(audit->path, audit->closed.first[audit->closed.n - 1], path,
                                        fault);
-        error = error ? error : iso__audit_scan(audit, path, &torn, fault);
+        if (!error) {
+            error = iso__audit_scan(audit, path, &torn, fault);
+        }
     }
-    error = error           ? error
-            : audit->anchor ? iso__audit_check_end(audit, true, fault)
-                            : make_anchor(audit, fault);
+    if (!error) {
+        error = audit->anchor ? iso__audit_check_end(audit, true, fault)
+                              : make_anchor(audit, fault);
+    }
     return error ? error : iso__audit_begin_segment(audit, audit->fd, fault);
 }
 
@@ -128,9 +137,13 @@ static int look(const struct iso_audit *audit, enum content *out, struct iso_fau
     if (n < 0) {
         return iso_storage_refused(audit->path, -errno, fault);
     }
-    *out = n > 0 && begin[0] == '{'                                                   ? PLAIN
-           : n == 0 || (n < (ssize_t)sizeof begin && !memchr(begin, '\n', (size_t)n)) ? EMPTY
-                                                                                      : SEALED;
+    if (n > 0 && begin[0] == '{') {
+        *out = PLAIN;
+    } else if (n == 0 || (n < (ssize_t)sizeof begin && !memchr(begin, '\n', (size_t)n))) {
+        *out = EMPTY;
+    } else {
+        *out = SEALED;
+    }
     return 0;
 }
 
@@ -139,7 +152,9 @@ static int open_log(struct iso_audit *audit, struct iso_fault *fault)
     enum content content = EMPTY;
     size_t torn = 0;
     int error = iso__audit_open_file(audit->path, 0, &audit->fd, fault);
-    error = error ? error : iso_directory_sync(audit->path, fault);
+    if (!error) {
+        error = iso_directory_sync(audit->path, fault);
+    }
     if (!error) {
         error = iso_anchor_open(audit->anchor_path, ISO__AUDIT_ANCHOR, audit->options.ring, true,
                                 &audit->anchor, fault);
@@ -148,14 +163,20 @@ static int open_log(struct iso_audit *audit, struct iso_fault *fault)
     if (!error) {
         iso__audit_tell_anchor(audit);
     }
-    error = error ? error : iso_audit_segments_find(audit->path, &audit->closed, fault);
-    error = error ? error : look(audit, &content, fault);
+    if (!error) {
+        error = iso_audit_segments_find(audit->path, &audit->closed, fault);
+    }
+    if (!error) {
+        error = look(audit, &content, fault);
+    }
     if (!error && content == PLAIN) {
         error = iso__audit_migrate(audit, fault);
     } else if (!error) {
         error = content == EMPTY ? begin(audit, fault) : go_on(audit, &torn, fault);
     }
-    error = error ? error : iso__audit_prune(audit, fault);
+    if (!error) {
+        error = iso__audit_prune(audit, fault);
+    }
     return error ? error : mend(audit, torn, fault);
 }
 

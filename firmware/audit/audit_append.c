@@ -166,7 +166,9 @@ static bool is_full(const struct iso_audit *audit)
 static int prepare(struct iso_audit *audit, struct iso_fault *fault)
 {
     int error = iso__audit_settle(audit, fault);
-    error = error ? error : iso__audit_catch_up(audit, fault);
+    if (!error) {
+        error = iso__audit_catch_up(audit, fault);
+    }
     return !error && is_full(audit) ? iso__audit_rotate(audit, fault) : error;
 }
 

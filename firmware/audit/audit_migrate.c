@@ -102,7 +102,9 @@ static int seal_file(struct iso_audit *audit, int fd, struct iso_fault *fault)
     if (!error && !out) {
         error = iso_fault_set(fault, -ENOMEM, "%s: %m", audit->path);
     }
-    error = error ? error : seal_lines(audit, in, out, fault);
+    if (!error) {
+        error = seal_lines(audit, in, out, fault);
+    }
     if (out && (fflush(out) || iso_disk_wait_fsync(fd)) && !error) {
         error = iso_fault_set_code(
             fault, errno == ENOSPC || errno == EFBIG ? ISO_FAULT_DISK_FULL : ISO_FAULT_DISK_FAILED,
@@ -125,7 +127,9 @@ static int move_in(struct iso_audit *audit, const char *beside, int fd, struct i
     if (!error && rename(beside, audit->path)) {
         error = iso_file_fault(audit->path, -errno, fault);
     }
-    error = error ? error : iso_directory_sync(audit->path, fault);
+    if (!error) {
+        error = iso_directory_sync(audit->path, fault);
+    }
     if (!error) {
         iso_data_file_overwrite(audit->fd);
         (void)close(audit->fd);
@@ -155,11 +159,21 @@ int iso__audit_migrate(struct iso_audit *audit, struct iso_fault *fault)
     }
     int error = may_migrate(audit, fault);
     audit->first = 1;
-    error = error ? error : set_anchor(audit, fault);
-    error = error ? error : iso__audit_open_file(beside, O_TRUNC, &fd, fault);
-    error = error ? error : iso__audit_begin_segment(audit, fd, fault);
-    error = error ? error : seal_file(audit, fd, fault);
-    error = error ? error : move_in(audit, beside, fd, fault);
+    if (!error) {
+        error = set_anchor(audit, fault);
+    }
+    if (!error) {
+        error = iso__audit_open_file(beside, O_TRUNC, &fd, fault);
+    }
+    if (!error) {
+        error = iso__audit_begin_segment(audit, fd, fault);
+    }
+    if (!error) {
+        error = seal_file(audit, fd, fault);
+    }
+    if (!error) {
+        error = move_in(audit, beside, fd, fault);
+    }
     if (error) {
         if (fd >= 0 && fd != audit->fd) {
             (void)close(fd);

@@ -14,9 +14,10 @@
 /* Sequence behind the last record of closed segment i; of the present one with i == closed.n. */
 static uint64_t segment_end(const struct iso_audit *audit, size_t i)
 {
-    return i + 1 < audit->closed.n ? audit->closed.first[i + 1]
-           : i < audit->closed.n   ? audit->segment_first
-                                   : audit->last + 1;
+    if (i + 1 < audit->closed.n) {
+        return audit->closed.first[i + 1];
+    }
+    return i < audit->closed.n ? audit->segment_first : audit->last + 1;
 }
 
 static int segment_path(const struct iso_audit *audit, size_t i, char path[PATH_MAX],
@@ -49,8 +50,12 @@ static int read_segment(const struct iso_audit *audit, size_t i, struct iso_audi
 {
     char path[PATH_MAX];
     int result = segment_path(audit, i, path, NULL);
-    result = result ? result : iso_audit_reader_open(reader, path, audit->options.ring);
-    result = result ? result : seek(audit, i, reader, *from);
+    if (!result) {
+        result = iso_audit_reader_open(reader, path, audit->options.ring);
+    }
+    if (!result) {
+        result = seek(audit, i, reader, *from);
+    }
     while (!result && *from < end) {
         const int more = iso_audit_reader_next(reader);
         if (more <= 0) {

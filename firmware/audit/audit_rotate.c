@@ -117,7 +117,9 @@ static int begin_beside(struct iso_audit *audit, const char *beside, int *fd,
                         struct iso_fault *fault)
 {
     int error = iso__audit_open_file(beside, O_TRUNC, fd, fault);
-    error = error ? error : iso__audit_begin_segment(audit, *fd, fault);
+    if (!error) {
+        error = iso__audit_begin_segment(audit, *fd, fault);
+    }
     return error;
 }
 
@@ -158,9 +160,13 @@ int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
         return iso_fault_set(fault, -EIO, "%s: no segment can be added", audit->path);
     }
     int error = iso__audit_catch_up(audit, fault); /* the new segment's header proves it */
-    error = error ? error : begin_beside(audit, beside, &fd, fault);
+    if (!error) {
+        error = begin_beside(audit, beside, &fd, fault);
+    }
     const bool begun = !error;
-    error = error ? error : exchange(audit, beside, old.first, empty, fault);
+    if (!error) {
+        error = exchange(audit, beside, old.first, empty, fault);
+    }
     if (error) {
         put_back(audit, &old);
         if (fd >= 0) {

@@ -23,18 +23,24 @@ __attribute__((format(printf, 2, 3))) static void add(struct fields *fields, con
     va_end(arguments);
 }
 
+static int priority_of(const struct iso_audit_record *record)
+{
+    if (record->door && strcmp(record->door, ISO_CONTRACT_DOOR_NOT_UNLOCKED) == 0) {
+        return LOG_WARNING;
+    }
+    return record->verdict && strcmp(record->verdict, "deny") == 0 ? LOG_NOTICE : LOG_INFO;
+}
+
 size_t iso_journal_fields(const struct iso_audit_record *record, uint64_t sequence,
                           const char *head,
                           char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE])
 {
     struct fields out = {.text = fields};
-    const bool denied = record->verdict && strcmp(record->verdict, "deny") == 0;
-    const bool stuck = record->door && strcmp(record->door, ISO_CONTRACT_DOOR_NOT_UNLOCKED) == 0;
     add(&out, "MESSAGE=record %" PRIu64 ": %s%s%s%s%s%s%s", sequence, record->event,
         record->verdict ? " " : "", record->verdict ? record->verdict : "",
         record->reason ? ", " : "", record->reason ? record->reason : "",
         record->door ? ", door " : "", record->door ? record->door : "");
-    add(&out, "PRIORITY=%d", stuck ? LOG_WARNING : denied ? LOG_NOTICE : LOG_INFO);
+    add(&out, "PRIORITY=%d", priority_of(record));
     add(&out, "ISOTHERM_EVENT=%s", record->event);
     add(&out, "ISOTHERM_SEQUENCE=%" PRIu64, sequence);
     add(&out, "ISOTHERM_HEAD=%s", head);

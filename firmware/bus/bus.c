@@ -20,9 +20,15 @@ static int connect_address(const char *address, sd_bus **out)
         return sd_bus_open_user(out);
     }
     int r = sd_bus_new(&made);
-    r = r < 0 ? r : sd_bus_set_address(made, address);
-    r = r < 0 ? r : sd_bus_set_bus_client(made, 1);
-    r = r < 0 ? r : sd_bus_start(made);
+    if (r >= 0) {
+        r = sd_bus_set_address(made, address);
+    }
+    if (r >= 0) {
+        r = sd_bus_set_bus_client(made, 1);
+    }
+    if (r >= 0) {
+        r = sd_bus_start(made);
+    }
     if (r < 0) {
         sd_bus_unref(made);
         return r;
@@ -66,7 +72,9 @@ static int begin(struct iso_bus *bus)
 {
     int r = connect_address(bus->address, &bus->bus);
     /* Who claims the camera is looked up on the bus while the door waits. */
-    r = r < 0 ? r : sd_bus_set_method_call_timeout(bus->bus, CALL_TIMEOUT_US);
+    if (r >= 0) {
+        r = sd_bus_set_method_call_timeout(bus->bus, CALL_TIMEOUT_US);
+    }
     return r < 0 ? r
                  : sd_bus_match_signal_async(
                        bus->bus, &bus->disconnected, "org.freedesktop.DBus.Local", NULL,
@@ -95,7 +103,9 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
     }
     (void)snprintf(bus->address, sizeof bus->address, "%s", address);
     int r = begin(bus);
-    r = r < 0 ? r : sd_bus_get_unique_name(bus->bus, &unique); /* waits for the handshake */
+    if (r >= 0) { /* waits for the handshake */
+        r = sd_bus_get_unique_name(bus->bus, &unique);
+    }
     if (r < 0) {
         iso_bus_close(bus);
         return iso_fault_set_code(fault, ISO_FAULT_BUS_MISSING, r, "bus '%s': %s", address,
@@ -137,7 +147,9 @@ static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out
 static int attach(struct iso_bus *bus)
 {
     int r = sd_bus_attach_event(bus->bus, bus->event, SD_EVENT_PRIORITY_NORMAL);
-    r = r < 0 ? r : sd_bus_add_filter(bus->bus, &bus->filter, limit_calls, bus);
+    if (r >= 0) {
+        r = sd_bus_add_filter(bus->bus, &bus->filter, limit_calls, bus);
+    }
     return r < 0 ? r
                  : sd_bus_add_object_vtable(bus->bus, &bus->object, ISO_CONTRACT_PATH,
                                             ISO_CONTRACT_INTERFACE, iso__bus_vtable, bus);
@@ -191,10 +203,12 @@ int iso_bus_mend(struct iso_bus *bus, struct iso_fault *fault)
 {
     drop(bus);
     int r = begin(bus);
-    r = r < 0 ? r : attach(bus);
-    r = r < 0 ? r
-              : sd_bus_request_name_async(bus->bus, &bus->naming, ISO_CONTRACT_NAME, 0, on_named,
-                                          bus);
+    if (r >= 0) {
+        r = attach(bus);
+    }
+    if (r >= 0) {
+        r = sd_bus_request_name_async(bus->bus, &bus->naming, ISO_CONTRACT_NAME, 0, on_named, bus);
+    }
     if (r < 0) {
         drop(bus);
         return iso_fault_set_code(fault, ISO_FAULT_BUS_MISSING, r, "bus '%s': %s", bus->address,

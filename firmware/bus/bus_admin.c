@@ -28,8 +28,12 @@ static int read_bytes(sd_bus_message *call, void *to, size_t size, bool *has)
     const void *bytes = NULL;
     size_t got = 0;
     int r = sd_bus_message_enter_container(call, 'v', "ay");
-    r = r < 0 ? r : sd_bus_message_read_array(call, 'y', &bytes, &got);
-    r = r < 0 ? r : sd_bus_message_exit_container(call);
+    if (r >= 0) {
+        r = sd_bus_message_read_array(call, 'y', &bytes, &got);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_exit_container(call);
+    }
     if (r < 0) {
         return r;
     }
@@ -71,7 +75,9 @@ static int read_options(sd_bus_message *call, struct options *options, sd_bus_er
     int r = sd_bus_message_enter_container(call, 'a', "{sv}");
     while (r >= 0 && (r = sd_bus_message_enter_container(call, 'e', "sv")) > 0) {
         r = read_option(call, options, out);
-        r = r < 0 ? r : sd_bus_message_exit_container(call);
+        if (r >= 0) {
+            r = sd_bus_message_exit_container(call);
+        }
     }
     return r;
 }
@@ -86,8 +92,12 @@ int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out)
     int fd = -1;
     (void)sd_bus_message_sensitive(call);
     int r = sd_bus_message_read(call, "h", &fd);
-    r = r < 0 ? r : sd_bus_message_read_strv(call, &people);
-    r = r < 0 ? r : read_options(call, &options, out);
+    if (r >= 0) {
+        r = sd_bus_message_read_strv(call, &people);
+    }
+    if (r >= 0) {
+        r = read_options(call, &options, out);
+    }
     if (r >= 0 && !options.to && !(options.has_key && options.has_salt)) {
         r = invalid(out, "missing option", options.has_key ? ISO_CONTRACT_SALT : ISO_CONTRACT_KEY);
     }
@@ -119,7 +129,9 @@ int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out)
     int fd = -1;
     (void)sd_bus_message_sensitive(call);
     int r = sd_bus_message_read(call, "h", &fd);
-    r = r < 0 ? r : read_options(call, &options, out);
+    if (r >= 0) {
+        r = read_options(call, &options, out);
+    }
     if (r >= 0) {
         struct iso__bus_progress progress;
         const struct iso_work_listener listener = iso__bus_report_progress(&progress, bus, call);

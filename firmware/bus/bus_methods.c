@@ -87,8 +87,12 @@ static int on_claim(sd_bus_message *call, void *context, sd_bus_error *out)
                                     : "another client has the camera");
     }
     int r = sd_bus_track_new(bus->bus, &bus->track, on_claimant_gone, bus);
-    r = r < 0 ? r : sd_bus_track_add_sender(bus->track, call);
-    r = r < 0 ? r : iso_appliance_claim(bus->appliance);
+    if (r >= 0) {
+        r = sd_bus_track_add_sender(bus->track, call);
+    }
+    if (r >= 0) {
+        r = iso_appliance_claim(bus->appliance);
+    }
     if (r < 0) {
         bus->track = sd_bus_track_unref(bus->track);
         return r;
@@ -123,7 +127,9 @@ static int read_option(sd_bus_message *call, struct iso_enroll_request *request,
     if (strcmp(name, ISO_CONTRACT_ALLOW_DUPLICATE) == 0) {
         r = sd_bus_message_read(call, "v", "b", &flag);
         request->allow_duplicate = flag != 0;
-        r = r < 0 ? r : 1;
+        if (r >= 0) {
+            r = 1;
+        }
     } else {
         r = iso__bus_read_validity_option(call, name, &request->validity);
     }
@@ -135,7 +141,9 @@ static int read_options(sd_bus_message *call, struct iso_enroll_request *request
     int r = sd_bus_message_enter_container(call, 'a', "{sv}");
     while (r >= 0 && (r = sd_bus_message_enter_container(call, 'e', "sv")) > 0) {
         r = read_option(call, request, out);
-        r = r < 0 ? r : sd_bus_message_exit_container(call);
+        if (r >= 0) {
+            r = sd_bus_message_exit_container(call);
+        }
     }
     return r;
 }
@@ -146,8 +154,12 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
     struct iso_enroll_request request = {0};
     struct iso_fault fault = {.text = ""};
     int r = iso__bus_require_claim(bus, call, out);
-    r = r < 0 ? r : sd_bus_message_read(call, "s", &request.person);
-    r = r < 0 ? r : read_options(call, &request, out);
+    if (r >= 0) {
+        r = sd_bus_message_read(call, "s", &request.person);
+    }
+    if (r >= 0) {
+        r = read_options(call, &request, out);
+    }
     if (r < 0) {
         return r;
     }
@@ -167,7 +179,9 @@ static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *ou
     struct iso_fault fault = {.text = ""};
     const char *person;
     int r = iso__bus_require_claim(bus, call, out);
-    r = r < 0 ? r : sd_bus_message_read(call, "s", &person);
+    if (r >= 0) {
+        r = sd_bus_message_read(call, "s", &person);
+    }
     if (r < 0) {
         return r;
     }
@@ -216,53 +230,15 @@ static int on_identify_stop(sd_bus_message *call, void *context, sd_bus_error *o
     return stop_action(context, call, ISO_APPLIANCE_IDENTIFY, out);
 }
 
-/* ---- gallery, status ---- */
+/* ---- status ---- */
 
-static int append_people(sd_bus_message *reply, const struct iso_gallery *gallery)
+int iso__bus_send_reply(sd_bus_message *reply, int r)
 {
-    size_t n = 0;
-    const struct iso_person *people = iso_gallery_people(gallery, &n);
-    int r = sd_bus_message_open_container(reply, 'a', "(sxxxu)");
-    for (size_t i = 0; r >= 0 && i < n; i++) {
-        r = sd_bus_message_append(reply, "(sxxxu)", people[i].name, people[i].enrolled_s,
-                                  people[i].valid_from_s, people[i].valid_until_s,
-                                  people[i].templates);
+    if (r >= 0) {
+        r = sd_bus_send(NULL, reply, NULL);
     }
-    return r < 0 ? r : sd_bus_message_close_container(reply);
-}
-
-/* Sends a reply that was filled in with result r, and gives it up. */
-static int send_reply(sd_bus_message *reply, int r)
-{
-    r = r < 0 ? r : sd_bus_send(NULL, reply, NULL);
     sd_bus_message_unref(reply);
     return r;
-}
-
-static int on_list_people(sd_bus_message *call, void *context, sd_bus_error *out)
-{
-    const struct iso_bus *bus = context;
-    sd_bus_message *reply = NULL;
-    struct iso_fault fault = {.text = ""};
-    int r = iso_gallery_state(bus->borrowed->gallery, &fault);
-    if (r < 0) {
-        return iso__bus_refuse(out, r, &fault);
-    }
-    r = sd_bus_message_new_method_return(call, &reply);
-    return send_reply(reply, r < 0 ? r : append_people(reply, bus->borrowed->gallery));
-}
-
-static int on_delete_person(sd_bus_message *call, void *context, sd_bus_error *out)
-{
-    struct iso_bus *bus = context;
-    struct iso_fault fault = {.text = ""};
-    const char *person;
-    int r = sd_bus_message_read(call, "s", &person);
-    if (r < 0) {
-        return r;
-    }
-    r = iso_appliance_remove(bus->appliance, person, &fault);
-    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
 static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
@@ -271,7 +247,7 @@ static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
     sd_bus_message *reply = NULL;
     const int r = sd_bus_message_new_method_return(call, &reply);
     (void)out;
-    return send_reply(reply, r < 0 ? r : iso__bus_append_status(reply, bus));
+    return iso__bus_send_reply(reply, r < 0 ? r : iso__bus_append_status(reply, bus));
 }
 
 /* ---- refusal ---- */
@@ -319,13 +295,17 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
     }
     max = max < LOG_RECORDS_MAX ? max : LOG_RECORDS_MAX;
     r = sd_bus_message_new_method_return(call, &reply);
-    r = r < 0 ? r : sd_bus_message_open_container(reply, 'a', "s");
+    if (r >= 0) {
+        r = sd_bus_message_open_container(reply, 'a', "s");
+    }
     if (r >= 0) {
         r = iso_audit_read(iso_audit_writer_hold(log), from, max, append_line, reply);
         iso_audit_writer_release(log);
     }
-    r = r < 0 ? r : sd_bus_message_close_container(reply);
-    return send_reply(reply, r);
+    if (r >= 0) {
+        r = sd_bus_message_close_container(reply);
+    }
+    return iso__bus_send_reply(reply, r);
 }
 
 /* ---- the table ---- */
@@ -348,8 +328,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_VERIFY_STOP, "", NOTHING, "", NOTHING, on_verify_stop),
     METHOD(ISO_CONTRACT_IDENTIFY_START, "", NOTHING, "", NOTHING, on_identify_start),
     METHOD(ISO_CONTRACT_IDENTIFY_STOP, "", NOTHING, "", NOTHING, on_identify_stop),
-    METHOD(ISO_CONTRACT_LIST_PEOPLE, "", NOTHING, "a(sxxxu)", "people\0", on_list_people),
-    METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, on_delete_person),
+    METHOD(ISO_CONTRACT_LIST_PEOPLE, "", NOTHING, "a(sxxxu)", "people\0", iso__bus_list_people),
+    METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, iso__bus_delete_person),
     METHOD(ISO_CONTRACT_SET_VALIDITY, "sa{sv}", "person\0options\0", "sxx",
            "person\0valid_from\0valid_until\0", iso__bus_set_validity),
     METHOD(ISO_CONTRACT_RENAME_PERSON, "ss", "person\0name\0", "s", "remark\0", iso__bus_rename),

@@ -66,7 +66,9 @@ int iso__bus_set_validity(sd_bus_message *call, void *context, sd_bus_error *out
     struct iso_fault fault = {.text = ""};
     const char *person;
     int r = sd_bus_message_read(call, "s", &person);
-    r = r < 0 ? r : read_changes(call, &change, out);
+    if (r >= 0) {
+        r = read_changes(call, &change, out);
+    }
     if (r < 0) {
         return r;
     }
@@ -97,6 +99,47 @@ int iso__bus_rename(sd_bus_message *call, void *context, sd_bus_error *out)
     }
     r = iso_appliance_rename(bus->appliance, person, name, &remark, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, "s", remark);
+}
+
+/* ---- everybody; somebody less ---- */
+
+static int append_people(sd_bus_message *reply, const struct iso_gallery *gallery)
+{
+    size_t n = 0;
+    const struct iso_person *people = iso_gallery_people(gallery, &n);
+    int r = sd_bus_message_open_container(reply, 'a', "(sxxxu)");
+    for (size_t i = 0; r >= 0 && i < n; i++) {
+        r = sd_bus_message_append(reply, "(sxxxu)", people[i].name, people[i].enrolled_s,
+                                  people[i].valid_from_s, people[i].valid_until_s,
+                                  people[i].templates);
+    }
+    return r < 0 ? r : sd_bus_message_close_container(reply);
+}
+
+int iso__bus_list_people(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    sd_bus_message *reply = NULL;
+    struct iso_fault fault = {.text = ""};
+    int r = iso_gallery_state(bus->borrowed->gallery, &fault);
+    if (r < 0) {
+        return iso__bus_refuse(out, r, &fault);
+    }
+    r = sd_bus_message_new_method_return(call, &reply);
+    return iso__bus_send_reply(reply, r < 0 ? r : append_people(reply, bus->borrowed->gallery));
+}
+
+int iso__bus_delete_person(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_bus *bus = context;
+    struct iso_fault fault = {.text = ""};
+    const char *person;
+    int r = sd_bus_message_read(call, "s", &person);
+    if (r < 0) {
+        return r;
+    }
+    r = iso_appliance_remove(bus->appliance, person, &fault);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
 /* ---- a name in use ---- */

@@ -16,7 +16,9 @@ static void on_step(void *context, uint64_t done, uint64_t total)
     }
     progress->sent_ns = now_ns;
     int r = iso__bus_new_signal(progress->bus, ISO_CONTRACT_PROGRESS, &signal);
-    r = r < 0 ? r : sd_bus_message_append(signal, "tt", done, total);
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "tt", done, total);
+    }
     iso__bus_send_signal(signal, progress->caller, r);
 }
 

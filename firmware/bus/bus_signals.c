@@ -31,9 +31,10 @@ static void on_enroll_status(void *context, const char *result, bool done, unsig
     char word[64];
     (void)snprintf(word, sizeof word, "enroll-%s", result);
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_ENROLL_STATUS, &signal);
-    r = r < 0 ? r
-              : sd_bus_message_append(signal, "sbuuds", word, (int)done, stage, stages, quality,
-                                      person);
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "sbuuds", word, (int)done, stage, stages, quality,
+                                  person);
+    }
     iso__bus_send_signal(signal, bus->claimant, r);
 }
 
@@ -47,8 +48,9 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
     (void)snprintf(word, sizeof word, "%s-%s", verify ? "verify" : "identify", result);
     int r = iso__bus_new_signal(
         bus, verify ? ISO_CONTRACT_VERIFY_STATUS : ISO_CONTRACT_IDENTIFY_STATUS, &signal);
-    r = r < 0 ? r
-              : sd_bus_message_append(signal, "sbsdd", word, (int)done, person, score, threshold);
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "sbsdd", word, (int)done, person, score, threshold);
+    }
     iso__bus_send_signal(signal, bus->claimant, r);
 }
 
@@ -59,12 +61,13 @@ static void on_visit(void *context, const struct iso_visit *visit)
     char door_fault[300];
     iso__bus_clean_text(door_fault, sizeof door_fault, visit->door_fault);
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_VISIT, &signal);
-    r = r < 0 ? r
-              : sd_bus_message_append(signal, "ssdduxsss", visit->verdict.allow ? "allow" : "deny",
-                                      visit->person, visit->verdict.score, visit->threshold,
-                                      (uint32_t)visit->verdict.frames, visit->latency_ns / 1000,
-                                      iso_reason_name(visit->verdict.reason),
-                                      iso_door_answer_name(visit->door), door_fault);
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "ssdduxsss", visit->verdict.allow ? "allow" : "deny",
+                                  visit->person, visit->verdict.score, visit->threshold,
+                                  (uint32_t)visit->verdict.frames, visit->latency_ns / 1000,
+                                  iso_reason_name(visit->verdict.reason),
+                                  iso_door_answer_name(visit->door), door_fault);
+    }
     iso__bus_send_signal(signal, NULL, r);
 }
 
@@ -73,7 +76,9 @@ static void on_hint(void *context, enum iso_capture capture)
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_HINT, &signal);
-    r = r < 0 ? r : sd_bus_message_append(signal, "s", iso_capture_name(capture));
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "s", iso_capture_name(capture));
+    }
     iso__bus_send_signal(signal, NULL, r);
 }
 
@@ -82,7 +87,9 @@ static void on_door_changed(void *context, const char *state, const char *cause)
     const struct iso_bus *bus = context;
     sd_bus_message *signal = NULL;
     int r = iso__bus_new_signal(bus, ISO_CONTRACT_DOOR_CHANGED, &signal);
-    r = r < 0 ? r : sd_bus_message_append(signal, "ss", state, cause);
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "ss", state, cause);
+    }
     iso__bus_send_signal(signal, NULL, r);
 }
 

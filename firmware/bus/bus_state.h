@@ -72,7 +72,12 @@ int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out)
 int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
 
-/* The methods that change a person (bus_people.c). */
+/* Sends a reply that was filled in with result r, and gives it up. */
+int iso__bus_send_reply(sd_bus_message *reply, int r);
+
+/* The methods that list people or change a person (bus_people.c). */
+int iso__bus_list_people(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_delete_person(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_set_validity(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_rename(sd_bus_message *call, void *context, sd_bus_error *out);
 

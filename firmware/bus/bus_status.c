@@ -48,7 +48,9 @@ static void add_words(struct word_list *list, const char *format, const char *fi
     (void)snprintf(words, sizeof words, format, first, second);
     const int length = snprintf(list->text + list->used, room, "%s%s", list->used > 0 ? "; " : "",
                                 words);
-    list->used += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
+    if (length > 0) {
+        list->used += (size_t)length < room ? (size_t)length : room - 1;
+    }
 }
 
 struct device_list {
@@ -107,12 +109,19 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size
         usable += people[i].usable;
     }
     int r = sd_bus_message_append(reply, "{sv}", "people", "u", (uint32_t)n);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "people-valid", "u", (uint32_t)valid);
-    r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}", "threshold", "d",
-                                      iso_config_threshold_among(bus->borrowed->config, n));
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates", "u", templates);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "templates-usable", "u", usable);
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "people-valid", "u", (uint32_t)valid);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "threshold", "d",
+                                  iso_config_threshold_among(bus->borrowed->config, n));
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "templates", "u", templates);
+    }
+    if (r >= 0) {
+        r = sd_bus_message_append(reply, "{sv}", "templates-usable", "u", usable);
+    }
     return r < 0 ? r
                  : sd_bus_message_append(reply, "{sv}", "capacity", "u",
                                          (uint32_t)bus->borrowed->config->gallery.capacity);
@@ -189,32 +198,62 @@ static int append_counts(sd_bus_message *reply, const struct iso_appliance_count
     return r;
 }
 
+/* How far the appliance has come, and by which model and algorithm it works. */
+static int append_work(sd_bus_message *reply, const struct iso_bus *bus,
+                       const struct iso_appliance_status *status)
+{
+    const int64_t uptime_ms = status->uptime_ns / ISO_NS_PER_MS;
+    const uint64_t log_sequence = iso_audit_writer_last(iso_appliance_log(bus->appliance));
+    int r = sd_bus_message_append(reply, "{sv}", "frames", "t", status->frames);
+    if (r >= 0) {
+        r = append_checksum(reply, "model", status->model);
+    }
+    if (r >= 0) {
+        r = append_checksum(reply, "algorithm", status->algorithm);
+    }
+    return r < 0 ? r
+                 : sd_bus_message_append(reply, "{sv}{sv}", "uptime-ms", "x", uptime_ms,
+                                         "log-sequence", "t", log_sequence);
+}
+
+static int append_locks(sd_bus_message *reply, const struct iso_appliance_status *status)
+{
+    const int64_t lockout_ms = status->lockout_ns / ISO_NS_PER_MS;
+    return sd_bus_message_append(reply, "{sv}{sv}{sv}", "door-realtime", "b",
+                                 (int)!status->door_ordinary, "lockdown", "b",
+                                 (int)status->lockdown, "lockout-ms", "x", lockout_ms);
+}
+
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
 {
     const struct iso_appliance_status status = iso_appliance_status(bus->appliance);
     int r = sd_bus_message_open_container(reply, 'a', "{sv}");
-    r = r < 0 ? r : append_texts(reply, bus, &status);
-    r = r < 0 ? r : append_codes(reply, &status);
-    r = r < 0 ? r : append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
-    r = r < 0 ? r : append_lines(reply, &bus->borrowed->config->door.options);
-    r = r < 0 ? r : append_gallery(reply, bus, status.people_valid);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "frames", "t", status.frames);
-    r = r < 0 ? r : append_checksum(reply, "model", status.model);
-    r = r < 0 ? r : append_checksum(reply, "algorithm", status.algorithm);
-    r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}", "uptime-ms", "x",
-                                      status.uptime_ns / ISO_NS_PER_MS);
-    r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",
-                                      iso_audit_writer_last(iso_appliance_log(bus->appliance)));
-    r = r < 0 ? r : append_counts(reply, &status.counts);
-    r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}", "door-realtime", "b",
-                                      (int)!status.door_ordinary);
-    r = r < 0 ? r : sd_bus_message_append(reply, "{sv}", "lockdown", "b", (int)status.lockdown);
-    r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}", "lockout-ms", "x",
-                                      status.lockout_ns / ISO_NS_PER_MS);
-    r = r < 0 || !status.view ? r : iso__bus_append_view_entries(reply, status.view);
+    if (r >= 0) {
+        r = append_texts(reply, bus, &status);
+    }
+    if (r >= 0) {
+        r = append_codes(reply, &status);
+    }
+    if (r >= 0) {
+        r = append_devices(reply, bus, strcmp(status.sensor_state, "started") == 0);
+    }
+    if (r >= 0) {
+        r = append_lines(reply, &bus->borrowed->config->door.options);
+    }
+    if (r >= 0) {
+        r = append_gallery(reply, bus, status.people_valid);
+    }
+    if (r >= 0) {
+        r = append_work(reply, bus, &status);
+    }
+    if (r >= 0) {
+        r = append_counts(reply, &status.counts);
+    }
+    if (r >= 0) {
+        r = append_locks(reply, &status);
+    }
+    if (r >= 0 && status.view) {
+        r = iso__bus_append_view_entries(reply, status.view);
+    }
     return r < 0 ? r : sd_bus_message_close_container(reply);
 }

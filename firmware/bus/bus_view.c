@@ -48,7 +48,9 @@ int iso__bus_append_view_entries(sd_bus_message *message, const struct iso_view 
 int iso__bus_append_view(sd_bus_message *message, const struct iso_view *view)
 {
     int r = sd_bus_message_open_container(message, 'a', "{sv}");
-    r = r < 0 ? r : iso__bus_append_view_entries(message, view);
+    if (r >= 0) {
+        r = iso__bus_append_view_entries(message, view);
+    }
     return r < 0 ? r : sd_bus_message_close_container(message);
 }
 
@@ -70,7 +72,9 @@ int iso__bus_aim_start(sd_bus_message *call, void *context, sd_bus_error *out)
     struct iso_bus *bus = context;
     (void)out;
     int r = bus->aiming ? 0 : sd_bus_track_new(bus->bus, &bus->aiming, on_nobody_aims, bus);
-    r = r < 0 ? r : sd_bus_track_add_sender(bus->aiming, call);
+    if (r >= 0) {
+        r = sd_bus_track_add_sender(bus->aiming, call);
+    }
     if (r < 0) {
         return r;
     }
@@ -95,7 +99,9 @@ void iso__bus_on_view(void *context, const struct iso_view *view)
          name = sd_bus_track_next(bus->aiming)) {
         sd_bus_message *signal = NULL;
         int r = iso__bus_new_signal(bus, ISO_CONTRACT_VIEW, &signal);
-        r = r < 0 ? r : iso__bus_append_view(signal, view);
+        if (r >= 0) {
+            r = iso__bus_append_view(signal, view);
+        }
         iso__bus_send_signal(signal, name, r);
     }
 }

@@ -30,11 +30,21 @@ static int renew_lockout(const struct iso_components *components, struct iso_fau
 static int renew(struct iso_components *components, const char *why, struct iso_fault *fault)
 {
     int error = record(components, why, fault);
-    error = error ? error : iso_audit_renew_anchor(components->audit, fault);
-    error = error ? error : iso_key_ring_renew(components->ring, fault);
-    error = error ? error : iso_gallery_renew(components->gallery, fault);
-    error = error ? error : renew_lockout(components, fault);
-    error = error ? error : record(components, why, fault); /* of the gallery as it is now */
+    if (!error) {
+        error = iso_audit_renew_anchor(components->audit, fault);
+    }
+    if (!error) {
+        error = iso_key_ring_renew(components->ring, fault);
+    }
+    if (!error) {
+        error = iso_gallery_renew(components->gallery, fault);
+    }
+    if (!error) {
+        error = renew_lockout(components, fault);
+    }
+    if (!error) { /* of the gallery as it is now */
+        error = record(components, why, fault);
+    }
     return error ? error : iso_audit_renew_anchor(components->audit, fault);
 }
 

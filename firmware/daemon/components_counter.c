@@ -30,7 +30,9 @@ int iso_components_open_counter(struct iso_components *components, struct iso_fa
         return 0;
     }
     int error = iso_tpm2_index_parse(seal->counter_index, &index, fault);
-    error = error ? error : iso_tpm2_counter_open(seal->counter_tcti, index, &device, fault);
+    if (!error) {
+        error = iso_tpm2_counter_open(seal->counter_tcti, index, &device, fault);
+    }
     if (error) {
         return error;
     }
@@ -60,8 +62,12 @@ int iso_components_begin_counter(struct iso_components *components, bool threade
         return 0;
     }
     int error = iso_state_counter_begin(counter, fault);
-    error = error ? error : iso_audit_renew_anchor(components->audit, fault);
-    error = error ? error : check_increment(counter, fault);
+    if (!error) {
+        error = iso_audit_renew_anchor(components->audit, fault);
+    }
+    if (!error) {
+        error = check_increment(counter, fault);
+    }
     if (!error && threaded) {
         error = iso_state_counter_start_thread(counter);
         if (error) {

@@ -308,7 +308,9 @@ static int add(scmp_filter_ctx filter, uint32_t action, const char *const *names
 static int build(scmp_filter_ctx filter)
 {
     int error = add(filter, SCMP_ACT_ALLOW, allowed, sizeof allowed / sizeof *allowed);
-    error = error ? error : add(filter, SCMP_ACT_KILL_PROCESS, fatal, sizeof fatal / sizeof *fatal);
+    if (!error) {
+        error = add(filter, SCMP_ACT_KILL_PROCESS, fatal, sizeof fatal / sizeof *fatal);
+    }
     for (size_t i = 0; !error && i < sizeof families / sizeof *families; i++) {
         const struct scmp_arg_cmp is_family = {
             .arg = 0, .op = SCMP_CMP_EQ, .datum_a = (scmp_datum_t)families[i], .datum_b = 0};
@@ -337,7 +339,9 @@ int iso_confine_calls(struct iso_fault *fault)
         return iso_fault_set(fault, -ENOMEM, "calls are not confined: out of memory");
     }
     int error = build(filter);
-    error = error ? error : seccomp_load(filter);
+    if (!error) {
+        error = seccomp_load(filter);
+    }
     seccomp_release(filter);
     return error ? iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, error,
                                       "calls are not confined: %s", strerror(-error))

@@ -71,8 +71,11 @@ static int allow_beside(const struct ruleset *ruleset, const char *path, uint64_
     if (length >= sizeof directory) {
         return -ENAMETOOLONG;
     }
+    if (!slash) {
+        return allow(ruleset, ".", rights);
+    }
     (void)snprintf(directory, sizeof directory, "%.*s", (int)length, path);
-    return allow(ruleset, !slash ? "." : length == 0 ? "/" : directory, rights);
+    return allow(ruleset, length == 0 ? "/" : directory, rights);
 }
 
 static int allow_system(const struct ruleset *ruleset)
@@ -142,7 +145,9 @@ static int allow_configured(const struct ruleset *ruleset, const struct iso_conf
     for (size_t i = 0; !error && i < sizeof named / sizeof *named; i++) {
         error = *named[i] ? allow_beside(ruleset, named[i], reading) : 0;
     }
-    error = error ? error : allow_options(ruleset, &config->sensor.options);
+    if (!error) {
+        error = allow_options(ruleset, &config->sensor.options);
+    }
     return error ? error : allow_options(ruleset, &config->door.options);
 }
 
@@ -165,8 +170,12 @@ static int restrict_files(const struct iso_config *config, struct iso_fault *fau
                                   "files are not confined: %m");
     }
     int error = allow_system(&ruleset);
-    error = error ? error : allow_libraries(&ruleset);
-    error = error ? error : allow_configured(&ruleset, config);
+    if (!error) {
+        error = allow_libraries(&ruleset);
+    }
+    if (!error) {
+        error = allow_configured(&ruleset, config);
+    }
     if (!error && syscall(SYS_landlock_restrict_self, ruleset.fd, 0)) {
         error = -errno;
     }

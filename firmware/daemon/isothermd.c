@@ -163,7 +163,9 @@ static int run(const struct arguments *arguments)
     struct iso_config config;
     struct iso_fault fault = {.text = ""};
     int error = iso_config_load(arguments->config, &config, &fault);
-    error = error ? error : take_bus(arguments->bus, &config, &fault);
+    if (!error) {
+        error = take_bus(arguments->bus, &config, &fault);
+    }
     if (!error) {
         take_surroundings(&config);
         warn_of_obsolete(arguments->config, &config);

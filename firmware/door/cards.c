@@ -44,7 +44,10 @@ static const char *parse_row(char *line, struct row *row)
     }
     row->card.person = person;
     const char *flaw = iso_person_name_flaw(person);
-    return flaw ? flaw : iso_person_name_key(person, &row->key) ? "out of memory" : NULL;
+    if (flaw) {
+        return flaw;
+    }
+    return iso_person_name_key(person, &row->key) ? "out of memory" : NULL;
 }
 
 static const char *find_double(const struct iso_cards *cards, const struct row *row)
@@ -71,7 +74,9 @@ static int parse(const char *path, struct iso_cards *cards, struct iso_fault *fa
             continue;
         }
         const char *what = parse_row(line, &row);
-        what = what ? what : find_double(cards, &row);
+        if (!what) {
+            what = find_double(cards, &row);
+        }
         if (what) {
             return iso_fault_set_code(fault, ISO_FAULT_CARDS_WRONG, -EBADMSG, "%s:%u: %s", path,
                                       lines.number, what);

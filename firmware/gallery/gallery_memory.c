@@ -336,7 +336,9 @@ int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
     }
     error = iso_gallery_db_load(db, &visitor, fault);
-    error = error ? error : check_names(&loading, fault);
+    if (!error) {
+        error = check_names(&loading, fault);
+    }
     if (error) {
         iso_gallery_memory_done(&loading.memory);
         return error;

@@ -124,8 +124,12 @@ int iso__gallery_migrate(struct iso_gallery_db *db, struct iso_fault *fault)
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", db->path);
     }
     int error = set_anchor(db, nobody, fault);
-    error = error ? error : iso__gallery_make_beside(db, beside, fault);
-    error = error ? error : fill(db, beside, fault);
+    if (!error) {
+        error = iso__gallery_make_beside(db, beside, fault);
+    }
+    if (!error) {
+        error = fill(db, beside, fault);
+    }
     error = exchange(db, beside, error, fault);
     free(beside);
     return error;

@@ -241,9 +241,12 @@ int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso
 {
     sqlite3_stmt *statement = NULL;
     int error = take_out(db, their_templates, id, fault);
-    error = error ? error : take_out(db, the_person, id, fault);
-    error = error ? error
-                  : iso__gallery_prepare(db, "DELETE FROM person WHERE id = ?1", &statement, fault);
+    if (!error) {
+        error = take_out(db, the_person, id, fault);
+    }
+    if (!error) {
+        error = iso__gallery_prepare(db, "DELETE FROM person WHERE id = ?1", &statement, fault);
+    }
     if (error) {
         return error;
     }
@@ -327,7 +330,9 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
 {
     uint32_t number = 0;
     int error = iso_key_ring_add(db->ring, ISO_KEY_GALLERY, &number, fault);
-    error = error ? error : iso_gallery_db_begin(db, fault);
+    if (!error) {
+        error = iso_gallery_db_begin(db, fault);
+    }
     if (error) {
         return error;
     }
@@ -344,7 +349,9 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
          * connection cannot be relied on any more. */
         error = iso__gallery_settle(db, 0, fault);
     }
-    error = error ? error : iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, number, fault);
+    if (!error) {
+        error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, number, fault);
+    }
     iso_gallery_seal_wipe(&old);
     return error;
 }

@@ -51,7 +51,9 @@ static int system_error(const struct iso_gallery_db *db)
     if (error == 0 && journal && journal->pMethods) {
         (void)journal->pMethods->xFileControl(journal, SQLITE_FCNTL_LAST_ERRNO, &error);
     }
-    error = error ? error : sqlite3_system_errno(db->sqlite);
+    if (!error) {
+        error = sqlite3_system_errno(db->sqlite);
+    }
     return error > 0 ? -error : -EIO;
 }
 
@@ -171,7 +173,9 @@ int iso__gallery_connect(struct iso_gallery_db *db, const char *path, struct iso
 {
     char resolved[PATH_MAX];
     int error = check_files(path, fault);
-    error = error ? error : resolve_directory(path, resolved, fault);
+    if (!error) {
+        error = resolve_directory(path, resolved, fault);
+    }
     if (error) {
         return error;
     }

@@ -38,9 +38,15 @@ static int read_again(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     iso__gallery_disconnect(db);
     int error = iso__gallery_connect(db, db->path, fault);
-    error = error ? error : iso__gallery_execute(db, "BEGIN EXCLUSIVE", fault);
-    error = error ? error : iso__gallery_read_head(db, fault);
-    error = error ? error : iso__gallery_execute(db, "COMMIT", fault);
+    if (!error) {
+        error = iso__gallery_execute(db, "BEGIN EXCLUSIVE", fault);
+    }
+    if (!error) {
+        error = iso__gallery_read_head(db, fault);
+    }
+    if (!error) {
+        error = iso__gallery_execute(db, "COMMIT", fault);
+    }
     return error ? error : delete_journal(db, fault);
 }
 
@@ -95,7 +101,9 @@ int iso_gallery_db_recover(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     struct iso_fault why = {.text = ""};
     int error = read_again(db, &why);
-    error = error ? error : iso__gallery_check_anchor(db, &why);
+    if (!error) {
+        error = iso__gallery_check_anchor(db, &why);
+    }
     if (error) {
         return give_up(db, &why, fault);
     }

@@ -179,9 +179,10 @@ static int open_body(const uint8_t *bytes, size_t size, const struct iso_seal_ke
         return iso_fault_set(fault, -EKEYREJECTED, "import: the passphrase is wrong");
     }
     const int error = parse_people(plain, sealed - ISO_SEAL_OVERHEAD, out);
-    return error ? iso_fault_set(fault, error, "import: %s",
-                                 error == -ENOMEM ? "out of memory" : "the people cannot be read")
-                 : 0;
+    if (error == -ENOMEM) {
+        return iso_fault_set(fault, error, "import: out of memory");
+    }
+    return error ? iso_fault_set(fault, error, "import: the people cannot be read") : 0;
 }
 
 int iso_transfer_read(const uint8_t *bytes, size_t size, const struct iso_key_ring *ring,

@@ -298,9 +298,10 @@ bool iso_state_counter_is_due(struct iso_state_counter *counter)
 uint32_t iso_state_counter_next(struct iso_state_counter *counter)
 {
     (void)pthread_mutex_lock(&counter->mutex);
-    const uint32_t number = !counter->begun   ? counter->found
-                            : is_due(counter) ? (uint32_t)counter->value + 1
-                                              : counter->written;
+    uint32_t number = counter->found;
+    if (counter->begun) {
+        number = is_due(counter) ? (uint32_t)counter->value + 1 : counter->written;
+    }
     (void)pthread_mutex_unlock(&counter->mutex);
     return number;
 }

@@ -205,11 +205,11 @@ int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
     int error = iso_data_file_replace(path, bytes, sizeof bytes, &why);
     if (error && iso_data_file_holds(path, bytes, sizeof bytes)) { /* it is there nevertheless */
         error = iso_directory_sync(path, fault);
+    } else if (iso_storage_is_refusal(error)) {
+        error = iso_storage_refused(path, error, fault);
     } else if (error) {
-        error = iso_storage_is_refusal(error)
-                    ? iso_storage_refused(path, error, fault)
-                    : iso_fault_set_code(fault, why.code, error, "%s: cannot be written: %s", path,
-                                         why.text[0] ? why.text : strerror(-error));
+        error = iso_fault_set_code(fault, why.code, error, "%s: cannot be written: %s", path,
+                                   why.text[0] ? why.text : strerror(-error));
     }
     if (error) {
         return error;

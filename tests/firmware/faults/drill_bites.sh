@@ -207,7 +207,7 @@ mistake 'commit: the old connection is asked' firmware/gallery/gallery_truth.c \
     'iso__gallery_disconnect(db);
     int error = iso__gallery_connect(db, db->path, fault);' 'int error = 0;'
 mistake 'commit: the head is not read again' firmware/gallery/gallery_truth.c \
-    'error = error ? error : iso__gallery_read_head(db, fault);' ''
+    'error = iso__gallery_read_head(db, fault);' 'error = 0;'
 judges=('storage_faults 3 enrol')
 mistake 'commit: an error of an enrolment is swallowed' firmware/gallery/gallery.c \
     'size, fault);
