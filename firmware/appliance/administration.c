@@ -21,8 +21,8 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
 }
 
 /* What will be done; it is not done if this fails. */
-static int announce(struct iso_appliance *appliance, const char *event, const char *note,
-                    struct iso_fault *fault)
+static int announce_event(struct iso_appliance *appliance, const char *event, const char *note,
+                          struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of(event);
     const int error = may_begin(appliance, fault);
@@ -31,8 +31,8 @@ static int announce(struct iso_appliance *appliance, const char *event, const ch
 }
 
 /* What came of it. The system's log, which is not sealed, is not told whom it was about. */
-static void conclude(struct iso_appliance *appliance, const char *event, int error,
-                     const struct iso_fault *fault, const char *note)
+static void conclude_event(struct iso_appliance *appliance, const char *event, int error,
+                           const struct iso_fault *fault, const char *note)
 {
     struct iso_audit_record record = iso_audit_record_of(event);
     record.reason = error ? "failed" : "done";
@@ -129,13 +129,13 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
     struct iso_fault own = {.text = ""};
     (void)snprintf(note, sizeof note, "for %s%.16s", lock->address ? "" : "who has the passphrase",
                    lock->address ? lock->address : "");
-    int error = announce(appliance, "export", note, fault);
+    int error = announce_event(appliance, "export", note, fault);
     if (error) {
         return error;
     }
     error = export_to(appliance, fd, people, lock, listener, &count, &own);
     (void)snprintf(note, sizeof note, "%zu %s", count, iso_plural(count, "person", "people"));
-    conclude(appliance, "export", error, &own, note);
+    conclude_event(appliance, "export", error, &own, note);
     if (error) {
         return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
@@ -173,13 +173,13 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
     (void)snprintf(note, sizeof note, "from %s%.16s",
                    request->sender ? "" : "who has the passphrase",
                    request->sender ? request->sender : "");
-    int error = announce(appliance, "import", note, fault);
+    int error = announce_event(appliance, "import", note, fault);
     if (error) {
         return error;
     }
     error = import_from(appliance, request, &came, &n, &own);
     (void)snprintf(note, sizeof note, "%zu of %zu people", came, n);
-    conclude(appliance, "import", error, &own, note);
+    conclude_event(appliance, "import", error, &own, note);
     if (error) {
         return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
@@ -322,7 +322,7 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
     }
     error = iso_door_guard_test(appliance->door, &own);
     iso__appliance_tell_door(appliance);
-    conclude(appliance, "door-test", error, &own, "the relay was switched");
+    conclude_event(appliance, "door-test", error, &own, "the relay was switched");
     return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 
@@ -369,7 +369,7 @@ int iso_appliance_rotate_keys(struct iso_appliance *appliance,
 {
     struct iso_fault own = {.text = ""};
     const char *said = "";
-    int error = announce(appliance, "rotate-keys", NULL, fault);
+    int error = announce_event(appliance, "rotate-keys", NULL, fault);
     if (error) {
         return error;
     }
@@ -379,7 +379,7 @@ int iso_appliance_rotate_keys(struct iso_appliance *appliance,
     } else if (!error) {
         error = iso_key_ring_change_key(appliance->borrowed.ring, &own);
     }
-    conclude(appliance, "rotate-keys", error, &own, said);
+    conclude_event(appliance, "rotate-keys", error, &own, said);
     iso__appliance_record_gallery(appliance, "gallery", NULL);
     if (error) {
         return iso_fault_set_code(fault, own.code, error, "%s", own.text);

@@ -21,7 +21,7 @@ static bool is_action(enum iso_appliance_mode mode)
 /* ---- claim ---- */
 
 /* CLAIMED, with the whole time of a claim again. */
-static void rest(struct iso_appliance *appliance)
+static void rest_claimed(struct iso_appliance *appliance)
 {
     iso__appliance_decide_anew(appliance);
     iso__appliance_wipe_enrolment(appliance);
@@ -35,7 +35,7 @@ int iso_appliance_claim(struct iso_appliance *appliance)
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         return -EBUSY;
     }
-    rest(appliance);
+    rest_claimed(appliance);
     appliance->claim.ended = ISO_APPLIANCE_CLAIMED;
     return 0;
 }
@@ -44,7 +44,7 @@ void iso_appliance_release(struct iso_appliance *appliance)
 {
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         iso__appliance_picture_drop(appliance);
-        rest(appliance);
+        rest_claimed(appliance);
         iso__appliance_reset_hints(appliance);
         appliance->mode = ISO_APPLIANCE_WATCH;
     }
@@ -126,7 +126,7 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
         return -ENODATA;
     }
     if (appliance->mode == mode) {
-        rest(appliance);
+        rest_claimed(appliance);
     }
     appliance->claim.ended = ISO_APPLIANCE_CLAIMED;
     return 0;
@@ -145,7 +145,7 @@ static void tell_recognition(const struct iso_appliance *appliance, const char *
 void iso__appliance_end_action(struct iso_appliance *appliance)
 {
     const enum iso_appliance_mode mode = appliance->mode;
-    rest(appliance);
+    rest_claimed(appliance);
     appliance->claim.ended = mode;
 }
 

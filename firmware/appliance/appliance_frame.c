@@ -39,7 +39,7 @@ void iso__appliance_forget_hint(struct iso_appliance *appliance)
     iso_hint_filter_forget(&appliance->visit.hints);
 }
 
-static void finish(struct iso_appliance *appliance, struct iso_verdict *verdict)
+static void finish_verdict(struct iso_appliance *appliance, struct iso_verdict *verdict)
 {
     iso__appliance_shut_out(appliance, verdict);
     if (appliance->mode == ISO_APPLIANCE_WATCH) {
@@ -79,7 +79,7 @@ void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns)
     struct iso_verdict verdict;
     struct iso_attack_attempt attempt;
     if (iso_decision_time(&appliance->visit.decision, t_ns, &verdict)) {
-        finish(appliance, &verdict);
+        finish_verdict(appliance, &verdict);
     }
     if (iso_attack_tally_time(&appliance->visit.attacks, t_ns, &attempt)) {
         record_attack(appliance, &attempt);
@@ -87,7 +87,7 @@ void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns)
 }
 
 /* The gallery's opinion of the template just extracted: 0, -ENODATA, or an error of the search. */
-static int compare(const struct iso_appliance *appliance, struct iso_decision_frame *out)
+static int compare_face(const struct iso_appliance *appliance, struct iso_decision_frame *out)
 {
     const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     struct iso_gallery *gallery = appliance->borrowed.gallery;
@@ -117,16 +117,17 @@ static void follow_track(struct iso_appliance *appliance)
     struct iso_verdict verdict;
     if (iso_decision_track(&appliance->visit.decision, appliance->face.motion.track, &verdict) &&
         appliance->mode == ISO_APPLIANCE_WATCH) {
-        finish(appliance, &verdict);
+        finish_verdict(appliance, &verdict);
     }
 }
 
 /* Takes a usable face in. OK, or why it is none after all. */
-static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
+static enum iso_capture recognise_face(struct iso_appliance *appliance, int64_t t_ns,
+                                       int64_t arrival_ns)
 {
     struct iso_decision_frame face = {.score = NAN};
     struct iso_verdict verdict;
-    const int error = iso__appliance_is_shut(appliance) ? 0 : compare(appliance, &face);
+    const int error = iso__appliance_is_shut(appliance) ? 0 : compare_face(appliance, &face);
     if (error) {
         if (error != -ENODATA) {
             struct iso_fault fault;
@@ -146,7 +147,7 @@ static enum iso_capture recognise(struct iso_appliance *appliance, int64_t t_ns,
     }
     iso_decision_set_threshold(&appliance->visit.decision, iso__appliance_threshold(appliance));
     if (iso_decision_face(&appliance->visit.decision, &face, &verdict)) {
-        finish(appliance, &verdict);
+        finish_verdict(appliance, &verdict);
     }
     return ISO_CAPTURE_OK;
 }
@@ -157,7 +158,7 @@ static enum iso_capture take_face(struct iso_appliance *appliance, int64_t t_ns,
         iso__appliance_enroll_face(appliance);
         return ISO_CAPTURE_OK;
     }
-    return recognise(appliance, t_ns, arrival_ns);
+    return recognise_face(appliance, t_ns, arrival_ns);
 }
 
 /* Takes a frame in that shows a picture, a screen or a mask. */
@@ -175,7 +176,7 @@ static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, i
         appliance->visit.arrival_ns = arrival_ns;
     }
     if (iso_decision_attack(&appliance->visit.decision, cue, t_ns, &verdict)) {
-        finish(appliance, &verdict);
+        finish_verdict(appliance, &verdict);
     }
 }
 

@@ -31,7 +31,7 @@ int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_faul
 }
 
 /* What cannot be kept is still true until the next restart, and tried again until it can. */
-static int save(struct iso_appliance *appliance, struct iso_fault *out)
+static int save_lockout(struct iso_appliance *appliance, struct iso_fault *out)
 {
     const bool said = appliance->lockout.save_ns != ISO_NEVER_NS;
     struct iso_fault fault = {.text = ""};
@@ -69,7 +69,7 @@ static bool is_kept(const struct iso_appliance *appliance)
 static int save_or_undo(struct iso_appliance *appliance, const struct iso_lockout *before,
                         struct iso_fault *fault)
 {
-    const int error = save(appliance, fault);
+    const int error = save_lockout(appliance, fault);
     if (error && !is_kept(appliance)) {
         appliance->lockout.state = *before;
         return error;
@@ -79,7 +79,7 @@ static int save_or_undo(struct iso_appliance *appliance, const struct iso_lockou
 
 /* What was remembered cannot be read, is gone or is old: it may have been the worst. The file stays
  * as it is until an administrator ends the lockdown. */
-static void suspect(struct iso_appliance *appliance, int error, const struct iso_fault *fault)
+static void suspect_file(struct iso_appliance *appliance, int error, const struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of("lockdown");
     record.reason = error == -ESTALE ? "stale" : "damaged";
@@ -92,8 +92,8 @@ static void suspect(struct iso_appliance *appliance, int error, const struct iso
 }
 
 /* What the file says, all zero if there has never been one. */
-static int load(const struct iso_appliance *appliance, struct iso_lockout_file *out,
-                struct iso_fault *fault)
+static int load_file(const struct iso_appliance *appliance, struct iso_lockout_file *out,
+                     struct iso_fault *fault)
 {
     const struct iso_appliance_borrowed *borrowed = &appliance->borrowed;
     struct iso_lockout_file file = {.number = 0};
@@ -122,7 +122,7 @@ static void take_file(struct iso_appliance *appliance, const struct iso_lockout_
     const bool added = lockdown && !appliance->lockout.state.lockdown;
     appliance->lockout.state.lockdown = lockdown || appliance->lockout.state.lockdown;
     if (file->number == 0 || added) { /* from now on there is a sealed one, and it is known */
-        (void)!save(appliance, NULL);
+        (void)!save_lockout(appliance, NULL);
     }
     if (iso_lockout_refusal(&appliance->lockout.state) != ISO_REASON_NONE) {
         iso__appliance_say(appliance, LOG_WARNING, "%s, as before the restart",
@@ -166,7 +166,7 @@ static void read_file(struct iso_appliance *appliance)
     const bool again = iso__appliance_lockout_is_unread(appliance);
     struct iso_lockout_file file;
     struct iso_fault fault = {.text = ""};
-    int error = load(appliance, &file, &fault);
+    int error = load_file(appliance, &file, &fault);
     if (may_pass(error)) {
         try_again_later(appliance, &fault);
         return;
@@ -176,7 +176,7 @@ static void read_file(struct iso_appliance *appliance)
         error = iso_heads_check(iso_key_ring_board(appliance->borrowed.ring), &fault);
     }
     if (error) {
-        suspect(appliance, error, &fault);
+        suspect_file(appliance, error, &fault);
         return;
     }
     take_file(appliance, &file);
@@ -247,7 +247,7 @@ void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
     }
     const bool was_locked = is_locked(appliance);
     if (t_ns >= appliance->lockout.save_ns) {
-        (void)!save(appliance, NULL);
+        (void)!save_lockout(appliance, NULL);
     }
     if (!iso_lockout_time(&appliance->lockout.state, t_ns)) {
         return;
@@ -258,7 +258,7 @@ void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
         (void)iso__appliance_note(appliance, &record);
         iso__appliance_decide_anew(appliance); /* who was not compared begins anew */
     }
-    (void)!save(appliance, NULL);
+    (void)!save_lockout(appliance, NULL);
 }
 
 /* On record that it has locked, and for how long. */
@@ -286,9 +286,9 @@ void iso__appliance_count_verdict(struct iso_appliance *appliance,
                             iso__appliance_now_ns(appliance))) {
         record_lock(appliance);
         iso__appliance_decide_anew(appliance);
-        (void)!save(appliance, NULL);
+        (void)!save_lockout(appliance, NULL);
     } else if (iso_lockout_counts(verdict, agree) || (verdict->allow && remembered)) {
-        (void)!save(appliance, NULL);
+        (void)!save_lockout(appliance, NULL);
     }
 }
 
@@ -343,7 +343,7 @@ static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fau
     struct iso_fault own = {.text = ""};
     appliance->lockout.state.lockdown = true;
     iso__appliance_decide_anew(appliance);
-    const int unkept = save(appliance, &own);
+    const int unkept = save_lockout(appliance, &own);
     if (!unkept) {
         return error;
     }

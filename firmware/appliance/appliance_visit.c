@@ -87,7 +87,7 @@ static struct iso_audit_record record_of(const struct iso_appliance *appliance, 
     return record;
 }
 
-static void deny(struct iso_verdict *verdict, enum iso_reason reason)
+static void deny_verdict(struct iso_verdict *verdict, enum iso_reason reason)
 {
     verdict->allow = false;
     verdict->reason = reason;
@@ -100,7 +100,7 @@ static enum iso_reason reason_of(int error)
                                                     : ISO_REASON_UNLOGGED;
 }
 
-static void refuse(struct iso_appliance *appliance, struct iso_visit *visit)
+static void refuse_visit(struct iso_appliance *appliance, struct iso_visit *visit)
 {
     char image[ISO_IMAGE_TALLY_TEXT_SIZE];
     const struct iso_audit_record record = record_of(appliance, "visit", visit->person,
@@ -108,7 +108,7 @@ static void refuse(struct iso_appliance *appliance, struct iso_visit *visit)
     iso__appliance_refuse_at_door(appliance);
     const int error = iso__appliance_note(appliance, &record);
     if (error) {
-        deny(&visit->verdict, reason_of(error));
+        deny_verdict(&visit->verdict, reason_of(error));
     }
 }
 
@@ -189,7 +189,7 @@ static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
     const int error = iso__appliance_record_grant(appliance, &record, &fault);
     const enum iso_reason refusal = error ? reason_of(error) : open_door(appliance, visit);
     if (refusal != ISO_REASON_NONE) {
-        deny(&visit->verdict, refusal);
+        deny_verdict(&visit->verdict, refusal);
         iso__appliance_refuse_at_door(appliance);
         record = record_of(appliance, "visit", visit->person, &visit->verdict, image);
     }
@@ -203,7 +203,7 @@ static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
     iso__appliance_tell_door(appliance);
 }
 
-static void count(struct iso_appliance_counts *counts, const struct iso_verdict *verdict)
+static void count_verdict(struct iso_appliance_counts *counts, const struct iso_verdict *verdict)
 {
     counts->allowed += verdict->allow;
     counts->denied += !verdict->allow;
@@ -258,9 +258,9 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
     if (verdict.allow) {
         let_in(appliance, &visit);
     } else {
-        refuse(appliance, &visit);
+        refuse_visit(appliance, &visit);
     }
-    count(&appliance->outcome.counts, &visit.verdict);
+    count_verdict(&appliance->outcome.counts, &visit.verdict);
     tell_visit(appliance, &visit);
     iso__appliance_learn(appliance, &visit.verdict);
 }

@@ -56,7 +56,7 @@ int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *
 }
 
 /* There is nothing in PATH: the log begins, or goes on where its newest closed segment ends. */
-static int begin(struct iso_audit *audit, struct iso_fault *fault)
+static int begin_log(struct iso_audit *audit, struct iso_fault *fault)
 {
     size_t torn = 0;
     int error = 0;
@@ -92,7 +92,7 @@ static int go_on(struct iso_audit *audit, size_t *torn, struct iso_fault *fault)
 }
 
 /* Takes away what a crash left of a record, and says so on record if there is room. */
-static int mend(struct iso_audit *audit, size_t torn, struct iso_fault *fault)
+static int mend_end(struct iso_audit *audit, size_t torn, struct iso_fault *fault)
 {
     char note[80];
     struct iso_audit_record record = iso_audit_record_of("log-recovered");
@@ -130,7 +130,8 @@ int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault 
 enum content { EMPTY, PLAIN, SEALED };
 
 /* What PATH holds; a header without its end is nothing yet. */
-static int look(const struct iso_audit *audit, enum content *out, struct iso_fault *fault)
+static int look_at_content(const struct iso_audit *audit, enum content *out,
+                           struct iso_fault *fault)
 {
     char begin[ISO_AUDIT_LINE_MAX];
     const ssize_t n = pread(audit->fd, begin, sizeof begin, 0);
@@ -167,17 +168,17 @@ static int open_log(struct iso_audit *audit, struct iso_fault *fault)
         error = iso_audit_segments_find(audit->path, &audit->closed, fault);
     }
     if (!error) {
-        error = look(audit, &content, fault);
+        error = look_at_content(audit, &content, fault);
     }
     if (!error && content == PLAIN) {
         error = iso__audit_migrate(audit, fault);
     } else if (!error) {
-        error = content == EMPTY ? begin(audit, fault) : go_on(audit, &torn, fault);
+        error = content == EMPTY ? begin_log(audit, fault) : go_on(audit, &torn, fault);
     }
     if (!error) {
         error = iso__audit_prune(audit, fault);
     }
-    return error ? error : mend(audit, torn, fault);
+    return error ? error : mend_end(audit, torn, fault);
 }
 
 int iso_audit_open(const struct iso_audit_options *options, const struct iso_times *times,

@@ -80,7 +80,7 @@ static void add_gallery(struct iso_json_line *line, const char *gallery, uint64_
 }
 
 /* Length of the object, without a newline; 0 if it is too long. */
-static size_t format(struct iso_audit *audit, const struct iso_audit_record *record)
+static size_t format_record(struct iso_audit *audit, const struct iso_audit_record *record)
 {
     struct iso_json_line *line = &audit->json;
     const bool then = record->wall_ns != 0 || record->monotonic_ns != 0;
@@ -163,7 +163,7 @@ static bool is_full(const struct iso_audit *audit)
 
 /* What has to be in order before a group can be written: files that are as they are known, an
  * anchor that is no more behind, a segment with room. */
-static int prepare(struct iso_audit *audit, struct iso_fault *fault)
+static int prepare_files(struct iso_audit *audit, struct iso_fault *fault)
 {
     int error = iso__audit_settle(audit, fault);
     if (!error) {
@@ -210,7 +210,7 @@ static void put_back(struct iso_audit *audit, const struct end *end)
     audit->latest_s = end->latest_s;
 }
 
-static void refuse(struct iso_audit_entry *entry, int error, const struct iso_fault *fault)
+static void refuse_entry(struct iso_audit_entry *entry, int error, const struct iso_fault *fault)
 {
     entry->error = error == -ENOSPC || error == -ENOMEM || error == -EINVAL ? error : -EIO;
     entry->sequence = 0;
@@ -259,7 +259,7 @@ static int write_record(struct iso_audit *audit, const struct iso_audit_record *
 {
     const struct iso_heads known = known_now(audit);
     struct iso_audit_link link = audit->link;
-    const size_t size = format(audit, record);
+    const size_t size = format_record(audit, record);
     if (size == 0) {
         return iso_fault_set(fault, -EINVAL, "%s: the record is too long", audit->path);
     }
@@ -290,7 +290,7 @@ static void write_entry(struct iso_audit *audit, struct iso_audit_entry *entry)
     const int error = write_record(audit, entry->record, &fault);
     explicit_bzero(audit->json.text, sizeof audit->json.text); /* it may name somebody */
     if (error) {
-        refuse(entry, error, &fault);
+        refuse_entry(entry, error, &fault);
         return;
     }
     entry->sequence = audit->last;
@@ -300,8 +300,8 @@ static void write_entry(struct iso_audit *audit, struct iso_audit_entry *entry)
 
 /* Synchronises what was written behind `before`. If that fails none of it counts, since nobody
  * knows which part of it is on the disk: it is taken away again. */
-static void commit(struct iso_audit *audit, const struct end *before,
-                   struct iso_audit_entry *entries, size_t n)
+static void commit_group(struct iso_audit *audit, const struct end *before,
+                         struct iso_audit_entry *entries, size_t n)
 {
     struct iso_fault fault = {.text = ""};
     int error = 0;
@@ -314,7 +314,7 @@ static void commit(struct iso_audit *audit, const struct end *before,
         (void)iso_storage_refused(audit->path, error, &fault);
         for (size_t i = 0; i < n; i++) {
             if (!entries[i].error) {
-                refuse(&entries[i], error, &fault);
+                refuse_entry(&entries[i], error, &fault);
             }
         }
         return;
@@ -329,20 +329,21 @@ static size_t append_some(struct iso_audit *audit, struct iso_audit_entry *entri
 {
     struct iso_fault fault = {.text = ""};
     size_t done = 0;
-    const int error = prepare(audit, &fault);
+    const int error = prepare_files(audit, &fault);
     if (error) {
-        refuse(&entries[0], error, &fault);
+        refuse_entry(&entries[0], error, &fault);
         return 1;
     }
     const struct end before = end_of(audit);
     do {
         write_entry(audit, &entries[done++]);
     } while (done < n && !is_full(audit) && !audit->torn);
-    commit(audit, &before, entries, done);
+    commit_group(audit, &before, entries, done);
     return done;
 }
 
-static void tell(const struct iso_audit *audit, const struct iso_audit_entry *entries, size_t n)
+static void tell_listener(const struct iso_audit *audit, const struct iso_audit_entry *entries,
+                          size_t n)
 {
     for (size_t i = 0; audit->options.written && i < n; i++) {
         if (!entries[i].error) {
@@ -361,7 +362,7 @@ void iso_audit_append_group(struct iso_audit *audit, struct iso_audit_entry *ent
     }
     for (size_t done = 0; done < n;) {
         const size_t some = append_some(audit, entries + done, n - done);
-        tell(audit, entries + done, some);
+        tell_listener(audit, entries + done, some);
         done += some;
     }
 }

@@ -31,8 +31,8 @@ static int segment_path(const struct iso_audit *audit, size_t i, char path[PATH_
 }
 
 /* Goes to a record: in the present segment from the mark before it. */
-static int seek(const struct iso_audit *audit, size_t i, struct iso_audit_reader *reader,
-                uint64_t from)
+static int seek_record(const struct iso_audit *audit, size_t i, struct iso_audit_reader *reader,
+                       uint64_t from)
 {
     if (i < audit->closed.n) {
         return iso_audit_reader_seek(reader, 0, 0, from);
@@ -54,7 +54,7 @@ static int read_segment(const struct iso_audit *audit, size_t i, struct iso_audi
         result = iso_audit_reader_open(reader, path, audit->options.ring);
     }
     if (!result) {
-        result = seek(audit, i, reader, *from);
+        result = seek_record(audit, i, reader, *from);
     }
     while (!result && *from < end) {
         const int more = iso_audit_reader_next(reader);
@@ -110,7 +110,7 @@ struct verifying {
     struct iso_audit_report *report;
 };
 
-static void flawed(struct verifying *verifying, uint64_t at, const char *flaw)
+static void report_flaw(struct verifying *verifying, uint64_t at, const char *flaw)
 {
     struct iso_audit_report *report = verifying->report;
     if (report->sound) {
@@ -127,8 +127,8 @@ static void check_known(struct verifying *verifying)
         (void)sodium_bin2hex(head, sizeof head, verifying->link.bytes,
                              sizeof verifying->link.bytes);
         if (strcmp(head, verifying->known_head) != 0) {
-            flawed(verifying, verifying->known_sequence,
-                   "is another one than the head that is known");
+            report_flaw(verifying, verifying->known_sequence,
+                        "is another one than the head that is known");
         }
     }
 }
@@ -150,11 +150,11 @@ static int verify_segment(struct verifying *verifying, const char *path)
     struct iso_audit_reader *reader = &verifying->reader;
     int more = iso_audit_reader_open(reader, path, verifying->audit->options.ring);
     if (more == -ENOENT) {
-        flawed(verifying, verifying->next, "and its whole segment are missing");
+        report_flaw(verifying, verifying->next, "and its whole segment are missing");
         return 0;
     }
     if (more == -EBADMSG) {
-        flawed(verifying, verifying->next, reader->flaw);
+        report_flaw(verifying, verifying->next, reader->flaw);
         return 0;
     }
     if (more) {
@@ -163,7 +163,8 @@ static int verify_segment(struct verifying *verifying, const char *path)
     if (reader->header.first != verifying->next ||
         (verifying->has_link &&
          sodium_memcmp(&reader->header.link, &verifying->link, sizeof verifying->link) != 0)) {
-        flawed(verifying, verifying->next, "does not begin the segment that has to begin with it");
+        report_flaw(verifying, verifying->next,
+                    "does not begin the segment that has to begin with it");
         return 0;
     }
     verifying->link = reader->header.link;
@@ -175,7 +176,7 @@ static int verify_segment(struct verifying *verifying, const char *path)
         tell_record(verifying);
     }
     if (more == -EBADMSG) {
-        flawed(verifying, reader->next, reader->flaw);
+        report_flaw(verifying, reader->next, reader->flaw);
     }
     return more == -EBADMSG ? 0 : more;
 }
@@ -203,11 +204,12 @@ static void check_end(struct verifying *verifying)
         return;
     }
     if (verifying->next <= audit->last) {
-        flawed(verifying, verifying->next, "and what came after it are missing");
+        report_flaw(verifying, verifying->next, "and what came after it are missing");
     } else if (sodium_memcmp(&verifying->link, &audit->link, sizeof audit->link) != 0) {
-        flawed(verifying, audit->last, "is not the last that was written");
+        report_flaw(verifying, audit->last, "is not the last that was written");
     } else if (verifying->known_head && verifying->known_sequence > audit->last) {
-        flawed(verifying, verifying->known_sequence, "is known and missing: this is an old log");
+        report_flaw(verifying, verifying->known_sequence,
+                    "is known and missing: this is an old log");
     }
 }
 

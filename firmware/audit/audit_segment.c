@@ -38,7 +38,7 @@ static uint64_t first_of(const char *name, const char *base)
     return strtoull(name + length + 1, NULL, 10);
 }
 
-static int insert(struct iso_audit_segments *segments, uint64_t first)
+static int insert_segment(struct iso_audit_segments *segments, uint64_t first)
 {
     size_t at = segments->n;
     if (segments->n == ISO_AUDIT_SEGMENTS_MAX) {
@@ -70,7 +70,7 @@ int iso_audit_segments_find(const char *path, struct iso_audit_segments *out,
     }
     while (!error && (entry = readdir(stream))) {
         const uint64_t first = first_of(entry->d_name, base);
-        error = first ? insert(&segments, first) : 0;
+        error = first ? insert_segment(&segments, first) : 0;
     }
     (void)closedir(stream);
     if (error) {

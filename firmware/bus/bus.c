@@ -46,7 +46,7 @@ static int on_disconnected(sd_bus_message *signal, void *context, sd_bus_error *
 }
 
 /* Everything that hangs on the connection, and who had something through it. */
-static void drop(struct iso_bus *bus)
+static void drop_connection(struct iso_bus *bus)
 {
     if (bus->claimant[0]) {
         iso_appliance_release(bus->appliance);
@@ -68,7 +68,7 @@ static void drop(struct iso_bus *bus)
 }
 
 /* Begins a connection; that it works is not known yet. */
-static int begin(struct iso_bus *bus)
+static int begin_connection(struct iso_bus *bus)
 {
     int r = connect_address(bus->address, &bus->bus);
     /* Who claims the camera is looked up on the bus while the door waits. */
@@ -102,7 +102,7 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
         return iso_fault_set(fault, -ENOMEM, "bus: out of memory");
     }
     (void)snprintf(bus->address, sizeof bus->address, "%s", address);
-    int r = begin(bus);
+    int r = begin_connection(bus);
     if (r >= 0) { /* waits for the handshake */
         r = sd_bus_get_unique_name(bus->bus, &unique);
     }
@@ -121,7 +121,7 @@ void iso_bus_close(struct iso_bus *bus)
         bus->claimant[0] = '\0'; /* the appliance may be gone already */
         bus->aiming = sd_bus_track_unref(bus->aiming);
         bus->picture = sd_bus_message_unref(bus->picture);
-        drop(bus);
+        drop_connection(bus);
         free(bus);
     }
 }
@@ -144,7 +144,7 @@ static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out
 }
 
 /* Has the object and the limit on the connection, within the event loop. */
-static int attach(struct iso_bus *bus)
+static int attach_object(struct iso_bus *bus)
 {
     int r = sd_bus_attach_event(bus->bus, bus->event, SD_EVENT_PRIORITY_NORMAL);
     if (r >= 0) {
@@ -163,7 +163,7 @@ int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
     bus->borrowed = borrowed;
     bus->event = event;
     iso_call_rate_init(&bus->rate, iso_times_now_ns(&borrowed->times));
-    int r = attach(bus);
+    int r = attach_object(bus);
     if (r < 0) {
         return iso_fault_set_code(fault, ISO_FAULT_BUS_REFUSED, r, "bus: %s", strerror(-r));
     }
@@ -201,16 +201,16 @@ static int on_named(sd_bus_message *reply, void *context, sd_bus_error *out)
 
 int iso_bus_mend(struct iso_bus *bus, struct iso_fault *fault)
 {
-    drop(bus);
-    int r = begin(bus);
+    drop_connection(bus);
+    int r = begin_connection(bus);
     if (r >= 0) {
-        r = attach(bus);
+        r = attach_object(bus);
     }
     if (r >= 0) {
         r = sd_bus_request_name_async(bus->bus, &bus->naming, ISO_CONTRACT_NAME, 0, on_named, bus);
     }
     if (r < 0) {
-        drop(bus);
+        drop_connection(bus);
         return iso_fault_set_code(fault, ISO_FAULT_BUS_MISSING, r, "bus '%s': %s", bus->address,
                                   strerror(-r));
     }

@@ -17,7 +17,7 @@ struct options {
     uint8_t salt[ISO_TRANSFER_SALT_BYTES];
 };
 
-static int invalid(sd_bus_error *out, const char *what, const char *name)
+static int invalid_argument(sd_bus_error *out, const char *what, const char *name)
 {
     return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT, "%s '%s'", what, name);
 }
@@ -65,9 +65,9 @@ static int read_option(sd_bus_message *call, struct options *options, sd_bus_err
         r = sd_bus_message_read(call, "v", "b", &flag);
         options->replace = flag != 0;
     } else {
-        return invalid(out, "unknown option", name);
+        return invalid_argument(out, "unknown option", name);
     }
-    return r == -ENXIO ? invalid(out, "wrong type or size of option", name) : r;
+    return r == -ENXIO ? invalid_argument(out, "wrong type or size of option", name) : r;
 }
 
 static int read_options(sd_bus_message *call, struct options *options, sd_bus_error *out)
@@ -99,7 +99,8 @@ int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out)
         r = read_options(call, &options, out);
     }
     if (r >= 0 && !options.to && !(options.has_key && options.has_salt)) {
-        r = invalid(out, "missing option", options.has_key ? ISO_CONTRACT_SALT : ISO_CONTRACT_KEY);
+        r = invalid_argument(out, "missing option",
+                             options.has_key ? ISO_CONTRACT_SALT : ISO_CONTRACT_KEY);
     }
     if (r >= 0) {
         struct iso_transfer_lock lock = {.address = options.to, .key = options.key};

@@ -176,7 +176,8 @@ struct iso_config iso_config_default(void)
 }
 
 /* What is wrong with a text that was parsed, of which the parser refused `line` (0: none). */
-static int judge(const struct parse *parse, const char *name, int line, struct iso_fault *fault)
+static int judge_text(const struct parse *parse, const char *name, int line,
+                      struct iso_fault *fault)
 {
     if (line > 0 && (!parse->fault_line || line < parse->fault_line)) {
         return iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL,
@@ -205,7 +206,7 @@ int iso_config_parse(const char *name, const char *text, struct iso_config *out,
     int error = line < 0 ? iso_fault_set(fault, -ENOMEM, "%s: out of memory", name) : 0;
     if (!error) {
         resolve_options(parse);
-        error = judge(parse, name, line, fault);
+        error = judge_text(parse, name, line, fault);
     }
     if (!error) {
         *out = parse->config;

@@ -150,8 +150,8 @@ const char *iso_config_option(const struct iso_config_options *options, const ch
     return "";
 }
 
-static size_t collect(const struct iso_config_options *options,
-                      struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
+static size_t collect_options(const struct iso_config_options *options,
+                              struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
 {
     for (size_t i = 0; i < options->n; i++) {
         out[i] = (struct iso_option){options->list[i].spec->name, options->list[i].value};
@@ -162,13 +162,13 @@ static size_t collect(const struct iso_config_options *options,
 size_t iso_config_sensor_options(const struct iso_config *config,
                                  struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
 {
-    return collect(&config->sensor.options, out);
+    return collect_options(&config->sensor.options, out);
 }
 
 size_t iso_config_door_options(const struct iso_config *config,
                                struct iso_option out[ISO_CONFIG_OPTIONS_MAX])
 {
-    return collect(&config->door.options, out);
+    return collect_options(&config->door.options, out);
 }
 
 /* ---- the sample ---- */

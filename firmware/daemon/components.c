@@ -52,7 +52,7 @@ static int open_pipeline(struct iso_components *components, struct iso_fault *fa
 
 /* What may be different later: the chip is plugged in, udev has set the permissions, another
  * process has let the line go. */
-static bool passes(int error)
+static bool is_passing_error(int error)
 {
     return error == -ENODEV || error == -EBUSY || error == -EACCES || error == -EIO;
 }
@@ -108,7 +108,7 @@ static int open_door(struct iso_components *components, struct iso_fault *fault)
     if (!error) {
         error = iso_door_io_reopen(components->door_io, &unpowered, fault);
     }
-    return passes(error) ? 0 : error;
+    return is_passing_error(error) ? 0 : error;
 }
 
 static int start_door(struct iso_components *components, struct iso_fault *fault)

@@ -293,7 +293,7 @@ static const char *const fatal[] = {
 static const int families[] = {AF_UNIX, AF_NETLINK};
 
 /* Names that this machine does not have need no rule. */
-static int add(scmp_filter_ctx filter, uint32_t action, const char *const *names, size_t n)
+static int add_rules(scmp_filter_ctx filter, uint32_t action, const char *const *names, size_t n)
 {
     int error = 0;
     for (size_t i = 0; !error && i < n; i++) {
@@ -305,11 +305,11 @@ static int add(scmp_filter_ctx filter, uint32_t action, const char *const *names
     return error;
 }
 
-static int build(scmp_filter_ctx filter)
+static int build_filter(scmp_filter_ctx filter)
 {
-    int error = add(filter, SCMP_ACT_ALLOW, allowed, sizeof allowed / sizeof *allowed);
+    int error = add_rules(filter, SCMP_ACT_ALLOW, allowed, sizeof allowed / sizeof *allowed);
     if (!error) {
-        error = add(filter, SCMP_ACT_KILL_PROCESS, fatal, sizeof fatal / sizeof *fatal);
+        error = add_rules(filter, SCMP_ACT_KILL_PROCESS, fatal, sizeof fatal / sizeof *fatal);
     }
     for (size_t i = 0; !error && i < sizeof families / sizeof *families; i++) {
         const struct scmp_arg_cmp is_family = {
@@ -338,7 +338,7 @@ int iso_confine_calls(struct iso_fault *fault)
     if (!filter) {
         return iso_fault_set(fault, -ENOMEM, "calls are not confined: out of memory");
     }
-    int error = build(filter);
+    int error = build_filter(filter);
     if (!error) {
         error = seccomp_load(filter);
     }

@@ -54,7 +54,7 @@ static void on_message(void *context, int priority, const char *text)
 
 /* ---- set-up ---- */
 
-static int fail(int error, const char *what, struct iso_fault *fault)
+static int fail_at(int error, const char *what, struct iso_fault *fault)
 {
     return iso_fault_set(fault, error, "%s: %s", what, strerror(-error));
 }
@@ -64,7 +64,7 @@ static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
 {
     daemon->room = malloc(ISO_CONFINE_CALLS_BYTES);
     if (!daemon->room) {
-        return fail(-ENOMEM, "start", fault);
+        return fail_at(-ENOMEM, "start", fault);
     }
     (void)signal(SIGPIPE, SIG_IGN);
     (void)signal(SIGXFSZ, SIG_IGN);
@@ -75,10 +75,10 @@ static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
     if (r >= 0) {
         r = iso_quit_signal_catch(daemon->event, &daemon->quit);
     }
-    return r < 0 ? fail(r, "event loop", fault) : 0;
+    return r < 0 ? fail_at(r, "event loop", fault) : 0;
 }
 
-static void notify(void *context, const char *text)
+static void notify_manager(void *context, const char *text)
 {
     (void)context;
     (void)sd_notify(0, text);
@@ -97,13 +97,13 @@ static int start_life_sign(struct daemon *daemon, struct iso_fault *fault)
         .tick_ns = quarter_ns > 0 && quarter_ns < life_tick_ns ? quarter_ns : life_tick_ns,
         .limit_ns = ISO_LIFE_SIGN_LIMIT_S * ISO_NS_PER_S,
         .watchdog = daemon->watchdog_us > 0,
-        .send = notify,
+        .send = notify_manager,
     };
     if (!getenv("NOTIFY_SOCKET")) {
         return 0;
     }
     const int error = iso_life_sign_new(&options, &daemon->life);
-    return error ? fail(error, "life sign", fault) : 0;
+    return error ? fail_at(error, "life sign", fault) : 0;
 }
 
 static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
@@ -115,13 +115,14 @@ static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
     }
     daemon->lent = iso_components_lend(daemon->components, &events);
     error = iso_appliance_new(&daemon->lent, &daemon->appliance);
-    return error ? fail(error, "appliance", fault) : iso_appliance_start(daemon->appliance, fault);
+    return error ? fail_at(error, "appliance", fault)
+                 : iso_appliance_start(daemon->appliance, fault);
 }
 
 /* A kernel without the means is told of when the daemon is ready, and no reason to keep the door
  * shut. */
-static int confine(struct daemon *daemon, int error, const struct iso_fault *why,
-                   struct iso_fault *fault)
+static int take_confinement(struct daemon *daemon, int error, const struct iso_fault *why,
+                            struct iso_fault *fault)
 {
     if (error == -ENOSYS || error == -ENOTSUP) {
         daemon->unconfined = *why;
@@ -136,7 +137,7 @@ static int confine_files(struct daemon *daemon, const struct iso_config *config,
     struct iso_fault why = {.text = "not confined, as [process] confine says",
                             .code = ISO_FAULT_NOT_CONFINED};
     const int error = config->process.confine ? iso_confine_files(config, &why) : -ENOTSUP;
-    return confine(daemon, error, &why, fault);
+    return take_confinement(daemon, error, &why, fault);
 }
 
 static int confine_calls(struct daemon *daemon, const struct iso_config *config,
@@ -149,7 +150,7 @@ static int confine_calls(struct daemon *daemon, const struct iso_config *config,
     free(daemon->room);
     daemon->room = NULL;
     const int error = iso_confine_calls(&why);
-    return confine(daemon, error, &why, fault);
+    return take_confinement(daemon, error, &why, fault);
 }
 
 static void say_fault(const struct iso_fault *fault)
@@ -212,7 +213,7 @@ static int on_readable(sd_event_source *source, int fd, uint32_t events, void *c
     return 0;
 }
 
-static void watch(struct daemon *daemon, struct watched_fd *watched, int fd)
+static void watch_fd(struct daemon *daemon, struct watched_fd *watched, int fd)
 {
     if (fd == watched->fd && watched->source) {
         return;
@@ -275,16 +276,16 @@ static int wait_until(struct daemon *daemon, int64_t wake_ns, struct iso_fault *
         timeout_us = wake_ns > now_ns ? (uint64_t)(wake_ns - now_ns + 999) / 1000 : 0;
     }
     const int r = sd_event_run(daemon->event, timeout_us);
-    return r < 0 && r != -EINTR ? fail(r, "event loop", fault) : 0;
+    return r < 0 && r != -EINTR ? fail_at(r, "event loop", fault) : 0;
 }
 
-static int loop(struct daemon *daemon, struct iso_fault *fault)
+static int run_loop(struct daemon *daemon, struct iso_fault *fault)
 {
     while (!daemon->quit) {
         const int64_t step_ns = iso_appliance_step(daemon->appliance);
         const int64_t mend_ns = mend_bus(daemon, iso_times_now_ns(&daemon->components->times));
-        watch(daemon, &daemon->sensor, iso_appliance_sensor_fd(daemon->appliance));
-        watch(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
+        watch_fd(daemon, &daemon->sensor, iso_appliance_sensor_fd(daemon->appliance));
+        watch_fd(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
         tell_service_manager(daemon, iso_times_now_ns(&daemon->components->times));
         const int error = wait_until(daemon, step_ns < mend_ns ? step_ns : mend_ns, fault);
         iso_stack_wipe();
@@ -309,8 +310,8 @@ static void tear_down(struct daemon *daemon)
     if (daemon->appliance) {
         iso_appliance_stop(daemon->appliance);
     }
-    watch(daemon, &daemon->sensor, -1);
-    watch(daemon, &daemon->door, -1);
+    watch_fd(daemon, &daemon->sensor, -1);
+    watch_fd(daemon, &daemon->door, -1);
     iso_bus_close(daemon->bus);
     iso_appliance_free(daemon->appliance);
     iso_components_close(daemon->components);
@@ -340,7 +341,7 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
         iso_daemon_say(LOG_INFO, "ready");
         iso_life_sign_enter(daemon.life, ISO_LIFE_RUNNING);
         (void)sd_notify(0, "READY=1\nSTATUS=Watching the door");
-        error = loop(&daemon, fault);
+        error = run_loop(&daemon, fault);
         (void)sd_notify(0, "STOPPING=1");
         iso_life_sign_enter(daemon.life, ISO_LIFE_STOPPING);
     }

@@ -103,7 +103,7 @@ static int exit_code(int error)
     }
 }
 
-static int say(int error, const struct iso_fault *fault)
+static int say_fault(int error, const struct iso_fault *fault)
 {
     if (error) {
         char line[sizeof fault->text + ISO_FAULT_TAG_SIZE], tag[ISO_FAULT_TAG_SIZE];
@@ -138,7 +138,7 @@ static void take_surroundings(struct iso_config *config)
     config->log.journal = config->log.journal && getenv("JOURNAL_STREAM");
 }
 
-static int check(const char *path, const struct iso_config *config, struct iso_fault *fault)
+static int check_config(const char *path, const struct iso_config *config, struct iso_fault *fault)
 {
     const int error = iso_daemon_check(config, fault);
     if (!error) {
@@ -157,7 +157,7 @@ static void warn_of_obsolete(const char *path, const struct iso_config *config)
     }
 }
 
-static int run(const struct arguments *arguments)
+static int run_daemon(const struct arguments *arguments)
 {
     const struct iso_times times = iso_times_system();
     struct iso_config config;
@@ -171,7 +171,7 @@ static int run(const struct arguments *arguments)
         warn_of_obsolete(arguments->config, &config);
     }
     if (!error && arguments->check_config) {
-        error = check(arguments->config, &config, &fault);
+        error = check_config(arguments->config, &config, &fault);
     } else if (!error && arguments->rest_door) {
         error = iso_components_rest_door(&config, &times, &fault);
     } else if (!error && arguments->print_log) {
@@ -181,13 +181,13 @@ static int run(const struct arguments *arguments)
     } else if (!error) {
         error = iso_daemon_run(&config, &fault);
     }
-    return say(error, &fault);
+    return say_fault(error, &fault);
 }
 
 static int list_devices(void)
 {
     struct iso_fault fault = {.text = ""};
-    return say(iso_device_list_print(stdout, &fault), &fault);
+    return say_fault(iso_device_list_print(stdout, &fault), &fault);
 }
 
 static void say_version(void)
@@ -197,7 +197,7 @@ static void say_version(void)
 }
 
 /* Does what the options ask for. */
-static int obey(int argc, char **argv)
+static int obey_options(int argc, char **argv)
 {
     struct arguments arguments = {.config = ISOTHERM_CONFIG};
     struct option table[CHOICES + 1];
@@ -243,7 +243,7 @@ static int obey(int argc, char **argv)
         fprintf(stderr, "isothermd: superfluous word '%s'\n", argv[optind]);
         return EXIT_USAGE;
     }
-    return run(&arguments);
+    return run_daemon(&arguments);
 }
 
 /* What is made belongs to its owner alone, whatever umask was inherited: one that takes the owner's
@@ -251,6 +251,6 @@ static int obey(int argc, char **argv)
 int main(int argc, char **argv)
 {
     (void)umask(S_IRWXG | S_IRWXO);
-    const int code = iso_limits_check("isothermd") ? EXIT_FAULT : obey(argc, argv);
+    const int code = iso_limits_check("isothermd") ? EXIT_FAULT : obey_options(argc, argv);
     return iso_output_end("isothermd") && code == EXIT_OK ? EXIT_FAULT : code;
 }

@@ -33,7 +33,7 @@ void iso_door_init(struct iso_door *door, const struct iso_door_options *options
     };
 }
 
-static enum iso_door_state rest(const struct iso_door *door)
+static enum iso_door_state resting_state(const struct iso_door *door)
 {
     return door->fault ? ISO_DOOR_FAULT : ISO_DOOR_LOCKED;
 }
@@ -94,7 +94,7 @@ static enum iso_door_state after_time(const struct iso_door *door, int64_t now_n
     if (now_ns < door->state_due_ns) {
         return door->state;
     }
-    return door->state == ISO_DOOR_OPENED ? ISO_DOOR_HELD_OPEN : rest(door);
+    return door->state == ISO_DOOR_OPENED ? ISO_DOOR_HELD_OPEN : resting_state(door);
 }
 
 static enum iso_door_state after_opened(const struct iso_door *door)
@@ -122,13 +122,13 @@ static bool is_shut(enum iso_door_state state)
 }
 
 /* The state that follows, once the flags are set; the same one if the event changes nothing. */
-static enum iso_door_state after(const struct iso_door *door, enum iso_door_event event,
-                                 int64_t now_ns)
+static enum iso_door_state state_after(const struct iso_door *door, enum iso_door_event event,
+                                       int64_t now_ns)
 {
     const enum iso_door_state state = door->state;
     switch (event) {
     case ISO_DOOR_ON_START:
-        return state == ISO_DOOR_STOPPED ? rest(door) : state;
+        return state == ISO_DOOR_STOPPED ? resting_state(door) : state;
     case ISO_DOOR_ON_START_OPEN:
         return state == ISO_DOOR_STOPPED ? ISO_DOOR_OPENED : state;
     case ISO_DOOR_ON_STOP:
@@ -141,12 +141,12 @@ static enum iso_door_state after(const struct iso_door *door, enum iso_door_even
     case ISO_DOOR_ON_OPENED:
         return after_opened(door);
     case ISO_DOOR_ON_CLOSED:
-        return is_open(state) ? rest(door) : state;
+        return is_open(state) ? resting_state(door) : state;
     case ISO_DOOR_ON_FAULT:
     case ISO_DOOR_ON_RECOVERED:
-        return state == ISO_DOOR_LOCKED || state == ISO_DOOR_FAULT ? rest(door) : state;
+        return state == ISO_DOOR_LOCKED || state == ISO_DOOR_FAULT ? resting_state(door) : state;
     case ISO_DOOR_ON_NOT_SWITCHED:
-        return state == ISO_DOOR_UNLOCKED ? rest(door) : state;
+        return state == ISO_DOOR_UNLOCKED ? resting_state(door) : state;
     case ISO_DOOR_ON_TIME:
         return after_time(door, now_ns);
     default:
@@ -155,7 +155,7 @@ static enum iso_door_state after(const struct iso_door *door, enum iso_door_even
 }
 
 /* Whether an unlocked door stays so for the whole time again. */
-static bool renews(const struct iso_door *door, enum iso_door_event event)
+static bool renews_unlocking(const struct iso_door *door, enum iso_door_event event)
 {
     return door->state == ISO_DOOR_UNLOCKED &&
            (event == ISO_DOOR_ON_EXIT_BUTTON || (event == ISO_DOOR_ON_GRANT && !door->fault));
@@ -164,9 +164,9 @@ static bool renews(const struct iso_door *door, enum iso_door_event event)
 bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t now_ns)
 {
     set_flags(door, event, now_ns);
-    const enum iso_door_state next = after(door, event, now_ns);
+    const enum iso_door_state next = state_after(door, event, now_ns);
     const bool changed = next != door->state;
-    if (changed || renews(door, event)) {
+    if (changed || renews_unlocking(door, event)) {
         const bool pulses = next == ISO_DOOR_UNLOCKED && door->options.pulse_ns > 0;
         door->state_due_ns = due_of(door, next, event, now_ns);
         door->pulse_due_ns = pulses ? now_ns + door->options.pulse_ns : ISO_NEVER_NS;
@@ -175,14 +175,15 @@ bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t n
     return changed;
 }
 
-static int64_t earliest(int64_t a, int64_t b)
+static int64_t earliest_time(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
 int64_t iso_door_due_ns(const struct iso_door *door)
 {
-    return earliest(door->state_due_ns, earliest(door->pulse_due_ns, door->refused_due_ns));
+    return earliest_time(door->state_due_ns,
+                         earliest_time(door->pulse_due_ns, door->refused_due_ns));
 }
 
 static bool relay_is_powered(const struct iso_door *door)

@@ -38,7 +38,7 @@ static bool is_alarm(enum iso_door_event event)
     return event == ISO_DOOR_ON_TAMPER || event == ISO_DOOR_ON_TAMPER_ENDED;
 }
 
-static void tell(struct iso_door_control *control, enum iso_door_event event, int64_t now_ns)
+static void tell_change(struct iso_door_control *control, enum iso_door_event event, int64_t now_ns)
 {
     const bool changed = iso_door_handle(&control->door, event, now_ns);
     if (changed || is_alarm(event)) {
@@ -60,9 +60,9 @@ static void note_lines(struct iso_door_control *control, const struct iso_fault 
     }
     control->broken = broken;
     if (broken) {
-        tell(control, ISO_DOOR_ON_FAULT, now_ns);
+        tell_change(control, ISO_DOOR_ON_FAULT, now_ns);
     } else if (!control->asked_fault) {
-        tell(control, ISO_DOOR_ON_RECOVERED, now_ns);
+        tell_change(control, ISO_DOOR_ON_RECOVERED, now_ns);
     }
 }
 
@@ -99,13 +99,15 @@ static void tell_inputs(struct iso_door_control *control, const struct iso_door_
 {
     const bool *now = inputs->active, *before = control->inputs.active;
     if (now[ISO_DOOR_EXIT_BUTTON] && !before[ISO_DOOR_EXIT_BUTTON]) {
-        tell(control, ISO_DOOR_ON_EXIT_BUTTON, now_ns); /* first: who opens has pressed it */
+        tell_change(control, ISO_DOOR_ON_EXIT_BUTTON, now_ns); /* first: who opens has pressed it */
     }
     if (now[ISO_DOOR_CONTACT] != before[ISO_DOOR_CONTACT]) {
-        tell(control, now[ISO_DOOR_CONTACT] ? ISO_DOOR_ON_OPENED : ISO_DOOR_ON_CLOSED, now_ns);
+        tell_change(control, now[ISO_DOOR_CONTACT] ? ISO_DOOR_ON_OPENED : ISO_DOOR_ON_CLOSED,
+                    now_ns);
     }
     if (now[ISO_DOOR_TAMPER] != before[ISO_DOOR_TAMPER]) {
-        tell(control, now[ISO_DOOR_TAMPER] ? ISO_DOOR_ON_TAMPER : ISO_DOOR_ON_TAMPER_ENDED, now_ns);
+        tell_change(control, now[ISO_DOOR_TAMPER] ? ISO_DOOR_ON_TAMPER : ISO_DOOR_ON_TAMPER_ENDED,
+                    now_ns);
     }
     control->inputs = *inputs;
 }
@@ -154,7 +156,7 @@ static void note_loss(struct iso_door_control *control, bool had_lines, int64_t 
 
 /* ---- calls ---- */
 
-static void apply(struct iso_door_control *control, int64_t now_ns)
+static void apply_outputs(struct iso_door_control *control, int64_t now_ns)
 {
     struct iso_fault fault = {.text = ""};
     if (iso_door_io_is_lost(control->io)) {
@@ -194,17 +196,17 @@ void iso_door_control_start(struct iso_door_control *control, int64_t now_ns)
         note_loss(control, true, now_ns);
     }
     control->inputs.active[ISO_DOOR_CONTACT] = open;
-    tell(control, open ? ISO_DOOR_ON_START_OPEN : ISO_DOOR_ON_START, now_ns);
+    tell_change(control, open ? ISO_DOOR_ON_START_OPEN : ISO_DOOR_ON_START, now_ns);
     if (fine) {
         tell_inputs(control, &inputs, now_ns);
     }
-    apply(control, now_ns);
+    apply_outputs(control, now_ns);
 }
 
 void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns)
 {
-    tell(control, ISO_DOOR_ON_STOP, now_ns);
-    apply(control, now_ns);
+    tell_change(control, ISO_DOOR_ON_STOP, now_ns);
+    apply_outputs(control, now_ns);
     control->read_ns = ISO_NEVER_NS;
 }
 
@@ -225,8 +227,8 @@ static enum iso_door_answer answer_of(const struct iso_door_control *control)
 /* Unlocks by an event. The lock is switched first, and what is told of it is then what it did. If
  * the relay did not follow, or its line is gone, the event is withdrawn: the lock does not unlock
  * later, when the line is back. */
-static enum iso_door_answer unlock(struct iso_door_control *control, enum iso_door_event event,
-                                   int64_t now_ns)
+static enum iso_door_answer unlock_by(struct iso_door_control *control, enum iso_door_event event,
+                                      int64_t now_ns)
 {
     struct iso_fault fault = {.text = ""};
     const bool unlocks = iso_door_handle(&control->door, event, now_ns);
@@ -236,7 +238,8 @@ static enum iso_door_answer unlock(struct iso_door_control *control, enum iso_do
     if (failed && unlocks) {
         (void)iso_door_handle(&control->door, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
     } else if (failed && control->door.state == ISO_DOOR_UNLOCKED) {
-        tell(control, ISO_DOOR_ON_NOT_SWITCHED, now_ns); /* somebody was told that it is unlocked */
+        tell_change(control, ISO_DOOR_ON_NOT_SWITCHED,
+                    now_ns); /* somebody was told that it is unlocked */
     } else if (unlocks) {
         control->changed(control->context, event);
     }
@@ -245,26 +248,26 @@ static enum iso_door_answer unlock(struct iso_door_control *control, enum iso_do
         note_loss(control, true, now_ns);
     }
     if (failed) {
-        apply(control, now_ns); /* the lock goes back to rest, if it can */
+        apply_outputs(control, now_ns); /* the lock goes back to rest, if it can */
     }
     return answer_of(control);
 }
 
 enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, int64_t now_ns)
 {
-    return unlock(control, ISO_DOOR_ON_GRANT, now_ns);
+    return unlock_by(control, ISO_DOOR_ON_GRANT, now_ns);
 }
 
 void iso_door_control_withdraw(struct iso_door_control *control, int64_t now_ns)
 {
-    tell(control, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
-    apply(control, now_ns);
+    tell_change(control, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
+    apply_outputs(control, now_ns);
 }
 
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns)
 {
-    tell(control, ISO_DOOR_ON_REFUSE, now_ns);
-    apply(control, now_ns);
+    tell_change(control, ISO_DOOR_ON_REFUSE, now_ns);
+    apply_outputs(control, now_ns);
 }
 
 static int lines_at_fault(const struct iso_door_control *control, struct iso_fault *fault)
@@ -291,7 +294,7 @@ int iso_door_control_test(struct iso_door_control *control, int64_t now_ns, stru
     if (error) {
         return error;
     }
-    return unlock(control, ISO_DOOR_ON_TEST, now_ns) == ISO_DOOR_DID_UNLOCK
+    return unlock_by(control, ISO_DOOR_ON_TEST, now_ns) == ISO_DOOR_DID_UNLOCK
                ? 0
                : lines_at_fault(control, fault);
 }
@@ -300,11 +303,11 @@ void iso_door_control_set_fault(struct iso_door_control *control, bool fault, in
 {
     control->asked_fault = fault;
     if (fault) {
-        tell(control, ISO_DOOR_ON_FAULT, now_ns);
+        tell_change(control, ISO_DOOR_ON_FAULT, now_ns);
     } else if (!control->broken) {
-        tell(control, ISO_DOOR_ON_RECOVERED, now_ns);
+        tell_change(control, ISO_DOOR_ON_RECOVERED, now_ns);
     }
-    apply(control, now_ns);
+    apply_outputs(control, now_ns);
 }
 
 void iso_door_control_step(struct iso_door_control *control, bool now, int64_t now_ns)
@@ -312,8 +315,8 @@ void iso_door_control_step(struct iso_door_control *control, bool now, int64_t n
     if (have_lines(control, now_ns) && (now || now_ns >= control->read_ns)) {
         exercise_lines(control, now_ns);
     }
-    tell(control, ISO_DOOR_ON_TIME, now_ns);
-    apply(control, now_ns);
+    tell_change(control, ISO_DOOR_ON_TIME, now_ns);
+    apply_outputs(control, now_ns);
 }
 
 int64_t iso_door_control_due_ns(const struct iso_door_control *control)

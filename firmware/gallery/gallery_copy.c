@@ -144,8 +144,8 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
 
 /* What the database holds now, read back before the transaction ends. Two of one name are found
  * here, when they have come with one import. */
-static int reread(const struct iso_gallery *gallery, struct importing *importing,
-                  struct iso_gallery_memory *out, struct iso_fault *fault)
+static int reread_people(const struct iso_gallery *gallery, struct importing *importing,
+                         struct iso_gallery_memory *out, struct iso_fault *fault)
 {
     const struct iso_work_listener listener = {tell_reread, importing};
     const int error = iso_gallery_memory_load(gallery->db, gallery->memory.algorithm,
@@ -185,7 +185,7 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
     }
     error = put_items(gallery, items, n, replace, listener, &count, fault);
     if (!error) {
-        error = reread(gallery, &importing, &now, fault);
+        error = reread_people(gallery, &importing, &now, fault);
     }
     error = iso_gallery_db_end(gallery->db, error, fault);
     if (error) {

@@ -33,7 +33,7 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory)
 /* ---- room ---- */
 
 /* Room for one more item of an array. */
-static int reserve(void **items, size_t item_size, size_t n, size_t *capacity)
+static int reserve_item(void **items, size_t item_size, size_t n, size_t *capacity)
 {
     if (n < *capacity) {
         return 0;
@@ -51,8 +51,8 @@ static int reserve(void **items, size_t item_size, size_t n, size_t *capacity)
 static int reserve_person(struct iso_gallery_memory *memory)
 {
     void *people = memory->people;
-    const int error = reserve(&people, sizeof *memory->people, memory->n_people,
-                              &memory->people_capacity);
+    const int error = reserve_item(&people, sizeof *memory->people, memory->n_people,
+                                   &memory->people_capacity);
     memory->people = people;
     return error;
 }
@@ -63,8 +63,8 @@ static int reserve_template(struct iso_gallery_memory *memory)
     if (memory->index) {
         return iso_index_reserve(memory->index, iso_index_size(memory->index) + 1);
     }
-    const int error = reserve(&entries, sizeof *memory->entries, memory->n_entries,
-                              &memory->entries_capacity);
+    const int error = reserve_item(&entries, sizeof *memory->entries, memory->n_entries,
+                                   &memory->entries_capacity);
     memory->entries = entries;
     return error;
 }
@@ -152,7 +152,8 @@ static void insert_entry(struct iso_gallery_memory *memory, int64_t person,
 }
 
 /* There is room, and nobody has more templates than an index takes. */
-static int insert(struct iso_gallery_memory *memory, int64_t person, struct iso_gallery_kept *kept)
+static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
+                         struct iso_gallery_kept *kept)
 {
     int error = 0;
     if (!memory->index) {
@@ -178,7 +179,7 @@ void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_
     own->valid_until_s = row->valid_until_s;
     own->templates++;
     own->usable++;
-    (void)!insert(memory, row->id, kept);
+    (void)!insert_vector(memory, row->id, kept);
 }
 
 /* ---- people ---- */
@@ -250,7 +251,7 @@ static int load_usable(struct iso_gallery_memory *memory, struct iso_person *per
     struct iso_gallery_kept kept;
     int error = prepare_template(memory, bytes, size, &kept);
     if (!error) {
-        error = insert(memory, person->id, &kept);
+        error = insert_vector(memory, person->id, &kept);
     }
     person->usable += !error;
     return error;

@@ -12,7 +12,7 @@
 
 /* ---- key pairs ---- */
 
-static const struct iso_seal_key *newest(const struct iso_key_ring *ring, enum iso_key_use use)
+static const struct iso_seal_key *newest_key(const struct iso_key_ring *ring, enum iso_key_use use)
 {
     return iso_key_ring_find(ring, use, iso_key_ring_newest(ring, use));
 }
@@ -20,14 +20,15 @@ static const struct iso_seal_key *newest(const struct iso_key_ring *ring, enum i
 static struct iso__transfer_pair signing_pair(const struct iso_key_ring *ring)
 {
     struct iso__transfer_pair pair;
-    (void)crypto_sign_seed_keypair(pair.public, pair.secret, newest(ring, ISO_KEY_SIGN)->bytes);
+    (void)crypto_sign_seed_keypair(pair.public, pair.secret, newest_key(ring, ISO_KEY_SIGN)->bytes);
     return pair;
 }
 
 struct iso__transfer_pair iso__transfer_receiving_pair(const struct iso_key_ring *ring)
 {
     struct iso__transfer_pair pair;
-    (void)crypto_box_seed_keypair(pair.public, pair.secret, newest(ring, ISO_KEY_RECEIVE)->bytes);
+    (void)crypto_box_seed_keypair(pair.public, pair.secret,
+                                  newest_key(ring, ISO_KEY_RECEIVE)->bytes);
     return pair;
 }
 
@@ -72,7 +73,7 @@ struct buffer {
     const struct iso_work_listener *listener;
 };
 
-static int reserve(struct buffer *buffer, size_t more)
+static int reserve_bytes(struct buffer *buffer, size_t more)
 {
     if (more <= buffer->capacity - buffer->size) {
         return 0;
@@ -102,7 +103,7 @@ static int put_item(void *context, const struct iso_gallery_item *item, struct i
     for (size_t i = 0; i < item->n; i++) {
         size += 8 + item->templates[i].size;
     }
-    const int error = reserve(buffer, size);
+    const int error = reserve_bytes(buffer, size);
     if (error) {
         return iso_fault_set(fault, error, "export: %s", strerror(-error));
     }
@@ -136,10 +137,10 @@ static size_t count_people(const struct iso_gallery *gallery, const char *const 
     return n;
 }
 
-static int gather(struct iso_gallery *gallery, const char *const *people, struct buffer *out,
-                  struct iso_fault *fault)
+static int gather_people(struct iso_gallery *gallery, const char *const *people, struct buffer *out,
+                         struct iso_fault *fault)
 {
-    int error = reserve(out, 4);
+    int error = reserve_bytes(out, 4);
     if (error) {
         return iso_fault_set(fault, error, "export: %s", strerror(-error));
     }
@@ -227,7 +228,7 @@ int iso_transfer_write(struct iso_gallery *gallery, const char *const *people,
                        size_t *n, struct iso_fault *fault)
 {
     struct buffer buffer = {.listener = listener};
-    int error = gather(gallery, people, &buffer, fault);
+    int error = gather_people(gallery, people, &buffer, fault);
     if (!error) {
         error = seal_file(&buffer, ring, lock, bytes, size, fault);
     }

@@ -54,7 +54,7 @@ int iso_state_counter_new(const struct iso_counter *counter, const struct iso_ti
 }
 
 /* The shortest of the times that the changes may wait. The mutex is held. */
-static void owe(struct iso_state_counter *counter, enum iso_state_change change)
+static void owe_increment(struct iso_state_counter *counter, enum iso_state_change change)
 {
     if (!counter->owed || waits_ns[change] < counter->wait_ns) {
         counter->wait_ns = waits_ns[change];
@@ -74,8 +74,8 @@ void iso_state_counter_found(struct iso_state_counter *counter, uint32_t number)
 }
 
 /* 0 with *there false if the device has not the counter. */
-static int ask(struct iso_state_counter *counter, bool *there, uint64_t *value,
-               struct iso_fault *fault)
+static int ask_device(struct iso_state_counter *counter, bool *there, uint64_t *value,
+                      struct iso_fault *fault)
 {
     struct iso_fault why = {.text = ""};
     const int error = counter->device.ops->read(counter->device.self, value, &why);
@@ -91,7 +91,7 @@ static int ask(struct iso_state_counter *counter, bool *there, uint64_t *value,
                : 0;
 }
 
-static int judge(uint32_t found, uint64_t value, const char *path, struct iso_fault *fault)
+static int judge_number(uint32_t found, uint64_t value, const char *path, struct iso_fault *fault)
 {
     if (found == 0) {
         return iso_fault_set_code(
@@ -121,12 +121,12 @@ int iso_state_counter_check(struct iso_state_counter *counter, const char *path,
 {
     bool there = false;
     uint64_t value = 0;
-    const int error = ask(counter, &there, &value, fault);
+    const int error = ask_device(counter, &there, &value, fault);
     if (error) {
         return error;
     }
     if (there) {
-        return judge(counter->found, value, path, fault);
+        return judge_number(counter->found, value, path, fault);
     }
     return counter->found == 0
                ? 0
@@ -140,7 +140,7 @@ int iso_state_counter_begin(struct iso_state_counter *counter, struct iso_fault 
 {
     bool there = false;
     uint64_t value = 0;
-    int error = ask(counter, &there, &value, fault);
+    int error = ask_device(counter, &there, &value, fault);
     if (!error && !there) {
         error = counter->device.ops->define(counter->device.self, &value, fault);
     }
@@ -151,7 +151,7 @@ int iso_state_counter_begin(struct iso_state_counter *counter, struct iso_fault 
     counter->begun = true;
     counter->value = value;
     counter->written = 0; /* is written anew with the next anchor */
-    owe(counter, ISO_STATE_ADMINISTRATOR);
+    owe_increment(counter, ISO_STATE_ADMINISTRATOR);
     (void)pthread_mutex_unlock(&counter->mutex);
     return 0;
 }
@@ -169,7 +169,7 @@ static bool is_due(const struct iso_state_counter *counter)
            iso_times_now_ns(counter->times) - counter->raised_ns >= counter->wait_ns;
 }
 
-static void note(struct iso_state_counter *counter, int error, const struct iso_fault *fault)
+static void note_result(struct iso_state_counter *counter, int error, const struct iso_fault *fault)
 {
     if (error != counter->error || error) {
         counter->news = counter->news || error != counter->error;
@@ -184,32 +184,32 @@ static void take_value(struct iso_state_counter *counter, uint64_t value)
 {
     counter->value = value;
     if (counter->written < value) {
-        owe(counter, ISO_STATE_ADMINISTRATOR);
+        owe_increment(counter, ISO_STATE_ADMINISTRATOR);
     }
 }
 
 /* Has the device reach the number that the anchor has. It may be there already: if it has counted
  * before, and only its answer got lost. To count once more would leave the anchor behind. */
-static int reach(const struct iso_counter *device, uint32_t number, uint64_t *value,
-                 struct iso_fault *fault)
+static int reach_number(const struct iso_counter *device, uint32_t number, uint64_t *value,
+                        struct iso_fault *fault)
 {
     const int error = device->ops->read(device->self, value, fault);
     return error || *value >= number ? error : device->ops->increment(device->self, value, fault);
 }
 
 /* Increments the device; the mutex is held before and after, and not meanwhile. */
-static void increment(struct iso_state_counter *counter)
+static void increment_device(struct iso_state_counter *counter)
 {
     struct iso_fault fault = {.text = ""};
     uint64_t value = 0;
     const uint32_t number = counter->written;
     (void)pthread_mutex_unlock(&counter->mutex);
-    const int error = reach(&counter->device, number, &value, &fault);
+    const int error = reach_number(&counter->device, number, &value, &fault);
     (void)pthread_mutex_lock(&counter->mutex);
     if (!error) {
         take_value(counter, value);
     }
-    note(counter, error, &fault);
+    note_result(counter, error, &fault);
 }
 
 /* Waits for a change, or for so long. */
@@ -221,7 +221,7 @@ static void wait_for(struct iso_state_counter *counter, int seconds)
     (void)pthread_cond_timedwait(&counter->changed, &counter->mutex, &until);
 }
 
-static void *run(void *context)
+static void *run_thread(void *context)
 {
     struct iso_state_counter *counter = context;
     iso_thread_set_name("isothermd-tpm");
@@ -232,7 +232,7 @@ static void *run(void *context)
             (void)pthread_cond_wait(&counter->changed, &counter->mutex);
             continue;
         }
-        increment(counter);
+        increment_device(counter);
         if (counter->error && !counter->ending) {
             wait_for(counter, wait_s);
             wait_s = 2 * wait_s < RETRY_MOST_S ? 2 * wait_s : RETRY_MOST_S;
@@ -246,7 +246,7 @@ static void *run(void *context)
 
 int iso_state_counter_start_thread(struct iso_state_counter *counter)
 {
-    const int error = iso_thread_start(&counter->thread, run, counter);
+    const int error = iso_thread_start(&counter->thread, run_thread, counter);
     if (!error) {
         (void)pthread_mutex_lock(&counter->mutex);
         counter->threaded = true;
@@ -269,7 +269,7 @@ void iso_state_counter_free(struct iso_state_counter *counter)
     }
     (void)pthread_mutex_lock(&counter->mutex);
     if (counter->begun && is_behind(counter)) {
-        increment(counter);
+        increment_device(counter);
     }
     (void)pthread_mutex_unlock(&counter->mutex);
     iso_counter_close(&counter->device);
@@ -283,7 +283,7 @@ void iso_state_counter_free(struct iso_state_counter *counter)
 void iso_state_counter_changed(struct iso_state_counter *counter, enum iso_state_change change)
 {
     (void)pthread_mutex_lock(&counter->mutex);
-    owe(counter, change);
+    owe_increment(counter, change);
     (void)pthread_mutex_unlock(&counter->mutex);
 }
 
@@ -316,7 +316,7 @@ void iso_state_counter_wrote(struct iso_state_counter *counter, uint32_t number)
         (void)pthread_cond_broadcast(&counter->changed);
     }
     if (counter->begun && !counter->threaded && is_behind(counter)) {
-        increment(counter);
+        increment_device(counter);
     }
     (void)pthread_mutex_unlock(&counter->mutex);
 }

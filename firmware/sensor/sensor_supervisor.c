@@ -195,7 +195,7 @@ void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int6
     }
 }
 
-static int64_t earlier(int64_t a_ns, int64_t b_ns)
+static int64_t earlier_time(int64_t a_ns, int64_t b_ns)
 {
     return a_ns < b_ns ? a_ns : b_ns;
 }
@@ -208,9 +208,9 @@ static int64_t due_with_descriptor(const struct iso_sensor_supervisor *superviso
     if (supervisor->found) {
         return now_ns;
     }
-    int64_t due_ns = earlier(now_ns + BEAT_NS, supervisor->heard_ns + options->silence_ns);
+    int64_t due_ns = earlier_time(now_ns + BEAT_NS, supervisor->heard_ns + options->silence_ns);
     if (supervisor->sees) {
-        due_ns = earlier(due_ns, supervisor->seen_ns + options->pause_ns);
+        due_ns = earlier_time(due_ns, supervisor->seen_ns + options->pause_ns);
     }
     return due_ns;
 }

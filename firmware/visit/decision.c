@@ -71,7 +71,7 @@ static int count_of(const struct iso_decision *decision, int64_t person, int64_t
     return count;
 }
 
-static void spend(struct iso_decision *decision, int64_t t_ns)
+static void spend_visit(struct iso_decision *decision, int64_t t_ns)
 {
     decision->state = ISO_DECISION_SPENT;
     decision->verdict_ns = t_ns;
@@ -86,7 +86,7 @@ static int frames_needed(const struct iso_decision *decision)
 }
 
 /* Somebody is there; false if that is of no interest for the time being. */
-static bool enter(struct iso_decision *decision, int64_t t_ns)
+static bool enter_visit(struct iso_decision *decision, int64_t t_ns)
 {
     decision->seen_ns = t_ns;
     if (decision->state == ISO_DECISION_IDLE) {
@@ -108,7 +108,7 @@ static enum iso_capture main_cue(const struct iso_decision *decision)
 }
 
 /* What the visit was, for a reason; DENY as all verdicts are until somebody allows them. */
-static struct iso_verdict conclude(const struct iso_decision *decision, enum iso_reason reason)
+static struct iso_verdict verdict_for(const struct iso_decision *decision, enum iso_reason reason)
 {
     return (struct iso_verdict){
         .reason = reason,
@@ -119,7 +119,7 @@ static struct iso_verdict conclude(const struct iso_decision *decision, enum iso
     };
 }
 
-static void note(struct iso_decision *decision, const struct iso_decision_frame *frame)
+static void note_frame(struct iso_decision *decision, const struct iso_decision_frame *frame)
 {
     const int64_t person = counted_person(&decision->options, frame);
     decision->frames[decision->n_frames].person = person;
@@ -136,7 +136,7 @@ bool iso_decision_track(struct iso_decision *decision, uint64_t track, struct is
     const bool left = decision->state == ISO_DECISION_VISIT && decision->n_frames > 0 &&
                       decision->track != track;
     if (left) {
-        *verdict = conclude(decision, ISO_REASON_LEFT);
+        *verdict = verdict_for(decision, ISO_REASON_LEFT);
         forget_face(decision);
         if (decision->n_attack_frames == 0) {
             iso_decision_reset(decision);
@@ -148,37 +148,37 @@ bool iso_decision_track(struct iso_decision *decision, uint64_t track, struct is
 bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_frame *frame,
                        struct iso_verdict *verdict)
 {
-    if (!enter(decision, frame->t_ns)) {
+    if (!enter_visit(decision, frame->t_ns)) {
         return false;
     }
     if (decision->n_frames > 0 && decision->track != frame->track) {
         forget_face(decision); /* who forgot to tell of the track gets no agreement out of it */
     }
     decision->track = frame->track;
-    note(decision, frame);
+    note_frame(decision, frame);
     const int64_t person = decision->frames[decision->n_frames - 1].person;
     double best = NAN;
     int64_t since_ns = frame->t_ns;
     if (person != 0 &&
         count_of(decision, person, frame->t_ns, &best, &since_ns) >= frames_needed(decision)) {
-        *verdict = conclude(decision, frame->valid ? ISO_REASON_MATCH : ISO_REASON_NOT_VALID);
+        *verdict = verdict_for(decision, frame->valid ? ISO_REASON_MATCH : ISO_REASON_NOT_VALID);
         verdict->allow = frame->valid;
         verdict->person = person;
         verdict->score = best;
         verdict->since_ns = since_ns;
     } else if (decision->n_frames >= decision->options.max_frames) {
-        *verdict = conclude(decision, ISO_REASON_UNKNOWN);
+        *verdict = verdict_for(decision, ISO_REASON_UNKNOWN);
     } else {
         return false;
     }
-    spend(decision, frame->t_ns);
+    spend_visit(decision, frame->t_ns);
     return true;
 }
 
 bool iso_decision_attack(struct iso_decision *decision, enum iso_capture cue, int64_t t_ns,
                          struct iso_verdict *verdict)
 {
-    if (!enter(decision, t_ns)) {
+    if (!enter_visit(decision, t_ns)) {
         return false;
     }
     decision->n_attack_frames++;
@@ -186,8 +186,8 @@ bool iso_decision_attack(struct iso_decision *decision, enum iso_capture cue, in
     if (decision->n_attack_frames < decision->options.attack_frames) {
         return false;
     }
-    *verdict = conclude(decision, ISO_REASON_ATTACK);
-    spend(decision, t_ns);
+    *verdict = verdict_for(decision, ISO_REASON_ATTACK);
+    spend_visit(decision, t_ns);
     return true;
 }
 
@@ -198,7 +198,7 @@ bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_v
     }
     const bool left = decision->state == ISO_DECISION_VISIT && decision->n_frames > 0;
     if (left) {
-        *verdict = conclude(decision, ISO_REASON_LEFT);
+        *verdict = verdict_for(decision, ISO_REASON_LEFT);
     }
     iso_decision_reset(decision);
     return left;

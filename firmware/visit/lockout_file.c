@@ -33,7 +33,7 @@ static int64_t remaining_ms(const struct iso_lockout_record *record)
 
 /* ---- format 1 ---- */
 
-static size_t print(const struct iso_lockout_record *record, char text[TEXT_SIZE])
+static size_t print_record(const struct iso_lockout_record *record, char text[TEXT_SIZE])
 {
     int n = snprintf(text, TEXT_SIZE, "isotherm-lockout 1 %d %d %d %" PRId64 " %s ",
                      record->failures, record->attacks, record->locks, remaining_ms(record),
@@ -56,7 +56,7 @@ int iso_lockout_parse(const char *text, size_t size, struct iso_lockout_record *
     record.lockdown = strcmp(word, "lockdown") == 0;
     record.remaining_ns = left_ms * ISO_NS_PER_MS;
     /* There is one way to write a record: what is not written so was not written by us. */
-    const size_t length = print(&record, again);
+    const size_t length = print_record(&record, again);
     if (left_ms < 0 || length != size || memcmp(text, again, size) != 0) {
         return -EBADMSG;
     }
