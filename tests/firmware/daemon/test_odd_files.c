@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/inotify.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -22,6 +21,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "tests/firmware/daemon/opened_files.h"
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
@@ -30,7 +30,7 @@
 #define DATA    ISOTHERM_SOURCE_DIR "/core/data/"
 #define STORED  ISOTHERM_SOURCE_DIR "/sim/stored/p01-enrol/"
 
-enum { SILENCE_MS = 30000, NAMES_MAX = 64, NAME_SIZE = 128 };
+enum { SILENCE_MS = 30000 };
 
 static const off_t huge_bytes = (off_t)8 << 30;
 
@@ -178,58 +178,6 @@ static void check(const char *directory, struct run *run)
     run_finish(run);
 }
 
-/* ---- which files are opened ---- */
-
-struct names {
-    size_t n;
-    char text[NAMES_MAX][NAME_SIZE]; /* below the directory */
-};
-
-static void add(struct names *names, const char *folder, const char *name)
-{
-    char text[NAME_SIZE];
-    (void)snprintf(text, sizeof text, "%s%s%.90s", folder, *folder ? "/" : "", name);
-    for (size_t i = 0; i < names->n; i++) {
-        if (strcmp(names->text[i], text) == 0) {
-            return;
-        }
-    }
-    assert_true(names->n < NAMES_MAX);
-    memcpy(names->text[names->n++], text, sizeof text);
-}
-
-static const char *const folders[] = {"", "slot", "slot/depth", "credentials"};
-
-enum { FOLDERS = sizeof folders / sizeof *folders };
-
-static int watch(const char *directory, int watches[FOLDERS])
-{
-    const int fd = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-    assert_true(fd >= 0);
-    for (size_t i = 0; i < FOLDERS; i++) {
-        watches[i] = inotify_add_watch(fd, scratch_path(directory, folders[i]), IN_OPEN);
-        assert_true(watches[i] >= 0);
-    }
-    return fd;
-}
-
-static void collect(int fd, const int watches[FOLDERS], struct names *names)
-{
-    _Alignas(struct inotify_event) char buffer[65536];
-    ssize_t size;
-    while ((size = read(fd, buffer, sizeof buffer)) > 0) {
-        for (char *at = buffer; at < buffer + size;) {
-            const struct inotify_event *event = (const struct inotify_event *)at;
-            for (size_t i = 0; i < FOLDERS; i++) {
-                if (event->wd == watches[i] && event->len > 0 && !(event->mask & IN_ISDIR)) {
-                    add(names, folders[i], event->name);
-                }
-            }
-            at += sizeof *event + event->len;
-        }
-    }
-}
-
 static void expect_ready(const char *directory)
 {
     struct run run;
@@ -244,9 +192,9 @@ static void find_names(const char *directory, struct names *names)
 {
     int watches[FOLDERS];
     expect_ready(directory); /* which makes the stores */
-    const int fd = watch(directory, watches);
+    const int fd = opened_files_watch(directory, watches);
     expect_ready(directory);
-    collect(fd, watches, names);
+    opened_files_collect(fd, watches, names);
     (void)close(fd);
 }
 
@@ -386,7 +334,7 @@ static size_t try_kinds(const char *directory, const char *name, bool needed)
 {
     static struct names done;
     const size_t before = done.n;
-    add(&done, "", name);
+    names_add(&done, "", name);
     if (done.n == before) {
         return 0;
     }

@@ -9,33 +9,14 @@
 
 #include "firmware/gallery/gallery.h"
 #include "firmware/gallery/gallery_db.h"
+#include "tests/firmware/rigs/gallery_rig.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/firmware/rigs/rig.h"
-#include "tests/firmware/rigs/stores.h"
-
-static struct iso_gallery *open_gallery(const char *directory)
-{
-    struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {.text = ""};
-    const struct iso_gallery_options options = stores_gallery(directory);
-    if (iso_gallery_open(&options, &gallery, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    return gallery;
-}
 
 static struct iso_gallery *open_again(struct iso_gallery *gallery, const char *directory)
 {
     iso_gallery_close(gallery);
-    return open_gallery(directory);
-}
-
-static int add(struct iso_gallery *gallery, const char *name, int face, struct iso_fault *fault)
-{
-    struct iso_person person = {.enrolled_s = 1000 + face};
-    const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
-    (void)snprintf(person.name, sizeof person.name, "%s", name);
-    return iso_gallery_add(gallery, &person, &tmpl, fault);
+    return gallery_rig_open(directory);
 }
 
 /* The face of the only template of a person, opened from the database. */
@@ -54,10 +35,10 @@ static int face_of(struct iso_gallery *gallery, const char *name)
 
 static void a_name_is_one_whatever_its_case(void **state)
 {
-    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     size_t n = 0;
-    assert_int_equal(add(gallery, "Ada", 20, NULL), 0);
-    assert_int_equal(add(gallery, "aDA", 22, NULL), 0); /* hers, too */
+    assert_int_equal(gallery_rig_add(gallery, "Ada", 20, NULL), 0);
+    assert_int_equal(gallery_rig_add(gallery, "aDA", 22, NULL), 0); /* hers, too */
     for (int i = 0; i < 2; i++) {
         (void)iso_gallery_people(gallery, &n);
         assert_int_equal(n, 1);
@@ -74,9 +55,9 @@ static void a_name_is_one_whatever_its_case(void **state)
 
 static void a_person_is_renamed_for_good(void **state)
 {
-    struct iso_gallery *gallery = open_gallery(*state);
-    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
-    assert_int_equal(add(gallery, "bob", 60, NULL), 0);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(gallery_rig_add(gallery, "bob", 60, NULL), 0);
     const int64_t id = iso_gallery_find(gallery, "ada")->id;
     const uint64_t changes = iso_gallery_version(gallery).changes;
     assert_int_equal(iso_gallery_rename(gallery, "ADA", "Ada Lovelace", NULL), 0);
@@ -97,8 +78,8 @@ static void a_person_is_renamed_for_good(void **state)
 
 static void the_spelling_can_be_changed(void **state)
 {
-    struct iso_gallery *gallery = open_gallery(*state);
-    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
     assert_int_equal(iso_gallery_rename(gallery, "ada", "Ada", NULL), 0);
     gallery = open_again(gallery, *state);
     assert_string_equal(iso_gallery_find(gallery, "ada")->name, "Ada");
@@ -108,9 +89,9 @@ static void the_spelling_can_be_changed(void **state)
 static void refuses_names_that_cannot_be_given(void **state)
 {
     struct iso_fault fault = {.text = ""};
-    struct iso_gallery *gallery = open_gallery(*state);
-    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
-    assert_int_equal(add(gallery, "Bob", 60, NULL), 0);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(gallery_rig_add(gallery, "Bob", 60, NULL), 0);
     assert_int_equal(iso_gallery_rename(gallery, "ada", "BOB", &fault), -EEXIST);
     assert_string_equal(fault.text, "somebody else is enrolled as Bob");
     assert_int_equal(iso_gallery_rename(gallery, "ada", "a\tb", &fault), -EINVAL);
@@ -147,7 +128,7 @@ static struct iso_gallery *open_with_both(const char *directory)
     put(db, "Ada", 60);
     assert_int_equal(iso_gallery_db_end(db, 0, NULL), 0);
     iso_gallery_db_close(db);
-    return open_gallery(directory);
+    return gallery_rig_open(directory);
 }
 
 static void two_spellings_of_before_stay_two_people(void **state)
@@ -157,7 +138,7 @@ static void two_spellings_of_before_stay_two_people(void **state)
     assert_int_equal(face_of(gallery, "ada"), 20);
     assert_int_equal(face_of(gallery, "Ada"), 60);
     assert_int_equal(face_of(gallery, "ADA"), 20); /* who was enrolled first */
-    assert_int_equal(add(gallery, "Ada", 62, NULL), 0);
+    assert_int_equal(gallery_rig_add(gallery, "Ada", 62, NULL), 0);
     assert_int_equal(iso_gallery_find(gallery, "Ada")->templates, 2);
     assert_int_equal(iso_gallery_find(gallery, "ada")->templates, 1);
     assert_int_equal(iso_gallery_rename(gallery, "Ada", "Ada B", NULL), 0);
@@ -180,13 +161,14 @@ static void an_unseen_character_of_before_stays(void **state)
     put(db, "bo\u200bb", 80);
     assert_int_equal(iso_gallery_db_end(db, 0, NULL), 0);
     iso_gallery_db_close(db);
-    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_gallery_same_names(gallery), 1);
     assert_int_equal(face_of(gallery, "A\u200bda"), 60);
-    assert_int_equal(face_of(gallery, "Bob"), 80);      /* as it looks */
-    assert_int_equal(add(gallery, "Bob", 82, NULL), 0); /* another template of the same */
-    assert_int_equal(add(gallery, "ev\u200be", 30, &fault), -EINVAL);
+    assert_int_equal(face_of(gallery, "Bob"), 80); /* as it looks */
+    assert_int_equal(gallery_rig_add(gallery, "Bob", 82, NULL),
+                     0); /* another template of the same */
+    assert_int_equal(gallery_rig_add(gallery, "ev\u200be", 30, &fault), -EINVAL);
     assert_string_equal(fault.text, "the name holds a character that is not seen");
     assert_int_equal(iso_gallery_rename(gallery, "ada", "ad\u2060a", &fault), -EINVAL);
     assert_int_equal(iso_gallery_rename(gallery, "A\u200bda", "Ada B", NULL), 0);
@@ -200,7 +182,7 @@ static void an_unseen_character_of_before_stays(void **state)
 
 static void unseen_characters_do_not_come_by_an_import(void **state)
 {
-    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     struct iso_fault fault = {.text = ""};
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     const struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM);
@@ -249,7 +231,7 @@ static void two_spellings_of_before_forget_what_they_learned(void **state)
 
 static void two_spellings_do_not_come_by_an_import(void **state)
 {
-    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     struct iso_fault fault = {.text = ""};
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     const struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM);
@@ -278,8 +260,8 @@ static void two_spellings_do_not_come_by_an_import(void **state)
 static void limits_are_changed_for_good(void **state)
 {
     const struct iso_validity december = {1796083200, 1798761599}, none = {0};
-    struct iso_gallery *gallery = open_gallery(*state);
-    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
     assert_int_equal(iso_gallery_set_validity(gallery, "Ada", &december, NULL), 0);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(iso_gallery_find(gallery, "ada")->valid_from_s, 1796083200);
@@ -296,8 +278,8 @@ static void limits_are_changed_for_good(void **state)
 static void refuses_limits_that_make_no_sense(void **state)
 {
     const struct iso_validity empty = {9, 9}, before = {-1, 0}, fine = {1, 2};
-    struct iso_gallery *gallery = open_gallery(*state);
-    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
     assert_int_equal(iso_gallery_set_validity(gallery, "ada", &empty, NULL), -EINVAL);
     assert_int_equal(iso_gallery_set_validity(gallery, "ada", &before, NULL), -EINVAL);
     assert_int_equal(iso_gallery_set_validity(gallery, "bob", &fine, NULL), -ENOENT);
@@ -309,8 +291,8 @@ static void nothing_changes_on_a_full_disk(void **state)
 {
     const struct iso_validity fine = {1, 2};
     struct iso_fault fault = {.text = ""};
-    struct iso_gallery *gallery = open_gallery(*state);
-    assert_int_equal(add(gallery, "ada", 20, NULL), 0);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
     rig_fill_disk();
     assert_true(iso_gallery_rename(gallery, "ada", "eve", &fault) < 0);
     assert_true(iso_gallery_set_validity(gallery, "ada", &fine, &fault) < 0);

@@ -12,32 +12,15 @@
 #include "firmware/audit/anchor.h"
 #include "firmware/gallery/gallery.h"
 #include "tests/firmware/rigs/audit_rig.h"
+#include "tests/firmware/rigs/gallery_rig.h"
 #include "tests/firmware/rigs/puppets.h"
-#include "tests/firmware/rigs/stores.h"
 #include "tests/support/scratch.h"
-
-static int try_open(const char *directory, struct iso_gallery **out, struct iso_fault *fault)
-{
-    struct iso_gallery_options options = stores_gallery(directory);
-    options.capacity = 100;
-    return iso_gallery_open(&options, out, fault);
-}
-
-static struct iso_gallery *open_gallery(const char *directory)
-{
-    struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {.text = ""};
-    if (try_open(directory, &gallery, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    return gallery;
-}
 
 static void expect_refusal(const char *directory, int error, const char *text)
 {
     struct iso_gallery *gallery = NULL;
     struct iso_fault fault = {.text = ""};
-    const int got = try_open(directory, &gallery, &fault);
+    const int got = gallery_rig_try_open(directory, &gallery, &fault);
     if (got != error || !strstr(fault.text, text)) {
         fail_msg("%d, '%s' does not say '%s'", got, fault.text, text);
     }
@@ -57,31 +40,12 @@ static void add(struct iso_gallery *gallery, const char *name, int face)
  */
 static void make_three(const char *directory)
 {
-    struct iso_gallery *gallery = open_gallery(directory);
+    struct iso_gallery *gallery = gallery_rig_open(directory);
     add(gallery, "anna", 20);
     add(gallery, "anna", 21);
     add(gallery, "Bartholomew", 40);
     add(gallery, "Wilhelmina", 60);
     iso_gallery_close(gallery);
-}
-
-static void copy_file(const char *directory, const char *from, const char *to)
-{
-    size_t size = 0;
-    void *bytes = scratch_read(scratch_path(directory, from), &size);
-    scratch_write(scratch_path(directory, to), bytes, size);
-    free(bytes);
-}
-
-static void execute(const char *directory, const char *sql)
-{
-    sqlite3 *db = NULL;
-    char *message = NULL;
-    assert_int_equal(sqlite3_open(scratch_path(directory, "g.db"), &db), SQLITE_OK);
-    if (sqlite3_exec(db, sql, NULL, NULL, &message) != SQLITE_OK) {
-        fail_msg("%s", message);
-    }
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
 }
 
 /* ---- a thief ---- */
@@ -194,25 +158,25 @@ static void exchanged_records_are_found(void **state)
         "DELETE FROM head",
     };
     make_three(*state);
-    copy_file(*state, "g.db", "sound");
+    stores_copy_file(*state, "g.db", "sound");
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         struct iso_gallery *gallery = NULL;
-        execute(*state, changes[i]);
-        const int error = try_open(*state, &gallery, NULL);
+        gallery_rig_execute(*state, changes[i]);
+        const int error = gallery_rig_try_open(*state, &gallery, NULL);
         if (error != -EBADMSG && error != -EKEYREJECTED) {
             fail_msg("%d after %s", error, changes[i]);
         }
-        copy_file(*state, "sound", "g.db");
+        stores_copy_file(*state, "sound", "g.db");
     }
-    iso_gallery_close(open_gallery(*state));
+    iso_gallery_close(gallery_rig_open(*state));
 }
 
 /* A record of the same person, sealed by the same key in the same place, from before a change. */
 static void an_old_record_is_found(void **state)
 {
     make_three(*state);
-    copy_file(*state, "g.db", "old");
-    struct iso_gallery *gallery = open_gallery(*state);
+    stores_copy_file(*state, "g.db", "old");
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     struct iso_person anna = {.name = "anna", .valid_until_s = 1};
     const struct iso_template tmpl = puppet_template(22, PUPPET_ALGORITHM);
     assert_int_equal(iso_gallery_add(gallery, &anna, &tmpl, NULL), 0);
@@ -222,7 +186,7 @@ static void an_old_record_is_found(void **state)
                    "ATTACH '%s' AS old; UPDATE person SET record = "
                    "(SELECT record FROM old.person WHERE id = 1) WHERE id = 1",
                    scratch_path(*state, "old"));
-    execute(*state, sql);
+    gallery_rig_execute(*state, sql);
     expect_refusal(*state, -EBADMSG, "records are missing, or are old ones");
 }
 
@@ -231,28 +195,28 @@ static void an_old_record_is_found(void **state)
 static void an_old_gallery_is_found(void **state)
 {
     make_three(*state);
-    copy_file(*state, "g.db", "old");
-    copy_file(*state, "g.db.anchor", "old.anchor");
-    struct iso_gallery *gallery = open_gallery(*state);
+    stores_copy_file(*state, "g.db", "old");
+    stores_copy_file(*state, "g.db.anchor", "old.anchor");
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     assert_int_equal(iso_gallery_remove(gallery, "Wilhelmina", NULL), 0);
     assert_int_equal(iso_gallery_remove(gallery, "anna", NULL), 0);
     const struct iso_gallery_version now = iso_gallery_version(gallery);
     iso_gallery_close(gallery);
-    copy_file(*state, "g.db", "new");
-    copy_file(*state, "g.db.anchor", "new.anchor");
+    stores_copy_file(*state, "g.db", "new");
+    stores_copy_file(*state, "g.db.anchor", "new.anchor");
 
-    copy_file(*state, "old", "g.db");
+    stores_copy_file(*state, "old", "g.db");
     expect_refusal(*state, -ESTALE, "/g.db: an old gallery, 2 changes behind");
     (void)unlink(scratch_path(*state, "g.db.anchor"));
     expect_refusal(*state, -ESTALE, "its anchor");
     (void)unlink(scratch_path(*state, "g.db"));
-    copy_file(*state, "new.anchor", "g.db.anchor");
+    stores_copy_file(*state, "new.anchor", "g.db.anchor");
     expect_refusal(*state, -ESTALE, "/g.db: is gone; put it back, or move");
 
     /* With its own old anchor it opens; the number of changes tells, which stands in the log. */
-    copy_file(*state, "old", "g.db");
-    copy_file(*state, "old.anchor", "g.db.anchor");
-    gallery = open_gallery(*state);
+    stores_copy_file(*state, "old", "g.db");
+    stores_copy_file(*state, "old.anchor", "g.db.anchor");
+    gallery = gallery_rig_open(*state);
     const struct iso_gallery_version then = iso_gallery_version(gallery);
     assert_string_equal(then.gallery, now.gallery);
     assert_true(then.changes < now.changes);
@@ -262,18 +226,18 @@ static void an_old_gallery_is_found(void **state)
 static void an_old_gallery_is_unreadable_after_a_rotation(void **state)
 {
     make_three(*state);
-    copy_file(*state, "g.db", "old");
-    copy_file(*state, "g.db.anchor", "old.anchor");
-    struct iso_gallery *gallery = open_gallery(*state);
+    stores_copy_file(*state, "g.db", "old");
+    stores_copy_file(*state, "g.db.anchor", "old.anchor");
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     assert_int_equal(iso_gallery_rotate(gallery, NULL, NULL), 0);
     add(gallery, "after", 80);
     iso_gallery_close(gallery);
-    gallery = open_gallery(*state);
+    gallery = gallery_rig_open(*state);
     assert_int_equal(iso_gallery_find(gallery, "anna")->usable, 2);
     assert_non_null(iso_gallery_find(gallery, "after"));
     iso_gallery_close(gallery);
-    copy_file(*state, "old", "g.db");
-    copy_file(*state, "old.anchor", "g.db.anchor");
+    stores_copy_file(*state, "old", "g.db");
+    stores_copy_file(*state, "old.anchor", "g.db.anchor");
     expect_refusal(*state, -EKEYREJECTED, "an old gallery, or another ring");
 }
 
@@ -282,12 +246,12 @@ static void anchors_can_be_sealed_anew(void **state)
     uint32_t number = 0;
     make_three(*state);
     struct iso_key_ring *ring = stores_ring(*state);
-    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     assert_int_equal(iso_key_ring_add(ring, ISO_KEY_ANCHOR, &number, NULL), 0);
     assert_int_equal(iso_gallery_renew_anchor(gallery, NULL), 0);
     assert_int_equal(iso_key_ring_drop(ring, ISO_KEY_ANCHOR, number, NULL), 0);
     iso_gallery_close(gallery);
-    iso_gallery_close(open_gallery(*state));
+    iso_gallery_close(gallery_rig_open(*state));
 }
 
 /* ---- the version before ---- */
@@ -300,15 +264,16 @@ static void make_version_1(const char *directory)
     sqlite3_stmt *insert = NULL;
     const struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM);
     const int size = iso_template_serialise(&tmpl, bytes, sizeof bytes);
-    execute(directory,
-            "PRAGMA application_id = 0x49534f54; PRAGMA user_version = 1;"
-            "CREATE TABLE person (id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT NULL UNIQUE,"
-            "  enrolled_s INTEGER NOT NULL, valid_from_s INTEGER NOT NULL,"
-            "  valid_until_s INTEGER NOT NULL) STRICT;"
-            "CREATE TABLE template (id INTEGER PRIMARY KEY AUTOINCREMENT, person_id INTEGER NOT "
-            "NULL REFERENCES person (id) ON DELETE CASCADE, algorithm INTEGER NOT NULL, bytes BLOB "
-            "NOT NULL) STRICT; CREATE INDEX template_of_person ON template (person_id);"
-            "INSERT INTO person VALUES (7, 'Wilhelmina', 1000, 5, 2000)");
+    gallery_rig_execute(
+        directory,
+        "PRAGMA application_id = 0x49534f54; PRAGMA user_version = 1;"
+        "CREATE TABLE person (id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT NULL UNIQUE,"
+        "  enrolled_s INTEGER NOT NULL, valid_from_s INTEGER NOT NULL,"
+        "  valid_until_s INTEGER NOT NULL) STRICT;"
+        "CREATE TABLE template (id INTEGER PRIMARY KEY AUTOINCREMENT, person_id INTEGER NOT "
+        "NULL REFERENCES person (id) ON DELETE CASCADE, algorithm INTEGER NOT NULL, bytes BLOB "
+        "NOT NULL) STRICT; CREATE INDEX template_of_person ON template (person_id);"
+        "INSERT INTO person VALUES (7, 'Wilhelmina', 1000, 5, 2000)");
     assert_int_equal(sqlite3_open(scratch_path(directory, "g.db"), &db), SQLITE_OK);
     assert_int_equal(
         sqlite3_prepare_v2(db, "INSERT INTO template VALUES (?1, 7, 81, ?2)", -1, &insert, NULL),
@@ -329,7 +294,7 @@ static void a_gallery_of_version_1_is_sealed_without_loss(void **state)
     size_t size = 0;
     make_version_1(*state);
     for (int i = 0; i < 2; i++) {
-        struct iso_gallery *gallery = open_gallery(*state);
+        struct iso_gallery *gallery = gallery_rig_open(*state);
         const struct iso_person *person = iso_gallery_find(gallery, "Wilhelmina");
         assert_non_null(person);
         assert_int_equal(person->id, 7);
@@ -366,17 +331,17 @@ static void an_unsealed_gallery_is_not_taken_against_the_configuration(void **st
     options.migrate = false;
     assert_int_equal(iso_gallery_open(&options, &gallery, &fault), -ESTALE);
     assert_non_null(strstr(fault.text, "which [seal] migrate = no does not take"));
-    iso_gallery_close(open_gallery(*state));
+    iso_gallery_close(gallery_rig_open(*state));
 }
 
 /* As a kill leaves it: sealing has been announced, the old database is still there. */
 static void sealing_that_was_killed_begins_again(void **state)
 {
     make_version_1(*state);
-    copy_file(*state, "g.db", "version1");
-    iso_gallery_close(open_gallery(*state));
+    stores_copy_file(*state, "g.db", "version1");
+    iso_gallery_close(gallery_rig_open(*state));
     stores_forget();
-    copy_file(*state, "version1", "g.db");
+    stores_copy_file(*state, "version1", "g.db");
     struct iso_key_ring *ring = stores_ring(*state);
     struct iso_anchor *anchor = NULL;
     struct iso_anchor_state pending = {.value = 0};
@@ -385,7 +350,7 @@ static void sealing_that_was_killed_begins_again(void **state)
                                      &pending, &anchor, NULL),
                      0);
     iso_anchor_close(anchor);
-    struct iso_gallery *gallery = open_gallery(*state);
+    struct iso_gallery *gallery = gallery_rig_open(*state);
     assert_int_equal(iso_gallery_find(gallery, "Wilhelmina")->usable, 1);
     iso_gallery_close(gallery);
 }
@@ -408,5 +373,6 @@ int main(void)
         TEST(an_unsealed_gallery_is_not_taken_against_the_configuration),
         TEST(sealing_that_was_killed_begins_again),
     };
+    gallery_rig_capacity = 100;
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -80,3 +80,25 @@ struct iso_audit_report audit_rig_verify(struct iso_audit *audit)
     }
     return report;
 }
+
+const char *audit_rig_line(const char *text, int number)
+{
+    for (int i = 0; i < number; i++) {
+        text += strcspn(text, "\n") + 1;
+    }
+    return text;
+}
+
+struct iso_audit *audit_rig_open_small(const char *directory)
+{
+    struct iso_audit_options options = stores_audit(directory);
+    struct iso_audit *audit = NULL;
+    struct iso_fault fault = {.text = ""};
+    options.sync = false;
+    options.segment_bytes = 2200;
+    options.segments = 3;
+    if (iso_audit_open(&options, &audit_rig_times, &audit, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return audit;
+}

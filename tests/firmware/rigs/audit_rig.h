@@ -14,6 +14,12 @@ int audit_rig_try_open(const char *directory, struct iso_audit **out, struct iso
 /* The same; a failure fails the test. */
 struct iso_audit *audit_rig_open(const char *directory);
 
+/* A log of small segments, of which it keeps three, that is not synchronised. */
+struct iso_audit *audit_rig_open_small(const char *directory);
+
+/* Line number `number` of a text, from 0. */
+const char *audit_rig_line(const char *text, int number);
+
 /* A record of an event and nothing more. */
 int audit_rig_append(struct iso_audit *audit, const char *event, struct iso_fault *fault);
 

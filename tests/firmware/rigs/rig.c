@@ -291,3 +291,9 @@ void rig_free_disk(void)
 {
     limit_files(RLIM_INFINITY);
 }
+
+void rig_start_claimed(struct rig *rig)
+{
+    rig_start(rig);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+}

@@ -43,6 +43,9 @@ int rig_teardown(void **state);
 /* Starts it; nobody is told of that. */
 void rig_start(struct rig *rig);
 
+/* The same, and a client has the claim. */
+void rig_start_claimed(struct rig *rig);
+
 /* Puts a face into the gallery. */
 void rig_enrol(struct rig *rig, const char *person, int face);
 

@@ -75,3 +75,11 @@ char *stores_log_text(struct iso_audit *audit)
     assert_int_equal(fclose(out), 0);
     return text;
 }
+
+void stores_copy_file(const char *directory, const char *from, const char *to)
+{
+    size_t size = 0;
+    void *bytes = scratch_read(scratch_path(directory, from), &size);
+    scratch_write(scratch_path(directory, to), bytes, size);
+    free(bytes);
+}

@@ -19,6 +19,9 @@ int stores_teardown(void **state);
 struct iso_gallery_options stores_gallery(const char *directory);
 struct iso_audit_options stores_audit(const char *directory);
 
+/* Copies a file of the directory: puts it aside, or back. */
+void stores_copy_file(const char *directory, const char *from, const char *to);
+
 /* All records of a log, decrypted, a line each, to be freed. */
 char *stores_log_text(struct iso_audit *audit);
 
