@@ -52,6 +52,16 @@ int sim_option_flag(const char *text, void *field)
     return 0;
 }
 
+int sim_option_list(const char *text, void *field)
+{
+    struct sim_option_texts *texts = field;
+    if (texts->n == SIM_OPTION_TEXTS_MAX) {
+        return -EINVAL;
+    }
+    texts->text[texts->n++] = text;
+    return 0;
+}
+
 /* The option whose name is the first `length` characters, and the struct it belongs to. */
 static const struct sim_option *find(const struct sim_option_set *sets, size_t n_sets,
                                      const char *name, size_t length, char **target)

@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/path.h"
 #include "drivers/base/shipped.h"
+#include "sim/base/make_directory.h"
 #include "sim/commands/command.h"
 #include "sim/commands/commands.h"
 #include "sim/lab/eval/eval.h"
@@ -15,15 +15,8 @@
 #include "sim/lab/report/report.h"
 #include "sim/lab/report/report_methods.h"
 
-enum { CORPORA_MAX = 16 };
-
-struct corpora {
-    size_t n;
-    const char *directory[CORPORA_MAX];
-};
-
 struct arguments {
-    struct corpora corpora;
+    struct sim_option_texts corpora;
     struct sim_eval_options eval;
     struct sim_method_choice choice;
     const char *out, *train;
@@ -31,18 +24,9 @@ struct arguments {
 
 #define FIELD(name) offsetof(struct arguments, name)
 
-static int add_corpus(const char *text, void *field)
-{
-    struct corpora *corpora = field;
-    if (corpora->n == CORPORA_MAX) {
-        return -EINVAL;
-    }
-    corpora->directory[corpora->n++] = text;
-    return 0;
-}
-
 static const struct sim_option own_options[] = {
-    {"corpus", "DIR", "recordings and manifest.csv; may be repeated", add_corpus, FIELD(corpora)},
+    {"corpus", "DIR", "recordings and manifest.csv; may be repeated", sim_option_list,
+     FIELD(corpora)},
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text, FIELD(out)},
     {"method", "NAME,...|all", "how faces are described and compared (hfpc)", sim_option_methods,
      FIELD(choice)},
@@ -65,21 +49,19 @@ static const struct sim_option own_options[] = {
      sim_option_text, FIELD(eval.cohort)},
 };
 
-static int make_directory(const char *path, struct iso_fault *fault)
-{
-    return mkdir(path, 0777) == 0 || errno == EEXIST
-               ? 0
-               : iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
-}
-
 static int report(const struct sim_eval *eval, const char *out, struct iso_fault *fault)
 {
     sim_report_text(eval, stdout);
     sim_contest_left_out(eval, stdout);
     (void)fflush(stdout); /* the next corpus may take a while */
     int error = sim_report_csv(eval, out, fault);
-    error = error ? error : sim_report_json(eval, out, fault);
-    return error ? error : sim_report_plots(eval, out, fault);
+    if (!error) {
+        error = sim_report_json(eval, out, fault);
+    }
+    if (error) {
+        return error;
+    }
+    return sim_report_plots(eval, out, fault);
 }
 
 /* Evaluates one corpus; of several, each has a folder of its own under the results. */
@@ -97,10 +79,14 @@ static int run_one(const struct arguments *arguments, const char *corpus, struct
     const char *directory = arguments->out;
     if (!error && arguments->corpora.n > 1) {
         error = iso_path_join(arguments->out, out->corpus, own, fault);
-        error = error ? error : make_directory(own, fault);
+        if (!error) {
+            error = sim_make_directory(own, fault);
+        }
         directory = own;
     }
-    error = error ? error : report(eval, directory, fault);
+    if (!error) {
+        error = report(eval, directory, fault);
+    }
     sim_eval_free(eval);
     return error;
 }
@@ -120,13 +106,13 @@ static int run_all(struct arguments *arguments, struct sim_contest *contests,
 {
     struct sim_training_set *training = NULL;
     const size_t n = arguments->corpora.n;
-    int error = make_directory(arguments->out, fault);
+    int error = sim_make_directory(arguments->out, fault);
     if (!error) {
         error = sim_method_choice_apply(&arguments->choice, arguments->train, &arguments->eval,
                                         &training, fault);
     }
     for (size_t i = 0; i < n && !error; i++) {
-        error = run_one(arguments, arguments->corpora.directory[i], &contests[i], fault);
+        error = run_one(arguments, arguments->corpora.text[i], &contests[i], fault);
     }
     sim_training_set_free(training);
     if (error || (arguments->choice.n < 2 && n < 2)) {

@@ -3,29 +3,21 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/path.h"
 #include "drivers/base/shipped.h"
 #include "drivers/terminal/words.h"
+#include "sim/base/make_directory.h"
 #include "sim/commands/command.h"
 #include "sim/commands/commands.h"
 #include "sim/door/level_report.h"
 #include "sim/door/visit_report.h"
 
-enum { CORPORA_MAX = 64 };
-
 /* The share of the visits of strangers that `balanced` may let in. */
 static const double strangers_max = 0.001;
 
-struct corpora {
-    size_t n;
-    const char *directory[CORPORA_MAX];
-};
-
 struct arguments {
-    struct corpora people, alike;
+    struct sim_option_texts people, alike;
     const char *out, *model, *metric;
     struct sim_rate strangers; /* let in at `balanced`: what came of it */
     size_t not_enrolled[2];    /* people of each crowd, likewise */
@@ -33,20 +25,11 @@ struct arguments {
 
 #define FIELD(name) offsetof(struct arguments, name)
 
-static int add_corpus(const char *text, void *field)
-{
-    struct corpora *corpora = field;
-    if (corpora->n == CORPORA_MAX) {
-        return -EINVAL;
-    }
-    corpora->directory[corpora->n++] = text;
-    return 0;
-}
-
 static const struct sim_option options[] = {
-    {"corpus", "DIR", "enrolled people and strangers; may be repeated", add_corpus, FIELD(people)},
+    {"corpus", "DIR", "enrolled people and strangers; may be repeated", sim_option_list,
+     FIELD(people)},
     {"alike", "DIR", "strangers who look like those enrolled (preset hard); may be repeated",
-     add_corpus, FIELD(alike)},
+     sim_option_list, FIELD(alike)},
     {"out", "DIR", "where levels.csv and the visits go; made, must not exist", sim_option_text,
      FIELD(out)},
     {"model", "FILE", "head model", sim_option_text, FIELD(model)},
@@ -69,7 +52,9 @@ static int take_visits(enum sim_level_crowd crowd, const char *state,
         const struct sim_visit *own = &visits[(size_t)level * n_rows];
         char folder[PATH_MAX];
         error = iso_path_join(state, sim_level_name((enum iso_level)level), folder, fault);
-        error = error ? error : sim_visit_write_csv(folder, own, n_visits, fault);
+        if (!error) {
+            error = sim_visit_write_csv(folder, own, n_visits, fault);
+        }
         sim_level_count(crowd, own, n_visits, &counts[level]);
     }
     return error;
@@ -85,9 +70,10 @@ static int play_visits(const struct sim_rehearsal_options *rehearsal, enum sim_l
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     int error = sim_rehearse(rehearsal, corpus, ignore_visit, NULL, visits, &n_visits, fault);
-    error = error ? error
-                  : take_visits(crowd, rehearsal->state, visits, corpus->n_rows, n_visits, counts,
-                                fault);
+    if (!error) {
+        error = take_visits(crowd, rehearsal->state, visits, corpus->n_rows, n_visits, counts,
+                            fault);
+    }
     free(visits);
     return error;
 }
@@ -112,24 +98,30 @@ static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
     (void)snprintf(name, sizeof name, "%s-%zu", crowd == SIM_CROWD_ALIKE ? "alike" : "people",
                    number);
     int error = iso_path_join(arguments->out, name, state, fault);
-    error = error ? error : sim_corpus_read(directory, &corpus, fault);
-    if (!error && mkdir(state, 0777) != 0) {
-        error = iso_fault_set(fault, -errno, "%s: %s", state, strerror(errno));
+    if (!error) {
+        error = sim_corpus_read(directory, &corpus, fault);
     }
-    error = error ? error : play_visits(&rehearsal, crowd, corpus, counts, fault);
+    if (!error) {
+        error = sim_make_new_directory(state, fault);
+    }
+    if (!error) {
+        error = play_visits(&rehearsal, crowd, corpus, counts, fault);
+    }
     sim_corpus_free(corpus);
     return error;
 }
 
 static int play_corpora(struct arguments *arguments, enum sim_level_crowd crowd,
-                        const struct corpora *corpora, struct sim_level_counts counts[SIM_LEVELS],
-                        struct iso_fault *fault)
+                        const struct sim_option_texts *corpora,
+                        struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
 {
     int error = 0;
     for (size_t i = 0; i < corpora->n && !error; i++) {
-        error = play_corpus(arguments, crowd, corpora->directory[i], i + 1, counts, fault);
+        error = play_corpus(arguments, crowd, corpora->text[i], i + 1, counts, fault);
         /* What is known so far, for who must end a long run early. */
-        error = error ? error : sim_level_write_csv(arguments->out, counts, fault);
+        if (!error) {
+            error = sim_level_write_csv(arguments->out, counts, fault);
+        }
     }
     return error;
 }
@@ -141,12 +133,14 @@ static int run(void *target, struct iso_fault *fault)
     if (arguments->people.n + arguments->alike.n == 0 || !arguments->out) {
         return iso_fault_set(fault, -EINVAL, "--corpus or --alike, and --out are needed");
     }
-    if (mkdir(arguments->out, 0777) != 0) {
-        return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
+    int error = sim_make_new_directory(arguments->out, fault);
+    if (error) {
+        return error;
     }
-    int error = play_corpora(arguments, SIM_CROWD_PEOPLE, &arguments->people, counts, fault);
-    error = error ? error
-                  : play_corpora(arguments, SIM_CROWD_ALIKE, &arguments->alike, counts, fault);
+    error = play_corpora(arguments, SIM_CROWD_PEOPLE, &arguments->people, counts, fault);
+    if (!error) {
+        error = play_corpora(arguments, SIM_CROWD_ALIKE, &arguments->alike, counts, fault);
+    }
     if (error) {
         return error;
     }
