@@ -2,23 +2,18 @@
 
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "drivers/file/file.h"
+#include "drivers/file/text.h"
 
 enum { LARGEST_BYTES = 1024 * 1024 };
 
 char *cli_text_file_read(const char *path, struct iso_fault *why)
 {
     char *text = NULL;
-    size_t size = 0;
-    int error = iso_file_read(path, LARGEST_BYTES, &text, &size, why);
-    if (!error && strlen(text) < size) {
-        error = iso_fault_set(why, -EBADMSG, "%s: holds a zero byte", path);
-    }
+    const int error = iso_text_read(path, LARGEST_BYTES, &text, why);
     if (error) {
-        free(text);
         errno = -error;
         return NULL;
     }
