@@ -11,25 +11,21 @@
 
 #include "drivers/recording/recording.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 enum { PEOPLE = 7, FRAMES = 54, MARKS = 15 };
-
-static const char *corpus(void)
-{
-    const char *shared = getenv("ISOTHERM_SHARED");
-    return scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared", "data/kinect2-faces");
-}
 
 static struct iso_recording *open_person(int person)
 {
     struct iso_recording *recording = NULL;
     struct iso_fault fault = {.text = ""};
     char name[8];
-    if (!scratch_exists(corpus())) {
+    if (!scratch_exists(shared_data("data/kinect2-faces"))) {
         skip();
     }
     (void)snprintf(name, sizeof name, "k%02d", person);
-    int error = iso_recording_open(scratch_path(corpus(), name), &recording, &fault);
+    int error = iso_recording_open(scratch_path(shared_data("data/kinect2-faces"), name),
+                                   &recording, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);
     return recording;

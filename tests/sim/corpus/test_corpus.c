@@ -13,6 +13,7 @@
 
 #include "sim/corpus/corpus.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 #include "tests/support/stored_frames.h"
 
 #define HEADER "recording,first,count,subject,session,role,pose,expression,note\n"
@@ -241,15 +242,10 @@ static void reports_where_it_cannot_write(void **state)
 
 static void reads_the_real_corpus(void **state)
 {
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *corpus_path = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                           "data/kinect2-faces");
+    const char *corpus_path = shared_data_or_skip("data/kinect2-faces");
     struct sim_corpus *corpus = NULL;
     size_t of_role[SIM_ROLES] = {0};
     (void)state;
-    if (!scratch_exists(corpus_path)) {
-        skip();
-    }
     assert_int_equal(sim_corpus_read(corpus_path, &corpus, NULL), 0);
     for (size_t i = 0; i < corpus->n_rows; i++) {
         of_role[corpus->rows[i].role]++;

@@ -21,6 +21,7 @@
 #include "sim/world/scene/sitter.h"
 #include "sim/world/sensor/sensor.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 static const int64_t period_ns = 33333333;
 
@@ -30,17 +31,6 @@ static struct iso_frame_memory *memory_new(void)
     struct iso_frame_memory *memory = NULL;
     assert_int_equal(iso_frame_memory_new(&options, &memory), 0);
     return memory;
-}
-
-static const char *shared_path(const char *name)
-{
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *path = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared", name);
-    if (!scratch_exists(path)) {
-        print_message("skipped: %s is missing\n", path);
-        skip();
-    }
-    return path;
 }
 
 /* ---- a head before a sensor model ---- */
@@ -145,7 +135,7 @@ static void a_head_that_does_not_move_is_never_refused(void **state)
 {
     struct sim_ict *ict = NULL;
     (void)state;
-    assert_int_equal(sim_ict_load(shared_path("data/ict-face"), &ict, NULL), 0);
+    assert_int_equal(sim_ict_load(shared_data_or_skip("data/ict-face"), &ict, NULL), 0);
     for (size_t i = 0; sim_sensors[i]; i++) {
         if (sim_sensor_load(sim_sensors[i], NULL)) {
             print_message("skipped: %s has no module\n", sim_sensors[i]->name);
@@ -254,7 +244,7 @@ static void stored_recordings_are_known_when_they_come_again(void **state)
 static void real_recordings_are_known_when_they_come_again(void **state)
 {
     (void)state;
-    view_corpus(shared_path("data/kinect2-faces"), 300);
+    view_corpus(shared_data_or_skip("data/kinect2-faces"), 300);
 }
 
 int main(void)

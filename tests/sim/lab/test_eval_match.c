@@ -226,24 +226,28 @@ static void add_upper_face(uint64_t person, struct iso_template *tmpl)
 }
 
 /* Thirteen people, and a probe of number 4. */
-static void test_the_best_are_looked_at_again(void **state)
+enum { PEOPLE = 13 };
+
+static void fill_crowd(struct sim_corpus_row crowd[PEOPLE + 1], struct sim_sample seen[PEOPLE + 1])
 {
-    (void)state;
-    enum { PEOPLE = 13 };
-    static char names[PEOPLE][4];
-    static struct sim_corpus_row crowd[PEOPLE + 1];
-    static struct sim_sample seen[PEOPLE + 1];
-    const struct sim_corpus many = {PEOPLE + 1, crowd};
-    struct sim_acquisition all = {0, PEOPLE + 1, NULL, seen, {7, "astra"}};
     for (size_t i = 0; i <= PEOPLE; i++) {
         const uint64_t person = i < PEOPLE ? i : 4;
-        (void)snprintf(names[person], sizeof names[person], "p%02d", (int)person);
         crowd[i] = (struct sim_corpus_row){.role = i < PEOPLE ? SIM_ROLE_GALLERY : SIM_ROLE_PROBE};
-        (void)snprintf(crowd[i].subject, sizeof crowd[i].subject, "%s", names[person]);
+        (void)snprintf(crowd[i].subject, sizeof crowd[i].subject, "p%02d", (int)person);
         seen[i] = (struct sim_sample){.row = i, .acquired = true, .reason = ISO_CAPTURE_OK};
         seen[i].tmpl = person_template(person, 1.0, i);
         add_upper_face(person, &seen[i].tmpl);
     }
+}
+
+static void test_the_best_are_looked_at_again(void **state)
+{
+    (void)state;
+    static struct sim_corpus_row crowd[PEOPLE + 1];
+    static struct sim_sample seen[PEOPLE + 1];
+    const struct sim_corpus many = {PEOPLE + 1, crowd};
+    struct sim_acquisition all = {0, PEOPLE + 1, NULL, seen, {7, "astra"}};
+    fill_crowd(crowd, seen);
     struct sim_gallery *gallery = NULL;
     struct sim_matches *plain = NULL, *fused = NULL;
     struct iso_metric *metric = new_metric();

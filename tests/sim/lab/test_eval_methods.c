@@ -113,6 +113,22 @@ static size_t count_fields(const char *line)
     return n;
 }
 
+/* methods.csv has a line for each method, with as many fields as the header. */
+static void check_methods_csv(const char *directory)
+{
+    size_t size;
+    char *csv = scratch_read(scratch_path(directory, "methods.csv"), &size);
+    assert_non_null(memmem(csv, size, "tested,icp-upper,2,1,4,2,2,1.000000", 35));
+    csv[size - 1] = '\0'; /* the last line's end */
+    char *rows = strchr(csv, '\n') + 1;
+    assert_non_null(strstr(rows, "\ntested,hfpc-upper,"));
+    *strchr(rows, '\n') = '\0';
+    rows[-1] = '\0';
+    assert_int_equal(count_fields(rows), count_fields(csv));
+    assert_non_null(strstr(csv, ",seconds,fnmr_1e-2,"));
+    free(csv);
+}
+
 /* Every method but the one that needs infrared, which the stored corpus has none of, and their own
  * results: what hfpc makes of it is the same as alone. */
 static void test_all_methods(void **state)
@@ -150,17 +166,7 @@ static void test_all_methods(void **state)
         assert_true(learns || coarse || v->rank_1.events == 2);
     }
     assert_int_equal(sim_contest_csv(&contest, 1, *state, NULL), 0);
-    size_t size;
-    char *csv = scratch_read(scratch_path(*state, "methods.csv"), &size);
-    assert_non_null(memmem(csv, size, "tested,icp-upper,2,1,4,2,2,1.000000", 35));
-    csv[size - 1] = '\0'; /* the last line's end */
-    char *rows = strchr(csv, '\n') + 1;
-    assert_non_null(strstr(rows, "\ntested,hfpc-upper,"));
-    *strchr(rows, '\n') = '\0';
-    rows[-1] = '\0';
-    assert_int_equal(count_fields(rows), count_fields(csv));
-    assert_non_null(strstr(csv, ",seconds,fnmr_1e-2,"));
-    free(csv);
+    check_methods_csv(*state);
     struct iso_fault fault = {.text = ""};
     assert_int_equal(sim_report_plots(eval, *state, &fault), 0);
     assert_true(scratch_exists(scratch_path(*state, "det.png")));

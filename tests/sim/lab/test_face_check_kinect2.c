@@ -17,6 +17,7 @@
 #include "sim/corpus/corpus.h"
 #include "tests/support/devices/painted_face.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 enum { FRAMES = 378, KINDS = 16, EVERY = 3 };
 
@@ -182,9 +183,7 @@ static void measure_corpus(struct bench *bench, const char *directory)
 static void real_faces(void **state)
 {
     static struct bench bench;
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *directory = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                         "data/kinect2-faces");
+    const char *directory = shared_data("data/kinect2-faces");
     (void)state;
     if (!scratch_exists(directory) || !*iso_face_detector_engine()) {
         skip();

@@ -17,6 +17,7 @@
 #include "sim/world/scene/portrait.h"
 #include "sim/world/sensor/sensor.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 enum { PEOPLE = 24 };
 
@@ -32,9 +33,7 @@ static const struct sim_sensor *const sensor = &sim_sensor_kinect2;
 
 static struct bench set_up(void)
 {
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *path = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                    "data/ict-face");
+    const char *path = shared_data("data/ict-face");
     struct bench b = {.ict = NULL};
     if (!scratch_exists(path) || !*iso_face_detector_engine()) {
         skip();

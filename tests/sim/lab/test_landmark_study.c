@@ -16,6 +16,7 @@
 #include "sim/lab/landmarks/study.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 #include "tests/support/stored_corpus.h"
 
 #define MODEL ISOTHERM_SOURCE_DIR "/core/data/head.model"
@@ -178,10 +179,8 @@ static void test_text(void **state)
 /* Hand marks of real faces: names that are ours are compared, the six others are not. */
 static void test_real_faces(void **state)
 {
-    const char *shared = getenv("ISOTHERM_SHARED");
-    char real[4096], link[4096];
-    (void)snprintf(real, sizeof real, "%s/data/kinect2-faces/k02",
-                   shared ? shared : ISOTHERM_SOURCE_DIR "/../shared");
+    const char *real = shared_data("data/kinect2-faces/k02");
+    char link[4096];
     if (access(real, R_OK) != 0) {
         print_message("no kinect2-faces: skipped\n");
         skip();

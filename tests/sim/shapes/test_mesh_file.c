@@ -211,48 +211,48 @@ static void reads_stl(void **state)
     iso_coloured_mesh_done(&mesh);
 }
 
+/* Files that no reader takes, and what it says of them. */
+static const struct {
+    enum iso_mesh_format format;
+    const char *text, *tri, *words;
+} damaged[] = {
+    {ISO_MESH_FORMAT_OFF, "OF\n", NULL, "m:1: does not begin with OFF"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n3 x 0\n", NULL, "m:2: bad counts"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n3 1 0\n0 0 0\n", NULL, "ends within the vertices"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 nan 0\n", NULL, "m:3: bad coordinate 'nan'"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0\n", NULL, "m:3: 2 numbers of a vertex"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n3 0 0\n", NULL, "m:4: 2 corners instead of 3"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n2 0 0\n", NULL, "bad number of corners '2'"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n3 0 0 1\n", NULL, "none of the 1 vertices"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n1 0 0\n0 0 0\n", NULL, "m: no triangles"},
+    {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n3 0 0 0\n9\n", NULL, "more than was announced"},
+    {ISO_MESH_FORMAT_OFF, "COFF\n1 1 0\n0 0 0 256 0 0\n", NULL, "bad colour '256'"},
+    {ISO_MESH_FORMAT_OBJ, "v 0 0 0\nf 1 1\n", NULL, "m:2: a face of 2 corners"},
+    {ISO_MESH_FORMAT_OBJ, "v 0 0 0\nf 0 1 1\n", NULL, "m:2: bad corner '0'"},
+    {ISO_MESH_FORMAT_OBJ, "v 0 0 0\nf -2 1 1\n", NULL, "m:2: bad corner '-2'"},
+    {ISO_MESH_FORMAT_OBJ, "vertex 0 0 0\n", NULL, "m:1: unknown statement 'vertex'"},
+    {ISO_MESH_FORMAT_OBJ, "v 0 0 0 1 1 1\nv 1 0 0\n", NULL, "m:2: some vertices have a colour"},
+    {ISO_MESH_FORMAT_TOSCA, "0 0 0\n1 0\n", "1 1 1\n", "m:2: 2 numbers instead of 3"},
+    {ISO_MESH_FORMAT_TOSCA, "0 0 0\n", "0 1 1\n", "m:1: bad corner (they count from 1) '0'"},
+    {ISO_MESH_FORMAT_TOSCA, "0 0 0\n", "1 1 2\n", "none of the 1 vertices"},
+    {ISO_MESH_FORMAT_STL, "solid\nvertex 0 0 0\nendfacet\n", NULL, "a facet that is no triangle"},
+    {ISO_MESH_FORMAT_STL, "solid\nvertex 0 0 0\n", NULL, "ends within a triangle"},
+    {ISO_MESH_FORMAT_STL, "solid\nfacets\n", NULL, "not a line of an STL file: 'facets'"},
+    {ISO_MESH_FORMAT_STL, "sol", NULL, "neither text nor"},
+    {ISO_MESH_FORMAT_PLY, "plyy\n", NULL, "does not begin with ply"},
+    {ISO_MESH_FORMAT_PLY, "ply\nformat ascii 1.0\n", NULL, "no end_header"},
+    {ISO_MESH_FORMAT_PLY, "ply\nformat morse 1.0\n", NULL, "m:2: unknown format 'morse'"},
+    {ISO_MESH_FORMAT_PLY, "ply\nelement face 1\nend_header\n", NULL, "no format before"},
+    {ISO_MESH_FORMAT_PLY, "ply\nproperty int x\n", NULL, "a property too many: 'x'"},
+    {ISO_MESH_FORMAT_PLY, "ply\nelement face 1\nproperty real x\n", NULL, "bad type of property"},
+    {ISO_MESH_FORMAT_PLY, "ply\nelement vertex 1\nproperty int x\nproperty int x\n", NULL,
+     "a second property 'x'"},
+    {ISO_MESH_FORMAT_PLY, "ply\nformat ascii 1.0\nelement vertex 1\nend_header\n", NULL,
+     "not one element each"},
+};
+
 static void refuses_damage(void **state)
 {
-    static const struct {
-        enum iso_mesh_format format;
-        const char *text, *tri, *words;
-    } damaged[] = {
-        {ISO_MESH_FORMAT_OFF, "OF\n", NULL, "m:1: does not begin with OFF"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n3 x 0\n", NULL, "m:2: bad counts"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n3 1 0\n0 0 0\n", NULL, "ends within the vertices"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 nan 0\n", NULL, "m:3: bad coordinate 'nan'"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0\n", NULL, "m:3: 2 numbers of a vertex"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n3 0 0\n", NULL, "m:4: 2 corners instead of 3"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n2 0 0\n", NULL, "bad number of corners '2'"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n3 0 0 1\n", NULL, "none of the 1 vertices"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n1 0 0\n0 0 0\n", NULL, "m: no triangles"},
-        {ISO_MESH_FORMAT_OFF, "OFF\n1 1 0\n0 0 0\n3 0 0 0\n9\n", NULL, "more than was announced"},
-        {ISO_MESH_FORMAT_OFF, "COFF\n1 1 0\n0 0 0 256 0 0\n", NULL, "bad colour '256'"},
-        {ISO_MESH_FORMAT_OBJ, "v 0 0 0\nf 1 1\n", NULL, "m:2: a face of 2 corners"},
-        {ISO_MESH_FORMAT_OBJ, "v 0 0 0\nf 0 1 1\n", NULL, "m:2: bad corner '0'"},
-        {ISO_MESH_FORMAT_OBJ, "v 0 0 0\nf -2 1 1\n", NULL, "m:2: bad corner '-2'"},
-        {ISO_MESH_FORMAT_OBJ, "vertex 0 0 0\n", NULL, "m:1: unknown statement 'vertex'"},
-        {ISO_MESH_FORMAT_OBJ, "v 0 0 0 1 1 1\nv 1 0 0\n", NULL, "m:2: some vertices have a colour"},
-        {ISO_MESH_FORMAT_TOSCA, "0 0 0\n1 0\n", "1 1 1\n", "m:2: 2 numbers instead of 3"},
-        {ISO_MESH_FORMAT_TOSCA, "0 0 0\n", "0 1 1\n", "m:1: bad corner (they count from 1) '0'"},
-        {ISO_MESH_FORMAT_TOSCA, "0 0 0\n", "1 1 2\n", "none of the 1 vertices"},
-        {ISO_MESH_FORMAT_STL, "solid\nvertex 0 0 0\nendfacet\n", NULL,
-         "a facet that is no triangle"},
-        {ISO_MESH_FORMAT_STL, "solid\nvertex 0 0 0\n", NULL, "ends within a triangle"},
-        {ISO_MESH_FORMAT_STL, "solid\nfacets\n", NULL, "not a line of an STL file: 'facets'"},
-        {ISO_MESH_FORMAT_STL, "sol", NULL, "neither text nor"},
-        {ISO_MESH_FORMAT_PLY, "plyy\n", NULL, "does not begin with ply"},
-        {ISO_MESH_FORMAT_PLY, "ply\nformat ascii 1.0\n", NULL, "no end_header"},
-        {ISO_MESH_FORMAT_PLY, "ply\nformat morse 1.0\n", NULL, "m:2: unknown format 'morse'"},
-        {ISO_MESH_FORMAT_PLY, "ply\nelement face 1\nend_header\n", NULL, "no format before"},
-        {ISO_MESH_FORMAT_PLY, "ply\nproperty int x\n", NULL, "a property too many: 'x'"},
-        {ISO_MESH_FORMAT_PLY, "ply\nelement face 1\nproperty real x\n", NULL,
-         "bad type of property"},
-        {ISO_MESH_FORMAT_PLY, "ply\nelement vertex 1\nproperty int x\nproperty int x\n", NULL,
-         "a second property 'x'"},
-        {ISO_MESH_FORMAT_PLY, "ply\nformat ascii 1.0\nelement vertex 1\nend_header\n", NULL,
-         "not one element each"},
-    };
     (void)state;
     for (size_t i = 0; i < sizeof damaged / sizeof *damaged; i++) {
         struct iso_coloured_mesh mesh = {NULL, NULL};

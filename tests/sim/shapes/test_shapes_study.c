@@ -199,16 +199,21 @@ static void retrieves_from_tosca_files(void **state)
     assert_true(scratch_exists(scratch_path(out, "precision-recall.png")));
 }
 
+static struct sim_shapes_study_options cp_hk_options(const char *corpus, const char *out)
+{
+    return (struct sim_shapes_study_options){.corpus = corpus,
+                                             .out = out,
+                                             .threads = 2,
+                                             .method = "cp-hk",
+                                             .classifier = "nn-l2",
+                                             .seed = 1,
+                                             .distortion = {SIM_DISTORTION_SCALE, 3}};
+}
+
 static void distances_leave_nothing_out(void **state)
 {
     const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
-    struct sim_shapes_study_options options = {.corpus = corpus,
-                                               .out = out,
-                                               .threads = 2,
-                                               .method = "cp-hk",
-                                               .classifier = "nn-l2",
-                                               .seed = 1,
-                                               .distortion = {SIM_DISTORTION_SCALE, 3}};
+    const struct sim_shapes_study_options options = cp_hk_options(corpus, out);
     struct iso_fault fault = {.text = ""};
     char *printed = NULL;
     generate(corpus, "plain", NULL, 3, 2);
@@ -235,6 +240,15 @@ static void distances_leave_nothing_out(void **state)
     }
     assert_int_equal(told, 9);
     free(text);
+}
+
+static void what_cannot_be_studied_is_named(void **state)
+{
+    const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
+    struct sim_shapes_study_options options = cp_hk_options(corpus, out);
+    struct iso_fault fault = {.text = ""};
+    char *printed = NULL;
+    generate(corpus, "plain", NULL, 3, 2);
     options.method = "w-hks2"; /* wants colours */
     assert_int_equal(run_study(&options, &printed, &fault), -ENODATA);
     assert_non_null(strstr(fault.text, ".off: too small, or without colours"));
@@ -296,6 +310,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(retrieves_from_tosca_files, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(distances_leave_nothing_out, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(what_cannot_be_studied_is_named, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(tables_have_both_sides, scratch_setup, scratch_teardown),
     };

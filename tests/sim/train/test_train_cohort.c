@@ -16,6 +16,7 @@
 #include "sim/base/data_file.h"
 #include "sim/train/metric/train_cohort.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 /* What registrations work in. */
 static struct iso_icp_workspace registration;
@@ -39,9 +40,7 @@ static int setup(void **state)
         free(f);
         return -1;
     }
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *path = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                    "data/ict-face");
+    const char *path = shared_data("data/ict-face");
     *state = f;
     if (scratch_exists(path) && sim_ict_load(path, &f->ict, &fault) != 0) {
         return -1;

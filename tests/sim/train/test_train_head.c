@@ -18,6 +18,7 @@
 #include "sim/train/head/head_picture.h"
 #include "sim/train/head/train_head.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 #define SHIPPED ISOTHERM_SOURCE_DIR "/core/data/head.model"
 
@@ -34,9 +35,7 @@ static int setup(void **state)
         free(f);
         return -1;
     }
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *path = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                    "data/ict-face");
+    const char *path = shared_data("data/ict-face");
     *state = f;
     return scratch_exists(path) && sim_ict_load(path, &f->ict, &fault) != 0 ? -1 : 0;
 }

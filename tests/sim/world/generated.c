@@ -12,28 +12,39 @@
 
 #include "drivers/recording/recording.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 struct sim_generate_options generated_options(const char *preset, const char *directory)
 {
     struct sim_generate_options options = sim_generate_options_default();
-    const char *shared = getenv("ISOTHERM_SHARED");
-    options.ict_directory = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                         "data/ict-face");
-    if (!scratch_exists(options.ict_directory)) {
-        skip();
-    }
+    options.ict_directory = shared_data_or_skip("data/ict-face");
     options.preset = preset;
     options.directory = directory;
     return options;
 }
 
-struct sim_corpus *generated_corpus(const struct sim_generate_options *options)
+struct sim_generate_options generated_small(const char *directory)
+{
+    struct sim_generate_options options = generated_options("mild", directory);
+    options.n_people = 2;
+    options.n_probes = 3;
+    options.n_strangers = 1;
+    options.frames_per_visit = 2;
+    return options;
+}
+
+void generated_write(const struct sim_generate_options *options)
 {
     struct iso_fault fault = {.text = ""};
-    struct sim_corpus *corpus = NULL;
     int error = sim_generate(options, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);
+}
+
+struct sim_corpus *generated_corpus(const struct sim_generate_options *options)
+{
+    struct sim_corpus *corpus = NULL;
+    generated_write(options);
     assert_int_equal(sim_corpus_read(options->directory, &corpus, NULL), 0);
     return corpus;
 }

@@ -10,6 +10,11 @@
 /* The preset's options for a corpus in `directory`; skips the test without the head model. */
 struct sim_generate_options generated_options(const char *preset, const char *directory);
 
+/* Two people, three later visits of theirs and one stranger, two frames each. */
+struct sim_generate_options generated_small(const char *directory);
+
+void generated_write(const struct sim_generate_options *options);
+
 /* Generates and reads back. */
 struct sim_corpus *generated_corpus(const struct sim_generate_options *options);
 

@@ -18,6 +18,7 @@
 #include "sim/world/face/npy_writer.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 /* ---- half-precision numbers ---- */
 
@@ -227,12 +228,6 @@ static const char *const sample_files[] = {
     "generic_neutral_mesh.obj", "identity000.obj", "identity001.obj",   "identity002.obj",
     "browDown_L.obj",           "jawOpen.obj",     "mouthStretch_L.obj"};
 
-static const char *shared_path(const char *name)
-{
-    const char *shared = getenv("ISOTHERM_SHARED");
-    return scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared", name);
-}
-
 /* A kit of the sample's files alone: the index file names no other expressions. */
 static void copy_sample(const char *kit, const char *sample)
 {
@@ -283,8 +278,8 @@ static void the_real_files_give_the_known_model(void **state)
 {
     enum { HEADER = 128, MODE = 17202 * 3 * 2 };
     const char *kit = *state;
-    const char *sample = shared_path("data/ict-facekit-sample"),
-               *known = shared_path("data/ict-face");
+    const char *sample = shared_data("data/ict-facekit-sample"),
+               *known = shared_data("data/ict-face");
     struct sim_ict_layout layout = sim_ict_kit_layout;
     struct sim_ict_kit_report report;
     struct iso_fault fault = {.text = ""};

@@ -15,21 +15,16 @@
 #include "sim/world/face/person.h"
 #include "sim/world/scene/sitter.h"
 #include "tests/support/scratch.h"
-
-static const char *model_directory(void)
-{
-    const char *shared = getenv("ISOTHERM_SHARED");
-    return scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared", "data/ict-face");
-}
+#include "tests/support/shared_data.h"
 
 static struct sim_ict *load_model(void)
 {
     struct sim_ict *ict = NULL;
     struct iso_fault fault = {.text = ""};
-    if (!scratch_exists(model_directory())) {
+    if (!scratch_exists(shared_data("data/ict-face"))) {
         skip();
     }
-    int error = sim_ict_load(model_directory(), &ict, &fault);
+    int error = sim_ict_load(shared_data("data/ict-face"), &ict, &fault);
     assert_string_equal(fault.text, "");
     assert_int_equal(error, 0);
     return ict;

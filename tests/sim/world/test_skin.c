@@ -12,16 +12,12 @@
 #include "sim/world/face/skin.h"
 #include "sim/world/scene/portrait.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 static struct sim_ict *load(void)
 {
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *path = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                    "data/ict-face");
+    const char *path = shared_data_or_skip("data/ict-face");
     struct sim_ict *ict = NULL;
-    if (!scratch_exists(path)) {
-        skip();
-    }
     assert_int_equal(sim_ict_load(path, &ict, NULL), 0);
     return ict;
 }

@@ -16,6 +16,7 @@
 #include "sim/world/scene/depth_error.h"
 #include "sim/world/stereo/stereo_scene.h"
 #include "tests/support/scratch.h"
+#include "tests/support/shared_data.h"
 
 /* The dots' light is the same however wide they are: its mean over directions is 1. */
 static void dots_neither_add_nor_swallow_light(void **state)
@@ -32,6 +33,25 @@ static void dots_neither_add_nor_swallow_light(void **state)
         print_message("dots of radius %.4f: mean light %.3f\n", radius, sum / (SIDE * SIDE));
         assert_true(fabs(sum / (SIDE * SIDE) - 1.0) < 0.03);
     }
+}
+
+/* The picture is that of the depths: bright where the sheet is, n_on pixels, and dark beside it. */
+static void check_picture(const struct sim_sensor *sensor, const struct sim_view *view,
+                          struct sim_random *random, struct sim_sensor_workspace *workspace,
+                          size_t n_on)
+{
+    float *picture = calloc(workspace->n_pixels, sizeof *picture);
+    double on = 0.0, beside = 0.0;
+    assert_non_null(picture);
+    sim_infrared_measure(sensor, view, 1.0, random, workspace, picture);
+    for (size_t i = 0; i < workspace->n_pixels; i++) {
+        *(view->depth_mm[i] > 0.0f ? &on : &beside) += (double)picture[i];
+    }
+    on /= (double)n_on;
+    beside /= (double)(workspace->n_pixels - n_on);
+    print_message("its picture: %.2f on it, %.2f beside it\n", on, beside);
+    assert_true(on > 0.15 && on < 0.8 && beside < 0.03);
+    free(picture);
 }
 
 /* A bent sheet of skin, 600 mm away: known depth, and no need of the head model. */
@@ -68,19 +88,7 @@ static void a_bent_sheet_comes_out_right(void **state)
             holes += view->depth_mm[i] > 0.0f;
         }
     }
-    /* The picture is that of the depths: bright where the sheet is, dark beside it. */
-    float *picture = calloc(workspace->n_pixels, sizeof *picture);
-    double on = 0.0, beside = 0.0;
-    assert_non_null(picture);
-    sim_infrared_measure(sensor, view, 1.0, &random, workspace, picture);
-    for (size_t i = 0; i < workspace->n_pixels; i++) {
-        *(view->depth_mm[i] > 0.0f ? &on : &beside) += (double)picture[i];
-    }
-    on /= (double)(n + holes);
-    beside /= (double)(workspace->n_pixels - n - holes);
-    print_message("its picture: %.2f on it, %.2f beside it\n", on, beside);
-    assert_true(on > 0.15 && on < 0.8 && beside < 0.03);
-    free(picture);
+    check_picture(sensor, view, &random, workspace, n + holes);
     print_message("sheet at 600 mm: %zu pixels, rms %.2f mm, bias %+.2f mm, holes %.2f %%\n", n,
                   sqrt(squares / (double)n), sum / (double)n,
                   100.0 * (double)holes / (double)(n + holes));
@@ -95,13 +103,8 @@ static void a_bent_sheet_comes_out_right(void **state)
 
 static struct sim_ict *load_model(void)
 {
-    const char *shared = getenv("ISOTHERM_SHARED");
-    const char *directory = scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared",
-                                         "data/ict-face");
+    const char *directory = shared_data_or_skip("data/ict-face");
     struct sim_ict *ict = NULL;
-    if (!scratch_exists(directory)) {
-        skip();
-    }
     assert_int_equal(sim_ict_load(directory, &ict, NULL), 0);
     return ict;
 }

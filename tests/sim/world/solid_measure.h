@@ -1,0 +1,19 @@
+/* Measures of a solid. */
+#ifndef TESTS_SIM_WORLD_SOLID_MEASURE_H
+#define TESTS_SIM_WORLD_SOLID_MEASURE_H
+
+#include "sim/world/prop/solid.h"
+
+/* Positive if triangles are counter-clockwise seen from outside. */
+double solid_volume(const struct sim_solid *solid);
+
+double solid_area(const struct sim_solid *solid);
+
+/* Its bounding box. */
+struct solid_extent {
+    struct iso_vec3 least, most;
+};
+
+struct solid_extent solid_extent(const struct sim_solid *solid);
+
+#endif
