@@ -6,11 +6,13 @@
 
 #include "drivers/file/file.h"
 
-static int refuse(int error, const char *path, const char *why, struct iso_fault *fault)
+/* Describes the parser's error, or returns 0 if there is none. */
+static int judge_parsing(int error, const char *path, const char *why, struct iso_fault *fault)
 {
-    return error ? iso_fault_set(fault, error, "%s: %s", path,
-                                 error == -EBADMSG ? why : strerror(-error))
-                 : 0;
+    if (!error) {
+        return 0;
+    }
+    return iso_fault_set(fault, error, "%s: %s", path, error == -EBADMSG ? why : strerror(-error));
 }
 
 int sim_head_model_load(const char *path, struct iso_head_model **out, struct iso_fault *fault)
@@ -20,7 +22,7 @@ int sim_head_model_load(const char *path, struct iso_head_model **out, struct is
     const char *why = "";
     int error = iso_file_read(path, ISO_HEAD_BYTES_MAX, &bytes, &size, fault);
     if (!error) {
-        error = refuse(iso_head_model_parse(bytes, size, out, &why), path, why, fault);
+        error = judge_parsing(iso_head_model_parse(bytes, size, out, &why), path, why, fault);
         free(bytes);
     }
     return error;
@@ -33,7 +35,7 @@ int sim_metric_load(const char *path, struct iso_metric **out, struct iso_fault 
     const char *why = "";
     int error = iso_file_read(path, ISO_METRIC_BYTES_MAX, &bytes, &size, fault);
     if (!error) {
-        error = refuse(iso_metric_parse(bytes, size, out, &why), path, why, fault);
+        error = judge_parsing(iso_metric_parse(bytes, size, out, &why), path, why, fault);
         free(bytes);
     }
     return error;
@@ -47,7 +49,7 @@ int sim_cohort_load(const char *path, struct iso_cohort **out, struct iso_fault 
     const char *why = "";
     int error = iso_file_read(path, BYTES_MAX, &bytes, &size, fault);
     if (!error) {
-        error = refuse(iso_cohort_parse(bytes, size, out, &why), path, why, fault);
+        error = judge_parsing(iso_cohort_parse(bytes, size, out, &why), path, why, fault);
         free(bytes);
     }
     return error;

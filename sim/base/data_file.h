@@ -1,5 +1,8 @@
 /* Loads the data files that ship with the product: head model, metric and cohort. Where they are:
- * drivers/base/shipped.h. */
+ * drivers/base/shipped.h.
+ *
+ * The daemon does not load its data through here: there, each recognition method reads its own, and
+ * refuses what was made for another algorithm. An evaluation may combine what it likes. */
 #ifndef SIM_BASE_DATA_FILE_H
 #define SIM_BASE_DATA_FILE_H
 

@@ -1,5 +1,5 @@
-/* How far the command of this process is. One thing at a time is shown, and only if main() has said
- * where: as a library, and in tests, the simulator says nothing. */
+/* Shows how far the running command is. One task is shown at a time, and only after main() has said
+ * where. In tests, and where the simulator is used as a library, nothing is shown. */
 #ifndef SIM_BASE_PROGRESS_H
 #define SIM_BASE_PROGRESS_H
 
@@ -10,18 +10,18 @@
 /* Progress is shown on `out` from here on, as drivers/terminal/progress.h does it. */
 void sim_progress_to(FILE *out);
 
-/* Begins something of `total` steps (0: nobody can know how many). False if it is not shown,
- * because something that it is part of is, or for another reason. `what` is kept, not copied. To be
+/* Begins a task of `total` steps (0: their number is not known). False if it is not shown, for
+ * example because a task that it is part of is shown already. `what` is kept, not copied. To be
  * called by the thread of the command. */
 bool sim_progress_begin(const char *what, uint64_t total);
 
-/* So many steps more. From any thread; nothing happens if nothing is shown. */
+/* Counts further steps. May be called by any thread; does nothing if nothing is shown. */
 void sim_progress_step(uint64_t n);
 
-/* Ends what was begun; `shown` is what sim_progress_begin() returned. */
+/* Ends the task; `shown` is what sim_progress_begin() returned. */
 void sim_progress_end(bool shown);
 
-/* Between the two results can be printed. */
+/* Results may be printed between these two calls. */
 void sim_progress_pause(void);
 void sim_progress_resume(void);
 

@@ -1,4 +1,4 @@
-/* How a set of numbers lies. */
+/* Mean and quantiles of a set of numbers. */
 #ifndef SIM_BASE_SPREAD_H
 #define SIM_BASE_SPREAD_H
 

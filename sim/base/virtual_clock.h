@@ -1,5 +1,5 @@
-/* Time that passes only when it is told to: hours of an appliance in seconds, and the same run
- * twice is the same to the bit. */
+/* A clock that stands still until it is moved on. Hours of an appliance pass in seconds, and two
+ * equal runs give equal results to the bit. */
 #ifndef SIM_BASE_VIRTUAL_CLOCK_H
 #define SIM_BASE_VIRTUAL_CLOCK_H
 

@@ -9,14 +9,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/path.h"
 #include "drivers/file/png.h"
 #include "drivers/stereo/board.h"
 #include "drivers/terminal/words.h"
+#include "sim/base/make_directory.h"
 #include "sim/base/options.h"
 #include "sim/base/progress.h"
+#include "sim/commands/command.h"
 #include "sim/commands/commands.h"
 #include "sim/world/stereo/board_picture.h"
 #include "sim/world/stereo/lens_calibration.h"
@@ -71,14 +72,14 @@ static int write_picture(const char *directory, int eye, size_t number,
     return iso_png_write(path, image, 1, fault);
 }
 
-static int make_directory(const char *parent, const char *name, struct iso_fault *fault)
+static int make_subdirectory(const char *parent, const char *name, struct iso_fault *fault)
 {
     char path[PATH_MAX];
     int error = iso_path_join(parent, name, path, fault);
-    if (!error && mkdir(path, 0777) != 0 && errno != EEXIST) {
-        error = iso_fault_set(fault, -errno, "%s: %m", path);
+    if (error) {
+        return error;
     }
-    return error;
+    return sim_make_directory(path, fault);
 }
 
 /* Takes one pair of pictures of a board somewhere before the rig. */
@@ -99,8 +100,8 @@ static int render_pair(const struct arguments *a, const struct sim_stereo_rig *r
     return error;
 }
 
-static int prepare(const struct sim_stereo_rig *rig, struct iso_image *image,
-                   struct sim_lens *lenses[ISO_EYES], struct iso_fault *fault)
+static int prepare_rendering(const struct sim_stereo_rig *rig, struct iso_image *image,
+                             struct sim_lens *lenses[ISO_EYES], struct iso_fault *fault)
 {
     const struct iso_camera *camera = rig->built.camera;
     *image = (struct iso_image){
@@ -113,17 +114,17 @@ static int prepare(const struct sim_stereo_rig *rig, struct iso_image *image,
     return good ? 0 : iso_fault_set(fault, -ENOMEM, "out of memory");
 }
 
-static int render(const struct arguments *a, struct iso_fault *fault)
+static int render_pairs(const struct arguments *a, struct iso_fault *fault)
 {
     const struct sim_stereo_rig rig = sim_stereo_rig(0.0);
     struct iso_image image = {0};
     struct sim_lens *lenses[ISO_EYES] = {NULL};
-    int error = prepare(&rig, &image, lenses, fault);
-    if (!error && mkdir(a->render, 0777) != 0 && errno != EEXIST) {
-        error = iso_fault_set(fault, -errno, "%s: %m", a->render);
+    int error = prepare_rendering(&rig, &image, lenses, fault);
+    if (!error) {
+        error = sim_make_directory(a->render, fault);
     }
     for (int eye = 0; !error && eye < ISO_EYES; eye++) {
-        error = make_directory(a->render, eye_names[eye], fault);
+        error = make_subdirectory(a->render, eye_names[eye], fault);
     }
     const bool shown = sim_progress_begin("rendering pictures", a->pairs);
     for (size_t i = 0; !error && i < a->pairs; i++) {
@@ -155,8 +156,13 @@ static int read_picture(const char *directory, int eye, const char *name, struct
     char folder[PATH_MAX], path[PATH_MAX];
     const struct iso_png_expectation grey = {ISO_PIXEL_GREY8, image->width_px, image->height_px};
     int error = iso_path_join(directory, eye_names[eye], folder, fault);
-    error = error ? error : iso_path_join(folder, name, path, fault);
-    return error ? error : iso_png_read(path, &grey, image, fault);
+    if (!error) {
+        error = iso_path_join(folder, name, path, fault);
+    }
+    if (error) {
+        return error;
+    }
+    return iso_png_read(path, &grey, image, fault);
 }
 
 /* Reads one pair and adds it; the first decides the pictures' size. */
@@ -187,8 +193,8 @@ static int add_pair(const struct arguments *a, const char *name, struct iso_imag
     return error ? iso_fault_set(fault, error, "%s: %s", name, strerror(-error)) : 0;
 }
 
-static int gather(const struct arguments *a, struct iso_board_views **views,
-                  struct iso_fault *fault)
+static int read_views(const struct arguments *a, struct iso_board_views **views,
+                      struct iso_fault *fault)
 {
     char left[PATH_MAX];
     struct dirent **entries = NULL;
@@ -237,7 +243,7 @@ static int render_single(const struct arguments *a, struct iso_fault *fault)
     return error;
 }
 
-static void print(const struct iso_stereo_calibration *c)
+static void print_calibration(const struct iso_stereo_calibration *c)
 {
     printf("%d pairs, %.3f px between corners and model (root mean square)\n", c->pairs, c->rms_px);
     for (int eye = 0; eye < ISO_EYES; eye++) {
@@ -255,11 +261,11 @@ static void count_solution(void *context)
     sim_progress_step(1);
 }
 
-static int calibrate(const struct arguments *a, struct iso_fault *fault)
+static int calibrate_pair(const struct arguments *a, struct iso_fault *fault)
 {
     struct iso_board_views *views = NULL;
     struct iso_stereo_calibration calibration;
-    int error = gather(a, &views, fault);
+    int error = read_views(a, &views, fault);
     if (!error) {
         const bool shown = sim_progress_begin("solving for the cameras", ISO_BOARD_SOLUTIONS);
         error = iso_board_calibrate(views, count_solution, NULL, &calibration, fault);
@@ -269,10 +275,18 @@ static int calibrate(const struct arguments *a, struct iso_fault *fault)
         error = iso_stereo_calibration_write(a->out, &calibration, fault);
     }
     if (!error) {
-        print(&calibration);
+        print_calibration(&calibration);
     }
     iso_board_views_free(views);
     return error;
+}
+
+static int carry_out(const struct arguments *a, struct iso_fault *fault)
+{
+    if (a->render) {
+        return a->camera ? render_single(a, fault) : render_pairs(a, fault);
+    }
+    return a->camera ? calibrate_single(a, fault) : calibrate_pair(a, fault);
 }
 
 int sim_cmd_calibrate(int argc, char **argv)
@@ -306,14 +320,10 @@ int sim_cmd_calibrate(int argc, char **argv)
               stderr);
         return SIM_EXIT_USAGE;
     }
-    const int error = arguments.render
-                          ? (arguments.camera ? render_single : render)(&arguments, &fault)
-                          : (arguments.camera ? calibrate_single : calibrate)(&arguments, &fault);
+    const int error = carry_out(&arguments, &fault);
     if (error) {
         fprintf(stderr, "isotherm-sim calibrate: %s\n", fault.text);
-        return error == -ENOENT   ? SIM_EXIT_NOT_FOUND
-               : error == -EINVAL ? SIM_EXIT_USAGE
-                                  : SIM_EXIT_FAULT;
+        return sim_command_exit_code(error);
     }
     return SIM_EXIT_OK;
 }

@@ -1,10 +1,9 @@
 /* isotherm-sim landmarks: how good landmarks are, what the gates refuse, what gets past them. */
 #include <errno.h>
 #include <stdio.h>
-#include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/shipped.h"
+#include "sim/base/make_directory.h"
 #include "sim/commands/command.h"
 #include "sim/commands/commands.h"
 #include "sim/lab/landmarks/study_pictures.h"
@@ -37,11 +36,11 @@ static int run(void *target, struct iso_fault *fault)
     if (arguments->study.threads == 0) {
         arguments->study.threads = sim_threads_default(arguments->study.extract.heat);
     }
-    if (mkdir(arguments->out, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
-    }
     struct sim_study *study = NULL;
-    int error = sim_study_run(&arguments->study, &study, fault);
+    int error = sim_make_directory(arguments->out, fault);
+    if (!error) {
+        error = sim_study_run(&arguments->study, &study, fault);
+    }
     if (error) {
         return error;
     }

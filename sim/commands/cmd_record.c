@@ -108,10 +108,12 @@ static int record(const struct arguments *arguments, struct sim_sensor_word *wor
     struct sim_record_result result = {0};
     struct iso_sensor *sensor = NULL;
     int error = arguments->oni ? sim_sensor_word_add(word, "record", arguments->oni, fault) : 0;
-    error = error ? error
-                  : iso_sensor_open(word->type, word->options, word->n_options, &clock, &sensor,
-                                    fault);
-    error = error ? error : iso_sensor_start(sensor, fault);
+    if (!error) {
+        error = iso_sensor_open(word->type, word->options, word->n_options, &clock, &sensor, fault);
+    }
+    if (!error) {
+        error = iso_sensor_start(sensor, fault);
+    }
     if (!error) {
         error = sim_record(sensor, &clock, &wish, &result, fault);
         print_result(&result);
@@ -149,7 +151,9 @@ int sim_cmd_record(int argc, char **argv)
         return complain(&fault, SIM_EXIT_USAGE);
     }
     int error = sim_sensor_word_parse(arguments.sensor, &word, &fault);
-    error = error ? error : record(&arguments, &word, &fault);
+    if (!error) {
+        error = record(&arguments, &word, &fault);
+    }
     sim_sensor_word_done(&word);
     return error ? complain(&fault, exit_code(error)) : SIM_EXIT_OK;
 }

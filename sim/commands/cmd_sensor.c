@@ -4,9 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
-#include <string.h>
-#include <sys/stat.h>
 
+#include "sim/base/make_directory.h"
 #include "sim/base/options.h"
 #include "sim/base/progress.h"
 #include "sim/commands/commands.h"
@@ -70,7 +69,9 @@ static int measure_all(const struct arguments *a, const struct sim_depth_error_o
         pictures->distance_mm = (int)at_mm;
         pictures->drawn = false;
         int error = sim_depth_error_measure(measure, at_mm, &e, fault);
-        error = error ? error : pictures->error;
+        if (!error) {
+            error = pictures->error;
+        }
         if (error) {
             return error;
         }
@@ -101,10 +102,10 @@ static int run(const struct arguments *a, struct iso_fault *fault)
                                               .noise_scale = a->noise_scale,
                                               .show = show,
                                               .context = &pictures};
-    if (a->pictures && mkdir(a->pictures, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %m", a->pictures);
+    int error = a->pictures ? sim_make_directory(a->pictures, fault) : 0;
+    if (!error) {
+        error = sim_sensor_load(measure.sensor, fault);
     }
-    int error = sim_sensor_load(measure.sensor, fault);
     if (!error) {
         error = sim_ict_load(a->ict, &ict, fault);
     }

@@ -3,11 +3,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/shipped.h"
 #include "drivers/recording/recording.h"
 #include "sim/base/data_file.h"
+#include "sim/base/make_directory.h"
+#include "sim/commands/command.h"
 #include "sim/commands/commands.h"
 #include "sim/lab/landmarks/fit_picture.h"
 #include "sim/lab/match/extract_options.h"
@@ -47,12 +48,12 @@ static const struct {
 
 static const size_t n_face_pictures = sizeof face_pictures / sizeof *face_pictures;
 
-static bool wants(const struct arguments *arguments, const char *name)
+static bool is_wanted(const struct arguments *arguments, const char *name)
 {
     return strcmp(arguments->what, name) == 0 || strcmp(arguments->what, "all") == 0;
 }
 
-static bool knows(const char *what)
+static bool is_known(const char *what)
 {
     bool known = strcmp(what, "all") == 0 || strcmp(what, "depth") == 0 || strcmp(what, "fit") == 0;
     for (size_t i = 0; i < n_face_pictures; i++) {
@@ -78,7 +79,10 @@ static int draw_depth(const struct arguments *arguments, const struct iso_frame 
 {
     char path[4096];
     int error = path_of(arguments, "depth", path, sizeof path, fault);
-    return error ? error : sim_picture_depth(frame, path, fault);
+    if (error) {
+        return error;
+    }
+    return sim_picture_depth(frame, path, fault);
 }
 
 /* Whatever became of the frame; truth and title are still to be filled in. */
@@ -116,7 +120,7 @@ static int draw_face(const struct arguments *arguments, const struct sim_fit_sub
     struct sim_face face = sim_face_of(subject->extractor, subject->extraction);
     for (size_t i = 0; !error && i < n_face_pictures; i++) {
         char path[4096];
-        if (wants(arguments, face_pictures[i].name)) {
+        if (is_wanted(arguments, face_pictures[i].name)) {
             error = path_of(arguments, face_pictures[i].name, path, sizeof path, fault);
             if (!error) {
                 error = face_pictures[i].draw(&face, arguments->angle, path, fault);
@@ -150,7 +154,7 @@ static int extract_and_draw(const struct arguments *arguments,
     }
     struct sim_fit_subject subject = {
         .model = model, .extractor = extractor, .extraction = extraction, .frame = frame};
-    if (wants(arguments, "fit")) {
+    if (is_wanted(arguments, "fit")) {
         error = draw_fit(arguments, recording, &subject, fault);
     }
     if (!error && strcmp(arguments->what, "fit") != 0) {
@@ -163,15 +167,17 @@ out:
     return error;
 }
 
-static int run(const struct arguments *arguments, struct iso_fault *fault)
+static int show_frame(const struct arguments *arguments, struct iso_fault *fault)
 {
-    if (strcmp(arguments->what, "all") == 0 && mkdir(arguments->out, 0777) != 0 &&
-        errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %s", arguments->out, strerror(errno));
-    }
     struct iso_recording *recording = NULL;
     struct iso_frame *frame = NULL;
-    int error = iso_recording_open(arguments->recording, &recording, fault);
+    int error = 0;
+    if (strcmp(arguments->what, "all") == 0) {
+        error = sim_make_directory(arguments->out, fault);
+    }
+    if (!error) {
+        error = iso_recording_open(arguments->recording, &recording, fault);
+    }
     if (error) {
         return error;
     }
@@ -181,7 +187,7 @@ static int run(const struct arguments *arguments, struct iso_fault *fault)
         goto out;
     }
     error = iso_recording_read(recording, arguments->frame, frame, fault);
-    if (!error && wants(arguments, "depth")) {
+    if (!error && is_wanted(arguments, "depth")) {
         error = draw_depth(arguments, frame, fault);
     }
     if (!error && strcmp(arguments->what, "depth") != 0) {
@@ -193,7 +199,7 @@ out:
     return error;
 }
 
-static int complain(const struct iso_fault *fault, int exit_code)
+static int report_fault(const struct iso_fault *fault, int exit_code)
 {
     fprintf(stderr, "isotherm-sim show: %s\n", fault->text);
     return exit_code;
@@ -221,24 +227,22 @@ int sim_cmd_show(int argc, char **argv)
         sim_options_help(sets, n_sets, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:
-        return complain(&fault, SIM_EXIT_USAGE);
+        return report_fault(&fault, SIM_EXIT_USAGE);
     case SIM_OPTIONS_READ:
         break;
     }
     if (!arguments.recording || !arguments.out) {
         (void)iso_fault_set(&fault, 0, "--recording and --out are needed");
-        return complain(&fault, SIM_EXIT_USAGE);
+        return report_fault(&fault, SIM_EXIT_USAGE);
     }
-    if (!knows(arguments.what)) {
+    if (!is_known(arguments.what)) {
         (void)iso_fault_set(&fault, 0, "--what: '%s' is unknown", arguments.what);
-        return complain(&fault, SIM_EXIT_USAGE);
+        return report_fault(&fault, SIM_EXIT_USAGE);
     }
-    int error = run(&arguments, &fault);
+    int error = show_frame(&arguments, &fault);
     if (!error) {
         return SIM_EXIT_OK;
     }
-    return complain(&fault, error == -ENODATA  ? SIM_EXIT_NO_MATCH
-                            : error == -EINVAL ? SIM_EXIT_USAGE
-                            : error == -ENOENT ? SIM_EXIT_NOT_FOUND
-                                               : SIM_EXIT_FAULT);
+    return report_fault(&fault,
+                        error == -ENODATA ? SIM_EXIT_NO_MATCH : sim_command_exit_code(error));
 }

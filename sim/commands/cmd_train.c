@@ -3,11 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/shipped.h"
 #include "drivers/file/text.h"
 #include "sim/base/data_file.h"
+#include "sim/base/make_directory.h"
 #include "sim/base/options.h"
 #include "sim/commands/command.h"
 #include "sim/commands/commands.h"
@@ -110,8 +110,9 @@ static int save_head(const struct iso_head_model *model, const struct arguments 
 static int draw_head(const struct iso_head_model *model, const char *directory,
                      struct iso_fault *fault)
 {
-    if (mkdir(directory, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %s", directory, strerror(errno));
+    const int error = sim_make_directory(directory, fault);
+    if (error) {
+        return error;
     }
     return sim_head_pictures(model, directory, fault);
 }

@@ -24,6 +24,18 @@ static void print_help(const struct sim_command *command, const struct sim_optio
     }
 }
 
+int sim_command_exit_code(int error)
+{
+    switch (error) {
+    case -EINVAL:
+        return SIM_EXIT_USAGE;
+    case -ENOENT:
+        return SIM_EXIT_NOT_FOUND;
+    default:
+        return SIM_EXIT_FAULT;
+    }
+}
+
 int sim_command_run(const struct sim_command *command, const struct sim_option_set *sets,
                     size_t n_sets, int argc, char **argv)
 {
@@ -41,10 +53,7 @@ int sim_command_run(const struct sim_command *command, const struct sim_option_s
     if (!error) {
         return SIM_EXIT_OK;
     }
-    return complain(command, &fault,
-                    error == -EINVAL   ? SIM_EXIT_USAGE
-                    : error == -ENOENT ? SIM_EXIT_NOT_FOUND
-                                       : SIM_EXIT_FAULT);
+    return complain(command, &fault, sim_command_exit_code(error));
 }
 
 /* A command's own word, behind its group's. */

@@ -21,6 +21,10 @@ struct sim_subcommand {
     size_t n_options;
 };
 
+/* What a command ends with after such an error: SIM_EXIT_USAGE for -EINVAL, SIM_EXIT_NOT_FOUND for
+ * -ENOENT, else SIM_EXIT_FAULT. */
+int sim_command_exit_code(int error);
+
 /* Runs a command with argv from its name on; an exit code of sim/commands/commands.h. */
 int sim_command_run(const struct sim_command *command, const struct sim_option_set *sets,
                     size_t n_sets, int argc, char **argv);

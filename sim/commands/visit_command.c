@@ -2,9 +2,8 @@
 
 #include <errno.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 
+#include "sim/base/make_directory.h"
 #include "sim/commands/commands.h"
 #include "sim/door/visit_report.h"
 
@@ -26,7 +25,9 @@ static int play_corpus(const struct sim_visit_command *command, const struct sim
     sim_visit_print_head(stdout);
     int error = command->play(command->set.target, corpus, print_visit, NULL, visits, &n_visits,
                               fault);
-    error = error ? error : sim_visit_write_csv(*command->out, visits, n_visits, fault);
+    if (!error) {
+        error = sim_visit_write_csv(*command->out, visits, n_visits, fault);
+    }
     if (!error) {
         *summary = sim_visit_judge(visits, n_visits);
         sim_visit_print_summary(summary, stdout);
@@ -43,9 +44,9 @@ static int play(const struct sim_visit_command *command, struct sim_visit_summar
     if (error) {
         return error;
     }
-    if (mkdir(*command->out, 0777) != 0 && !(command->out_may_exist && errno == EEXIST)) {
-        error = iso_fault_set(fault, -errno, "%s: %s", *command->out, strerror(errno));
-    } else {
+    error = command->out_may_exist ? sim_make_directory(*command->out, fault)
+                                   : sim_make_new_directory(*command->out, fault);
+    if (!error) {
         error = play_corpus(command, corpus, summary, fault);
     }
     sim_corpus_free(corpus);
@@ -57,6 +58,18 @@ static int complain(const struct sim_visit_command *command, const struct iso_fa
 {
     fprintf(stderr, "isotherm-sim %s: %s\n", command->name, fault->text);
     return exit_code;
+}
+
+static int exit_code_of(int error)
+{
+    switch (error) {
+    case -ENOENT:
+        return SIM_EXIT_NOT_FOUND;
+    case -ETIMEDOUT:
+        return SIM_EXIT_TIMED_OUT;
+    default:
+        return SIM_EXIT_FAULT;
+    }
 }
 
 int sim_visit_command_run(const struct sim_visit_command *command, int argc, char **argv)
@@ -80,10 +93,7 @@ int sim_visit_command_run(const struct sim_visit_command *command, int argc, cha
     }
     const int error = play(command, &summary, &fault);
     if (error) {
-        return complain(command, &fault,
-                        error == -ENOENT      ? SIM_EXIT_NOT_FOUND
-                        : error == -ETIMEDOUT ? SIM_EXIT_TIMED_OUT
-                                              : SIM_EXIT_FAULT);
+        return complain(command, &fault, exit_code_of(error));
     }
     return summary.good ? SIM_EXIT_OK : SIM_EXIT_NO_MATCH;
 }

@@ -89,11 +89,21 @@ int sim_scan_parse_abs(const char *name, const char *bytes, size_t size, struct 
     double rows, columns;
     (void)size; /* ends with a NUL */
     int error = read_size(&reader, "rows", &rows);
-    error = error ? error : read_size(&reader, "columns", &columns);
-    error = error ? error : skip_title(&reader);
-    error = error ? error : sim_scan_grid_new(name, rows, columns, &grid, fault);
-    error = error ? error : read_planes(&reader, &grid);
-    error = error ? error : sim_scan_grid_mesh(name, &grid, out, fault);
+    if (!error) {
+        error = read_size(&reader, "columns", &columns);
+    }
+    if (!error) {
+        error = skip_title(&reader);
+    }
+    if (!error) {
+        error = sim_scan_grid_new(name, rows, columns, &grid, fault);
+    }
+    if (!error) {
+        error = read_planes(&reader, &grid);
+    }
+    if (!error) {
+        error = sim_scan_grid_mesh(name, &grid, out, fault);
+    }
     sim_scan_grid_done(&grid);
     return error;
 }

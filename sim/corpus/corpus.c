@@ -127,7 +127,7 @@ static int compare_subjects(const void *a, const void *b)
     return order ? order : (int)p->role - (int)q->role;
 }
 
-static unsigned later(const struct line *a, const struct line *b)
+static unsigned order_of_rows(const struct line *a, const struct line *b)
 {
     return a->number > b->number ? a->number : b->number;
 }
@@ -139,7 +139,7 @@ static int check_rows(const char *name, struct line *lines, size_t n, struct iso
     for (size_t i = 1; i < n; i++) {
         if (compare_ranges(&lines[i - 1], &lines[i]) == 0) {
             return iso_fault_set(fault, -EBADMSG, "%s:%u: repeated row", name,
-                                 later(&lines[i - 1], &lines[i]));
+                                 order_of_rows(&lines[i - 1], &lines[i]));
         }
     }
     qsort(lines, n, sizeof *lines, compare_subjects);

@@ -61,12 +61,12 @@ int sim_corpus_write(const char *directory, const struct sim_corpus_row *rows, s
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Rendered corpora say who is in a row by the first word of its note, the origin "POPULATION-SEED";
- * words that follow it say more of the row ("test-31 enrolled-behind"). The length of that word; 0:
- * there is none. */
+ * words that follow it say more of the row ("test-31 enrolled-behind"). Returns the length of that
+ * word, or 0 if there is none. */
 size_t sim_corpus_origin_length(const char *note);
 
-/* Whether the row's origin is that of another note (or the origin alone); an empty one is no
- * origin's. */
+/* Whether the row has the same origin as another note, which may be the origin alone. False for an
+ * empty note. */
 bool sim_corpus_row_is_of(const struct sim_corpus_row *row, const char *note);
 
 void sim_corpus_free(struct sim_corpus *corpus);

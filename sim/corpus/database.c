@@ -19,7 +19,7 @@ static bool whole_name(const char *file, int fields, int wanted, int at, const c
     return fields == wanted && at > 0 && strcmp(file + at, rest) == 0;
 }
 
-static void set(char field[SIM_CORPUS_NAME_MAX], const char *prefix, const char *value)
+static void set_field(char field[SIM_CORPUS_NAME_MAX], const char *prefix, const char *value)
 {
     (void)snprintf(field, SIM_CORPUS_NAME_MAX, "%s%s", prefix, value);
 }
@@ -31,7 +31,9 @@ static int read_scan(const char *path, scan_parser *parse, struct iso_frame **ou
     size_t size;
     struct iso_mesh *scan = NULL;
     int error = iso_file_read(path, SIM_SCAN_BYTES_MAX, &bytes, &size, fault);
-    error = error ? error : parse(path, bytes, size, &scan, fault);
+    if (!error) {
+        error = parse(path, bytes, size, &scan, fault);
+    }
     if (!error && sim_scan_view(scan, out)) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
     }
@@ -83,7 +85,9 @@ static int read_texas(const char *path, const struct sim_database_options *optio
     struct iso_image range = {0}, portrait = {0};
     bool found = false;
     int error = iso_png_read(path, NULL, &range, fault);
-    error = error ? error : read_portrait(path, &portrait, &found, fault);
+    if (!error) {
+        error = read_portrait(path, &portrait, &found, fault);
+    }
     if (!error) {
         error = sim_scan_of_range(&range, found ? &portrait : NULL, options->level_mm, out);
         if (error) {
@@ -106,8 +110,8 @@ static bool describe_texas(const char *file, struct sim_corpus_row *row, bool *n
     if (!whole_name(file, n, 2, at, "Range.png")) {
         return false;
     }
-    set(row->subject, "t", person);
-    set(row->session, "s", session);
+    set_field(row->subject, "t", person);
+    set_field(row->session, "s", session);
     *neutral = true; /* the list of expressions is apart */
     return true;
 }
@@ -121,8 +125,8 @@ static bool describe_frgc(const char *file, struct sim_corpus_row *row, bool *ne
     if (!whole_name(file, n, 2, at, ".abs")) {
         return false;
     }
-    set(row->subject, "f", person);
-    set(row->session, "s", session);
+    set_field(row->subject, "f", person);
+    set_field(row->session, "s", session);
     *neutral = true;
     return true;
 }
@@ -141,12 +145,10 @@ static bool describe_bosphorus(const char *file, struct sim_corpus_row *row, boo
     bool turned = strcmp(kind, "YR") == 0 || strcmp(kind, "PR") == 0 || strcmp(kind, "CR") == 0;
     *neutral = strcmp(kind, "N") == 0;
     (void)snprintf(what, sizeof what, "%s-%s", kind, which);
-    set(row->subject, "bs", person);
-    set(row->session, "s", number);
-    set(turned           ? row->pose
-        : kind[0] == 'O' ? row->note
-                         : row->expression,
-        "", *neutral ? "neutral" : what);
+    set_field(row->subject, "bs", person);
+    set_field(row->session, "s", number);
+    char *field = kind[0] == 'O' ? row->note : row->expression;
+    set_field(turned ? row->pose : field, "", *neutral ? "neutral" : what);
     return true;
 }
 
@@ -162,9 +164,9 @@ static bool describe_bu3dfe(const char *file, struct sim_corpus_row *row, bool *
     }
     *neutral = strcmp(emotion, "NE") == 0;
     (void)snprintf(what, sizeof what, "%s%s", emotion, level);
-    set(row->subject, sex, person);
-    set(row->session, "", what);
-    set(row->expression, "", *neutral ? "neutral" : what);
+    set_field(row->subject, sex, person);
+    set_field(row->session, "", what);
+    set_field(row->expression, "", *neutral ? "neutral" : what);
     return true;
 }
 
@@ -180,9 +182,9 @@ static bool describe_gavab(const char *file, struct sim_corpus_row *row, bool *n
     bool face = strncmp(what, "risa", 4) == 0 || strncmp(what, "sonrisa", 7) == 0 ||
                 strncmp(what, "gesto", 5) == 0;
     *neutral = strncmp(what, "frontal", 7) == 0;
-    set(row->subject, "g", person);
-    set(row->session, "", what);
-    set(face ? row->expression : row->pose, "", what);
+    set_field(row->subject, "g", person);
+    set_field(row->session, "", what);
+    set_field(face ? row->expression : row->pose, "", what);
     return true;
 }
 
@@ -195,8 +197,8 @@ static bool describe_casia(const char *file, struct sim_corpus_row *row, bool *n
     if (!whole_name(file, n, 2, at, ".wrl")) {
         return false;
     }
-    set(row->subject, "c", person);
-    set(row->session, "s", session);
+    set_field(row->subject, "c", person);
+    set_field(row->session, "s", session);
     *neutral = true;
     return true;
 }

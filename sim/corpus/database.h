@@ -1,6 +1,6 @@
 /* Public databases of 3D faces: how their files are named, and read.
  *
- * None of them may be passed on; whoever has a licence can import it (loaders/import.h). */
+ * None of them may be passed on; those who have a licence can import it (sim/corpus/import.h). */
 #ifndef SIM_CORPUS_DATABASE_H
 #define SIM_CORPUS_DATABASE_H
 
@@ -10,13 +10,13 @@
 #include "sim/corpus/corpus.h"
 
 struct sim_database_options {
-    double level_mm; /* of a grey level, of databases of range images */
+    double level_mm; /* what a grey level of a range image is worth */
 };
 
 struct sim_database {
     const char *name;
     const char *source; /* who made it, and what it holds */
-    double unit_mm;     /* of a count in recordings of it */
+    double unit_mm;     /* of a depth count in recordings made from it */
 
     /* What a file's name says: subject, session, pose, expression and note of the row. *neutral:
      * the person is at rest and looks ahead, or the name does not say. False for names that are not

@@ -6,10 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/path.h"
 #include "drivers/recording/recording_writer.h"
+#include "sim/base/make_directory.h"
 #include "sim/base/progress.h"
 
 enum { PNG_LEVEL = 4 };
@@ -117,9 +117,15 @@ static int write_recording(const struct sim_import_options *o, const struct scan
     meta.camera = sim_recording_camera(frame);
     (void)snprintf(meta.sensor, sizeof meta.sensor, "%s", o->database->name);
     int error = iso_path_join(o->to, scan->row.recording, path, fault);
-    error = error ? error : sim_recording_writer_create(path, &meta, PNG_LEVEL, &writer, fault);
-    error = error ? error : sim_recording_writer_append(writer, frame, fault);
-    error = error ? error : sim_recording_writer_finish(writer, fault);
+    if (!error) {
+        error = sim_recording_writer_create(path, &meta, PNG_LEVEL, &writer, fault);
+    }
+    if (!error) {
+        error = sim_recording_writer_append(writer, frame, fault);
+    }
+    if (!error) {
+        error = sim_recording_writer_finish(writer, fault);
+    }
     sim_recording_writer_free(writer);
     return error;
 }
@@ -165,9 +171,10 @@ static void give_roles(struct scan *scans, size_t n, bool stranger)
     }
     enrolled = enrolled < n ? enrolled : 0;
     for (size_t i = 0; i < n; i++) {
-        scans[i].row.role = stranger        ? SIM_ROLE_IMPOSTOR
-                            : i == enrolled ? SIM_ROLE_GALLERY
-                                            : SIM_ROLE_PROBE;
+        scans[i].row.role = i == enrolled ? SIM_ROLE_GALLERY : SIM_ROLE_PROBE;
+        if (stranger) {
+            scans[i].row.role = SIM_ROLE_IMPOSTOR;
+        }
     }
 }
 
@@ -221,11 +228,15 @@ int sim_import(const struct sim_import_options *options, struct sim_import_repor
         qsort(scans.items, scans.n, sizeof *scans.items, by_person_and_file);
         error = check_names(&scans, fault);
     }
-    if (!error && mkdir(options->to, 0777) != 0 && errno != EEXIST) {
-        error = iso_fault_set(fault, -errno, "%s: %s", options->to, strerror(errno));
+    if (!error) {
+        error = sim_make_directory(options->to, fault);
     }
-    error = error ? error : record_scans(options, &scans, &counted, fault);
-    error = error ? error : write_manifest(options, scans.items, counted.scans, &counted, fault);
+    if (!error) {
+        error = record_scans(options, &scans, &counted, fault);
+    }
+    if (!error) {
+        error = write_manifest(options, scans.items, counted.scans, &counted, fault);
+    }
     if (!error) {
         *report = counted;
     }

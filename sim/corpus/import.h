@@ -1,8 +1,8 @@
 /* A public database becomes a corpus: a recording of one frame for each scan, and a manifest.
  *
  * Of each person the first neutral scan by file name is enrolled (the first of all if none is), the
- * others are probes; the last so many people enrol nothing and are impostors. File names are those
- * of the database, wherever below the directory the files lie. */
+ * others are probes; the last n_strangers people are not enrolled and are impostors. File names are
+ * those of the database, wherever below the directory the files lie. */
 #ifndef SIM_CORPUS_IMPORT_H
 #define SIM_CORPUS_IMPORT_H
 

@@ -55,7 +55,10 @@ static int begin(struct iso_sensor *sensor, const char *directory, const struct 
                                              : SIM_RECORD_DEFAULT_UNIT_UM / 1000.0;
     const int error = sim_recording_writer_create(directory, &meta, PNG_LEVEL, &output->writer,
                                                   fault);
-    return error ? error : sim_tape_new(output->writer, frame, &output->tape, fault);
+    if (error) {
+        return error;
+    }
+    return sim_tape_new(output->writer, frame, &output->tape, fault);
 }
 
 static int put(struct output *output, struct iso_sensor *sensor, const char *directory,
@@ -84,7 +87,9 @@ static int finish(struct output *output, struct iso_fault *fault)
     int error = sim_tape_finish(output->tape, fault);
     if (output->writer) {
         const int closed = sim_recording_writer_finish(output->writer, error ? NULL : fault);
-        error = error ? error : closed;
+        if (!error) {
+            error = closed;
+        }
     }
     sim_recording_writer_free(output->writer);
     return error;
@@ -112,5 +117,8 @@ int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
     sim_progress_end(shown);
     result->health = iso_sensor_health(sensor);
     const int finished = finish(&output, error ? NULL : fault);
-    return error ? error : finished;
+    if (error) {
+        return error;
+    }
+    return finished;
 }

@@ -12,12 +12,12 @@
 enum { SIM_RECORD_DEFAULT_UNIT_UM = 100 };
 
 struct sim_record_options {
-    const char *directory; /* NULL: frames are fetched and written nowhere */
+    const char *directory; /* NULL: frames are fetched, but not written */
     size_t frames;
     int64_t patience_ns; /* longest wait for a frame */
 };
 
-/* What came of it. */
+/* The result. */
 struct sim_record_result {
     size_t frames;  /* recorded */
     size_t damaged; /* reported as -EBADMSG */

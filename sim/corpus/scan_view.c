@@ -1,7 +1,6 @@
 #include "sim/corpus/scan_view.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "core/surface/raster.h"
@@ -32,7 +31,8 @@ static int place(struct iso_mesh *scan)
     for (int k = 0; k < 3; k++) {
         for (size_t i = 0; i < n; i++) {
             const struct iso_vec3 *p = &scan->vertices_mm[i];
-            values[i] = k == 0 ? p->x : k == 1 ? p->y : p->z;
+            const double coordinates[] = {p->x, p->y, p->z};
+            values[i] = coordinates[k];
         }
         sim_sort(values, n);
         middle[k] = values[sim_quantile_index(n, k == 2 ? 99 : 50)];
@@ -50,8 +50,9 @@ int sim_scan_view(struct iso_mesh *scan, struct iso_frame **out)
     const struct iso_camera *camera = &sim_scan_camera;
     struct iso_frame *frame = NULL;
     int error = place(scan);
-    error = error ? error
-                  : iso_frame_new(camera, camera->width_px, camera->height_px, false, &frame);
+    if (!error) {
+        error = iso_frame_new(camera, camera->width_px, camera->height_px, false, &frame);
+    }
     if (error) {
         return error;
     }

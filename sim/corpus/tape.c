@@ -73,7 +73,9 @@ int sim_tape_new(struct sim_recording_writer *writer, const struct iso_frame *li
         error = iso_frame_new(&like->camera, like->width_px, like->height_px,
                               like->intensity != NULL, &tape->frames[i]);
     }
-    error = error ? error : iso_thread_start(&tape->thread, write_frames, tape);
+    if (!error) {
+        error = iso_thread_start(&tape->thread, write_frames, tape);
+    }
     if (error) {
         free_tape(tape);
         return iso_fault_set(fault, error, "recording: %s", strerror(-error));

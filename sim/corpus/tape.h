@@ -1,4 +1,4 @@
-/* A recording that is written by a thread of its own: a camera does not wait while a frame is
+/* Writes a recording in a thread of its own, so that the camera need not wait while a frame is
  * compressed. Up to SIM_TAPE_FRAMES frames are held until then. */
 #ifndef SIM_CORPUS_TAPE_H
 #define SIM_CORPUS_TAPE_H
@@ -17,8 +17,8 @@ int sim_tape_new(struct sim_recording_writer *writer, const struct iso_frame *li
                  struct sim_tape **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Copies a frame, waiting for room if need be. -EINVAL a frame of another shape, or the error of
- * writing an earlier one (sim_recording_writer_append): nothing is written from then on. */
+/* Copies a frame; waits for room if necessary. -EINVAL for a frame of another shape, or the error
+ * of writing an earlier one (sim_recording_writer_append): nothing is written from then on. */
 int sim_tape_put(struct sim_tape *tape, const struct iso_frame *frame, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

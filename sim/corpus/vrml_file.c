@@ -35,7 +35,7 @@ static void *list_add(struct list *list)
     return (char *)list->items + list->item_bytes * list->n++;
 }
 
-static int refuse(const struct parser *p, const char *what)
+static int refuse_file(const struct parser *p, const char *what)
 {
     return iso_fault_set(p->fault, -EBADMSG, "%s: %s", p->name, what);
 }
@@ -93,7 +93,7 @@ static bool next_number(struct parser *p, double *value, int *error)
     char *end;
     *value = strtod(p->at, &end);
     if (end == p->at || !isfinite(*value)) {
-        *error = refuse(p, "a list ends, or has no number, before its ]");
+        *error = refuse_file(p, "a list ends, or has no number, before its ]");
         return false;
     }
     p->at = end;
@@ -104,7 +104,7 @@ static int open_list(struct parser *p)
 {
     skip_blanks(p);
     if (*p->at != '[') {
-        return refuse(p, "a list does not begin with [");
+        return refuse_file(p, "a list does not begin with [");
     }
     p->at++;
     return 0;
@@ -118,7 +118,7 @@ static int read_points(struct parser *p)
     p->first_point = p->points.n;
     while (!error && next_number(p, &value, &error)) {
         if (fabs(value) > coordinate_max_mm) {
-            return refuse(p, "a coordinate is out of range");
+            return refuse_file(p, "a coordinate is out of range");
         }
         xyz[k++] = value;
         if (k == 3) {
@@ -131,7 +131,7 @@ static int read_points(struct parser *p)
             k = 0;
         }
     }
-    return error || k == 0 ? error : refuse(p, "a point has not three coordinates");
+    return error || k == 0 ? error : refuse_file(p, "a point has not three coordinates");
 }
 
 static int add_triangle(struct parser *p, const int32_t corner[3])
@@ -160,7 +160,7 @@ static int read_faces(struct parser *p)
         }
         double index = (double)p->first_point + value;
         if (value != floor(value) || value < 0.0 || index >= (double)p->points.n) {
-            return refuse(p, "a face has a corner that is not among the points");
+            return refuse_file(p, "a face has a corner that is not among the points");
         }
         corner[n < 2 ? n : 2] = (int32_t)index;
         n++;
@@ -175,7 +175,7 @@ static int read_faces(struct parser *p)
 }
 
 /* Walks over the file; a list counts by the field that it is and the node that it is in. */
-static int parse(struct parser *p)
+static int parse_nodes(struct parser *p)
 {
     const char *word, *last = "", *node = "";
     size_t length, last_length = 0, node_length = 0;
@@ -201,7 +201,7 @@ static int make_mesh(struct parser *p, struct iso_mesh **out)
 {
     struct iso_mesh *mesh = NULL;
     if (p->triangles.n == 0) {
-        return refuse(p, "no faces in it");
+        return refuse_file(p, "no faces in it");
     }
     if (iso_mesh_new((int32_t)p->points.n, (int32_t)p->triangles.n, &mesh)) {
         return out_of_memory(p);
@@ -225,8 +225,10 @@ int sim_scan_parse_vrml(const char *name, const char *bytes, size_t size, struct
         .triangles = {.item_bytes = sizeof(int32_t[3])},
     };
     (void)size; /* ends with a NUL */
-    int error = strncmp(bytes, "#VRML V", 7) == 0 ? parse(&p) : refuse(&p, "not VRML");
-    error = error ? error : make_mesh(&p, out);
+    int error = strncmp(bytes, "#VRML V", 7) == 0 ? parse_nodes(&p) : refuse_file(&p, "not VRML");
+    if (!error) {
+        error = make_mesh(&p, out);
+    }
     free(p.points.items);
     free(p.triangles.items);
     return error;

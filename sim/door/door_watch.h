@@ -10,7 +10,7 @@
 
 /* The daemon's signal Visit (firmware/contract/contract.h). */
 struct sim_door_verdict {
-    bool given; /* else nothing below means anything */
+    bool given; /* if false, the other fields are not set */
     bool allow;
     char person[256]; /* "" when unknown */
     double score, threshold;
@@ -30,7 +30,7 @@ int sim_door_watch_open(const char *address, struct sim_door_watch **out, struct
 /* NULL is fine. */
 void sim_door_watch_close(struct sim_door_watch *watch);
 
-/* Takes signals for `duration_ms`; returns earlier after each signal. Errors of the bus. */
+/* Waits for signals for `duration_ms`; returns early after each signal. Errors of the bus. */
 int sim_door_watch_step(struct sim_door_watch *watch, int64_t duration_ms, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -40,7 +40,7 @@ void sim_door_watch_reset(struct sim_door_watch *watch);
 /* The first verdict since the reset. */
 struct sim_door_verdict sim_door_watch_verdict(const struct sim_door_watch *watch);
 
-/* Whether the door is locked now, and whether it was not at any time since the reset. */
+/* Whether the door is locked now, and whether it was unlocked at any time since the reset. */
 bool sim_door_watch_is_locked(const struct sim_door_watch *watch);
 bool sim_door_watch_was_unlocked(const struct sim_door_watch *watch);
 

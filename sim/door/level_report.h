@@ -1,5 +1,5 @@
-/* What a buyer asks of each security level: how many enrolled people are refused in a visit, and
- * how many strangers, and strangers who look alike, are let in. */
+/* The rates that matter to the owner of a door, for each security level: how many enrolled people
+ * are refused in a visit, and how many strangers, and strangers who look alike, are let in. */
 #ifndef SIM_DOOR_LEVEL_REPORT_H
 #define SIM_DOOR_LEVEL_REPORT_H
 
@@ -8,7 +8,7 @@
 #include "sim/door/rehearsal.h"
 #include "sim/lab/measure/rate.h"
 
-/* Whom a corpus is of. */
+/* Which people a corpus shows. */
 enum sim_level_crowd {
     SIM_CROWD_PEOPLE = 0, /* enrolled people and strangers, as different as people are */
     SIM_CROWD_ALIKE,      /* strangers who look like those enrolled */

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "firmware/contract/contract.h"
+#include "sim/base/make_directory.h"
 #include "sim/base/progress.h"
 #include "sim/door/rehearsal_door.h"
 #include "sim/door/slot.h"
@@ -45,10 +45,7 @@ static int make_state(const struct rehearsal *r, enum iso_level level, char stat
     if (n < 0 || n >= PATH_MAX) {
         return iso_fault_set(r->fault, -ENAMETOOLONG, "%s: path too long", r->options->state);
     }
-    if (!alone && mkdir(state, 0777) != 0) {
-        return iso_fault_set(r->fault, -errno, "%s: %s", state, strerror(errno));
-    }
-    return 0;
+    return alone ? 0 : sim_make_new_directory(state, r->fault);
 }
 
 static int open_door(struct rehearsal *r, enum iso_level level, struct sim_rehearsal_door *door)
@@ -63,8 +60,10 @@ static int open_door(struct rehearsal *r, enum iso_level level, struct sim_rehea
         .level = level,
     };
     const int error = make_state(r, level, state);
-    return error ? error
-                 : sim_rehearsal_door_open(door, &setup, &r->clock, &r->shared, r->trace, r->fault);
+    if (error) {
+        return error;
+    }
+    return sim_rehearsal_door_open(door, &setup, &r->clock, &r->shared, r->trace, r->fault);
 }
 
 static int open_doors(struct rehearsal *r)
@@ -84,7 +83,7 @@ static int open_doors(struct rehearsal *r)
 }
 
 /* What is due now is done, then time passes until something else is. */
-static void step(struct rehearsal *r)
+static void step_doors(struct rehearsal *r)
 {
     int64_t next_ns = r->clock.now_ns + step_ns;
     for (size_t i = 0; i < r->n_doors; i++) {
@@ -105,7 +104,7 @@ static bool all_locked(const struct rehearsal *r)
 }
 
 /* Nobody is there for longer than the appliance remembers a visitor, and the doors lock again. */
-static int clear(struct rehearsal *r)
+static int clear_doors(struct rehearsal *r)
 {
     const int64_t start_ns = r->clock.now_ns;
     const int64_t quiet_ns = 2 * (int64_t)r->doors[0].config.decision.gap_ms * ISO_NS_PER_MS;
@@ -118,7 +117,7 @@ static int clear(struct rehearsal *r)
         if (spent_ns >= limit_ns) {
             return iso_fault_set(r->fault, -ETIMEDOUT, "the door does not lock again");
         }
-        step(r);
+        step_doors(r);
     }
     return error;
 }
@@ -146,7 +145,7 @@ static int check_enrolled(const struct rehearsal *r, const struct sim_corpus_row
     return 0;
 }
 
-static int enrol(struct rehearsal *r, const struct sim_corpus_row *row)
+static int enrol_person(struct rehearsal *r, const struct sim_corpus_row *row)
 {
     const int64_t end_ns = r->clock.now_ns + limit_ns;
     int error = 0;
@@ -154,15 +153,22 @@ static int enrol(struct rehearsal *r, const struct sim_corpus_row *row)
         error = sim_rehearsal_door_enrol(&r->doors[i], row->subject, r->options->allow_duplicate,
                                          r->fault);
     }
-    error = error ? error : sim_slot_point(r->slot, r->options->corpus, row->recording, r->fault);
+    if (!error) {
+        error = sim_slot_point(r->slot, r->options->corpus, row->recording, r->fault);
+    }
     while (!error && !all_enrolled(r) && r->clock.now_ns < end_ns) {
-        step(r);
+        step_doors(r);
     }
     for (size_t i = 0; i < r->n_doors; i++) {
         iso_appliance_release(r->doors[i].appliance);
     }
-    error = error ? error : clear(r);
-    return error ? error : check_enrolled(r, row);
+    if (!error) {
+        error = clear_doors(r);
+    }
+    if (error) {
+        return error;
+    }
+    return check_enrolled(r, row);
 }
 
 static bool all_through(const struct rehearsal *r)
@@ -177,8 +183,8 @@ static bool all_through(const struct rehearsal *r)
 
 /* Until every door has a verdict, or until all frames were seen and nothing came of them. out[i] is
  * where the visit goes of door i. */
-static int visit(struct rehearsal *r, const struct sim_corpus_row *row,
-                 struct sim_visit *out[SIM_LEVELS])
+static int await_verdicts(struct rehearsal *r, const struct sim_corpus_row *row,
+                          struct sim_visit *out[SIM_LEVELS])
 {
     const int64_t end_ns = r->clock.now_ns + limit_ns;
     for (size_t i = 0; i < r->n_doors; i++) {
@@ -186,9 +192,11 @@ static int visit(struct rehearsal *r, const struct sim_corpus_row *row,
     }
     int error = sim_slot_point(r->slot, r->options->corpus, row->recording, r->fault);
     while (!error && !all_through(r) && r->clock.now_ns < end_ns) {
-        step(r);
+        step_doors(r);
     }
-    error = error ? error : clear(r); /* in which a late verdict still counts */
+    if (!error) {
+        error = clear_doors(r);
+    } /* in which a late verdict still counts */
     for (size_t i = 0; i < r->n_doors; i++) {
         const struct sim_rehearsal_door *door = &r->doors[i];
         *out[i] = (struct sim_visit){
@@ -203,11 +211,12 @@ static int visit_and_draw(struct rehearsal *r, const struct sim_corpus_row *row,
 {
     const struct iso_appliance_borrowed *lent = &r->doors[0].lent;
     sim_trace_begin(r->trace, r->clock.now_ns);
-    const int error = visit(r, row, out);
+    const int error = await_verdicts(r, row, out);
     sim_trace_end(r->trace, lent->door_io, r->clock.now_ns);
-    return error
-               ? error
-               : sim_visit_picture(r->trace, out[0], lent->gallery, r->options->picture, r->fault);
+    if (error) {
+        return error;
+    }
+    return sim_visit_picture(r->trace, out[0], lent->gallery, r->options->picture, r->fault);
 }
 
 /* Whether a row is a visit that is to be played. */
@@ -222,7 +231,7 @@ static int enrol_all(struct rehearsal *r, const struct sim_corpus *corpus)
     int error = 0;
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         if (corpus->rows[i].role == SIM_ROLE_GALLERY) {
-            error = enrol(r, &corpus->rows[i]);
+            error = enrol_person(r, &corpus->rows[i]);
             if (error == -ENOMSG && r->options->not_enrolled) {
                 ++*r->options->not_enrolled;
                 error = 0;
@@ -242,7 +251,7 @@ static int play_visit(struct rehearsal *r, const struct sim_corpus_row *row, siz
     for (size_t i = 0; i < r->n_doors; i++) {
         out[i] = &visits[i * n_rows];
     }
-    const int error = r->trace ? visit_and_draw(r, row, out) : visit(r, row, out);
+    const int error = r->trace ? visit_and_draw(r, row, out) : await_verdicts(r, row, out);
     for (size_t i = 0; !error && i < r->n_doors; i++) {
         sim_progress_pause();
         listener(out[i], context);
@@ -251,8 +260,9 @@ static int play_visit(struct rehearsal *r, const struct sim_corpus_row *row, siz
     return error;
 }
 
-static int play(struct rehearsal *r, const struct sim_corpus *corpus, sim_visit_listener *listener,
-                void *context, struct sim_visit *visits, size_t *n_visits)
+static int play_rows(struct rehearsal *r, const struct sim_corpus *corpus,
+                     sim_visit_listener *listener, void *context, struct sim_visit *visits,
+                     size_t *n_visits)
 {
     size_t count = 0;
     const bool shown = sim_progress_begin("playing recordings to the appliance", corpus->n_rows);
@@ -290,7 +300,9 @@ int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_c
     r->clock = sim_virtual_clock_start();
     r->trace = options->picture ? trace : NULL;
     int error = open_doors(r);
-    error = error ? error : play(r, corpus, listener, context, visits, n_visits);
+    if (!error) {
+        error = play_rows(r, corpus, listener, context, visits, n_visits);
+    }
     for (size_t i = 0; i < SIM_LEVELS; i++) {
         sim_rehearsal_door_close(&r->doors[i]);
     }

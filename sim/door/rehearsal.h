@@ -1,6 +1,6 @@
 /* The appliance itself, in this process, on a virtual clock: people are enrolled and come to the
- * door without a daemon, a bus or a moment's wait, and the same corpus gives the same verdicts at
- * the same times on every run. What replay-based CI runs. */
+ * door without a daemon, a bus or any waiting. The same corpus gives the same verdicts at the same
+ * times on every run, which makes it fit for automated tests. */
 #ifndef SIM_DOOR_REHEARSAL_H
 #define SIM_DOOR_REHEARSAL_H
 
@@ -36,9 +36,9 @@ struct sim_rehearsal_options {
  * visits[l * corpus->n_rows]; the listener is told of a visit once a level, in their order. Each
  * door has a folder in `state` with the name of its level.
  *
- * Errors of iso_components_open, the appliance and the slot; -ENOMSG
- * if somebody cannot be enrolled; -ENOENT if no row that is no enrolment has the recording
- * `visit`; errors of drawing the picture. */
+ * Errors of iso_components_open, the appliance and the slot; -ENOMSG if somebody cannot be
+ * enrolled; -ENOENT if the recording `visit` is in none of the rows that are not enrolments;
+ * errors of drawing the picture. */
 int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_corpus *corpus,
                  sim_visit_listener *listener, void *context, struct sim_visit *visits,
                  size_t *n_visits, struct iso_fault *fault) __attribute__((warn_unused_result));

@@ -147,7 +147,9 @@ int sim_rehearsal_door_open(struct sim_rehearsal_door *door,
     door->trace = trace;
     const struct iso_times times = sim_virtual_clock_times(clock);
     int error = make_config(setup, &door->config, fault);
-    error = error ? error : iso_components_open(&door->config, &times, false, &door->parts, fault);
+    if (!error) {
+        error = iso_components_open(&door->config, &times, false, &door->parts, fault);
+    }
     if (error) {
         return error;
     }
@@ -179,7 +181,10 @@ int sim_rehearsal_door_enrol(struct sim_rehearsal_door *door, const char *person
                                                .allow_duplicate = allow_duplicate};
     const int error = iso_appliance_claim(door->appliance);
     door->enrol_done = false;
-    return error ? error : iso_appliance_enroll(door->appliance, &request, fault);
+    if (error) {
+        return error;
+    }
+    return iso_appliance_enroll(door->appliance, &request, fault);
 }
 
 void sim_rehearsal_door_visit(struct sim_rehearsal_door *door, size_t n_frames)

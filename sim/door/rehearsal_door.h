@@ -1,5 +1,5 @@
-/* One appliance of a rehearsal: its configuration, its state, and what it has told of the enrolment
- * or visit that goes on. */
+/* One appliance of a rehearsal: its configuration, its state, and what it has reported about the
+ * enrolment or the visit that is in progress. */
 #ifndef SIM_DOOR_REHEARSAL_DOOR_H
 #define SIM_DOOR_REHEARSAL_DOOR_H
 

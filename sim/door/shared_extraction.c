@@ -50,7 +50,9 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
     const struct iso_pipeline *extractor = &shared->extractor;
     if (!is_known(shared->frame, frame)) {
         int error = extractor->ops->extract(extractor->self, frame, sensor, &shared->extraction);
-        error = error ? error : keep(shared, frame);
+        if (!error) {
+            error = keep(shared, frame);
+        }
         if (error) {
             sim_shared_extraction_done(shared);
             return error;

@@ -1,5 +1,5 @@
-/* What the appliance made of each frame of one visit: for a picture of it. A pipeline that hands
- * everything on to the appliance's own notes it on the way. */
+/* The result of each frame of one visit, for a picture of the visit. A pipeline that passes every
+ * call on to the appliance's own pipeline notes the results. */
 #ifndef SIM_DOOR_TRACE_H
 #define SIM_DOOR_TRACE_H
 
@@ -24,7 +24,7 @@ struct sim_trace_frame {
 
 struct sim_trace {
     bool on;            /* frames are noted while it is */
-    bool decided;       /* a frame that comes later did not count */
+    bool decided;       /* frames that come later do not count */
     int64_t start_ns;   /* since when */
     int64_t verdict_ns; /* once it is decided */
     int64_t end_ns;     /* until when the door was watched */
@@ -48,7 +48,7 @@ void sim_trace_begin(struct sim_trace *trace, int64_t now_ns);
 /* There is a verdict. */
 void sim_trace_decide(struct sim_trace *trace, int64_t now_ns);
 
-/* Notes no more; takes in what the relay of a door of the back end `null` did since the start. */
+/* Stops noting, and adds what the relay of a door of the back end `null` did since the start. */
 void sim_trace_end(struct sim_trace *trace, struct iso_door_io *door, int64_t now_ns);
 
 void sim_trace_done(struct sim_trace *trace);

@@ -52,7 +52,9 @@ static int wait_for_verdict(const struct play *play, uint64_t last_frame)
         if (quiet_since_ms && now_ms() - quiet_since_ms >= play->options->settle_ms) {
             break;
         }
-        error = error ? error : sim_door_watch_step(play->watch, LOOK_MS, play->fault);
+        if (!error) {
+            error = sim_door_watch_step(play->watch, LOOK_MS, play->fault);
+        }
         if (error) {
             return error;
         }
@@ -92,9 +94,15 @@ static int play_row(const struct play *play, const struct sim_corpus_row *row,
     }
     sim_door_watch_reset(play->watch);
     error = sim_slot_point(options->slot, options->corpus, row->recording, play->fault);
-    error = error ? error : wait_for_verdict(play, frames + row->count);
-    error = error ? error : sim_slot_clear(options->slot, play->fault);
-    error = error ? error : wait_for_quiet(play); /* in which a late verdict still counts */
+    if (!error) {
+        error = wait_for_verdict(play, frames + row->count);
+    }
+    if (!error) {
+        error = sim_slot_clear(options->slot, play->fault);
+    }
+    if (!error) {
+        error = wait_for_quiet(play);
+    } /* in which a late verdict still counts */
     if (error) {
         return error;
     }
@@ -122,8 +130,12 @@ int sim_visit_play(const struct sim_visit_options *options, const struct sim_cor
     size_t count = 0;
     int error = sim_slot_clear(options->slot, fault);
 
-    error = error ? error : sim_door_watch_open(options->address, &play.watch, fault);
-    error = error ? error : wait_for_quiet(&play);
+    if (!error) {
+        error = sim_door_watch_open(options->address, &play.watch, fault);
+    }
+    if (!error) {
+        error = wait_for_quiet(&play);
+    }
     const bool shown = sim_progress_begin("playing visits to the daemon", corpus->n_rows);
     for (size_t i = 0; !error && i < corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &corpus->rows[i];

@@ -25,11 +25,11 @@ struct sim_visit_options sim_visit_options_default(void);
 
 struct sim_visit {
     const struct sim_corpus_row *row;
-    struct sim_door_verdict verdict; /* not given: nobody was seen */
-    bool unlocked;                   /* the door was, meanwhile */
+    struct sim_door_verdict verdict; /* not given: the appliance saw nobody */
+    bool unlocked;                   /* the door was unlocked during the visit */
 };
 
-/* What is to be said of all the visits together. */
+/* Counts over all visits. */
 struct sim_visit_summary {
     size_t people, people_admitted;     /* of role probe; admitted at one visit at least */
     size_t probes, probes_admitted;     /* visits; admitted under their own name */

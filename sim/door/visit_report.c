@@ -10,14 +10,18 @@
 
 static const char *verdict_name(const struct sim_visit *visit)
 {
-    return !visit->verdict.given ? "none" : visit->verdict.allow ? "allow" : "deny";
+    if (!visit->verdict.given) {
+        return "none";
+    }
+    return visit->verdict.allow ? "allow" : "deny";
 }
 
 static enum iso_paint verdict_paint(const struct sim_visit *visit)
 {
-    return !visit->verdict.given  ? ISO_PAINT_WARNING
-           : visit->verdict.allow ? ISO_PAINT_GOOD
-                                  : ISO_PAINT_BAD;
+    if (!visit->verdict.given) {
+        return ISO_PAINT_WARNING;
+    }
+    return visit->verdict.allow ? ISO_PAINT_GOOD : ISO_PAINT_BAD;
 }
 
 /* What a verdict tells in numbers; NaN where nothing is known. */

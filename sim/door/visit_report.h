@@ -1,4 +1,4 @@
-/* What the visits came to, for people and for programs. */
+/* The results of the visits, for people and for programs. */
 #ifndef SIM_DOOR_VISIT_REPORT_H
 #define SIM_DOOR_VISIT_REPORT_H
 

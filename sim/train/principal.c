@@ -97,7 +97,7 @@ static void rigid_motions(struct iso_vec3 p, double motion[6][3])
     memcpy(motion, m, sizeof m);
 }
 
-static double dot3(const double *a, const double *b)
+static double dot_of_three(const double *a, const double *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -109,7 +109,7 @@ int sim_remove_rigid(const struct iso_vec3 *mean_mm, uint32_t n_vertices, const 
     for (uint32_t i = 0; i < n_vertices; i++) {
         rigid_motions(mean_mm[i], motion);
         for (int r = 0; r < 36; r++) {
-            normal[r] += weight[i] * dot3(motion[r / 6], motion[r % 6]);
+            normal[r] += weight[i] * dot_of_three(motion[r / 6], motion[r % 6]);
         }
     }
     int error = iso_cholesky_factorise(normal, 6);
@@ -124,7 +124,7 @@ int sim_remove_rigid(const struct iso_vec3 *mean_mm, uint32_t n_vertices, const 
             const double displacement[3] = {(double)d[0], (double)d[1], (double)d[2]};
             rigid_motions(mean_mm[i], motion);
             for (int r = 0; r < 6; r++) {
-                amount[r] += weight[i] * dot3(motion[r], displacement);
+                amount[r] += weight[i] * dot_of_three(motion[r], displacement);
             }
         }
         iso_cholesky_solve(normal, 6, amount);
@@ -143,8 +143,8 @@ int sim_remove_rigid(const struct iso_vec3 *mean_mm, uint32_t n_vertices, const 
 }
 
 /* out[k] = sum_i factor[k][i] field[i] */
-static void combine(const float *fields, uint32_t n_fields, size_t n_values, const double *factor,
-                    uint32_t n_out, float *out)
+static void combine_fields(const float *fields, uint32_t n_fields, size_t n_values,
+                           const double *factor, uint32_t n_out, float *out)
 {
     for (uint32_t k = 0; k < n_out; k++) {
         for (size_t j = 0; j < n_values; j++) {
@@ -215,12 +215,12 @@ int sim_principal(const float *fields_mm, uint32_t n_fields, uint32_t n_vertices
         const float *fields = fields_mm;
         if (moment) {
             factorise_moment(moment, n_fields, gram, vector);
-            combine(fields_mm, n_fields, n_values, vector, n_fields, independent);
+            combine_fields(fields_mm, n_fields, n_values, vector, n_fields, independent);
             fields = independent;
         }
         weighted_gram(fields, n_fields, n_vertices, weight, gram);
         sim_symmetric_eigen(gram, n_fields, variance, vector);
-        combine(fields, n_fields, n_values, vector, n_keep, components_mm);
+        combine_fields(fields, n_fields, n_values, vector, n_keep, components_mm);
         for (uint32_t k = 0; k < n_keep; k++) {
             fix_sign(components_mm + k * n_values, n_values);
         }

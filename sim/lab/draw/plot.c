@@ -93,7 +93,7 @@ static void draw_frame(cairo_t *cr, const struct sim_plot *plot)
     }
 }
 
-static void trace(cairo_t *cr, const struct sim_plot *plot, const struct sim_series *series)
+static void trace_series(cairo_t *cr, const struct sim_plot *plot, const struct sim_series *series)
 {
     cairo_new_path(cr);
     for (size_t i = 0; i < series->n; i++) {
@@ -108,7 +108,7 @@ static void draw_series(cairo_t *cr, const struct sim_plot *plot, const struct s
         return;
     }
     if (series->style == SIM_SERIES_FILLED) {
-        trace(cr, plot, series);
+        trace_series(cr, plot, series);
         cairo_line_to(cr, place_x(plot, series->x[series->n - 1]), bottom_px);
         cairo_line_to(cr, place_x(plot, series->x[0]), bottom_px);
         set_colour(cr, colour, 0.25);
@@ -119,7 +119,7 @@ static void draw_series(cairo_t *cr, const struct sim_plot *plot, const struct s
     set_colour(cr, dashed ? faint : colour, 1.0);
     cairo_set_line_width(cr, dashed ? 1.0 : 2.5);
     cairo_set_dash(cr, dash, dashed ? 2 : 0, 0.0);
-    trace(cr, plot, series);
+    trace_series(cr, plot, series);
     cairo_stroke(cr);
     cairo_set_dash(cr, NULL, 0, 0.0);
     for (size_t i = 0; series->style == SIM_SERIES_MARKED && i < series->n; i++) {

@@ -57,7 +57,15 @@ static size_t linear_ticks(const struct sim_axis *axis, struct sim_tick *ticks)
     /* The step 1, 2 or 5 times a power of ten that makes about six of them. */
     double rough = (axis->to - axis->from) / 6.0, decade = pow(10.0, floor(log10(rough)));
     double ratio = rough / decade; /* 1..10 */
-    double step = decade * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
+    double factor = 10.0;
+    if (ratio < 1.5) {
+        factor = 1.0;
+    } else if (ratio < 3.5) {
+        factor = 2.0;
+    } else if (ratio < 7.5) {
+        factor = 5.0;
+    }
+    const double step = decade * factor;
     size_t n = 0;
     double first = ceil(axis->from / step - 1e-9);
     for (double k = first; k * step <= axis->to + 1e-9 * step && n < SIM_TICKS_MAX; k += 1.0) {

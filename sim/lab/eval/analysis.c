@@ -34,9 +34,10 @@ static void identify_probes(const struct analysing *w)
     for (size_t i = 0; i < w->matches->n_probes; i++) {
         const char *subject = row_of(w, i)->subject;
         a->mate[i] = sim_gallery_find(w->gallery, subject);
-        a->kind[i] = strcmp(subject, "none") == 0 ? SIM_PROBE_NONE
-                     : a->mate[i] == SIM_NOBODY   ? SIM_PROBE_STRANGER
-                                                  : SIM_PROBE_MATED;
+        a->kind[i] = a->mate[i] == SIM_NOBODY ? SIM_PROBE_STRANGER : SIM_PROBE_MATED;
+        if (strcmp(subject, "none") == 0) {
+            a->kind[i] = SIM_PROBE_NONE;
+        }
         size_t same = 0;
         while (same < i && strcmp(row_of(w, same)->subject, subject) != 0) {
             same++;
@@ -67,7 +68,7 @@ static void count_samples(const struct analysing *w)
     }
 }
 
-static bool comparable(const struct analysing *w, size_t probe, size_t person)
+static bool is_comparable(const struct analysing *w, size_t probe, size_t person)
 {
     return sample_of(w, probe)->acquired && w->gallery->n_templates_of[person] > 0;
 }
@@ -77,7 +78,7 @@ static size_t add_comparisons(const struct analysing *w, size_t probe, struct si
 {
     const struct sim_analysis *a = w->analysis;
     for (size_t p = 0; p < w->gallery->n_people; p++) {
-        if (comparable(w, probe, p)) {
+        if (is_comparable(w, probe, p)) {
             struct sim_score score = {w->matches->score[probe * w->matches->n_people + p],
                                       a->person[probe]};
             if (p == a->mate[probe]) {
@@ -87,16 +88,16 @@ static size_t add_comparisons(const struct analysing *w, size_t probe, struct si
             }
         }
     }
-    return a->kind[probe] == SIM_PROBE_MATED && !comparable(w, probe, a->mate[probe]);
+    return a->kind[probe] == SIM_PROBE_MATED && !is_comparable(w, probe, a->mate[probe]);
 }
 
-static struct sim_interval wider(struct sim_interval a, struct sim_interval b)
+static struct sim_interval wider_interval(struct sim_interval a, struct sim_interval b)
 {
     return (struct sim_interval){fmin(a.low, b.low), fmax(a.high, b.high)};
 }
 
 /* What the counts alone allow for a rate of the mated comparisons. */
-static struct sim_interval counted(const struct sim_verification *v, double rate)
+static struct sim_interval interval_of_counts(const struct sim_verification *v, double rate)
 {
     size_t n = v->scores.n_mated;
     return sim_rate_interval((struct sim_rate){(size_t)lround(rate * (double)n), n});
@@ -114,15 +115,16 @@ static int verify_intervals(struct sim_verification *v, uint32_t n_subjects)
     }
     /* One person cannot be resampled: nothing is known. */
     const struct sim_interval anything = {0.0, 1.0};
-    v->eer_interval = error ? anything : wider(eer, counted(v, v->eer));
+    v->eer_interval = error ? anything : wider_interval(eer, interval_of_counts(v, v->eer));
     for (size_t k = 0; k < SIM_FMR_TARGETS; k++) {
         struct sim_operating_point *point = &v->at_fmr[k];
-        point->fnmr = error ? anything : wider(fnmr[k], counted(v, point->at.fnmr));
+        point->fnmr = error ? anything
+                            : wider_interval(fnmr[k], interval_of_counts(v, point->at.fnmr));
     }
     return 0;
 }
 
-static int verify(const struct analysing *w)
+static int verify_probes(const struct analysing *w)
 {
     struct sim_verification *v = &w->analysis->verification;
     for (size_t i = 0; i < w->matches->n_probes; i++) {
@@ -149,7 +151,7 @@ static int verify(const struct analysing *w)
 static struct sim_mated_search search_of(const struct analysing *w, size_t probe)
 {
     size_t mate = w->analysis->mate[probe];
-    if (!comparable(w, probe, mate)) {
+    if (!is_comparable(w, probe, mate)) {
         return (struct sim_mated_search){0, 0.0};
     }
     const double *score = w->matches->score + probe * w->matches->n_people;
@@ -165,7 +167,7 @@ static double top_score_of(const struct analysing *w, size_t probe)
     return top;
 }
 
-static void identify(const struct analysing *w)
+static void identify_people(const struct analysing *w)
 {
     struct sim_identification *id = &w->analysis->identification;
     for (size_t i = 0; i < w->matches->n_probes; i++) {
@@ -278,6 +280,18 @@ static void time_searches(const struct analysing *w, int64_t *times_ns)
 /* Times of usable captures: of a stage (0 .. ISO_STAGES - 1), or of the whole by either clock. */
 enum { WHOLE_CPU = ISO_STAGES, WHOLE_WALL };
 
+static int64_t time_of(const struct sim_capture *capture, int what)
+{
+    switch (what) {
+    case WHOLE_CPU:
+        return capture->cpu_ns;
+    case WHOLE_WALL:
+        return capture->wall_ns;
+    default:
+        return capture->extraction.stage_ns[what];
+    }
+}
+
 static struct sim_latency time_captures(const struct sim_acquisition *acquisition, int what,
                                         int64_t *times_ns)
 {
@@ -285,9 +299,7 @@ static struct sim_latency time_captures(const struct sim_acquisition *acquisitio
     for (size_t i = 0; i < acquisition->n_captures; i++) {
         const struct sim_capture *c = &acquisition->captures[i];
         if (c->extraction.outcome == ISO_CAPTURE_OK) {
-            times_ns[n++] = what == WHOLE_CPU    ? c->cpu_ns
-                            : what == WHOLE_WALL ? c->wall_ns
-                                                 : c->extraction.stage_ns[what];
+            times_ns[n++] = time_of(c, what);
         }
     }
     return sim_latency_of(times_ns, n);
@@ -347,9 +359,9 @@ int sim_analyse(const struct sim_corpus *corpus, const struct sim_acquisition *a
     struct analysing w = {corpus, acquisition, gallery, matches, a};
     identify_probes(&w);
     count_samples(&w);
-    int error = verify(&w);
+    int error = verify_probes(&w);
     if (!error) {
-        identify(&w);
+        identify_people(&w);
         count_not_faces(&w);
         error = break_down_all(&w);
     }

@@ -1,5 +1,5 @@
-/* How recognition depends on what a search was like: error rates over bins of a quantity that was
- * measured of each probe. */
+/* How recognition depends on the circumstances of a search: error rates over bins of a quantity
+ * that was measured for each probe. */
 #ifndef SIM_LAB_EVAL_CURVE_H
 #define SIM_LAB_EVAL_CURVE_H
 

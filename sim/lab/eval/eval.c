@@ -12,7 +12,7 @@
 #include "sim/world/face/person.h"
 
 /* What a visit of fewer frames would be: the rest of each row is not looked at. */
-static void shorten(struct sim_corpus *corpus, const struct sim_eval_options *options)
+static void shorten_rows(struct sim_corpus *corpus, const struct sim_eval_options *options)
 {
     for (size_t i = 0; i < corpus->n_rows; i++) {
         struct sim_corpus_row *row = &corpus->rows[i];
@@ -22,7 +22,7 @@ static void shorten(struct sim_corpus *corpus, const struct sim_eval_options *op
     }
 }
 
-static int load(struct sim_eval *eval, struct iso_fault *fault)
+static int load_files(struct sim_eval *eval, struct iso_fault *fault)
 {
     int error = sim_head_model_load(eval->options.model, &eval->model, fault);
     if (!error && eval->options.cohort) {
@@ -35,7 +35,7 @@ static int load(struct sim_eval *eval, struct iso_fault *fault)
         error = sim_corpus_read(eval->options.corpus, &eval->corpus, fault);
     }
     if (!error) {
-        shorten(eval->corpus, &eval->options);
+        shorten_rows(eval->corpus, &eval->options);
     }
     return error;
 }
@@ -95,7 +95,7 @@ static int check_cohort(const struct sim_eval *eval, struct iso_fault *fault)
     return 0;
 }
 
-static int acquire(struct sim_eval *eval, struct iso_fault *fault)
+static int acquire_samples(struct sim_eval *eval, struct iso_fault *fault)
 {
     struct sim_capture_options options = {
         .model = eval->model,
@@ -112,16 +112,20 @@ static int acquire(struct sim_eval *eval, struct iso_fault *fault)
     options.inspect_context = eval->faces;
     error = sim_acquire(directory, eval->corpus, &options, eval->options.fuse, &eval->acquisition,
                         fault);
-    error = error ? error : check_cohort(eval, fault);
-    error = error ? error : check_metric(eval, fault);
+    if (!error) {
+        error = check_cohort(eval, fault);
+    }
+    if (!error) {
+        error = check_metric(eval, fault);
+    }
     return error || !faces
                ? error
                : sim_scans_fuse(directory, eval->corpus, eval->acquisition, eval->faces, fault);
 }
 
 /* What the method knows before it sees anybody. */
-static int teach(struct sim_eval *eval, const struct sim_method *method, const void **knowledge,
-                 struct iso_fault *fault)
+static int teach_method(struct sim_eval *eval, const struct sim_method *method,
+                        const void **knowledge, struct iso_fault *fault)
 {
     *knowledge = NULL;
     if (method->infrared && !sim_scans_infrared(eval->faces)) {
@@ -142,12 +146,14 @@ static int teach(struct sim_eval *eval, const struct sim_method *method, const v
 
 static int out_of_range(int error, struct iso_fault *fault)
 {
-    return error ? iso_fault_set(fault, error, "comparing templates: %s",
-                                 error == -EINVAL ? "an option is out of range" : strerror(-error))
-                 : 0;
+    if (!error) {
+        return 0;
+    }
+    return iso_fault_set(fault, error, "comparing templates: %s",
+                         error == -EINVAL ? "an option is out of range" : strerror(-error));
 }
 
-static int search(struct sim_eval *eval, struct sim_eval_method *m, struct iso_fault *fault)
+static int search_gallery(struct sim_eval *eval, struct sim_eval_method *m, struct iso_fault *fault)
 {
     const struct sim_eval_options *o = &eval->options;
     if (!sim_method_pairwise(m->method)) {
@@ -162,7 +168,7 @@ static int search(struct sim_eval *eval, struct sim_eval_method *m, struct iso_f
                             fault);
     }
     const void *knowledge;
-    int error = teach(eval, m->method, &knowledge, fault);
+    int error = teach_method(eval, m->method, &knowledge, fault);
     if (error) {
         return error;
     }
@@ -174,7 +180,7 @@ static int search(struct sim_eval *eval, struct sim_eval_method *m, struct iso_f
 static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct iso_fault *fault)
 {
     int64_t begin_ns = sim_wall_ns(NULL);
-    int error = search(eval, m, &m->fault);
+    int error = search_gallery(eval, m, &m->fault);
     if (error == -EINVAL && eval->options.lenient && sim_method_pairwise(m->method)) {
         return 0; /* left out */
     }
@@ -189,7 +195,7 @@ static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct i
 
 /* The appliance's own methods come last: they alone may call a sample not acquired after all, and
  * the others are to be measured on every sample that was. */
-static int compare(struct sim_eval *eval, struct iso_fault *fault)
+static int compare_methods(struct sim_eval *eval, struct iso_fault *fault)
 {
     int error = sim_gallery_new(eval->corpus, eval->acquisition, eval->options.gallery_limit,
                                 &eval->gallery);
@@ -281,10 +287,13 @@ static int look_closer(struct sim_eval *eval, struct iso_fault *fault)
     int error = measure_landmarks(eval, error_mm, fault);
     if (!error) {
         error = draw_curves(eval, error_mm);
-        error = error ? error
-                      : sim_growth_of(eval->gallery, eval->matches, eval->analysis,
-                                      sim_fpir_targets[1], &eval->growth);
-        error = error ? iso_fault_set(fault, error, "%s: out of memory", eval->options.corpus) : 0;
+        if (!error) {
+            error = sim_growth_of(eval->gallery, eval->matches, eval->analysis, sim_fpir_targets[1],
+                                  &eval->growth);
+        }
+        if (error) {
+            (void)iso_fault_set(fault, error, "%s: out of memory", eval->options.corpus);
+        }
     }
     free(error_mm);
     return error;
@@ -298,6 +307,17 @@ static void choose_methods(struct sim_eval *eval)
     for (size_t i = 0; i < o->n_methods; i++) {
         eval->methods[i].method = o->methods[i];
     }
+}
+
+enum sim_score_kind sim_eval_score_kind(const struct sim_eval *eval)
+{
+    if (sim_method_pairwise(sim_eval_first(eval))) {
+        return SIM_SCORE_PAIRWISE;
+    }
+    if (eval->metric) {
+        return SIM_SCORE_METRIC;
+    }
+    return eval->cohort ? SIM_SCORE_COHORT : SIM_SCORE_DISTANCE;
 }
 
 int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
@@ -314,16 +334,16 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
     eval->options = *options;
     choose_methods(eval);
     int64_t begin_ns = sim_wall_ns(NULL);
-    error = load(eval, fault);
+    error = load_files(eval, fault);
     if (!error && options->training) {
         error = sim_training_set_check(options->training, options->corpus, eval->corpus,
                                        &eval->trained_apart, fault);
     }
     if (!error) {
-        error = acquire(eval, fault);
+        error = acquire_samples(eval, fault);
     }
     if (!error) {
-        error = compare(eval, fault);
+        error = compare_methods(eval, fault);
     }
     if (!error) {
         error = look_closer(eval, fault);

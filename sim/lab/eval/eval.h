@@ -68,6 +68,16 @@ static inline const struct sim_method *sim_eval_first(const struct sim_eval *eva
     return eval->methods[i].method;
 }
 
+/* What the scores of the first method are. */
+enum sim_score_kind {
+    SIM_SCORE_PAIRWISE, /* negative distances that the method computes by itself */
+    SIM_SCORE_METRIC,   /* by the learned metric */
+    SIM_SCORE_COHORT,   /* negative distances, normalised by a cohort */
+    SIM_SCORE_DISTANCE, /* negative distances in millimetres */
+};
+
+enum sim_score_kind sim_eval_score_kind(const struct sim_eval *eval);
+
 /* The strings and the training set in the options must outlive the result. -EINVAL for options out
  * of range, a training set that shares people with the corpus, or a method that cannot learn;
  * -EBADMSG for a cohort or metric of another algorithm, a metric that was learned from people of

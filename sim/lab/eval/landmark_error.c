@@ -40,9 +40,10 @@ struct sim_deviation sim_deviation_of(const struct iso_extraction *extraction,
     return deviation;
 }
 
-static double coordinate(struct iso_vec3 v, int axis)
+static double coordinate_of(struct iso_vec3 v, int axis)
 {
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+    const double coordinates[] = {v.x, v.y, v.z};
+    return coordinates[axis];
 }
 
 int sim_landmark_offsets(const struct sim_deviation *deviations, size_t n,
@@ -58,7 +59,7 @@ int sim_landmark_offsets(const struct sim_deviation *deviations, size_t n,
             size_t known = 0;
             for (size_t i = 0; i < n; i++) {
                 if (deviations[i].known[l]) {
-                    values[known++] = coordinate(deviations[i].error_mm[l], axis);
+                    values[known++] = coordinate_of(deviations[i].error_mm[l], axis);
                 }
             }
             median[axis] = sim_spread_of(values, known).median;
@@ -160,7 +161,7 @@ static void measure_landmark(struct work *work, int landmark, struct iso_vec3 of
 }
 
 /* Of the lengths from `first` on. */
-static struct sim_landmark_error summarise(struct work *work, struct iso_vec3 offset_mm)
+static struct sim_landmark_error summarise_lengths(struct work *work, struct iso_vec3 offset_mm)
 {
     struct sim_spread spread[KINDS];
     for (int k = 0; k < KINDS; k++) {
@@ -196,7 +197,7 @@ int sim_landmark_errors(const struct sim_corpus *corpus, const struct sim_deviat
         qsort(entries, n, sizeof *entries, by_person);
         for (int l = 0; l < ISO_LANDMARKS; l++) {
             measure_landmark(&work, l, offset_mm[l]);
-            errors[l] = summarise(&work, offset_mm[l]);
+            errors[l] = summarise_lengths(&work, offset_mm[l]);
         }
     }
     for (int k = 0; k < KINDS; k++) {
@@ -204,7 +205,7 @@ int sim_landmark_errors(const struct sim_corpus *corpus, const struct sim_deviat
         failed = failed || work.lengths[k].failed;
     }
     if (!failed) {
-        errors[ISO_LANDMARKS] = summarise(&work, iso_vec3(0, 0, 0));
+        errors[ISO_LANDMARKS] = summarise_lengths(&work, iso_vec3(0, 0, 0));
         memcpy(out, errors, sizeof errors);
     }
     for (int k = 0; k < KINDS; k++) {

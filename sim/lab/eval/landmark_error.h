@@ -1,4 +1,4 @@
-/* How well the landmarks lie, where recordings have ground truth (landmarks.csv). */
+/* How exact the landmarks are, for recordings with ground truth (landmarks.csv). */
 #ifndef SIM_LAB_EVAL_LANDMARK_ERROR_H
 #define SIM_LAB_EVAL_LANDMARK_ERROR_H
 

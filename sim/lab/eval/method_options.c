@@ -78,7 +78,9 @@ int sim_method_choice_apply(const struct sim_method_choice *choice, const char *
     struct sim_capture_options capture = {.extract = options->extract, .threads = options->threads};
     struct iso_head_model *model = NULL;
     int error = sim_threads_check(options->threads, options->extract.heat, fault);
-    error = error ? error : sim_head_model_load(options->model, &model, fault);
+    if (!error) {
+        error = sim_head_model_load(options->model, &model, fault);
+    }
     if (!error) {
         capture.model = model;
         error = sim_training_set_new(directory, &capture, training, fault);

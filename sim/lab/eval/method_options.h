@@ -8,9 +8,9 @@
 #include "sim/lab/eval/eval.h"
 
 struct sim_method_choice {
-    size_t n; /* 0: nothing was said */
+    size_t n; /* 0: no method was given */
     const struct sim_method *methods[SIM_METHODS];
-    bool all; /* those that cannot work on a corpus are left out */
+    bool all; /* methods that cannot work on a corpus are left out */
 };
 
 sim_option_parser sim_option_methods; /* struct sim_method_choice: "all", or names and commas */

@@ -36,10 +36,14 @@ const char *sim_failure_rule_name(enum sim_failure_rule rule)
 
 bool sim_frame_fails(const struct sim_measured_frame *frame, enum sim_failure_rule rule)
 {
-    double error = rule == SIM_FAILURE_MEAN           ? frame->error_mean_mm
-                   : rule == SIM_FAILURE_CENTRED_MEAN ? frame->centred_mean_mm
-                                                      : frame->centred_max_mm;
-    return error > SIM_FAILURE_MM;
+    switch (rule) {
+    case SIM_FAILURE_MEAN:
+        return frame->error_mean_mm > SIM_FAILURE_MM;
+    case SIM_FAILURE_CENTRED_MEAN:
+        return frame->centred_mean_mm > SIM_FAILURE_MM;
+    default:
+        return frame->centred_max_mm > SIM_FAILURE_MM;
+    }
 }
 
 static bool is_accepted(const struct sim_measured_frame *frame)
@@ -78,7 +82,7 @@ static bool is_of(const struct work *w, const struct sim_measured_frame *f,
     return false;
 }
 
-static void count(struct sim_rate *rate, bool event)
+static void count_event(struct sim_rate *rate, bool event)
 {
     rate->trials++;
     rate->events += event;
@@ -89,12 +93,12 @@ static void count_failures(const struct sim_measured_frame *f, struct sim_condit
     for (int r = 0; r < SIM_FAILURE_RULES; r++) {
         struct sim_failures *failures = &c->failures[r];
         bool fails = sim_frame_fails(f, (enum sim_failure_rule)r);
-        count(&failures->before, fails);
+        count_event(&failures->before, fails);
         if (is_accepted(f)) {
-            count(&failures->after, fails);
+            count_event(&failures->after, fails);
         }
         if (!fails) {
-            count(&failures->good_refused, !is_accepted(f));
+            count_event(&failures->good_refused, !is_accepted(f));
         }
     }
 }
@@ -125,7 +129,7 @@ static void measure_condition(const struct work *w, struct sim_condition_figures
     for (size_t i = 0; i < w->n_frames; i++) {
         const struct sim_measured_frame *f = &w->frames[i];
         if (is_bona_fide(w, f) && is_of(w, f, c)) {
-            count(&c->refused, !is_accepted(f));
+            count_event(&c->refused, !is_accepted(f));
             if (f->n_known > 0) {
                 count_failures(f, c);
             }
@@ -220,14 +224,14 @@ static void count_rows(const struct work *w)
         struct sim_rate *response = person ? a->bona_fide : kind->response;
         enum sim_response answer = sim_response_to(frames, row->count);
         for (int k = 0; k < SIM_RESPONSES; k++) {
-            count(&response[k], k == (int)answer);
+            count_event(&response[k], k == (int)answer);
         }
         for (size_t i = 0; i < row->count; i++) {
             (person ? a->reason : kind->reason)[frames[i].reason]++;
             a->n_bona_fide += person;
             a->n_true += person && frames[i].n_known > 0;
             if (!person) {
-                count(&kind->accepted_frames, is_accepted(&frames[i]));
+                count_event(&kind->accepted_frames, is_accepted(&frames[i]));
             }
         }
         frames += row->count;

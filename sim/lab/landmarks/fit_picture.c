@@ -88,8 +88,11 @@ int sim_fit_picture(const struct sim_fit_subject *subject, const char *path,
     }
     describe_fit(subject->extraction, fit, sizeof fit);
     describe_errors(subject, errors, sizeof errors);
-    error = error ? iso_fault_set(fault, error, "%s: out of memory", path)
-                  : sim_picture_fit(&view, path, fault);
+    if (error) {
+        (void)iso_fault_set(fault, error, "%s: out of memory", path);
+    } else {
+        error = sim_picture_fit(&view, path, fault);
+    }
     free(vertices_mm);
     free(measured);
     return error;

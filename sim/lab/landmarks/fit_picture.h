@@ -1,4 +1,4 @@
-/* Pictures of what an extractor made of a frame. */
+/* Pictures of an extractor's result for a frame. */
 #ifndef SIM_LAB_LANDMARKS_FIT_PICTURE_H
 #define SIM_LAB_LANDMARKS_FIT_PICTURE_H
 

@@ -1,4 +1,4 @@
-/* What the extractor makes of every frame of a corpus, held against the truth frame by frame. */
+/* The extractor's result for every frame of a corpus, compared with the truth frame by frame. */
 #ifndef SIM_LAB_LANDMARKS_MEASURE_H
 #define SIM_LAB_LANDMARKS_MEASURE_H
 

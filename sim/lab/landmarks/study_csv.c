@@ -83,5 +83,8 @@ static void write_frames(const void *context, FILE *out)
 int sim_study_csv(const struct sim_study *study, const char *directory, struct iso_fault *fault)
 {
     int error = sim_report_file(directory, "landmarks.csv", write_landmarks, study, fault);
-    return error ? error : sim_report_file(directory, "frames.csv", write_frames, study, fault);
+    if (error) {
+        return error;
+    }
+    return sim_report_file(directory, "frames.csv", write_frames, study, fault);
 }

@@ -100,7 +100,8 @@ static int path_of(const struct drawing *d, struct sim_chosen_frame chosen, char
         (void)snprintf(name, sizeof name, "worst-%02zu-%s-%zu.png", chosen.rank, row->recording,
                        f->frame);
     } else {
-        const char *kind = person ? "person" : *row->note ? row->note : "none";
+        const char *thing = *row->note ? row->note : "none";
+        const char *kind = person ? "person" : thing;
         (void)snprintf(name, sizeof name, "first-%s-%s-%s-%zu.png", sim_reason_name(f->reason),
                        kind, row->recording, f->frame);
     }
@@ -153,8 +154,11 @@ static int draw_chosen(const struct drawing *d, struct sim_chosen_frame chosen,
         return error;
     }
     error = iso_recording_frame_new(recording, &frame);
-    error = error ? iso_fault_set(fault, error, "%s: out of memory", name)
-                  : draw_frame(d, chosen, recording, frame, fault);
+    if (error) {
+        (void)iso_fault_set(fault, error, "%s: out of memory", name);
+    } else {
+        error = draw_frame(d, chosen, recording, frame, fault);
+    }
     iso_frame_free(frame);
     iso_recording_close(recording);
     return error;

@@ -45,7 +45,10 @@ int sim_recording_open(const char *directory, const char *name, struct iso_recor
 {
     char path[PATH_MAX];
     int error = iso_path_join(directory, name, path, fault);
-    return error ? error : iso_recording_open(path, out, fault);
+    if (error) {
+        return error;
+    }
+    return iso_recording_open(path, out, fault);
 }
 
 static int capture_frame(const struct capturing *work, int worker, struct iso_recording *recording,

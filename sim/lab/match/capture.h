@@ -16,7 +16,7 @@ struct sim_capture {
     int64_t wall_ns, cpu_ns;          /* of the extractor's whole run */
 };
 
-/* What became of a frame: a value of enum iso_capture, or SIM_REASON_UNREADABLE. */
+/* The outcome of a frame: a value of enum iso_capture, or SIM_REASON_UNREADABLE. */
 enum { SIM_REASON_UNREADABLE = ISO_CAPTURES, SIM_REASONS };
 
 /* A word of isotherm/capture.h, or "unreadable". */

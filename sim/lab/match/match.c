@@ -19,8 +19,8 @@ struct matching {
 };
 
 /* Distance to the nearest template of every person. */
-static int measure(const struct matching *work, int worker, const struct iso_template *probe,
-                   double *distance_mm)
+static int measure_distances(const struct matching *work, int worker,
+                             const struct iso_template *probe, double *distance_mm)
 {
     const struct sim_gallery *gallery = work->gallery;
     for (size_t i = 0; i < gallery->n_templates; i++) {
@@ -40,7 +40,7 @@ static int measure(const struct matching *work, int worker, const struct iso_tem
 }
 
 /* The vectors of the people, each from all of that person's templates. */
-static int enrol(const struct matching *work)
+static int enrol_vectors(const struct matching *work)
 {
     const struct sim_gallery *gallery = work->gallery;
     const struct iso_metric *metric = work->scoring->metric;
@@ -69,7 +69,8 @@ static int give_up(struct sim_sample *sample, int error)
 }
 
 /* The best people by score, best first; returns how many. */
-static int shortlist(const double *score, size_t n_people, size_t best[ISO_RERANK_CANDIDATES])
+static int shortlist_people(const double *score, size_t n_people,
+                            size_t best[ISO_RERANK_CANDIDATES])
 {
     int n = 0;
     for (size_t p = 0; p < n_people; p++) {
@@ -103,11 +104,11 @@ static double look_again(const struct matching *work, int worker, const struct i
                       metric_score);
 }
 
-static void rerank(const struct matching *work, int worker, const struct iso_template *probe,
-                   double *score)
+static void rerank_scores(const struct matching *work, int worker, const struct iso_template *probe,
+                          double *score)
 {
     size_t best[ISO_RERANK_CANDIDATES];
-    const int n = shortlist(score, work->gallery->n_people, best);
+    const int n = shortlist_people(score, work->gallery->n_people, best);
     double fused[ISO_RERANK_CANDIDATES], least = INFINITY;
     for (int i = 0; i < n; i++) {
         fused[i] = look_again(work, worker, probe, best[i], score[best[i]]);
@@ -132,13 +133,13 @@ static int search_by_metric(const struct matching *work, int worker, struct sim_
         distance_mm[p] = NAN;
     }
     if (!error && work->scoring->rerank) {
-        rerank(work, worker, &sample->tmpl, score);
+        rerank_scores(work, worker, &sample->tmpl, score);
     }
     return error ? give_up(sample, error) : 0;
 }
 
-static int search(const struct matching *work, int worker, struct sim_sample *sample,
-                  double *distance_mm, double *score)
+static int search_sample(const struct matching *work, int worker, struct sim_sample *sample,
+                         double *distance_mm, double *score)
 {
     const struct iso_cohort *cohort = work->scoring->cohort;
     struct iso_cohort_norm norm = {0};
@@ -149,7 +150,7 @@ static int search(const struct matching *work, int worker, struct sim_sample *sa
             return give_up(sample, error);
         }
     }
-    int error = measure(work, worker, &sample->tmpl, distance_mm);
+    int error = measure_distances(work, worker, &sample->tmpl, distance_mm);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
         score[p] = cohort ? iso_cohort_score(norm, distance_mm[p]) : -distance_mm[p];
     }
@@ -168,7 +169,7 @@ static int match_probe(void *context, int worker, size_t probe)
     }
     int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
     int error = work->scoring->metric ? search_by_metric(work, worker, sample, distance_mm, score)
-                                      : search(work, worker, sample, distance_mm, score);
+                                      : search_sample(work, worker, sample, distance_mm, score);
     m->cpu_ns[probe] = sim_thread_cpu_ns(NULL) - cpu_ns;
     m->wall_ns[probe] = sim_wall_ns(NULL) - wall_ns;
     return error;
@@ -217,7 +218,7 @@ int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisiti
         work.enrolled = calloc(n_people + 1, sizeof *work.enrolled);
         work.rerank = calloc((size_t)threads, sizeof *work.rerank);
         work.registration = calloc((size_t)threads, sizeof *work.registration);
-        error = work.enrolled && work.rerank && work.registration ? enrol(&work) : -ENOMEM;
+        error = work.enrolled && work.rerank && work.registration ? enrol_vectors(&work) : -ENOMEM;
         if (!error) {
             error = sim_parallel(threads, "searching", m->n_probes, match_probe, &work);
         }

@@ -19,7 +19,7 @@ struct sim_scoring {
     const struct iso_metric *metric; /* NULL: distances */
     const struct iso_cohort *cohort; /* NULL: the score is the negative distance */
     struct iso_match_options match;  /* of distances */
-    bool rerank; /* with a metric: the best are looked at again (core/match/rerank.h). The others
+    bool rerank; /* with a metric: the best are reranked (core/match/rerank.h). The others
                     keep the metric's score, but none above the least of those */
 };
 

@@ -64,12 +64,15 @@ int sim_method_match(const struct sim_method *method, const void *knowledge,
     struct matching work = {method, knowledge, gallery, faces, NULL, NULL};
     work.descriptions = calloc(acquisition->n_samples, sizeof *work.descriptions);
     int error = work.descriptions ? 0 : -ENOMEM;
-    error = error ? error : sim_matches_new(corpus, acquisition, gallery->n_people, &work.matches);
-    error = error ? error
-                  : sim_parallel(threads, "describing faces", acquisition->n_samples, describe,
-                                 &work);
-    error = error ? error
-                  : sim_parallel(threads, "searching", work.matches->n_probes, search, &work);
+    if (!error) {
+        error = sim_matches_new(corpus, acquisition, gallery->n_people, &work.matches);
+    }
+    if (!error) {
+        error = sim_parallel(threads, "describing faces", acquisition->n_samples, describe, &work);
+    }
+    if (!error) {
+        error = sim_parallel(threads, "searching", work.matches->n_probes, search, &work);
+    }
     for (size_t i = 0; work.descriptions && i < acquisition->n_samples; i++) {
         method->discard(work.descriptions[i]);
     }

@@ -19,8 +19,8 @@ void sim_scans_free(struct sim_scans *faces);
 /* For sim_capture_options.inspect, with the faces as its context. */
 sim_capture_inspector sim_scans_inspect;
 
-/* Reads marked points from landmarks.csv of the recordings (methods/anthroface.h has their names),
- * then joins the faces of every sample that was acquired. Errors of reading; -ENOMEM. */
+/* Reads marked points from landmarks.csv of the recordings (sim/lab/methods/anthroface.h has their
+ * names), then joins the faces of every sample that was acquired. Errors of reading; -ENOMEM. */
 int sim_scans_fuse(const char *directory, const struct sim_corpus *corpus,
                    const struct sim_acquisition *acquisition, struct sim_scans *faces,
                    struct iso_fault *fault) __attribute__((warn_unused_result));

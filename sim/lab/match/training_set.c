@@ -95,11 +95,15 @@ int sim_training_set_new(const char *directory, const struct sim_capture_options
     }
     watched.inspect = sim_scans_inspect;
     watched.inspect_context = set->faces;
-    error = error ? error
-                  : sim_acquire(directory, set->corpus, &watched, 1, &set->acquisition, fault);
-    error = error ? error
-                  : sim_scans_fuse(directory, set->corpus, set->acquisition, set->faces, fault);
-    error = error ? error : say_memory(label(set), directory, fault);
+    if (!error) {
+        error = sim_acquire(directory, set->corpus, &watched, 1, &set->acquisition, fault);
+    }
+    if (!error) {
+        error = sim_scans_fuse(directory, set->corpus, set->acquisition, set->faces, fault);
+    }
+    if (!error) {
+        error = say_memory(label(set), directory, fault);
+    }
     if (error) {
         sim_training_set_free(set);
         return error;

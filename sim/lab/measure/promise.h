@@ -1,5 +1,6 @@
-/* What a calibrated score promises, and what it keeps: a score of s or more is to be as rare as
- * 10^-s among strangers who are alike (isotherm/metric.h), before every sensor. */
+/* The error rates that calibrated scores promise, and those that are measured. Among strangers who
+ * look alike, a score of s or more should have a probability of 10^-s before every sensor
+ * (isotherm/metric.h). */
 #ifndef SIM_LAB_MEASURE_PROMISE_H
 #define SIM_LAB_MEASURE_PROMISE_H
 

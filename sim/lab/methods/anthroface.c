@@ -53,7 +53,7 @@ struct knowledge {
     struct sim_subspace *subspace;
 };
 
-static void forget(void *knowledge)
+static void forget_knowledge(void *knowledge)
 {
     struct knowledge *k = knowledge;
     if (k) {
@@ -86,7 +86,7 @@ static int place_points(const struct knowledge *k, const struct sim_scan *face,
 }
 
 /* Euclidean, then geodesic distances of all pairs; feature has room for FEATURES_MAX. */
-static int measure(const struct knowledge *k, const struct sim_scan *face, float *feature)
+static int measure_features(const struct knowledge *k, const struct sim_scan *face, float *feature)
 {
     struct iso_vec3 points[POINTS_MAX];
     int n_points;
@@ -110,7 +110,7 @@ static int measure(const struct knowledge *k, const struct sim_scan *face, float
     return error;
 }
 
-static void standardise(const float *samples, size_t n, struct knowledge *k)
+static void standardise_features(const float *samples, size_t n, struct knowledge *k)
 {
     for (size_t i = 0; i < k->n_features; i++) {
         double sum = 0.0, squares = 0.0;
@@ -124,7 +124,7 @@ static void standardise(const float *samples, size_t n, struct knowledge *k)
     }
 }
 
-static void rescale(const struct knowledge *k, float *feature)
+static void rescale_features(const struct knowledge *k, float *feature)
 {
     for (size_t i = 0; i < k->n_features; i++) {
         feature[i] *= k->scale[i];
@@ -132,7 +132,7 @@ static void rescale(const struct knowledge *k, float *feature)
 }
 
 /* Faces whose points are off the surface are left out of the training. */
-static int learn(const struct sim_training *training, struct knowledge *k)
+static int learn_subspace(const struct sim_training *training, struct knowledge *k)
 {
     size_t n = 0;
     float *samples = calloc(training->n * k->n_features, sizeof *samples);
@@ -140,15 +140,15 @@ static int learn(const struct sim_training *training, struct knowledge *k)
     k->scale = calloc(k->n_features, sizeof *k->scale);
     int error = samples && person && k->scale ? 0 : -ENOMEM;
     for (size_t i = 0; !error && i < training->n; i++) {
-        error = measure(k, training->faces[i], &samples[n * k->n_features]);
+        error = measure_features(k, training->faces[i], &samples[n * k->n_features]);
         person[n] = training->person[i];
         n += error == 0;
         error = error == -ENODATA ? 0 : error;
     }
     if (!error) {
-        standardise(samples, n, k);
+        standardise_features(samples, n, k);
         for (size_t i = 0; i < n; i++) {
-            rescale(k, &samples[i * k->n_features]);
+            rescale_features(k, &samples[i * k->n_features]);
         }
         error = n > training->n_people
                     ? sim_subspace_discriminant(samples, person, n, k->n_features,
@@ -160,8 +160,8 @@ static int learn(const struct sim_training *training, struct knowledge *k)
     return error;
 }
 
-static int train(const struct sim_training *training, bool marked, void **knowledge,
-                 struct iso_fault *fault)
+static int train_on(const struct sim_training *training, bool marked, void **knowledge,
+                    struct iso_fault *fault)
 {
     const char *name = marked ? "anthroface-25" : "anthroface-10";
     struct knowledge *k = calloc(1, sizeof *k);
@@ -178,14 +178,14 @@ static int train(const struct sim_training *training, bool marked, void **knowle
         }
     }
     if (n_points < POINTS_MIN) {
-        forget(k);
+        forget_knowledge(k);
         return iso_fault_set(fault, -EINVAL, "%s: %zu points are marked in all faces, not %d", name,
                              n_points, POINTS_MIN);
     }
     k->n_features = n_points * (n_points - 1);
-    int error = learn(training, k);
+    int error = learn_subspace(training, k);
     if (error) {
-        forget(k);
+        forget_knowledge(k);
         return iso_fault_set(fault, error, "%s: %zu faces of %u %s cannot teach it: %s", name,
                              training->n, (unsigned)training->n_people,
                              iso_plural((uint64_t)training->n_people, "person", "people"),
@@ -198,20 +198,20 @@ static int train(const struct sim_training *training, bool marked, void **knowle
 static int train_automatic(const struct sim_training *training, void **knowledge,
                            struct iso_fault *fault)
 {
-    return train(training, false, knowledge, fault);
+    return train_on(training, false, knowledge, fault);
 }
 
 static int train_marked(const struct sim_training *training, void **knowledge,
                         struct iso_fault *fault)
 {
-    return train(training, true, knowledge, fault);
+    return train_on(training, true, knowledge, fault);
 }
 
-static int describe(const void *knowledge, const struct sim_scan *face, void **description)
+static int describe_face(const void *knowledge, const struct sim_scan *face, void **description)
 {
     const struct knowledge *k = knowledge;
     float feature[FEATURES_MAX] = {0.0f};
-    int error = measure(k, face, feature);
+    int error = measure_features(k, face, feature);
     if (error) {
         return error;
     }
@@ -219,13 +219,14 @@ static int describe(const void *knowledge, const struct sim_scan *face, void **d
     if (!coordinate) {
         return -ENOMEM;
     }
-    rescale(k, feature);
+    rescale_features(k, feature);
     sim_subspace_project(k->subspace, feature, coordinate);
     *description = coordinate;
     return 0;
 }
 
-static int distance(const void *knowledge, const void *probe, const void *gallery, double *out)
+static int distance_between(const void *knowledge, const void *probe, const void *gallery,
+                            double *out)
 {
     const struct knowledge *k = knowledge;
     *out = sim_cosine_distance(probe, gallery, k->subspace->n_out);
@@ -237,10 +238,10 @@ const struct sim_method sim_method_anthroface_10 = {
     .source = "Gupta, Markey and Bovik 2010: Euclidean and geodesic distances between 10 points "
               "found automatically, discriminant analysis",
     .train = train_automatic,
-    .forget = forget,
-    .describe = describe,
+    .forget = forget_knowledge,
+    .describe = describe_face,
     .discard = free,
-    .distance = distance,
+    .distance = distance_between,
 };
 
 const struct sim_method sim_method_anthroface_25 = {
@@ -249,8 +250,8 @@ const struct sim_method sim_method_anthroface_25 = {
               "have them",
     .marked = true,
     .train = train_marked,
-    .forget = forget,
-    .describe = describe,
+    .forget = forget_knowledge,
+    .describe = describe_face,
     .discard = free,
-    .distance = distance,
+    .distance = distance_between,
 };

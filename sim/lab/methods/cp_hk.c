@@ -1,6 +1,5 @@
 /* CP-HK of the face crop (Abdelrahman 2013, 4.3.3; core/shape): what a description of creatures is
  * worth on faces, by itself or as a filter before a finer comparison. */
-#include <errno.h>
 #include <math.h>
 
 #include "isotherm/shape_method.h"
@@ -22,8 +21,12 @@ static int describe(const void *knowledge, const struct sim_scan *face, void **d
     struct iso_shape *shape = NULL;
     struct iso_shape_description *made = NULL;
     int error = sim_scan_mesh_new(face, STEP, &crop);
-    error = error ? error : iso_shape_new(crop->mesh, NULL, 0, &shape);
-    error = error ? error : iso_shape_describe(iso_shape_method_find("cp-hk"), shape, &made);
+    if (!error) {
+        error = iso_shape_new(crop->mesh, NULL, 0, &shape);
+    }
+    if (!error) {
+        error = iso_shape_describe(iso_shape_method_find("cp-hk"), shape, &made);
+    }
     iso_shape_free(shape);
     sim_scan_mesh_free(crop);
     if (!error) {

@@ -45,8 +45,9 @@ int sim_geodesic_new(const struct sim_scan *face, struct sim_geodesic **out)
         for (int k = 0; k < 8; k++) {
             int x = quadrant[k][0], y = quadrant[k][1];
             int *step = g->step[8 * q + k];
-            step[0] = q == 0 ? x : q == 1 ? -y : q == 2 ? -x : y;
-            step[1] = q == 0 ? y : q == 1 ? x : q == 2 ? -y : -x;
+            const int turned[4][2] = {{x, y}, {-y, x}, {-x, -y}, {y, -x}};
+            step[0] = turned[q][0];
+            step[1] = turned[q][1];
             g->flat_mm2[8 * q + k] = g->spacing_mm * g->spacing_mm * (x * x + y * y);
         }
     }

@@ -43,7 +43,7 @@ struct pair {
     double residual_mm;
 };
 
-static void discard(void *description)
+static void discard_face(void *description)
 {
     struct surface *s = description;
     if (s) {
@@ -94,12 +94,12 @@ static int describe_from(const struct sim_scan *face, double lowest_mm, void **d
     s->cells = calloc(sim_scan_pixels(face), sizeof *s->cells);
     s->points_mm = calloc(sim_scan_pixels(face), sizeof *s->points_mm);
     if (!s->cells || !s->points_mm) {
-        discard(s);
+        discard_face(s);
         return -ENOMEM;
     }
     fill_cells(face, lowest_mm, s);
     if (s->n_points < PAIRS_MIN) {
-        discard(s);
+        discard_face(s);
         return -ENODATA;
     }
     *description = s;
@@ -233,7 +233,8 @@ static int register_pair(const struct surface *probe, const struct surface *gall
     }
 }
 
-static int distance(const void *knowledge, const void *probe, const void *gallery, double *out)
+static int distance_between(const void *knowledge, const void *probe, const void *gallery,
+                            double *out)
 {
     (void)knowledge;
     const struct surface *p = probe, *g = gallery;
@@ -255,8 +256,8 @@ const struct sim_method sim_method_icp = {
     .source = "Lu, Jain and Colbry 2006: whole-face ICP; here point to plane, trimmed, from the "
               "fitted pose",
     .describe = describe_whole,
-    .discard = discard,
-    .distance = distance,
+    .discard = discard_face,
+    .distance = distance_between,
 };
 
 const struct sim_method sim_method_icp_upper = {
@@ -264,6 +265,6 @@ const struct sim_method sim_method_icp_upper = {
     .source = "the same on the face above the upper lip (Chang, Bowyer and Flynn 2006: what "
               "expressions move least)",
     .describe = describe_upper,
-    .discard = discard,
-    .distance = distance,
+    .discard = discard_face,
+    .distance = distance_between,
 };

@@ -49,11 +49,18 @@ static int release_heat(struct work *w)
     int32_t n = mesh->n_vertices, nnz = n + 3 * mesh->n_triangles;
     struct iso_eigenpairs *pairs = NULL;
     int error = iso_symmetric_new(n, nnz, &w->stiffness);
-    error = error ? error : iso_symmetric_new(n, nnz, &w->mass);
-    error = error ? error : iso_stiffness_mass(mesh, ISO_MASS_CONSISTENT, w->stiffness, w->mass);
+    if (!error) {
+        error = iso_symmetric_new(n, nnz, &w->mass);
+    }
+    if (!error) {
+        error = iso_stiffness_mass(mesh, ISO_MASS_CONSISTENT, w->stiffness, w->mass);
+    }
     w->heat = calloc((size_t)ISO_LANDMARKS * (size_t)n, sizeof *w->heat);
     if (error || !w->heat) {
-        return error ? error : -ENOMEM;
+        if (error) {
+            return error;
+        }
+        return -ENOMEM;
     }
     error = iso_eigenpairs_new(w->stiffness, w->mass, EIGENPAIRS, 1e-10, &pairs);
     if (!error) {
@@ -112,8 +119,12 @@ static int describe(const void *knowledge, const struct sim_scan *face, void **d
     struct work w = {0};
     struct contours *contours = calloc(1, sizeof *contours);
     int error = contours ? sim_scan_mesh_new(face, 1, &w.face) : -ENOMEM;
-    error = error ? error : release_heat(&w);
-    error = error ? error : trace_contours(&w, contours);
+    if (!error) {
+        error = release_heat(&w);
+    }
+    if (!error) {
+        error = trace_contours(&w, contours);
+    }
     work_done(&w);
     if (error) {
         discard(contours);

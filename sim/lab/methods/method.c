@@ -5,7 +5,7 @@
 const struct sim_method sim_method_hfpc = {
     .name = "hfpc",
     .source = "heat front propagation contours (Abdelrahman 2013, chapter 6) as the appliance has "
-              "them; with a metric, the best by it looked at again by their upper faces",
+              "them; with a metric, the best candidates are reranked by their upper faces",
 };
 
 const struct sim_method sim_method_hfpc_metric = {

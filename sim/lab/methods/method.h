@@ -3,8 +3,9 @@
  *
  * A method is a table of functions. All but the appliance's own are pairwise: a face becomes a
  * description, two descriptions have a distance, and the score of a comparison is the negative
- * distance. Its own are `hfpc`, what it does, whatever that is at present, `hfpc-metric` and
- * `hfpc-upper`, parts of that: their comparisons are those of eval/match.h.
+ * distance. The appliance's own methods are `hfpc`, which is always what the appliance does at
+ * present, and `hfpc-metric` and `hfpc-upper`, which are parts of it; their comparisons are those
+ * of sim/lab/match/match.h.
  *
  * Descriptions and knowledge are opaque, made on the heap and freed by the method. */
 #ifndef SIM_LAB_METHODS_METHOD_H
@@ -21,7 +22,8 @@ struct sim_training {
     const struct sim_scan *const *faces; /* [n] */
     const uint32_t *person;              /* [n], below n_people */
     uint32_t n_people;
-    const bool *marks; /* [SIM_MARKS]: those that every face knows that will be compared */
+    const bool
+        *marks; /* [SIM_MARKS]: the points that are known on every face that will be compared */
 };
 
 struct sim_method {
@@ -40,8 +42,8 @@ struct sim_method {
      * face that cannot be described, -ENOMEM. */
     int (*describe)(const void *knowledge, const struct sim_scan *face, void **description);
     void (*discard)(void *description);
-    /* Not negative, the more the less alike. Several threads. -ENODATA if they have too little in
-     * common. */
+    /* Not negative; it grows as the faces differ. May be called by several threads at once.
+     * -ENODATA if the two have too little in common. */
     int (*distance)(const void *knowledge, const void *probe, const void *gallery,
                     double *distance);
 };

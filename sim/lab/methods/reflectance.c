@@ -74,9 +74,10 @@ static double unlit(const struct iso_frame *frame, const struct iso_rigid *camer
     double range = iso_norm(at);
     struct iso_vec3 sight = pinhole ? iso_scale(-1.0 / range, at) : iso_vec3(0.0, 0.0, -1.0);
     double cosine = iso_dot(iso_mat3_apply(&camera_from_face->rotation, normal), sight);
-    return cosine < cosine_min
-               ? NAN
-               : seen(frame, at, face->spacing_mm) / cosine * (pinhole ? range * range : 1.0);
+    if (cosine < cosine_min) {
+        return NAN;
+    }
+    return seen(frame, at, face->spacing_mm) / cosine * (pinhole ? range * range : 1.0);
 }
 
 /* Half of a Gaussian, cut at three sigma. */

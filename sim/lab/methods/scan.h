@@ -13,7 +13,7 @@
 
 #include "isotherm/extract.h"
 
-/* The 25 points of anthroface that somebody has marked (methods/anthroface.h). */
+/* The 25 points of anthroface that somebody has marked (sim/lab/methods/anthroface.h). */
 enum { SIM_MARKS = 25 };
 
 struct sim_scan {
@@ -22,7 +22,8 @@ struct sim_scan {
     float *z_mm;       /* [side * side], row 0 at the top (+y); NAN outside the domain, which is the
                           same for all faces of one extractor */
     uint8_t *measured; /* the same shape: 1 measured, 0 filled in or outside */
-    float *reflectance; /* the same shape, or NULL without infrared: methods/reflectance.h */
+    float
+        *reflectance; /* the same shape, or NULL without infrared: sim/lab/methods/reflectance.h */
     struct iso_vec3 source_mm[ISO_LANDMARKS];   /* where the appliance releases heat */
     struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* on the fitted head, its expression on */
     bool mark_known[SIM_MARKS];                 /* marks are known of few corpora */

@@ -73,13 +73,22 @@ static int make(struct making *m, struct sim_scan_mesh *out)
     const struct iso_triangulate_options options = {.jump_mm = ISO_FACE_PATCH_ORIGIN_MM};
     int32_t pixels = m->side * m->side, triangles = 2 * pixels;
     int error = make_frame(m);
-    error = error ? error : iso_triangulator_new((size_t)pixels, &options, &m->triangulator);
-    error = error ? error : iso_mesh_new(pixels, triangles, &out->mesh);
-    error = error ? error : iso_triangulate(m->triangulator, m->frame, out->mesh);
+    if (!error) {
+        error = iso_triangulator_new((size_t)pixels, &options, &m->triangulator);
+    }
+    if (!error) {
+        error = iso_mesh_new(pixels, triangles, &out->mesh);
+    }
+    if (!error) {
+        error = iso_triangulate(m->triangulator, m->frame, out->mesh);
+    }
     out->adjacent = calloc((size_t)triangles, sizeof *out->adjacent);
     out->pixel = calloc((size_t)pixels, sizeof *out->pixel);
     if (error || !out->adjacent || !out->pixel) {
-        return error ? error : -ENOMEM;
+        if (error) {
+            return error;
+        }
+        return -ENOMEM;
     }
     place(m, out);
     iso_triangulate_adjacency(m->triangulator, out->adjacent);

@@ -39,12 +39,15 @@ static int new_subspace(size_t n_in, size_t n_out, struct sim_subspace **out)
 
 /* Eigenvalues, rising, and vectors (row k of `a` belongs to value k) of a symmetric matrix, which
  * is overwritten. */
-static int eigen(double *a, size_t n, double *value)
+static int solve_eigen(double *a, size_t n, double *value)
 {
     /* Column-major, so that eigenvector k is row k of the row-major array. */
     lapack_int info = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'L', (lapack_int)n, a, (lapack_int)n,
                                      value);
-    return info == 0 ? 0 : info > 0 ? -EDOM : -ENOMEM;
+    if (info == 0) {
+        return 0;
+    }
+    return info > 0 ? -EDOM : -ENOMEM;
 }
 
 static void mean_of(const float *samples, size_t n, size_t n_in, float *mean)
@@ -59,7 +62,7 @@ static void mean_of(const float *samples, size_t n, size_t n_in, float *mean)
 }
 
 /* In four parts, since gcc does not reorder a sum by itself. */
-static double dot(const float *a, const float *b, size_t n)
+static double dot_product(const float *a, const float *b, size_t n)
 {
     double sum[4] = {0.0};
     size_t i = 0;
@@ -85,7 +88,8 @@ static void gram_of(const float *samples, size_t n, size_t n_in, const float *me
     }
     for (size_t k = 0; k < n; k++) {
         for (size_t l = 0; l <= k; l++) {
-            gram[k * n + l] = gram[l * n + k] = dot(&centred[k * n_in], &centred[l * n_in], n_in);
+            gram[k * n + l] = gram[l * n + k] = dot_product(&centred[k * n_in], &centred[l * n_in],
+                                                            n_in);
         }
     }
 }
@@ -136,7 +140,7 @@ int sim_subspace_principal(const float *samples, size_t n, size_t n_in, double e
     if (!error) {
         mean_of(samples, n, n_in, mean);
         gram_of(samples, n, n_in, mean, centred, gram);
-        error = eigen(gram, n, value);
+        error = solve_eigen(gram, n, value);
     }
     if (!error) {
         size_t n_out = value[n - 1] > 0.0 ? count_components(value, n, energy, n_most) : 0;
@@ -234,7 +238,7 @@ static int measure_scatter(const float *samples, const uint32_t *person, size_t 
     return error;
 }
 
-static void shrink(double *matrix, size_t d, double shrinkage)
+static void shrink_matrix(double *matrix, size_t d, double shrinkage)
 {
     double trace = 0.0;
     for (size_t i = 0; i < d; i++) {
@@ -250,7 +254,7 @@ static void shrink(double *matrix, size_t d, double shrinkage)
 
 /* direction[k][i], k falling in the ratio of between to within: the generalised eigenvectors of
  * between v = ratio within v, v' within v = 1. Overwrites the scatter. */
-static int discriminate(struct scatter *s, size_t n_out, double *direction)
+static int find_discriminant(struct scatter *s, size_t n_out, double *direction)
 {
     size_t d = s->d;
     double *ratio = calloc(d, sizeof *ratio);
@@ -270,8 +274,8 @@ static int discriminate(struct scatter *s, size_t n_out, double *direction)
 }
 
 /* directions in the coordinates of `inner` become a basis of the samples themselves. */
-static int compose(const struct sim_subspace *inner, const double *direction, size_t n_out,
-                   struct sim_subspace **out)
+static int compose_subspace(const struct sim_subspace *inner, const double *direction, size_t n_out,
+                            struct sim_subspace **out)
 {
     struct sim_subspace *s = NULL;
     int error = new_subspace(inner->n_in, n_out, &s);
@@ -329,12 +333,16 @@ int sim_subspace_discriminant(const float *samples, const uint32_t *person, size
     for (size_t k = 0; !error && k < n; k++) {
         sim_subspace_project(inner, &samples[k * n_in], &inside[k * d]);
     }
-    error = error ? error : measure_scatter(inside, person, n, d, n_people, &scatter);
     if (!error) {
-        shrink(scatter.within, d, shrinkage);
-        error = discriminate(&scatter, n_out, direction);
+        error = measure_scatter(inside, person, n, d, n_people, &scatter);
     }
-    error = error ? error : compose(inner, direction, n_out, out);
+    if (!error) {
+        shrink_matrix(scatter.within, d, shrinkage);
+        error = find_discriminant(&scatter, n_out, direction);
+    }
+    if (!error) {
+        error = compose_subspace(inner, direction, n_out, out);
+    }
     scatter_done(&scatter);
     free(inside);
     free(direction);

@@ -82,7 +82,10 @@ static int train(const struct sim_training *training, bool fisher, void **knowle
                  struct iso_fault *fault)
 {
     struct knowledge *k = calloc(1, sizeof *k);
-    int error = !k ? -ENOMEM : training->n < 2 ? -EINVAL : learn(training, fisher, k);
+    int error = k ? 0 : -ENOMEM;
+    if (k) {
+        error = training->n < 2 ? -EINVAL : learn(training, fisher, k);
+    }
     if (error) {
         forget(k);
         return iso_fault_set(

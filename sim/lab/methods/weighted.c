@@ -1,16 +1,15 @@
 /* Heat front propagation contours on a weighted manifold: chapter 5 brought back to the faces.
  *
  * Heat flows on the face as if the skin that scatters much infrared light were denser (Abdelrahman
- * 2013, 5.11 to 5.13; the weight is that of methods/reflectance.h), so that isotherms bend about
- * brows, lips and lids as well as about the relief. All else is what the appliance does when it
- * compares by distance: mesh, sources, t, radii (the areas enclosed are those of the surface, not
- * of the density), sampling by polar angle, trimmed distance.
+ * 2013, 5.11 to 5.13; the weight is that of sim/lab/methods/reflectance.h), so that isotherms bend
+ * about brows, lips and lids as well as about the relief. All else is what the appliance does when
+ * it compares by distance: mesh, sources, t, radii (the areas enclosed are those of the surface,
+ * not of the density), sampling by polar angle, trimmed distance.
  *
  * `hfpc-weighted-1` is the control: the same on the same mesh with density 1 everywhere. What sets
  * the two apart is the weight, what sets it apart from `hfpc` is the way here. */
 #include <errno.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "core/isotherm/face_isotherms.h"
 #include "core/match/distance.h"
@@ -44,9 +43,15 @@ static int make_room(struct work *w)
     int32_t n = w->face->mesh->n_vertices, nnz = n + 3 * w->face->mesh->n_triangles;
     const struct iso_heat_direct_options direct = {.n_capacity = n, .nnz_capacity = nnz};
     int error = iso_symmetric_new(n, nnz, &w->stiffness);
-    error = error ? error : iso_symmetric_new(n, nnz, &w->mass);
-    error = error ? error : iso_heat_direct_new(&direct, &w->solver);
-    error = error ? error : iso_tracer_new(w->face->mesh->n_triangles, &w->tracer);
+    if (!error) {
+        error = iso_symmetric_new(n, nnz, &w->mass);
+    }
+    if (!error) {
+        error = iso_heat_direct_new(&direct, &w->solver);
+    }
+    if (!error) {
+        error = iso_tracer_new(w->face->mesh->n_triangles, &w->tracer);
+    }
     w->density = calloc((size_t)n, sizeof *w->density);
     w->heat = calloc((size_t)ISO_LANDMARKS * (size_t)n, sizeof *w->heat);
     return error || (w->density && w->heat) ? error : -ENOMEM;
@@ -61,9 +66,11 @@ static int release_heat(const float *reflectance, double t_mm2, struct work *w)
     }
     int error = iso_stiffness_mass_weighted(mesh, ISO_MASS_CONSISTENT, w->density, w->stiffness,
                                             w->mass);
-    return error ? error
-                 : iso_heat_direct(w->solver, mesh, w->stiffness, w->mass, w->face->sources,
-                                   ISO_LANDMARKS, &t_mm2, 1, w->heat);
+    if (error) {
+        return error;
+    }
+    return iso_heat_direct(w->solver, mesh, w->stiffness, w->mass, w->face->sources, ISO_LANDMARKS,
+                           &t_mm2, 1, w->heat);
 }
 
 /* Surface that was filled in does not count. */
@@ -117,9 +124,15 @@ static int describe(const struct sim_scan *face, const float *reflectance, void 
     struct work w = {0};
     struct iso_template *tmpl = calloc(1, sizeof *tmpl);
     int error = tmpl ? sim_scan_mesh_new(face, 1, &w.face) : -ENOMEM;
-    error = error ? error : make_room(&w);
-    error = error ? error : release_heat(reflectance, options.t_mm2, &w);
-    error = error ? error : trace(&options, face, &w, tmpl);
+    if (!error) {
+        error = make_room(&w);
+    }
+    if (!error) {
+        error = release_heat(reflectance, options.t_mm2, &w);
+    }
+    if (!error) {
+        error = trace(&options, face, &w, tmpl);
+    }
     work_done(&w);
     if (error) {
         discard(tmpl);

@@ -77,9 +77,9 @@ void sim_scene_curve(const struct sim_scene *scene, const struct iso_vec3 *point
         }
         struct iso_vec3 p[4];
         for (int k = 0; k < 4; k++) {
-            int index = (i + k - 1 + n) % n;
-            /* A missing neighbour is replaced by the end of the piece itself. */
-            p[k] = points_mm[weight[index] > 0.0f ? index : k == 0 ? i : (i + 1) % n];
+            const int index = (i + k - 1 + n) % n;
+            const int end = k == 0 ? i : (i + 1) % n; /* replaces a neighbour that is missing */
+            p[k] = points_mm[weight[index] > 0.0f ? index : end];
         }
         struct spot before = project(scene, p[1]);
         for (int piece = 1; piece <= PIECES; piece++) {

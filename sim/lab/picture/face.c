@@ -105,7 +105,10 @@ static int new_scene(const struct sim_face *face, struct sim_face_angle angle, i
     struct sim_view view = view_of(face->mesh, angle);
     int error = sim_canvas_new(width_px, height_px, sim_colour_hex(0x2b303a),
                                sim_colour_hex(0x14161b), canvas);
-    return error ? error : sim_scene_new(face->mesh, &view, *canvas, scene);
+    if (error) {
+        return error;
+    }
+    return sim_scene_new(face->mesh, &view, *canvas, scene);
 }
 
 static int write_picture(int error, const struct sim_canvas *canvas, const char *path,

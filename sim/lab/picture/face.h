@@ -1,4 +1,4 @@
-/* Pictures of what the extractor made of a face. */
+/* Pictures of the extractor's result for a face. */
 #ifndef SIM_LAB_PICTURE_FACE_H
 #define SIM_LAB_PICTURE_FACE_H
 

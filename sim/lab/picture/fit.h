@@ -1,4 +1,4 @@
-/* What a fit of the head model to a frame looks like. */
+/* The picture of a fit of the head model to a frame. */
 #ifndef SIM_LAB_PICTURE_FIT_H
 #define SIM_LAB_PICTURE_FIT_H
 
@@ -25,7 +25,7 @@ struct sim_fit_view {
 
 /* Draws four panels and the caption: the whole frame, grey, with the part that the others show;
  * that part with landmarks found and true; the fitted head over it; its residuals in colours, with
- * a scale. What there is none of is left out, and said. Distortion of the lens is ignored for the
+ * a scale. A panel that has nothing to show says so. Distortion of the lens is ignored for the
  * head. -ENOMEM, -EIO. */
 int sim_picture_fit(const struct sim_fit_view *view, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));

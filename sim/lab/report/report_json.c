@@ -5,6 +5,12 @@
 
 static json_t *settings_json(const struct sim_eval *eval)
 {
+    static const char *const scores[] = {
+        [SIM_SCORE_PAIRWISE] = "negative distance",
+        [SIM_SCORE_METRIC] = "metric",
+        [SIM_SCORE_COHORT] = "cohort-normalised",
+        [SIM_SCORE_DISTANCE] = "negative distance, mm",
+    };
     const struct sim_eval_options *o = &eval->options;
     char algorithm[16];
     (void)snprintf(algorithm, sizeof algorithm, "%08x",
@@ -12,16 +18,12 @@ static json_t *settings_json(const struct sim_eval *eval)
     json_t *match = json_pack("{s:f, s:i, s:s}", "trim", o->match.trim, "icp_iterations",
                               o->match.icp_iterations, "transform",
                               o->match.transform == ISO_ICP_AFFINE ? "affine" : "rigid");
-    return json_pack("{s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:s, s:o, s:o}", "method",
-                     sim_eval_first(eval)->name, "algorithm", algorithm, "score",
-                     sim_method_pairwise(sim_eval_first(eval)) ? "negative distance"
-                     : eval->metric                            ? "metric"
-                     : eval->cohort                            ? "cohort-normalised"
-                                                               : "negative distance, mm",
-                     "fuse", (json_int_t)o->fuse, "gallery_frames", (json_int_t)o->gallery_frames,
-                     "probe_frames", (json_int_t)o->probe_frames, "gallery_limit",
-                     (json_int_t)o->gallery_limit, "sensor", eval->acquisition->origin.sensor,
-                     "extract", sim_json_extract(&o->extract), "match", match);
+    return json_pack(
+        "{s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:s, s:o, s:o}", "method", sim_eval_first(eval)->name,
+        "algorithm", algorithm, "score", scores[sim_eval_score_kind(eval)], "fuse",
+        (json_int_t)o->fuse, "gallery_frames", (json_int_t)o->gallery_frames, "probe_frames",
+        (json_int_t)o->probe_frames, "gallery_limit", (json_int_t)o->gallery_limit, "sensor",
+        eval->acquisition->origin.sensor, "extract", sim_json_extract(&o->extract), "match", match);
 }
 
 static json_t *reasons_json(const size_t reason[SIM_REASONS])

@@ -88,10 +88,14 @@ static void stand_beside(struct standing *s, const struct sim_verdict *v, double
 static void print_standing(FILE *out, const char *first, const char *figure,
                            const struct standing *s)
 {
-    const char *how = s->own < s->best                  ? "better than every other"
-                      : s->own == s->best               ? "as good as the best other"
-                      : s->own <= s->best_interval.high ? "within the interval of the best"
-                                                        : "worse than the best";
+    const char *how = "worse than the best";
+    if (s->own < s->best) {
+        how = "better than every other";
+    } else if (s->own == s->best) {
+        how = "as good as the best other";
+    } else if (s->own <= s->best_interval.high) {
+        how = "within the interval of the best";
+    }
     fprintf(out, "  %s, %s: %s (%s)\n", first, figure, how, s->best_name);
 }
 

@@ -1,7 +1,6 @@
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "sim/lab/draw/plot.h"
 #include "sim/lab/report/report.h"
@@ -150,8 +149,8 @@ static int plot_det(const struct sim_eval *eval, const char *directory, struct i
 enum { BINS = 80 };
 
 /* The outline of a histogram, two points a bin, as shares; returns the highest. */
-static double histogram(const struct sim_score *scores, size_t n, double from, double to, double *x,
-                        double *y)
+static double histogram_outline(const struct sim_score *scores, size_t n, double from, double to,
+                                double *x, double *y)
 {
     double share[BINS] = {0.0}, highest = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -180,10 +179,13 @@ static double lowest_finite(const struct sim_score *scores, size_t n)
 /* Scores are those of the first method. */
 static const char *score_label(const struct sim_eval *eval)
 {
-    return sim_method_pairwise(sim_eval_first(eval)) ? "score (negative distance)"
-           : eval->metric                            ? "score (metric)"
-           : eval->cohort                            ? "score (cohort-normalised)"
-                                                     : "score (negative distance, mm)";
+    static const char *const labels[] = {
+        [SIM_SCORE_PAIRWISE] = "score (negative distance)",
+        [SIM_SCORE_METRIC] = "score (metric)",
+        [SIM_SCORE_COHORT] = "score (cohort-normalised)",
+        [SIM_SCORE_DISTANCE] = "score (negative distance, mm)",
+    };
+    return labels[sim_eval_score_kind(eval)];
 }
 
 static int plot_scores(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
@@ -200,8 +202,8 @@ static int plot_scores(const struct sim_eval *eval, const char *directory, struc
         return 0; /* nothing to be seen in it */
     }
     double x[2][2 * BINS], y[2][2 * BINS];
-    double highest = fmax(histogram(s->mated, s->n_mated, from, to, x[0], y[0]),
-                          histogram(s->non_mated, s->n_non_mated, from, to, x[1], y[1]));
+    double highest = fmax(histogram_outline(s->mated, s->n_mated, from, to, x[0], y[0]),
+                          histogram_outline(s->non_mated, s->n_non_mated, from, to, x[1], y[1]));
     const double threshold = fmin(v->at_fmr[2].at.threshold, to);
     const double threshold_x[] = {threshold, threshold}, threshold_y[] = {0.0, highest};
     const struct sim_series series[] = {
@@ -281,9 +283,15 @@ static int plot_curve(const struct sim_eval *eval, enum sim_factor factor, const
 int sim_report_plots(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
 {
     int error = plot_cmc(eval, directory, fault);
-    error = error ? error : plot_det(eval, directory, fault);
-    error = error ? error : plot_scores(eval, directory, fault);
-    error = error ? error : plot_growth(eval, directory, fault);
+    if (!error) {
+        error = plot_det(eval, directory, fault);
+    }
+    if (!error) {
+        error = plot_scores(eval, directory, fault);
+    }
+    if (!error) {
+        error = plot_growth(eval, directory, fault);
+    }
     for (int f = 0; f < SIM_FACTORS && !error; f++) {
         if (eval->curves[f].n_bins > 1 && eval->analysis->verification.n_det > 0) {
             error = plot_curve(eval, (enum sim_factor)f, directory, fault);

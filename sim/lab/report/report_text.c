@@ -197,13 +197,15 @@ static void print_latencies(const struct sim_eval *eval, FILE *out)
 
 void sim_report_text(const struct sim_eval *eval, FILE *out)
 {
+    static const char *const scores[] = {
+        [SIM_SCORE_PAIRWISE] = "negative distance",
+        [SIM_SCORE_METRIC] = "learned metric",
+        [SIM_SCORE_COHORT] = "cohort-normalised",
+        [SIM_SCORE_DISTANCE] = "negative distance, mm (no cohort)",
+    };
     const struct sim_analysis *a = eval->analysis;
     fprintf(out, "Corpus %s; method: %s; score: %s\n", eval->options.corpus,
-            sim_eval_first(eval)->name,
-            sim_method_pairwise(sim_eval_first(eval)) ? "negative distance"
-            : eval->metric                            ? "learned metric"
-            : eval->cohort                            ? "cohort-normalised"
-                                                      : "negative distance, mm (no cohort)");
+            sim_eval_first(eval)->name, scores[sim_eval_score_kind(eval)]);
     print_acquisition(eval, out);
     print_verification(&a->verification, out);
     print_promises(eval, out);

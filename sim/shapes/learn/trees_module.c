@@ -19,7 +19,10 @@ int iso_tree_new(const float *feature, const int32_t *label, int32_t n, int32_t 
                  struct iso_tree **out)
 {
     const int error = iso_tree_load(NULL);
-    return error ? error : module()->create(feature, label, n, size, out);
+    if (error) {
+        return error;
+    }
+    return module()->create(feature, label, n, size, out);
 }
 
 void iso_tree_free(struct iso_tree *tree)

@@ -89,8 +89,8 @@ static int polygonise_at(const struct sim_skeleton *skeleton, double pitch_mm,
 
 /* As fine as thinning to n_vertices wants it: a coarse grid first tells how much surface there is.
  */
-static int polygonise(const struct sim_skeleton *skeleton, int32_t n_vertices,
-                      struct iso_mesh **out)
+static int polygonise_skeleton(const struct sim_skeleton *skeleton, int32_t n_vertices,
+                               struct iso_mesh **out)
 {
     double pitch_mm = 6.0;
     int error = 0;
@@ -134,10 +134,13 @@ static int keep_largest(struct iso_mesh *mesh)
     return error;
 }
 
-static int thin(struct iso_mesh *mesh, int32_t n_vertices)
+static int thin_mesh(struct iso_mesh *mesh, int32_t n_vertices)
 {
     int error = keep_largest(mesh);
-    return error ? error : sim_thin(&(struct iso_coloured_mesh){.mesh = mesh}, n_vertices);
+    if (error) {
+        return error;
+    }
+    return sim_thin(&(struct iso_coloured_mesh){.mesh = mesh}, n_vertices);
 }
 
 /* Moves a point along the gradient onto the surface: Newton's steps, none longer than a mm. */
@@ -158,7 +161,7 @@ static struct iso_vec3 onto_surface(const struct sim_skeleton *skeleton, struct 
 
 /* Evens the triangles out: each vertex goes halfway to the middle of its neighbours, weighted by
  * the areas of the triangles between, and back onto the surface. */
-static int relax(const struct sim_skeleton *skeleton, struct iso_mesh *mesh)
+static int relax_mesh(const struct sim_skeleton *skeleton, struct iso_mesh *mesh)
 {
     size_t n = (size_t)mesh->n_vertices;
     struct iso_vec3 *sum = calloc(n, sizeof *sum);
@@ -193,8 +196,8 @@ static int relax(const struct sim_skeleton *skeleton, struct iso_mesh *mesh)
 
 /* ---- pose ---------------------------------------------------------------------------- */
 
-static struct iso_vec3 posed(const struct sim_skeleton *skeleton,
-                             const struct iso_rigid *posed_from_rest, struct iso_vec3 p)
+static struct iso_vec3 posed_point(const struct sim_skeleton *skeleton,
+                                   const struct iso_rigid *posed_from_rest, struct iso_vec3 p)
 {
     struct iso_vec3 sum = {0, 0, 0};
     double total = 0.0;
@@ -224,9 +227,13 @@ static int mesh_at_rest(const struct sim_skeleton *skeleton, int32_t n_vertices,
     struct sim_skeleton turned = *skeleton;
     struct iso_mesh *mesh = NULL;
     sim_skeleton_turn(&turned, &turn);
-    int error = polygonise(&turned, n_vertices, &mesh);
-    error = error ? error : thin(mesh, n_vertices);
-    error = error ? error : relax(&turned, mesh);
+    int error = polygonise_skeleton(&turned, n_vertices, &mesh);
+    if (!error) {
+        error = thin_mesh(mesh, n_vertices);
+    }
+    if (!error) {
+        error = relax_mesh(&turned, mesh);
+    }
     for (int32_t v = 0; !error && v < mesh->n_vertices; v++) {
         mesh->vertices_mm[v] = iso_mat3_apply(&back, mesh->vertices_mm[v]);
     }
@@ -262,7 +269,7 @@ int sim_creature_new(const struct sim_skeleton *skeleton,
     for (int32_t v = 0; v < creature->mesh->n_vertices; v++) {
         struct iso_vec3 *p = &creature->mesh->vertices_mm[v];
         creature->rest_mm[v] = *p;
-        *p = posed(skeleton, posed_from_rest, *p);
+        *p = posed_point(skeleton, posed_from_rest, *p);
     }
     *out = creature;
     return 0;

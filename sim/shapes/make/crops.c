@@ -2,15 +2,14 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "core/surface/clean.h"
 #include "isotherm/shape.h"
 #include "isotherm/triangulate.h"
+#include "sim/base/make_directory.h"
 #include "sim/base/progress.h"
 #include "sim/lab/match/capture.h"
 #include "sim/shapes/make/manifest.h"
@@ -69,7 +68,7 @@ static bool find_centre(struct cutter *cutter, const struct iso_frame *frame, st
 }
 
 /* From the camera's frame (y down, z away) to that of the viewer's, as pictures have it. */
-static void turn(struct iso_mesh *mesh)
+static void turn_to_viewer(struct iso_mesh *mesh)
 {
     for (int32_t i = 0; i < mesh->n_vertices; i++) {
         struct iso_vec3 p = mesh->vertices_mm[i];
@@ -78,7 +77,7 @@ static void turn(struct iso_mesh *mesh)
 }
 
 /* Fills cutter->crop. -ENODATA for too little. */
-static int cut(struct cutter *cutter, const struct iso_frame *frame)
+static int cut_crop(struct cutter *cutter, const struct iso_frame *frame)
 {
     const struct iso_frame *part;
     struct iso_vec3 centre_mm;
@@ -86,15 +85,17 @@ static int cut(struct cutter *cutter, const struct iso_frame *frame)
         return -ENODATA;
     }
     int error = iso_clean(cutter->cleaner, frame, centre_mm, radius_mm, pitch_mm, &part);
-    error = error ? error : iso_triangulate(cutter->triangulator, part, cutter->crop.mesh);
     if (!error) {
-        turn(cutter->crop.mesh);
+        error = iso_triangulate(cutter->triangulator, part, cutter->crop.mesh);
+    }
+    if (!error) {
+        turn_to_viewer(cutter->crop.mesh);
     }
     return error || cutter->crop.mesh->n_vertices >= ISO_SHAPE_VERTICES_MIN ? error : -ENODATA;
 }
 
-static int keep(struct cutter *cutter, size_t corpus, const struct sim_corpus_row *from,
-                struct iso_fault *fault)
+static int keep_crop(struct cutter *cutter, size_t corpus, const struct sim_corpus_row *from,
+                     struct iso_fault *fault)
 {
     char path[PATH_MAX];
     struct sim_shape_row *row = &cutter->rows[cutter->n];
@@ -111,6 +112,21 @@ static int keep(struct cutter *cutter, size_t corpus, const struct sim_corpus_ro
     return error;
 }
 
+/* A frame in which nothing stands out is counted and left out. */
+static int cut_and_keep(struct cutter *cutter, size_t corpus, const struct sim_corpus_row *row,
+                        const struct iso_frame *frame, struct iso_fault *fault)
+{
+    const int error = cut_crop(cutter, frame);
+    if (error == -ENODATA) {
+        cutter->n_empty++;
+        return 0;
+    }
+    if (error) {
+        return iso_fault_set(fault, error, "%s: %s", row->recording, strerror(-error));
+    }
+    return keep_crop(cutter, corpus, row, fault);
+}
+
 static int cut_row(struct cutter *cutter, size_t corpus, const struct sim_corpus_row *row,
                    struct iso_fault *fault)
 {
@@ -122,17 +138,13 @@ static int cut_row(struct cutter *cutter, size_t corpus, const struct sim_corpus
         return error;
     }
     error = iso_recording_frame_new(recording, &frame);
-    error = error ? iso_fault_set(fault, error, "%s: out of memory", row->recording)
-                  : iso_recording_read(recording, row->first, frame, fault);
+    if (error) {
+        (void)iso_fault_set(fault, error, "%s: out of memory", row->recording);
+    } else {
+        error = iso_recording_read(recording, row->first, frame, fault);
+    }
     if (!error) {
-        error = cut(cutter, frame);
-        if (error == -ENODATA) {
-            cutter->n_empty++;
-            error = 0;
-        } else {
-            error = error ? iso_fault_set(fault, error, "%s: %s", row->recording, strerror(-error))
-                          : keep(cutter, corpus, row, fault);
-        }
+        error = cut_and_keep(cutter, corpus, row, frame, fault);
     }
     iso_frame_free(frame);
     iso_recording_close(recording);
@@ -169,8 +181,13 @@ static int make_room(struct cutter *cutter)
     const struct iso_triangulate_options triangulate = {.jump_mm = jump_mm, .largest_only = true};
     cutter->pixels_at = calloc(DEPTH_MAX_MM, sizeof *cutter->pixels_at);
     int error = cutter->pixels_at ? iso_cleaner_new(CROP_PX_MAX, &cutter->cleaner) : -ENOMEM;
-    error = error ? error : iso_triangulator_new(CROP_PX_MAX, &triangulate, &cutter->triangulator);
-    return error ? error : iso_mesh_new(CROP_PX_MAX, 2 * CROP_PX_MAX, &cutter->crop.mesh);
+    if (!error) {
+        error = iso_triangulator_new(CROP_PX_MAX, &triangulate, &cutter->triangulator);
+    }
+    if (error) {
+        return error;
+    }
+    return iso_mesh_new(CROP_PX_MAX, 2 * CROP_PX_MAX, &cutter->crop.mesh);
 }
 
 int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written, int32_t *n_empty,
@@ -180,15 +197,20 @@ int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written,
     if (options->n_corpora < 1 || options->n_corpora > SIM_CROPS_CORPORA_MAX) {
         return iso_fault_set(fault, -EINVAL, "1 to %d corpora are needed", SIM_CROPS_CORPORA_MAX);
     }
-    if (mkdir(options->out, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %s", options->out, strerror(errno));
+    int error = sim_make_directory(options->out, fault);
+    if (error) {
+        return error;
     }
-    int error = make_room(&cutter);
-    error = error ? iso_fault_set(fault, error, "out of memory") : 0;
+    error = make_room(&cutter);
+    if (error) {
+        (void)iso_fault_set(fault, error, "out of memory");
+    }
     for (size_t i = 0; !error && i < options->n_corpora; i++) {
         error = cut_corpus(&cutter, i, fault);
     }
-    error = error ? error : sim_shape_manifest_write(options->out, cutter.rows, cutter.n, fault);
+    if (!error) {
+        error = sim_shape_manifest_write(options->out, cutter.rows, cutter.n, fault);
+    }
     iso_cleaner_free(cutter.cleaner);
     iso_triangulator_free(cutter.triangulator);
     iso_coloured_mesh_done(&cutter.crop);

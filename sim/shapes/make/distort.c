@@ -55,7 +55,7 @@ static struct iso_vec3 mean_place(const struct iso_mesh *mesh)
 }
 
 /* Standard deviation of a coordinate, over all three. */
-static double spread(const struct iso_mesh *mesh, struct iso_vec3 mean)
+static double spread_of(const struct iso_mesh *mesh, struct iso_vec3 mean)
 {
     double sum = 0.0;
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
@@ -84,7 +84,7 @@ static void add_noise(struct iso_mesh *mesh, double deviation_mm, int one_in,
     }
 }
 
-static void scale(struct iso_mesh *mesh, double factor, struct sim_random *random)
+static void scale_mesh(struct iso_mesh *mesh, double factor, struct sim_random *random)
 {
     factor = sim_random_below(random, 2) ? factor : 1.0 / factor;
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
@@ -92,7 +92,7 @@ static void scale(struct iso_mesh *mesh, double factor, struct sim_random *rando
     }
 }
 
-static void stretch(struct iso_mesh *mesh, double factor, struct sim_random *random)
+static void stretch_mesh(struct iso_mesh *mesh, double factor, struct sim_random *random)
 {
     struct iso_vec3 axis = iso_unit(random_normal3(random)), mean = mean_place(mesh);
     double across = 1.0 / sqrt(factor);
@@ -124,14 +124,14 @@ static int vertex_normals(const struct iso_mesh *mesh, struct iso_vec3 **out)
 
 /* Moves vertices along their normals by a noise that varies over half the shape's spread; the mean
  * square of that noise is about 0.1. */
-static int bulge(struct iso_mesh *mesh, double share, struct sim_random *random)
+static int bulge_mesh(struct iso_mesh *mesh, double share, struct sim_random *random)
 {
     struct iso_vec3 *normal = NULL;
     int error = vertex_normals(mesh, &normal);
     if (error) {
         return error;
     }
-    double size_mm = spread(mesh, mean_place(mesh));
+    double size_mm = spread_of(mesh, mean_place(mesh));
     uint64_t key = sim_random_u64(random);
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
         struct iso_vec3 *p = &mesh->vertices_mm[v];
@@ -158,7 +158,7 @@ static int compare_far(const void *a, const void *b)
 
 /* Cuts the triangles nearest to a vertex away, up to a share of the area. Vertices without
  * triangles stay: whoever makes a shape of the mesh leaves them out. */
-static int cut(struct iso_mesh *mesh, double share, struct sim_random *random)
+static int cut_mesh(struct iso_mesh *mesh, double share, struct sim_random *random)
 {
     size_t n = (size_t)mesh->n_triangles;
     struct far_triangle *order = calloc(n, sizeof *order);
@@ -203,7 +203,7 @@ int sim_distort(struct sim_distortion distortion, struct sim_random *random,
         return -EINVAL;
     }
     double strength = sim_distortion_strength(distortion);
-    double signal_mm = spread(mesh, mean_place(mesh));
+    double signal_mm = spread_of(mesh, mean_place(mesh));
     switch (distortion.kind) {
     case SIM_DISTORTION_WHITE:
         add_noise(mesh, signal_mm * sqrt(strength), 1, random);
@@ -212,14 +212,14 @@ int sim_distort(struct sim_distortion distortion, struct sim_random *random,
         add_noise(mesh, signal_mm * sqrt(strength * SHOT_ONE_IN), SHOT_ONE_IN, random);
         return 0;
     case SIM_DISTORTION_SCALE:
-        scale(mesh, strength, random);
+        scale_mesh(mesh, strength, random);
         return 0;
     case SIM_DISTORTION_MISSING:
-        return cut(mesh, strength, random);
+        return cut_mesh(mesh, strength, random);
     case SIM_DISTORTION_STRETCH:
-        stretch(mesh, strength, random);
+        stretch_mesh(mesh, strength, random);
         return 0;
     default:
-        return bulge(mesh, strength, random);
+        return bulge_mesh(mesh, strength, random);
     }
 }

@@ -19,7 +19,10 @@ static double line_integral(double a, double from, double to)
 
 static double clamped(double x, double low, double high)
 {
-    return x < low ? low : x > high ? high : x;
+    if (x < low) {
+        return low;
+    }
+    return x > high ? high : x;
 }
 
 /* Whether a coordinate is farther from a bone than its field reaches. */

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/base/path.h"
+#include "sim/base/make_directory.h"
 #include "sim/lab/match/parallel.h"
 #include "sim/shapes/make/creature.h"
 #include "sim/shapes/make/distort.h"
@@ -31,7 +31,7 @@ enum {
 static const double other_class = 0.5, other_body = 0.12;
 
 /* One shape to be made. */
-struct recipe {
+struct shape_plan {
     struct sim_shape_row row;
     int species;
     struct sim_growth growth;
@@ -42,9 +42,9 @@ struct recipe {
     struct sim_distortion distortion;
 };
 
-struct kitchen {
+struct shape_maker {
     const struct sim_shapes_options *options;
-    struct recipe *recipe;
+    struct shape_plan *plan;
     int32_t n;
     pthread_mutex_t fault_lock;
     struct iso_fault *fault; /* of the first that failed */
@@ -64,106 +64,106 @@ static void class_name(size_t number, char *out, size_t size)
     }
 }
 
-static void plan_plain(const struct sim_shapes_options *options, struct kitchen *kitchen)
+static void plan_plain(const struct sim_shapes_options *options, struct shape_maker *maker)
 {
-    for (int32_t i = 0; i < kitchen->n; i++) {
+    for (int32_t i = 0; i < maker->n; i++) {
         size_t c = (size_t)i % options->classes, pose = (size_t)i / options->classes;
-        struct recipe *recipe = &kitchen->recipe[i];
+        struct shape_plan *plan = &maker->plan[i];
         char class_text[CLASS_NAME_MAX];
         class_name(c, class_text, sizeof class_text);
-        (void)snprintf(recipe->row.class_name, sizeof recipe->row.class_name, "%s", class_text);
-        (void)snprintf(recipe->row.file, sizeof recipe->row.file, "%s-%02zu.%s", class_text,
-                       pose + 1, options->format);
-        recipe->species = (int)(c % SIM_SPECIES);
-        recipe->growth = (struct sim_growth){options->seed * 1000 + c,
-                                             c < SIM_SPECIES ? 0.0 : other_class};
-        recipe->pose = 1.0;
-        recipe->pose_key = (uint64_t)i;
+        (void)snprintf(plan->row.class_name, sizeof plan->row.class_name, "%s", class_text);
+        (void)snprintf(plan->row.file, sizeof plan->row.file, "%s-%02zu.%s", class_text, pose + 1,
+                       options->format);
+        plan->species = (int)(c % SIM_SPECIES);
+        plan->growth = (struct sim_growth){options->seed * 1000 + c,
+                                           c < SIM_SPECIES ? 0.0 : other_class};
+        plan->pose = 1.0;
+        plan->pose_key = (uint64_t)i;
     }
 }
 
 /* The transformations of section 5.4, at a strength of 1..3. */
-static void transform(struct recipe *recipe, int kind, int level)
+static void plan_transformation(struct shape_plan *plan, int kind, int level)
 {
     static const enum sim_distortion_kind kinds[TRANSFORMATIONS] = {
         [1] = SIM_DISTORTION_STRETCH, [2] = SIM_DISTORTION_BULGE, [3] = SIM_DISTORTION_WHITE};
     if (kind == 0) {
-        recipe->pose = 0.4 + 0.2 * level;
-        recipe->pose_key += 1000; /* another pose than the null shape's */
+        plan->pose = 0.4 + 0.2 * level;
+        plan->pose_key += 1000; /* another pose than the null shape's */
     } else {
-        recipe->distorted = true;
-        recipe->distortion = (struct sim_distortion){kinds[kind], level};
+        plan->distorted = true;
+        plan->distortion = (struct sim_distortion){kinds[kind], level};
     }
 }
 
-static void plan_textured(const struct sim_shapes_options *options, struct kitchen *kitchen)
+static void plan_textured(const struct sim_shapes_options *options, struct shape_maker *maker)
 {
     static const char *const names[TRANSFORMATIONS] = {"pose", "stretch", "bulge", "noise"};
-    for (int32_t i = 0; i < kitchen->n; i++) {
+    for (int32_t i = 0; i < maker->n; i++) {
         size_t c = (size_t)i / TEXTURED_EACH;
         int within = i % TEXTURED_EACH, kind = within % TRANSFORMATIONS;
         int coat = within / TRANSFORMATIONS % COATS_EACH;
         int body = within / TRANSFORMATIONS / COATS_EACH;
         int level = 1 + (coat + body + kind + (int)c) % SIM_DISTORTION_LEVELS;
-        struct recipe *recipe = &kitchen->recipe[i];
+        struct shape_plan *plan = &maker->plan[i];
         char class_text[CLASS_NAME_MAX];
         class_name(c, class_text, sizeof class_text);
-        recipe->coat = (enum sim_texture)((c + (size_t)coat) % SIM_TEXTURES);
-        recipe->coated = true;
-        (void)snprintf(recipe->row.class_name, sizeof recipe->row.class_name, "%s/%s", class_text,
-                       sim_texture_name(recipe->coat));
-        (void)snprintf(recipe->row.file, sizeof recipe->row.file, "%s-%c-%s-%s%d.%s", class_text,
-                       'a' + body, sim_texture_name(recipe->coat), names[kind], level,
+        plan->coat = (enum sim_texture)((c + (size_t)coat) % SIM_TEXTURES);
+        plan->coated = true;
+        (void)snprintf(plan->row.class_name, sizeof plan->row.class_name, "%s/%s", class_text,
+                       sim_texture_name(plan->coat));
+        (void)snprintf(plan->row.file, sizeof plan->row.file, "%s-%c-%s-%s%d.%s", class_text,
+                       'a' + body, sim_texture_name(plan->coat), names[kind], level,
                        options->format);
-        recipe->species = (int)(c % SIM_SPECIES);
-        recipe->growth = (struct sim_growth){options->seed * 1000 + 2 * c + (size_t)body,
-                                             c < SIM_SPECIES ? other_body : other_class};
-        recipe->pose = 0.3;
-        recipe->pose_key = 2 * c + (size_t)body;
-        transform(recipe, kind, level);
+        plan->species = (int)(c % SIM_SPECIES);
+        plan->growth = (struct sim_growth){options->seed * 1000 + 2 * c + (size_t)body,
+                                           c < SIM_SPECIES ? other_body : other_class};
+        plan->pose = 0.3;
+        plan->pose_key = 2 * c + (size_t)body;
+        plan_transformation(plan, kind, level);
     }
 }
 
 /* ---- making it --------------------------------------------------------------------- */
 
-static int paint(const struct recipe *recipe, const struct sim_creature *creature, uint64_t key,
-                 struct iso_colour **out)
+static int paint_creature(const struct shape_plan *plan, const struct sim_creature *creature,
+                          uint64_t key, struct iso_colour **out)
 {
     struct iso_colour *colour = calloc((size_t)creature->mesh->n_vertices, sizeof *colour);
     if (!colour) {
         return -ENOMEM;
     }
     for (int32_t v = 0; v < creature->mesh->n_vertices; v++) {
-        colour[v] = sim_texture_colour(recipe->coat, key, creature->rest_mm[v]);
+        colour[v] = sim_texture_colour(plan->coat, key, creature->rest_mm[v]);
     }
     *out = colour;
     return 0;
 }
 
-static int cook(const struct kitchen *kitchen, size_t number, struct iso_coloured_mesh *out)
+static int make_shape(const struct shape_maker *maker, size_t number, struct iso_coloured_mesh *out)
 {
-    const struct recipe *recipe = &kitchen->recipe[number];
-    const struct sim_species *species = &sim_species[recipe->species];
-    uint64_t seed = kitchen->options->seed;
+    const struct shape_plan *plan = &maker->plan[number];
+    const struct sim_species *species = &sim_species[plan->species];
+    uint64_t seed = maker->options->seed;
     struct sim_random grid = sim_random_seeded(seed, 0x67726964, number);
-    struct sim_random pose = sim_random_seeded(seed, 0x706f7365, recipe->pose_key);
-    const struct sim_creature_options options = {(int32_t)kitchen->options->vertices, recipe->pose};
+    struct sim_random pose = sim_random_seeded(seed, 0x706f7365, plan->pose_key);
+    const struct sim_creature_options options = {(int32_t)maker->options->vertices, plan->pose};
     struct sim_skeleton skeleton;
     struct sim_creature *creature = NULL;
-    sim_skeleton_grow(species->limbs, species->n_limbs, &recipe->growth, &skeleton);
+    sim_skeleton_grow(species->limbs, species->n_limbs, &plan->growth, &skeleton);
     int error = sim_creature_new(&skeleton, &options, &grid, &pose, &creature);
     if (error) {
         return error;
     }
     struct iso_coloured_mesh made = {NULL, NULL};
-    if (recipe->coated) {
-        error = paint(recipe, creature, seed, &made.colour);
+    if (plan->coated) {
+        error = paint_creature(plan, creature, seed, &made.colour);
     }
     made.mesh = creature->mesh;
     creature->mesh = NULL;
     sim_creature_free(creature);
-    if (!error && recipe->distorted) {
-        error = sim_distort(recipe->distortion, &grid, &made);
+    if (!error && plan->distorted) {
+        error = sim_distort(plan->distortion, &grid, &made);
     }
     if (error) {
         iso_coloured_mesh_done(&made);
@@ -173,61 +173,68 @@ static int cook(const struct kitchen *kitchen, size_t number, struct iso_coloure
     return 0;
 }
 
-static int serve(void *context, int worker, size_t number)
+static int make_and_write(void *context, int worker, size_t number)
 {
-    struct kitchen *kitchen = context;
-    const char *file = kitchen->recipe[number].row.file;
+    struct shape_maker *maker = context;
+    const char *file = maker->plan[number].row.file;
     struct iso_coloured_mesh mesh = {NULL, NULL};
     struct iso_fault fault = {.text = ""};
     char path[PATH_MAX];
     (void)worker;
-    int error = iso_path_join(kitchen->options->out, file, path, &fault);
+    int error = iso_path_join(maker->options->out, file, path, &fault);
     if (!error) {
-        error = cook(kitchen, number, &mesh);
+        error = make_shape(maker, number, &mesh);
         if (error) {
             (void)iso_fault_set(&fault, error, "%s: %s", file, strerror(-error));
         }
     }
-    error = error ? error : sim_mesh_write(path, &mesh, &fault);
+    if (!error) {
+        error = sim_mesh_write(path, &mesh, &fault);
+    }
     iso_coloured_mesh_done(&mesh);
     if (error) {
-        (void)pthread_mutex_lock(&kitchen->fault_lock);
-        if (kitchen->fault && kitchen->fault->text[0] == '\0') {
-            *kitchen->fault = fault;
+        (void)pthread_mutex_lock(&maker->fault_lock);
+        if (maker->fault && maker->fault->text[0] == '\0') {
+            *maker->fault = fault;
         }
-        (void)pthread_mutex_unlock(&kitchen->fault_lock);
+        (void)pthread_mutex_unlock(&maker->fault_lock);
     }
     return error;
 }
 
-static int write_manifest(const struct kitchen *kitchen, struct iso_fault *fault)
+static int write_manifest(const struct shape_maker *maker, struct iso_fault *fault)
 {
-    struct sim_shape_row *rows = calloc((size_t)kitchen->n, sizeof *rows);
+    struct sim_shape_row *rows = calloc((size_t)maker->n, sizeof *rows);
     if (!rows) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
-    for (int32_t i = 0; i < kitchen->n; i++) {
-        rows[i] = kitchen->recipe[i].row;
+    for (int32_t i = 0; i < maker->n; i++) {
+        rows[i] = maker->plan[i].row;
     }
-    int error = sim_shape_manifest_write(kitchen->options->out, rows, kitchen->n, fault);
+    int error = sim_shape_manifest_write(maker->options->out, rows, maker->n, fault);
     free(rows);
     return error;
 }
 
 /* Fills in what is 0. -EINVAL. */
-static int complete(struct sim_shapes_options *options, bool *textured, struct iso_fault *fault)
+static int complete_options(struct sim_shapes_options *options, bool *textured,
+                            struct iso_fault *fault)
 {
     *textured = strcmp(options->preset, "textured") == 0;
     if (!*textured && strcmp(options->preset, "plain") != 0) {
         return iso_fault_set(fault, -EINVAL, "--preset: '%s' is unknown", options->preset);
     }
-    options->format = options->format ? options->format : *textured ? "ply" : "off";
+    if (!options->format) {
+        options->format = *textured ? "ply" : "off";
+    }
     if (strcmp(options->format, "off") != 0 && strcmp(options->format, "ply") != 0 &&
         (*textured || strcmp(options->format, "vert") != 0)) {
         return iso_fault_set(fault, -EINVAL, "--format: '%s' is none of off, ply%s",
                              options->format, *textured ? "" : ", vert");
     }
-    options->classes = options->classes ? options->classes : *textured ? 10 : SIM_SPECIES;
+    if (!options->classes) {
+        options->classes = *textured ? 10 : SIM_SPECIES;
+    }
     options->shapes = options->shapes ? options->shapes : 148;
     options->vertices = options->vertices ? options->vertices : 3000;
     if (options->classes > SIM_SHAPES_CLASSES_MAX) {
@@ -248,36 +255,39 @@ int sim_shapes_generate(const struct sim_shapes_options *given, int32_t *n_writt
 {
     struct sim_shapes_options options = *given;
     bool textured = false;
-    int error = complete(&options, &textured, fault);
+    int error = complete_options(&options, &textured, fault);
     if (error) {
         return error;
     }
-    if (mkdir(options.out, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %m", options.out);
+    error = sim_make_directory(options.out, fault);
+    if (error) {
+        return error;
     }
-    struct kitchen kitchen = {
+    struct shape_maker maker = {
         .options = &options,
         .n = (int32_t)(textured ? TEXTURED_EACH * options.classes : options.shapes),
         .fault_lock = PTHREAD_MUTEX_INITIALIZER,
         .fault = fault,
     };
-    kitchen.recipe = calloc((size_t)kitchen.n, sizeof *kitchen.recipe);
-    if (!kitchen.recipe) {
+    maker.plan = calloc((size_t)maker.n, sizeof *maker.plan);
+    if (!maker.plan) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     if (textured) {
-        plan_textured(&options, &kitchen);
+        plan_textured(&options, &maker);
     } else {
-        plan_plain(&options, &kitchen);
+        plan_plain(&options, &maker);
     }
-    error = sim_parallel(options.threads, "making shapes", (size_t)kitchen.n, serve, &kitchen);
+    error = sim_parallel(options.threads, "making shapes", (size_t)maker.n, make_and_write, &maker);
     if (error && fault && fault->text[0] == '\0') {
         (void)iso_fault_set(fault, error, "--threads: %s", strerror(-error));
     }
-    error = error ? error : write_manifest(&kitchen, fault);
     if (!error) {
-        *n_written = kitchen.n;
+        error = write_manifest(&maker, fault);
     }
-    free(kitchen.recipe);
+    if (!error) {
+        *n_written = maker.n;
+    }
+    free(maker.plan);
     return error;
 }

@@ -138,8 +138,12 @@ int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shap
         !manifest->class_name) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
     }
-    error = error ? error : parse_rows(name, copy, manifest, fault);
-    error = error ? error : check_files(name, manifest, fault);
+    if (!error) {
+        error = parse_rows(name, copy, manifest, fault);
+    }
+    if (!error) {
+        error = check_files(name, manifest, fault);
+    }
     free(copy);
     if (error) {
         sim_shape_manifest_free(manifest);
@@ -166,8 +170,12 @@ int sim_shape_manifest_read(const char *directory, struct sim_shape_manifest **o
 {
     char path[PATH_MAX], *text = NULL;
     int error = iso_path_join(directory, "manifest.csv", path, fault);
-    error = error ? error : iso_text_read(path, BYTES_MAX, &text, fault);
-    error = error ? error : sim_shape_manifest_parse(path, text, out, fault);
+    if (!error) {
+        error = iso_text_read(path, BYTES_MAX, &text, fault);
+    }
+    if (!error) {
+        error = sim_shape_manifest_parse(path, text, out, fault);
+    }
     free(text);
     return error;
 }

@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A corner of a cube is a number of three bits, x the lowest. An edge of a tetrahedron runs from a
  * node to the one that is `corner` further on: seven kinds, 1..7, each belonging to its lower node.
@@ -54,7 +53,7 @@ static int32_t edge_vertex(struct march *m, size_t node, int a, int b)
         }
         double f = m->grid->value[from], t = m->grid->value[to];
         double share = (m->level - f) / (t - f);
-        share = share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share;
+        share = fmin(fmax(share, 0.1), 0.9);
         struct iso_vec3 p = node_place(m->grid, from), q = node_place(m->grid, to);
         m->mesh->vertices_mm[m->mesh->n_vertices] = iso_madd(p, share, iso_sub(q, p));
         *known = ++m->mesh->n_vertices;
@@ -89,7 +88,10 @@ static int cut_between(struct march *m, size_t node, const int p[2], const int q
     int32_t a = edge_vertex(m, node, p[0], q[0]), b = edge_vertex(m, node, p[1], q[0]);
     int32_t c = edge_vertex(m, node, p[1], q[1]), d = edge_vertex(m, node, p[0], q[1]);
     int error = add_triangle(m, a, c, b);
-    return error ? error : add_triangle(m, a, d, c);
+    if (error) {
+        return error;
+    }
+    return add_triangle(m, a, d, c);
 }
 
 static int cut_tetrahedron(struct march *m, size_t node, const int corner[4])
@@ -162,7 +164,9 @@ int sim_polygonise(const struct sim_field_grid *grid, double level, struct iso_m
     struct march m = {.grid = grid, .level = level};
     m.vertex_of_edge = calloc(n_nodes, EDGE_KINDS * sizeof *m.vertex_of_edge);
     int error = m.vertex_of_edge ? iso_mesh_new(1024, 2048, &m.mesh) : -ENOMEM;
-    error = error ? error : march(&m);
+    if (!error) {
+        error = march(&m);
+    }
     free(m.vertex_of_edge);
     if (error) {
         iso_mesh_free(m.mesh);

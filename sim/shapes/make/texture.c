@@ -12,8 +12,7 @@ const char *sim_texture_name(enum sim_texture texture)
 /* 0 below -width, 1 above width, smooth between. */
 static double step(double x, double width)
 {
-    double s = 0.5 + 0.5 * x / width;
-    s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
+    const double s = fmin(fmax(0.5 + 0.5 * x / width, 0.0), 1.0);
     return s * s * (3.0 - 2.0 * s);
 }
 

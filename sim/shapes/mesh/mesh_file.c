@@ -49,7 +49,9 @@ int iso_mesh_parse(enum iso_mesh_format format, const char *name, char *bytes, s
     } else {
         error = iso__mesh_read_tosca(&build, bytes, tri);
     }
-    error = error ? error : iso__mesh_build_finish(&build, out);
+    if (!error) {
+        error = iso__mesh_build_finish(&build, out);
+    }
     iso__mesh_build_done(&build);
     return error;
 }
@@ -84,11 +86,15 @@ int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct i
     char *bytes = NULL, *tri = NULL;
     size_t size = 0;
     int error = format_of(path, &format, fault);
-    error = error ? error : iso_file_read(path, bytes_most, &bytes, &size, fault);
+    if (!error) {
+        error = iso_file_read(path, bytes_most, &bytes, &size, fault);
+    }
     if (!error && format == ISO_MESH_FORMAT_TOSCA) {
         error = read_tri(path, &tri, fault);
     }
-    error = error ? error : iso_mesh_parse(format, path, bytes, size, tri, &read, fault);
+    if (!error) {
+        error = iso_mesh_parse(format, path, bytes, size, tri, &read, fault);
+    }
     free(bytes);
     free(tri);
     if (!error) {

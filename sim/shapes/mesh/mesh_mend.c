@@ -70,7 +70,10 @@ static struct corners corners_of(const struct iso_mesh *mesh, const int32_t *fir
     struct corners out = {.triangle = t};
     out.sorted[0] = d < low ? d : low;
     out.sorted[2] = d > high ? d : high;
-    out.sorted[1] = d < low ? low : d > high ? high : d;
+    out.sorted[1] = d < low ? low : d;
+    if (d > high) {
+        out.sorted[1] = high;
+    }
     return out;
 }
 
@@ -168,7 +171,9 @@ int iso_mesh_mend(struct iso_coloured_mesh *coloured, struct iso_mesh_mended *re
     int32_t *first = calloc(n, sizeof *first), *renamed = calloc(n, sizeof *renamed);
     uint8_t *keep = calloc(n_triangles, 1);
     int error = first && renamed && keep ? find_first(mesh, first) : -ENOMEM;
-    error = error ? error : find_triangles(mesh, first, keep, &mended);
+    if (!error) {
+        error = find_triangles(mesh, first, keep, &mended);
+    }
     if (!error) {
         compact(coloured, first, keep, renamed, &mended);
         if (report) {

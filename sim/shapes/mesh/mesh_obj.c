@@ -1,5 +1,4 @@
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "drivers/file/text.h"
@@ -23,7 +22,10 @@ static int read_vertex(struct iso__mesh_build *build, unsigned line, char *rest)
     if (!error && n == 6) {
         error = iso__mesh_build_colour(build, line, words + 3, &colour);
     }
-    return error ? error : iso__mesh_build_vertex(build, line, at_mm, n == 6 ? &colour : NULL);
+    if (error) {
+        return error;
+    }
+    return iso__mesh_build_vertex(build, line, at_mm, n == 6 ? &colour : NULL);
 }
 
 /* "7", "7/1", "7//2", "7/1/2", from 1; or from the last vertex back, -1 being the last. */

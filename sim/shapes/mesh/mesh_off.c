@@ -64,8 +64,10 @@ static int read_vertex(struct iso__mesh_build *build, struct iso_text_lines *lin
     if (!error && coloured) {
         error = iso__mesh_build_colour(build, lines->number, words + 3, &colour);
     }
-    return error ? error
-                 : iso__mesh_build_vertex(build, lines->number, at_mm, coloured ? &colour : NULL);
+    if (error) {
+        return error;
+    }
+    return iso__mesh_build_vertex(build, lines->number, at_mm, coloured ? &colour : NULL);
 }
 
 /* An index that fits; what lies beyond the vertices is refused at the end. */

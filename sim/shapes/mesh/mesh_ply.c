@@ -49,7 +49,7 @@ struct ply {
     unsigned line;  /* of the header's lines; in the body, of elements */
 };
 
-static int refuse(const struct ply *ply, const char *what, const char *word)
+static int refuse_file(const struct ply *ply, const char *what, const char *word)
 {
     return iso__mesh_build_refuse(ply->build, ply->line, what, word);
 }
@@ -92,7 +92,7 @@ static int read_property(struct ply *ply, char **words, size_t n)
 {
     int last = ply->n_elements - 1;
     if (last < 0 || ply->element[last].n_properties == PROPERTIES_MAX) {
-        return refuse(ply, "a property too many:", words[n - 1]);
+        return refuse_file(ply, "a property too many:", words[n - 1]);
     }
     struct element *element = &ply->element[last];
     struct property property = {.list = n == 5 && strcmp(words[1], "list") == 0};
@@ -100,12 +100,12 @@ static int read_property(struct ply *ply, char **words, size_t n)
                      ? type_of(words[2], &property.count_type) && type_of(words[3], &property.type)
                      : n == 3 && type_of(words[1], &property.type);
     if (!known || (property.list && property.count_type >= FLOAT32)) {
-        return refuse(ply, "bad type of property", words[n - 1]);
+        return refuse_file(ply, "bad type of property", words[n - 1]);
     }
     property.meaning = meaning_of(element, property.list, words[n - 1]);
     for (int p = 0; property.meaning != NOTHING && p < element->n_properties; p++) {
         if (element->property[p].meaning == property.meaning) {
-            return refuse(ply, "a second property", words[n - 1]);
+            return refuse_file(ply, "a second property", words[n - 1]);
         }
     }
     element->property[element->n_properties++] = property;
@@ -117,7 +117,7 @@ static int read_element(struct ply *ply, char **words, size_t n)
     struct element *element = &ply->element[ply->n_elements];
     if (ply->n_elements == ELEMENTS_MAX || n != 3 || iso_text_count(words[2], &element->count) ||
         element->count > (size_t)ISO__MESH_MOST) {
-        return refuse(ply, "bad element", words[n - 1]);
+        return refuse_file(ply, "bad element", words[n - 1]);
     }
     element->vertex = strcmp(words[1], "vertex") == 0;
     element->face = strcmp(words[1], "face") == 0;
@@ -135,7 +135,7 @@ static int read_format(struct ply *ply, const char *word)
             return 0;
         }
     }
-    return refuse(ply, "unknown format", word);
+    return refuse_file(ply, "unknown format", word);
 }
 
 /* A line of the header, cut off, without its end; NULL if the file ends. */
@@ -169,7 +169,7 @@ static int read_header(struct ply *ply)
             continue;
         }
         if (strcmp(words[0], "end_header") == 0) {
-            return format ? 0 : refuse(ply, "no format before", words[0]);
+            return format ? 0 : refuse_file(ply, "no format before", words[0]);
         }
         if (strcmp(words[0], "format") == 0 && n == 3 && !format) {
             error = read_format(ply, words[1]);
@@ -179,7 +179,7 @@ static int read_header(struct ply *ply)
         } else if (strcmp(words[0], "property") == 0 && n <= 5) {
             error = read_property(ply, words, n);
         } else {
-            error = refuse(ply, "not a line of a header:", words[0]);
+            error = refuse_file(ply, "not a line of a header:", words[0]);
         }
         if (error) {
             return error;
@@ -238,7 +238,7 @@ static int read_value(struct ply *ply, enum type type, double *out)
         }
         *out = value_of(type, read_bits(ply, types[type].bytes));
         ply->at += types[type].bytes;
-        return isfinite(*out) ? 0 : refuse(ply, "a value is", "not finite");
+        return isfinite(*out) ? 0 : refuse_file(ply, "a value is", "not finite");
     }
     char *word = ply->at + strspn(ply->at, " \t\r\n"), *end = word + strcspn(word, " \t\r\n");
     if (*word == '\0') {
@@ -246,7 +246,7 @@ static int read_value(struct ply *ply, enum type type, double *out)
     }
     ply->at = *end ? end + 1 : end;
     *end = '\0';
-    return iso_text_number(word, out) ? refuse(ply, "bad value", word) : 0;
+    return iso_text_number(word, out) ? refuse_file(ply, "bad value", word) : 0;
 }
 
 static int read_list(struct ply *ply, const struct property *property)
@@ -256,7 +256,7 @@ static int read_list(struct ply *ply, const struct property *property)
     bool corners = property->meaning == CORNERS;
     int error = read_value(ply, property->count_type, &count);
     if (!error && !(count >= (corners ? 3.0 : 0.0) && count <= (double)ISO__MESH_CORNERS_MOST)) {
-        return refuse(ply, "bad length of", "a list");
+        return refuse_file(ply, "bad length of", "a list");
     }
     for (int i = 0; !error && i < (int)count; i++) {
         error = read_value(ply, property->type, &value);
@@ -264,7 +264,7 @@ static int read_list(struct ply *ply, const struct property *property)
             continue;
         }
         if (!(value >= 0.0 && value < (double)ISO__MESH_MOST && floor(value) == value)) {
-            return refuse(ply, "bad corner of", "a face");
+            return refuse_file(ply, "bad corner of", "a face");
         }
         corner[i < 2 ? i : 2] = (int32_t)value;
         if (i >= 2) {
@@ -275,13 +275,22 @@ static int read_list(struct ply *ply, const struct property *property)
     return error;
 }
 
+/* What a channel of a colour is at most; 1 for a type of floating point. */
+static double full_scale(enum type type)
+{
+    if (type == UINT8) {
+        return 255.0;
+    }
+    return type == UINT16 ? 65535.0 : 1.0;
+}
+
 static int read_one(struct ply *ply, const struct element *element)
 {
     double value[CORNERS + 1] = {0.0};
     bool coloured = false;
     for (int p = 0; p < element->n_properties; p++) {
         const struct property *property = &element->property[p];
-        double full = property->type == UINT8 ? 255.0 : property->type == UINT16 ? 65535.0 : 1.0;
+        const double full = full_scale(property->type);
         int error = property->list ? read_list(ply, property)
                                    : read_value(ply, property->type, &value[property->meaning]);
         if (error) {
@@ -291,7 +300,7 @@ static int read_one(struct ply *ply, const struct element *element)
             coloured = true;
             value[property->meaning] /= full;
             if (!(value[property->meaning] >= 0.0 && value[property->meaning] <= 1.0)) {
-                return refuse(ply, "bad colour of", "a vertex");
+                return refuse_file(ply, "bad colour of", "a vertex");
             }
         }
     }
@@ -303,7 +312,7 @@ static int read_one(struct ply *ply, const struct element *element)
                                   coloured ? &colour : NULL);
 }
 
-static bool has(const struct element *element, enum meaning meaning)
+static bool has_property(const struct element *element, enum meaning meaning)
 {
     for (int p = 0; p < element->n_properties; p++) {
         if (element->property[p].meaning == meaning) {
@@ -318,8 +327,9 @@ static int read_body(struct ply *ply)
     int vertices = 0, faces = 0;
     for (int e = 0; e < ply->n_elements; e++) {
         const struct element *element = &ply->element[e];
-        vertices += element->vertex && has(element, X) && has(element, Y) && has(element, Z);
-        faces += element->face && has(element, CORNERS);
+        vertices += element->vertex && has_property(element, X) && has_property(element, Y) &&
+                    has_property(element, Z);
+        faces += element->face && has_property(element, CORNERS);
     }
     if (vertices != 1 || faces != 1) {
         return iso_fault_set(ply->build->fault, -EBADMSG,
@@ -352,7 +362,9 @@ int iso__mesh_read_ply(struct iso__mesh_build *build, char *bytes, size_t size)
     ply->at = bytes;
     ply->end = bytes + size;
     int error = read_header(ply);
-    error = error ? error : read_body(ply);
+    if (!error) {
+        error = read_body(ply);
+    }
     free(ply);
     return error;
 }

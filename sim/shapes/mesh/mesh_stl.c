@@ -54,7 +54,9 @@ static int read_text(struct iso__mesh_build *build, char *text)
         if (strcmp(words[0], "vertex") == 0 && n == 4) {
             struct iso_vec3 at_mm;
             int error = iso__mesh_build_place(build, lines.number, words + 1, &at_mm);
-            error = error ? error : add_corner(build, lines.number, at_mm);
+            if (!error) {
+                error = add_corner(build, lines.number, at_mm);
+            }
             if (error) {
                 return error;
             }

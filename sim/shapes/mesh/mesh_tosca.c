@@ -39,7 +39,9 @@ int iso__mesh_read_tosca(struct iso__mesh_build *build, char *vert, char *tri)
     while (!(error = next_three(build, &lines, words, &n)) && n > 0) {
         struct iso_vec3 at_mm;
         error = iso__mesh_build_place(build, lines.number, words, &at_mm);
-        error = error ? error : iso__mesh_build_vertex(build, lines.number, at_mm, NULL);
+        if (!error) {
+            error = iso__mesh_build_vertex(build, lines.number, at_mm, NULL);
+        }
         if (error) {
             return error;
         }

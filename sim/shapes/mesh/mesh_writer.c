@@ -113,5 +113,8 @@ int sim_mesh_write(const char *path, const struct iso_coloured_mesh *mesh, struc
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: name too long", path);
     }
     int error = write_file(path, write_vert, mesh, fault);
-    return error ? error : write_file(tri, write_tri, mesh, fault);
+    if (error) {
+        return error;
+    }
+    return write_file(tri, write_tri, mesh, fault);
 }

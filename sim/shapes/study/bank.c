@@ -33,7 +33,9 @@ int sim_bank_read(const struct sim_bank_options *options, int32_t row,
     char path[PATH_MAX];
     struct iso_coloured_mesh mesh = {NULL, NULL};
     int error = iso_path_join(options->corpus, file, path, fault);
-    error = error ? error : iso_mesh_file_read(path, &mesh, fault);
+    if (!error) {
+        error = iso_mesh_file_read(path, &mesh, fault);
+    }
     if (error) {
         return error;
     }
@@ -103,7 +105,9 @@ static int describe_one(void *context, int worker, size_t number)
     (void)worker;
     int error = seconds ? make_shape(work, row, &shape, &n_vertices, &fault) : -ENOMEM;
     double shape_seconds = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
-    error = error ? error : describe(work, shape, (int32_t)number, seconds);
+    if (!error) {
+        error = describe(work, shape, (int32_t)number, seconds);
+    }
     iso_shape_free(shape);
     (void)pthread_mutex_lock(&work->lock);
     if (error && work->fault && work->fault->text[0] == '\0') {
@@ -153,9 +157,10 @@ int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
         fault->text[0] = '\0';
     }
     int error = allocate(options, &work.bank);
-    error = error ? error
-                  : sim_parallel(options->threads, "describing shapes", (size_t)work.bank->n,
-                                 describe_one, &work);
+    if (!error) {
+        error = sim_parallel(options->threads, "describing shapes", (size_t)work.bank->n,
+                             describe_one, &work);
+    }
     if (error) {
         if (fault && fault->text[0] == '\0') {
             (void)iso_fault_set(fault, error, "%s: %s", options->corpus, strerror(-error));

@@ -1,4 +1,5 @@
-/* What methods say of the shapes of a corpus: the part of a study that takes time. */
+/* The descriptions of all shapes of a corpus by all methods: the part of a study that takes time.
+ */
 #ifndef SIM_SHAPES_STUDY_BANK_H
 #define SIM_SHAPES_STUDY_BANK_H
 

@@ -89,8 +89,12 @@ int sim_features_new(const struct sim_shape_manifest *manifest, const struct sim
     features->index = options->index;
     int error = iso_shape_coder_new(options->method, sim_bank_of(items, options->index), items->n,
                                     options->size, options->seed, &features->coder);
-    error = error ? error : add_items(features);
-    error = error ? error : sim_features_ask(features, items);
+    if (!error) {
+        error = add_items(features);
+    }
+    if (!error) {
+        error = sim_features_ask(features, items);
+    }
     if (error) {
         sim_features_free(features);
         return error;
@@ -204,9 +208,10 @@ static int classify_one(void *context, int worker, size_t query)
         others.label = labels;
         error = iso_classifier_new(c->ops, &others, &classifier);
     }
-    error = error ? error
-                  : iso_classifier_score(classifier, f->query + query * size,
-                                         c->score + query * (size_t)others.n_classes);
+    if (!error) {
+        error = iso_classifier_score(classifier, f->query + query * size,
+                                     c->score + query * (size_t)others.n_classes);
+    }
     iso_classifier_free(classifier);
     free(feature);
     free(labels);
@@ -231,9 +236,10 @@ int sim_features_classify(const struct sim_features *features, const struct iso_
         error = sim_parallel(threads, "classifying shapes", (size_t)n_queries, classify_one,
                              &classification);
     }
-    error = error ? error
-                  : iso_confusion_measure(score, features->query_class, n_queries, items.n_classes,
-                                          count, NULL, out);
+    if (!error) {
+        error = iso_confusion_measure(score, features->query_class, n_queries, items.n_classes,
+                                      count, NULL, out);
+    }
     free(score);
     return error;
 }

@@ -1,6 +1,5 @@
 #include "sim/shapes/study/sheet.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,16 +61,19 @@ static int draw_mesh(const struct iso_coloured_mesh *mesh, const struct cell *ce
     struct sim_scene *scene = NULL;
     struct sim_colour *colours = mesh->colour && !cell->wrong ? linear_colours(mesh) : NULL;
     struct sim_view view = view_of(mesh->mesh);
+    const uint32_t right_hex = cell->query ? query_hex : match_hex;
     const struct sim_surface_style style = {
-        .base = sim_colour_hex(cell->wrong   ? wrong_hex
-                               : cell->query ? query_hex
-                                             : match_hex),
+        .base = sim_colour_hex(cell->wrong ? wrong_hex : right_hex),
         .vertex = colours,
     };
     int error = sim_canvas_new(CELL_PX, CELL_PX, sim_colour_hex(cell->query ? 0xd4dde8 : 0xf4f6f8),
                                sim_colour_hex(cell->query ? 0xa8b6c8 : 0xd8dee4), &canvas);
-    error = error ? error : sim_scene_new(mesh->mesh, &view, canvas, &scene);
-    error = error ? error : sim_scene_shade(scene, &style);
+    if (!error) {
+        error = sim_scene_new(mesh->mesh, &view, canvas, &scene);
+    }
+    if (!error) {
+        error = sim_scene_shade(scene, &style);
+    }
     if (!error) {
         *out = sim_canvas_surface(canvas);
     }
@@ -109,7 +111,7 @@ static int draw_cell(cairo_t *cr, const struct sheet *sheet, int row, int column
     return 0;
 }
 
-static int draw(const struct sheet *sheet, const char *path, struct iso_fault *fault)
+static int draw_sheet(const struct sheet *sheet, const char *path, struct iso_fault *fault)
 {
     cairo_surface_t *surface = cairo_image_surface_create(
         CAIRO_FORMAT_RGB24, CELL_PX * sheet->n_columns, (CELL_PX + LABEL_PX) * sheet->n_rows);
@@ -132,7 +134,8 @@ static int draw(const struct sheet *sheet, const char *path, struct iso_fault *f
     return sim_png_file_write(surface, path, fault);
 }
 
-static void clear(struct sheet *sheet, const struct sim_bank_options *how, int n_rows, int columns)
+static void clear_sheet(struct sheet *sheet, const struct sim_bank_options *how, int n_rows,
+                        int columns)
 {
     memset(sheet, 0, sizeof *sheet);
     sheet->how = how;
@@ -150,14 +153,14 @@ int sim_sheet_classes(const struct sim_bank_options *how, int columns, const cha
 {
     struct sheet sheet;
     int filled[ROWS_MAX] = {0};
-    clear(&sheet, how, how->manifest->n_classes, columns);
+    clear_sheet(&sheet, how, how->manifest->n_classes, columns);
     for (int32_t i = 0; i < how->manifest->n; i++) {
         int32_t c = how->manifest->class_of[i];
         if (c < sheet.n_rows && filled[c] < sheet.n_columns) {
             sheet.cell[c][filled[c]++].row = i;
         }
     }
-    return draw(&sheet, path, fault);
+    return draw_sheet(&sheet, path, fault);
 }
 
 /* The items of one query but its own, nearest first, as many as there is room for. */
@@ -190,7 +193,7 @@ int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_featu
 {
     struct sheet sheet;
     bool shown[ROWS_MAX] = {false};
-    clear(&sheet, how, features->manifest->n_classes, columns);
+    clear_sheet(&sheet, how, features->manifest->n_classes, columns);
     for (int32_t q = 0; q < features->queries->n; q++) {
         int32_t c = features->query_class[q];
         if (c < sheet.n_rows && !shown[c]) {
@@ -200,5 +203,5 @@ int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_featu
             fill_matches(&sheet, c, features, q, distance + (size_t)q * (size_t)features->items->n);
         }
     }
-    return draw(&sheet, path, fault);
+    return draw_sheet(&sheet, path, fault);
 }

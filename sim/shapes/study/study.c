@@ -121,11 +121,18 @@ static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault 
 static int run_study(struct sim_study *study, FILE *out, struct iso_fault *fault)
 {
     int error = sim_make_directory(study->options->out, fault);
-    error = error ? error
-                  : sim_shape_manifest_read(study->options->corpus, &study->manifest, fault);
-    error = error ? error : choose_methods(study, fault);
-    error = error ? error : choose_classifiers(study, fault);
-    error = error ? error : describe_shapes(study, out, fault);
+    if (!error) {
+        error = sim_shape_manifest_read(study->options->corpus, &study->manifest, fault);
+    }
+    if (!error) {
+        error = choose_methods(study, fault);
+    }
+    if (!error) {
+        error = choose_classifiers(study, fault);
+    }
+    if (!error) {
+        error = describe_shapes(study, out, fault);
+    }
     if (!error) {
         fputs("\nmethod        classifier    NN    [95 %]        1-tier 2-tier e      DCG    ADR"
               "     TP     FP     prec.  recall ROC\n",
@@ -134,7 +141,10 @@ static int run_study(struct sim_study *study, FILE *out, struct iso_fault *fault
     for (int m = 0; !error && m < study->n_methods; m++) {
         error = sim_study_run_method(study, m, out, fault);
     }
-    return error ? error : sim_study_save(study, fault);
+    if (error) {
+        return error;
+    }
+    return sim_study_save(study, fault);
 }
 
 int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,

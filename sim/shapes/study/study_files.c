@@ -66,12 +66,14 @@ int sim_study_save(const struct sim_study *study, struct iso_fault *fault)
 {
     char path[PATH_MAX];
     int error = sim_report_file(study->options->out, "measures.csv", write_measures, study, fault);
-    error = error ? error : plot_curves(study, fault);
+    if (!error) {
+        error = plot_curves(study, fault);
+    }
     if (!error && study->options->pictures > 0) {
         error = iso_path_join(study->options->out, "shapes.png", path, fault);
-        error = error ? error
-                      : sim_sheet_classes(&study->items_how, study->options->pictures + 1, path,
-                                          fault);
+        if (!error) {
+            error = sim_sheet_classes(&study->items_how, study->options->pictures + 1, path, fault);
+        }
     }
     return error;
 }

@@ -64,7 +64,10 @@ static int directory_of(const struct sim_study *study, const struct sim_study_re
     char name[128];
     (void)snprintf(name, sizeof name, "%s-%s", result->method->name, result->classifier->name);
     int error = iso_path_join(study->options->out, name, directory, fault);
-    return error ? error : sim_make_directory(directory, fault);
+    if (error) {
+        return error;
+    }
+    return sim_make_directory(directory, fault);
 }
 
 /* The distances and a picture of them. */
@@ -73,13 +76,15 @@ static int save_matrix(const struct sim_study *study, const struct sim_study_res
 {
     char directory[PATH_MAX], path[PATH_MAX];
     int error = directory_of(study, result, directory, fault);
-    error = error ? error
-                  : sim_report_file(directory, "distances.csv", write_matrix, matrix, fault);
+    if (!error) {
+        error = sim_report_file(directory, "distances.csv", write_matrix, matrix, fault);
+    }
     if (!error && study->options->pictures > 0) {
         error = iso_path_join(directory, "matches.png", path, fault);
-        error = error ? error
-                      : sim_sheet_matches(&study->queries_how, matrix->features, matrix->distance,
-                                          study->options->pictures + 1, path, fault);
+        if (!error) {
+            error = sim_sheet_matches(&study->queries_how, matrix->features, matrix->distance,
+                                      study->options->pictures + 1, path, fault);
+        }
     }
     return error;
 }
@@ -96,9 +101,9 @@ static int measure_classes(const struct sim_study *study, const struct sim_featu
     if (!error) {
         const struct confusion confusion = {study->manifest, count};
         error = directory_of(study, result, directory, fault);
-        error = error ? error
-                      : sim_report_file(directory, "confusion.csv", write_confusion, &confusion,
-                                        fault);
+        if (!error) {
+            error = sim_report_file(directory, "confusion.csv", write_confusion, &confusion, fault);
+        }
     }
     free(count);
     return error;
@@ -113,7 +118,9 @@ static int measure_ranking(const struct sim_study *study, const struct sim_featu
         return -ENOMEM;
     }
     int error = sim_features_rank(features, result->classifier, study->options->threads, distance);
-    error = error ? error : sim_features_measure(features, distance, &result->retrieval);
+    if (!error) {
+        error = sim_features_measure(features, distance, &result->retrieval);
+    }
     if (!error) {
         const struct matrix matrix = {features, distance};
         result->ranked = true;
@@ -149,7 +156,9 @@ static int run_classifier(struct sim_study *study, const struct sim_features *fe
     struct sim_study_result *result = &study->result[study->n_results];
     *result = (struct sim_study_result){.method = method, .classifier = classifier};
     int error = classifier->rank ? measure_ranking(study, features, result, fault) : 0;
-    error = error ? error : measure_classes(study, features, result, fault);
+    if (!error) {
+        error = measure_classes(study, features, result, fault);
+    }
     if (error) {
         return fault->text[0] ? error
                               : iso_fault_set(fault, error, "%s by %s: %s", method->name,
@@ -181,7 +190,9 @@ int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_f
         error = own ? iso_learn_load(own, fault)
                     : iso_fault_set(fault, -ENOTSUP, "this build has no classifier '%s'",
                                     method->classifier);
-        error = error ? error : run_classifier(study, features, method, own, out, fault);
+        if (!error) {
+            error = run_classifier(study, features, method, own, out, fault);
+        }
     }
     sim_features_free(features);
     return error;

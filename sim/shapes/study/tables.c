@@ -34,7 +34,9 @@ static int measure_retrieval(const struct sim_features *features,
     double *distance = calloc((size_t)features->queries->n * (size_t)features->items->n,
                               sizeof *distance);
     int error = distance ? sim_features_rank(features, classifier, threads, distance) : -ENOMEM;
-    error = error ? error : sim_features_measure(features, distance, &r);
+    if (!error) {
+        error = sim_features_measure(features, distance, &r);
+    }
     if (!error) {
         figure[0] = r.nearest;
         figure[1] = r.first_tier;
@@ -58,11 +60,16 @@ static int measure_row(const struct tables *tables, struct sim_tables_corpus *co
         fault->text[0] = '\0';
         return 0; /* this build or machine lacks its library: the row stays empty */
     }
-    error = error ? error : sim_tables_corpus_queries(corpus, row->distortion, &queries, fault);
-    error = error ? error
-                  : sim_tables_corpus_features(corpus, row->method, row->size,
-                                               tables->options->seed, &features);
-    error = error ? error : sim_features_ask(features, queries);
+    if (!error) {
+        error = sim_tables_corpus_queries(corpus, row->distortion, &queries, fault);
+    }
+    if (!error) {
+        error = sim_tables_corpus_features(corpus, row->method, row->size, tables->options->seed,
+                                           &features);
+    }
+    if (!error) {
+        error = sim_features_ask(features, queries);
+    }
     if (!error && columns == SIM_PAPER_CLASSES) {
         struct iso_confusion_rates told;
         error = sim_features_classify(features, classifier, tables->options->seed,
@@ -240,7 +247,10 @@ static int run_tables(struct tables *tables, FILE *out, struct iso_fault *fault)
     for (int t = 0; t < SIM_PAPER_TABLES && !error; t++) {
         error = run_table(tables, t, out, fault);
     }
-    return error ? error : sim_report_file(directory, "tables.csv", write_csv, tables, fault);
+    if (error) {
+        return error;
+    }
+    return sim_report_file(directory, "tables.csv", write_csv, tables, fault);
 }
 
 int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struct iso_fault *fault)

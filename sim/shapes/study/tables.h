@@ -1,9 +1,9 @@
 /* isotherm-sim shapes tables: the tables of chapters 4 and 5 of the dissertation (Abdelrahman 2013,
  * 4.1-4.13, 5.1, 5.2) for corpora of ours, with the dissertation's own figures beside them.
  *
- * The corpora differ, so that figures are to be compared down a table, not across. Queries never
- * find themselves nor their undistorted originals, which is stricter than 4.8 and 4.11-4.13 say of
- * theirs. Further rows that the dissertation does not have are marked. */
+ * The corpora differ, so that figures can be compared within a column only. Queries never find
+ * themselves nor their undistorted originals, which is stricter than what tables 4.8 and 4.11-4.13
+ * of the dissertation did. Further rows that the dissertation does not have are marked. */
 #ifndef SIM_SHAPES_STUDY_TABLES_H
 #define SIM_SHAPES_STUDY_TABLES_H
 

@@ -79,7 +79,9 @@ int sim_tables_corpus_open(struct sim_tables_corpus *corpus,
         .smooth = options->smooth,
         .threads = options->threads,
     };
-    error = error ? error : sim_bank_new(&corpus->how, &corpus->items, fault);
+    if (!error) {
+        error = sim_bank_new(&corpus->how, &corpus->items, fault);
+    }
     if (!error) {
         print_bank(corpus, out);
     }

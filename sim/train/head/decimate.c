@@ -115,7 +115,7 @@ static bool has_corner(const uint32_t *triangle, uint32_t v)
     return triangle[0] == v || triangle[1] == v || triangle[2] == v;
 }
 
-static bool contains(const struct neighbours *set, uint32_t v)
+static bool set_contains(const struct neighbours *set, uint32_t v)
 {
     for (uint32_t i = 0; i < set->n; i++) {
         if (set->vertex[i] == v) {
@@ -132,7 +132,7 @@ static struct neighbours neighbours_of(const struct state *s, uint32_t v)
     for (uint32_t i = 0; i < s->fan[v].n; i++) {
         const uint32_t *t = s->triangles[s->fan[v].triangle[i]];
         for (int k = 0; k < 3; k++) {
-            if (t[k] != v && !contains(&set, t[k])) {
+            if (t[k] != v && !set_contains(&set, t[k])) {
                 set.vertex[set.n++] = t[k];
             }
         }
@@ -162,7 +162,7 @@ static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
     struct neighbours around_u = neighbours_of(s, u);
     uint32_t n_common = 0;
     for (uint32_t i = 0; i < around_v->n; i++) {
-        n_common += contains(&around_u, around_v->vertex[i]);
+        n_common += set_contains(&around_u, around_v->vertex[i]);
     }
     return n_common == n_shared && s->fan[v].n + s->fan[u].n - 2 * n_shared <= FAN_MAX;
 }
@@ -301,7 +301,7 @@ static int set_up(struct state *s, uint32_t n_triangles)
     return 0;
 }
 
-static void run(struct state *s)
+static void run_collapses(struct state *s)
 {
     uint32_t n_left = 0;
     for (uint32_t v = 0; v < s->n_vertices; v++) {
@@ -335,7 +335,7 @@ int sim_decimate(const struct iso_vec3 *vertices_mm, uint32_t n_vertices,
                       .best = calloc(n_vertices, sizeof *s.best)};
     int error = s.fan && s.quadric && s.best ? set_up(&s, *n_triangles) : -ENOMEM;
     if (!error) {
-        run(&s);
+        run_collapses(&s);
         uint32_t n = 0;
         for (uint32_t t = 0; t < *n_triangles; t++) {
             if (triangles[t][0] != NONE) {

@@ -156,15 +156,21 @@ int sim_head_surface_new(const struct sim_ict *ict, struct sim_head_surface **ou
         return iso_fault_set(fault, -ENOMEM, "head model: out of memory");
     }
     int error = add_skin(&builder, ict);
-    error = error ? error : sim_close_openings(&builder, ict);
+    if (!error) {
+        error = sim_close_openings(&builder, ict);
+    }
     if (error) {
         (void)iso_fault_set(fault, error, "head model: eyes and mouth cannot be closed");
         goto out;
     }
     crop(builder.surface);
     error = trim(builder.surface);
-    error = error ? error : place_landmarks(ict, builder.surface);
-    error = error ? error : sim_head_surface_compact(builder.surface);
+    if (!error) {
+        error = place_landmarks(ict, builder.surface);
+    }
+    if (!error) {
+        error = sim_head_surface_compact(builder.surface);
+    }
     if (error) {
         (void)iso_fault_set(fault, error, "head model: a landmark is not on the face");
         goto out;

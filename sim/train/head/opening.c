@@ -248,7 +248,9 @@ static int close_rim(struct sim_surface_builder *builder, const struct sim_ict *
     int error = add_middle_row(builder, ict, &upper, &lower, &row);
     if (!error && row.n > 2) {
         error = add_strip(builder, &upper, &row);
-        error = error ? error : add_strip(builder, &row, &lower);
+        if (!error) {
+            error = add_strip(builder, &row, &lower);
+        }
     } else if (!error) {
         error = add_strip(builder, &upper, &lower);
     }

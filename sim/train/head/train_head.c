@@ -37,7 +37,7 @@ struct sim_train_head_options sim_train_head_options_default(void)
 }
 
 /* `exposure` is that of the fine surface, which the coarse one still is. */
-static int decimate(struct training *t, const double *exposure)
+static int decimate_mesh(struct training *t, const double *exposure)
 {
     struct sim_head_surface *s = t->coarse;
     uint8_t *keep = calloc(s->n_vertices, sizeof *keep);
@@ -53,7 +53,10 @@ static int decimate(struct training *t, const double *exposure)
     }
     free(importance);
     free(keep);
-    return error ? error : sim_head_surface_compact(s);
+    if (error) {
+        return error;
+    }
+    return sim_head_surface_compact(s);
 }
 
 static void report_decimation(struct training *t, const struct sim_distances *distances)
@@ -67,15 +70,21 @@ static void report_decimation(struct training *t, const struct sim_distances *di
 static int make_surfaces(struct training *t, struct iso_fault *fault)
 {
     int error = sim_head_surface_new(t->ict, &t->fine, fault);
-    error = error ? error : sim_head_surface_new(t->ict, &t->coarse, fault);
+    if (!error) {
+        error = sim_head_surface_new(t->ict, &t->coarse, fault);
+    }
     if (error) {
         return error;
     }
     double *exposure = calloc(t->fine->n_vertices, sizeof *exposure);
     error = exposure ? sim_head_exposure(t->fine, exposure) : -ENOMEM;
-    error = error ? error : decimate(t, exposure);
+    if (!error) {
+        error = decimate_mesh(t, exposure);
+    }
     struct sim_distances distances;
-    error = error ? error : sim_surface_distances(t->fine, exposure, t->coarse, &distances);
+    if (!error) {
+        error = sim_surface_distances(t->fine, exposure, t->coarse, &distances);
+    }
     free(exposure);
     if (error) {
         return iso_fault_set(fault, error, "head model: cannot be decimated");
@@ -84,7 +93,7 @@ static int make_surfaces(struct training *t, struct iso_fault *fault)
     return 0;
 }
 
-static int allocate(struct training *t)
+static int allocate_arrays(struct training *t)
 {
     size_t n = t->coarse->n_vertices, n_shapes = t->ict->n_expression;
     t->identity_mm = calloc(t->ict->n_identity * n * 3, sizeof *t->identity_mm);
@@ -195,17 +204,18 @@ static int find_modes(struct training *t)
     const struct iso_vec3 *mean = t->coarse->mean_mm;
     uint32_t n = t->coarse->n_vertices;
     int error = sim_remove_rigid(mean, n, t->rigid_area_mm2, ict->n_identity, t->identity_mm);
-    error = error
-                ? error
-                : sim_remove_rigid(mean, n, t->rigid_area_mm2, ict->n_expression, t->expression_mm);
-    error = error
-                ? error
-                : sim_principal(t->identity_mm, ict->n_identity, n, t->face_area_mm2, NULL,
-                                t->model->n_identity, t->model->identity_mm, t->identity_variance);
-    error = error ? error
-                  : sim_principal(t->expression_mm, ict->n_expression, n, t->face_area_mm2,
-                                  t->moment, t->model->n_expression, t->model->expression_mm,
-                                  t->expression_variance);
+    if (!error) {
+        error = sim_remove_rigid(mean, n, t->rigid_area_mm2, ict->n_expression, t->expression_mm);
+    }
+    if (!error) {
+        error = sim_principal(t->identity_mm, ict->n_identity, n, t->face_area_mm2, NULL,
+                              t->model->n_identity, t->model->identity_mm, t->identity_variance);
+    }
+    if (!error) {
+        error = sim_principal(t->expression_mm, ict->n_expression, n, t->face_area_mm2, t->moment,
+                              t->model->n_expression, t->model->expression_mm,
+                              t->expression_variance);
+    }
     return error;
 }
 
@@ -265,14 +275,14 @@ static void fill_in_mesh(const struct training *t)
 /* Five parts, which progress counts. */
 enum { PARTS = 5 };
 
-static int run(struct training *t, struct iso_fault *fault)
+static int run_training(struct training *t, struct iso_fault *fault)
 {
     int error = make_surfaces(t, fault);
     if (error) {
         return error;
     }
     sim_progress_step(1);
-    error = allocate(t);
+    error = allocate_arrays(t);
     if (error) {
         return iso_fault_set(fault, error, "head model: out of memory");
     }
@@ -287,9 +297,13 @@ static int run(struct training *t, struct iso_fault *fault)
     sim_progress_step(1);
     error = mark_regions(t);
     sim_progress_step(1);
-    error = error ? error : find_modes(t);
+    if (!error) {
+        error = find_modes(t);
+    }
     sim_progress_step(1);
-    error = error ? error : measure_modes(t);
+    if (!error) {
+        error = measure_modes(t);
+    }
     sim_progress_step(1);
     if (error) {
         return iso_fault_set(fault, error, "head model: modes cannot be computed");
@@ -313,7 +327,7 @@ int sim_train_head(const struct sim_ict *ict, const struct sim_train_head_option
     t->ict = ict;
     t->options = options;
     const bool shown = sim_progress_begin("training the head model", PARTS);
-    int error = run(t, fault);
+    int error = run_training(t, fault);
     sim_progress_end(shown);
     if (error) {
         iso_head_model_free(t->model);

@@ -46,7 +46,7 @@ static void apply_covariance(const float *rows, size_t n, size_t width, size_t k
 }
 
 /* Makes the k columns orthonormal, in order (modified Gram-Schmidt, twice). */
-static void orthonormalise(float *basis, size_t width, size_t k)
+static void orthonormalise_columns(float *basis, size_t width, size_t k)
 {
     for (size_t d = 0; d < 2 * k; d++) {
         const size_t at = d / 2; /* every column twice, against all before it */
@@ -71,8 +71,8 @@ static void orthonormalise(float *basis, size_t width, size_t k)
 }
 
 /* y[n][k] = rows basis */
-static void project(const float *rows, size_t n, size_t width, size_t k, const float *basis,
-                    double *y)
+static void project_rows(const float *rows, size_t n, size_t width, size_t k, const float *basis,
+                         double *y)
 {
     memset(y, 0, n * k * sizeof *y);
     for (size_t i = 0; i < n; i++) {
@@ -146,13 +146,13 @@ static int find_principal(const float *rows, size_t n, size_t width, size_t k_ke
     const bool shown = sim_progress_begin("finding the principal directions", ITERATIONS * n);
     for (int i = 0; !error && i < ITERATIONS; i++) {
         apply_covariance(rows, n, width, k, basis, next);
-        orthonormalise(next, width, k);
+        orthonormalise_columns(next, width, k);
         memcpy(basis, next, width * k * sizeof *basis);
     }
     sim_progress_end(shown);
     double kept = 0.0, all = 0.0;
     if (!error) {
-        project(rows, n, width, k, basis, y);
+        project_rows(rows, n, width, k, basis, y);
         error = rotate_to_principal(y, n, width, k, k_kept, basis, &kept);
     }
     for (size_t i = 0; i < n * width; i++) {
@@ -208,7 +208,7 @@ static int split_covariance(const struct sim_metric_samples *s, const double *y,
 }
 
 /* out = a' m a, all [k][k] row-major; column j of a is a direction. */
-static void congruence(const double *m, const double *a, size_t k, double *half, double *out)
+static void congruence_of(const double *m, const double *a, size_t k, double *half, double *out)
 {
     for (size_t i = 0; i < k; i++) {
         for (size_t j = 0; j < k; j++) {
@@ -229,8 +229,8 @@ static void congruence(const double *m, const double *a, size_t k, double *half,
 }
 
 /* Columns of `basis` [k][k] that make `within` the identity and `between` diagonal: `value`. */
-static int diagonalise(double *within, const double *between, size_t k, double *basis,
-                       double *value)
+static int diagonalise_scatter(double *within, const double *between, size_t k, double *basis,
+                               double *value)
 {
     double *work = calloc(4 * k * k, sizeof *work);
     if (!work) {
@@ -243,7 +243,7 @@ static int diagonalise(double *within, const double *between, size_t k, double *
             white[e * k + d] = vector[d * k + e] / sqrt(fmax(value[d], 1e-9));
         }
     }
-    congruence(between, white, k, half, turned);
+    congruence_of(between, white, k, half, turned);
     sim_symmetric_eigen(turned, (uint32_t)k, value, vector);
     for (size_t e = 0; e < k; e++) {
         for (size_t d = 0; d < k; d++) {
@@ -299,11 +299,11 @@ int sim_metric_learn(const struct sim_metric_samples *s, struct iso_metric *metr
         error = find_principal(rows, s->n, width, k, principal, explained);
     }
     if (!error) {
-        project(rows, s->n, width, k, principal, y);
+        project_rows(rows, s->n, width, k, principal, y);
         error = split_covariance(s, y, k, square, square + k * k);
     }
     if (!error) {
-        error = diagonalise(square, square + k * k, k, square + 2 * k * k, value);
+        error = diagonalise_scatter(square, square + k * k, k, square + 2 * k * k, value);
     }
     if (!error) {
         write_axes(principal, square + 2 * k * k, value, mean, metric);

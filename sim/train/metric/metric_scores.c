@@ -95,7 +95,9 @@ static int compare_held_out(const struct sim_metric_templates *t, const struct i
         }
     }
     int error = new_pairs(&out->mated, n);
-    error = error ? error : new_pairs(&out->other, n * (n / 2));
+    if (!error) {
+        error = new_pairs(&out->other, n * (n / 2));
+    }
     if (!error) {
         compare_seen(metric, seen, n, out);
     }
@@ -113,7 +115,9 @@ static int calibrate_scores(struct held_out *held, struct iso_metric *metric)
     for (size_t i = 0; !error && i < other->n; i++) {
         ratio[i] = other->list[i].score;
     }
-    error = error ? error : sim_metric_calibrate(ratio, other->n, &gain, &bias);
+    if (!error) {
+        error = sim_metric_calibrate(ratio, other->n, &gain, &bias);
+    }
     free(ratio);
     if (error) {
         return error;
@@ -188,7 +192,9 @@ static int learn_rerank(int threads, struct held_out *held, struct iso_metric *m
         fit[i] = other->list[i].fit;
     }
     const struct sim_rerank_pairs strangers = {other->n, score, fit};
-    error = error ? error : sim_rerank_learn(&strangers, &metric->rerank);
+    if (!error) {
+        error = sim_rerank_learn(&strangers, &metric->rerank);
+    }
     free(score);
     free(fit);
     return error;
@@ -237,7 +243,9 @@ int sim_metric_learn_scores(const struct sim_metric_templates *t, int threads,
     metric->gain = 1.0f;
     metric->bias = 0.0f;
     int error = compare_held_out(t, metric, &held);
-    error = error ? error : calibrate_scores(&held, metric);
+    if (!error) {
+        error = calibrate_scores(&held, metric);
+    }
     if (!error) {
         report_rates(&held, NULL, &report->metric);
         error = learn_rerank(threads, &held, metric);

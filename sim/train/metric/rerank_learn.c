@@ -21,7 +21,9 @@ static int learn(double *sum, double *fit, size_t n, struct iso_rerank_weights *
     for (size_t i = 0; i < n; i++) {
         sum[i] += (double)fit_gain * fit[i] + (double)fit_bias;
     }
-    error = error ? error : sim_metric_calibrate(sum, n, &gain, &bias);
+    if (!error) {
+        error = sim_metric_calibrate(sum, n, &gain, &bias);
+    }
     if (!error) {
         *out = (struct iso_rerank_weights){
             .metric = gain,

@@ -168,7 +168,9 @@ int sim_train_cohort(const struct sim_train_cohort_options *options, struct iso_
     for (int i = 0; !error && i < options->n_sensors; i++) {
         error = booth_init(&booths[i], options->sensors[i], options);
     }
-    error = error ? error : run(options, booths, templates, &done);
+    if (!error) {
+        error = run(options, booths, templates, &done);
+    }
     for (int i = 0; i < options->n_sensors; i++) {
         booth_done(&booths[i]);
     }

@@ -38,7 +38,7 @@ float sim_npy_float_of_half(uint16_t half)
     return half & 0x8000 ? -magnitude : magnitude;
 }
 
-static bool skip(const char **text, const char *word)
+static bool skip_word(const char **text, const char *word)
 {
     while (**text == ' ') {
         (*text)++;
@@ -53,7 +53,7 @@ static bool skip(const char **text, const char *word)
 
 static bool parse_type(const char **text, char type[8])
 {
-    const char *end = skip(text, "'") ? strchr(*text, '\'') : NULL;
+    const char *end = skip_word(text, "'") ? strchr(*text, '\'') : NULL;
     if (!end || end - *text > 7) {
         return false;
     }
@@ -65,9 +65,9 @@ static bool parse_type(const char **text, char type[8])
 
 static bool parse_shape(const char **text, struct header *header)
 {
-    bool comma = skip(text, "(");
+    bool comma = skip_word(text, "(");
     header->n_items = 1;
-    while (!skip(text, ")")) {
+    while (!skip_word(text, ")")) {
         char *end;
         unsigned long size = **text >= '0' && **text <= '9' ? strtoul(*text, &end, 10) : 0;
         if (!comma || size == 0 || size > ITEMS_MAX / header->n_items ||
@@ -77,7 +77,7 @@ static bool parse_shape(const char **text, struct header *header)
         header->shape.size[header->shape.n_dimensions++] = (uint32_t)size;
         header->n_items *= size;
         *text = end;
-        comma = skip(text, ",");
+        comma = skip_word(text, ",");
     }
     return header->shape.n_dimensions > 0;
 }
@@ -85,11 +85,12 @@ static bool parse_shape(const char **text, struct header *header)
 /* The dictionary exactly as NumPy writes it: keys sorted. */
 static bool parse_dictionary(const char *text, struct header *header)
 {
-    return skip(&text, "{") && skip(&text, "'descr'") && skip(&text, ":") &&
-           parse_type(&text, header->type) && skip(&text, ",") && skip(&text, "'fortran_order'") &&
-           skip(&text, ":") && skip(&text, "False") && skip(&text, ",") && skip(&text, "'shape'") &&
-           skip(&text, ":") && parse_shape(&text, header) && (skip(&text, ",") || true) &&
-           skip(&text, "}") && skip(&text, "\n") && *text == '\0';
+    return skip_word(&text, "{") && skip_word(&text, "'descr'") && skip_word(&text, ":") &&
+           parse_type(&text, header->type) && skip_word(&text, ",") &&
+           skip_word(&text, "'fortran_order'") && skip_word(&text, ":") &&
+           skip_word(&text, "False") && skip_word(&text, ",") && skip_word(&text, "'shape'") &&
+           skip_word(&text, ":") && parse_shape(&text, header) && (skip_word(&text, ",") || true) &&
+           skip_word(&text, "}") && skip_word(&text, "\n") && *text == '\0';
 }
 
 static int parse_header(const char *path, const struct file *file, struct header *out,
@@ -125,7 +126,8 @@ static int parse_header(const char *path, const struct file *file, struct header
 }
 
 /* Opens, parses and checks that the data are n_items of the size that the type's digit says. */
-static int load(const char *path, struct file *file, struct header *header, struct iso_fault *fault)
+static int load_file(const char *path, struct file *file, struct header *header,
+                     struct iso_fault *fault)
 {
     struct file loaded = {NULL, 0};
     struct header parsed;
@@ -204,7 +206,7 @@ static int read_array(const char *path, const struct item *items, size_t n_items
 {
     struct file file;
     struct header header;
-    int error = load(path, &file, &header, fault);
+    int error = load_file(path, &file, &header, fault);
     if (error != 0) {
         return error;
     }

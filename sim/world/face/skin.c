@@ -111,7 +111,10 @@ static double eye_albedo(const struct skin *skin, struct iso_vec3 p,
 {
     struct iso_vec3 d = iso_unit(iso_sub(p, middle[p.x > 0.0]));
     double angle = acos(fmin(fmax(d.z, -1.0), 1.0));
-    return angle < pupil_rad ? pupil : angle < iris_rad ? skin->iris : sclera;
+    if (angle < pupil_rad) {
+        return pupil;
+    }
+    return angle < iris_rad ? skin->iris : sclera;
 }
 
 static double vertex_albedo(const struct sim_ict *ict, const struct skin *skin,

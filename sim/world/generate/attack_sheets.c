@@ -35,8 +35,8 @@ struct held {
 
 /* How far a bent sheet stands off its tangent plane at (x, y), on the far side, where the fingers
  * of a hand there lie. */
-static double sagitta(const struct sim_sheet *surface, double x_mm, double y_mm,
-                      const struct iso_rigid *flat_from_edge)
+static double sagitta_at(const struct sim_sheet *surface, double x_mm, double y_mm,
+                         const struct iso_rigid *flat_from_edge)
 {
     struct iso_rigid edge_from_flat = iso_rigid_inverse(flat_from_edge);
     double most = 0.0;
@@ -62,7 +62,7 @@ static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera
     down = iso_cross(away, right);
     struct iso_rigid flat_from_edge = {
         {{{right.x, down.x, away.x}, {right.y, down.y, away.y}, {right.z, down.z, away.z}}}, edge};
-    double thick = held->behind_mm + sagitta(surface, x_mm, y_mm, &flat_from_edge);
+    double thick = held->behind_mm + sagitta_at(surface, x_mm, y_mm, &flat_from_edge);
     struct iso_rigid wrist = {iso_mat3_identity(), {0.0, -grip_y_mm - grip_mm, 0.0}};
     struct iso_rigid flat_from_wrist = iso_rigid_mul(&flat_from_edge, &wrist);
     struct sim_group *things = staging->still->things;
@@ -86,8 +86,8 @@ static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
 
 /* A hand from below (now and then one on either side), with its owner behind or out of sight; or a
  * stand. */
-static int hold(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
-                const struct held *held)
+static int hold_sheet(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
+                      const struct held *held)
 {
     if (sim_staging_chance(staging, 0.2)) {
         struct iso_vec3 back = {0.0, 0.0, 12.0 + held->behind_mm};
@@ -134,7 +134,7 @@ static int show_sheet(struct sim_staging *staging, const struct sim_sheet *sheet
     int made = sim_sheet_new(sheet, SIM_PAPER, &solid);
     sim_group_add(things, made, solid);
     struct held held = {*sheet, 0.0, sheet->outline ? 0.0 : 0.35 * sheet->width_mm};
-    return hold(staging, &camera_from_sheet, &held);
+    return hold_sheet(staging, &camera_from_sheet, &held);
 }
 
 int sim_attack_photo_flat(struct sim_staging *staging)
@@ -165,7 +165,10 @@ int sim_attack_photo_bent(struct sim_staging *staging)
     struct sim_random *random = staging->random;
     struct sim_sheet sheet = {.key = sim_random_u64(random)};
     double luck = sim_random_unit(random);
-    sheet.shape = luck < 0.6 ? SIM_SHEET_ROLLED : luck < 0.8 ? SIM_SHEET_S : SIM_SHEET_CREASED;
+    sheet.shape = luck < 0.6 ? SIM_SHEET_ROLLED : SIM_SHEET_S;
+    if (luck >= 0.8) {
+        sheet.shape = SIM_SHEET_CREASED;
+    }
     sheet.radius_mm = 60.0 * pow(5.0, sim_random_unit(random));
     sheet.crease_rad = DEGREES(sim_random_between(random, 12.0, 40.0));
     bool slanted = sim_staging_chance(staging, 0.5), hollow = sim_staging_chance(staging, 0.25);
@@ -237,5 +240,5 @@ int sim_attack_screen(struct sim_staging *staging)
         .behind_mm = fmax(screen.thickness_mm, screen.behind_mm),
         .reach_mm = 0.3 * screen.width_mm,
     };
-    return hold(staging, &camera_from_screen, &held);
+    return hold_sheet(staging, &camera_from_screen, &held);
 }

@@ -9,7 +9,7 @@
  *   none     impostor  mask-still  F       a print of true size on a stand
  *   none     impostor  frozen      F       one frame of an enrolled person, repeated bit by bit
  *
- * O is the origin of the people, POPULATION-SEED (recording/corpus.h). There are per_kind rows of
+ * O is the origin of the people, POPULATION-SEED (sim/corpus/corpus.h). There are per_kind rows of
  * each kind, the bona fide ones per_kind of either length. Recordings of
  * instruments are called none-KIND-NNNN; the one with number N impersonates enrolled person N
  * modulo their number. The column `expression` of an instrument is its variant: a4-paper,

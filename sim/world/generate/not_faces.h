@@ -1,4 +1,4 @@
-/* The preset `not-faces`: what stands before a camera and is not to be taken for a face.
+/* The preset `not-faces`: things before a camera that must not be taken for a face.
  *
  * Rows of the manifest: recording none-KIND-NNNN, subject none, role probe, one frame, note KIND:
  * back, profile, ear, hood, hand, wall, ball, chair, coat, plant, cushion; per_kind of each. The

@@ -53,8 +53,12 @@ int sim_staging_record(struct sim_studio *studio, const struct sim_staging_plan 
         .ict = plan->ict, .sensor = plan->sensor, .random = &random, .still = &still};
     staging.target = target ? *target : sim_person_mean();
     int error = sim_still_init(&still, !kind->bare, &random);
-    error = error == 0 ? kind->build(&staging) : error;
-    error = error == 0 ? still.things->error : error;
+    if (error == 0) {
+        error = kind->build(&staging);
+    }
+    if (error == 0) {
+        error = still.things->error;
+    }
     if (error != 0) {
         (void)iso_fault_set(fault, error, "%s %d: cannot be made: %s", kind->name, number,
                             strerror(-error));

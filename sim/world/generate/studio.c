@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "drivers/recording/recording_writer.h"
+#include "sim/base/make_directory.h"
 #include "sim/base/progress.h"
 #include "sim/lab/methods/anthroface.h"
 
@@ -27,16 +27,16 @@ int sim_studio_new(const struct sim_studio_options *options, struct sim_studio *
                    struct iso_fault *fault)
 {
     const struct sim_sensor *sensor = options->sensor;
-    if (mkdir(options->directory, 0777) != 0 && errno != EEXIST) {
-        int failed = -errno;
-        return iso_fault_set(fault, failed, "%s: %s", options->directory, strerror(-failed));
+    int error = sim_make_directory(options->directory, fault);
+    if (error) {
+        return error;
     }
     struct sim_studio *studio = calloc(1, sizeof *studio);
     if (!studio) {
         return -ENOMEM;
     }
     studio->options = *options;
-    int error = sim_view_new(&sensor->camera, sensor->supersample, &studio->view);
+    error = sim_view_new(&sensor->camera, sensor->supersample, &studio->view);
     if (error == 0) {
         error = sim_sensor_workspace_new(sensor, &studio->workspace);
     }
@@ -158,8 +158,8 @@ static int record_frame(struct sim_studio *studio, struct sim_recording_writer *
     return error;
 }
 
-static int record(struct sim_studio *studio, const struct sim_corpus_row *row, struct take *take,
-                  struct iso_fault *fault)
+static int record_take(struct sim_studio *studio, const struct sim_corpus_row *row,
+                       struct take *take, struct iso_fault *fault)
 {
     const struct sim_sensor *sensor = studio->options.sensor;
     struct iso_recording_meta meta = {.camera = sensor->camera, .unit_mm = sensor->unit_mm};
@@ -188,7 +188,7 @@ int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *ro
                       struct iso_fault *fault)
 {
     struct take take = {.draw = draw, .scene = scene, .random = random};
-    return record(studio, row, &take, fault);
+    return record_take(studio, row, &take, fault);
 }
 
 int sim_studio_record_frozen(struct sim_studio *studio, const struct sim_corpus_row *row,
@@ -196,7 +196,7 @@ int sim_studio_record_frozen(struct sim_studio *studio, const struct sim_corpus_
                              struct iso_fault *fault)
 {
     struct take take = {.draw = draw, .scene = scene, .random = random, .frozen = true};
-    return record(studio, row, &take, fault);
+    return record_take(studio, row, &take, fault);
 }
 
 int sim_studio_finish(struct sim_studio *studio, struct iso_fault *fault)

@@ -15,7 +15,8 @@ struct sim_studio_options {
     const char *directory; /* of the corpus */
     double noise_scale;
     int png_level; /* 1 fast .. 9 small */
-    bool marks; /* landmarks.csv has the 25 points of methods/anthroface.h, not only the twelve */
+    bool marks;    /* landmarks.csv has the 25 points of sim/lab/methods/anthroface.h, not only the
+                      twelve */
     bool infrared; /* recordings have ir/; its noise has a stream of its own: depths are the same */
 };
 

@@ -52,9 +52,10 @@ static int reserve(struct sim_group *group, size_t n_vertices)
 
 void sim_group_add(struct sim_group *group, int made, struct sim_solid *solid)
 {
-    int error = group->error != 0 ? group->error
-                : made != 0       ? made
-                                  : reserve(group, solid->n_vertices);
+    int error = group->error != 0 ? group->error : made;
+    if (error == 0) {
+        error = reserve(group, solid->n_vertices);
+    }
     if (error == 0) {
         sim_solid_move(solid, &group->placed);
         group->solids[group->n_solids++] = solid;

@@ -18,7 +18,7 @@ enum {
     CURTAIN_COLUMNS = 90,
 };
 
-static double ramp(double from, double to, double x)
+static double ramp_between(double from, double to, double x)
 {
     double f = fmin(fmax((x - from) / (to - from), 0.0), 1.0);
     return f * f * (3.0 - 2.0 * f);
@@ -58,7 +58,7 @@ static double inside_hairline(const float *p, double hairline_mm)
     double y = p[1], z = p[2];
     double line;
     if (z > 25.0) {
-        line = 62.0 + (z - 25.0) * 0.75 - hairline_mm * ramp(25.0, 60.0, z);
+        line = 62.0 + (z - 25.0) * 0.75 - hairline_mm * ramp_between(25.0, 60.0, z);
     } else if (z > -15.0) {
         line = 62.0;
     } else {
@@ -73,7 +73,7 @@ static double stand_off(const struct sim_hair *hair, double inside_mm, struct is
     double bumps = 0.35 * sim_noise3(hair->key, iso_scale(1.0 / 28.0, p)) +
                    0.15 * sim_noise3(hair->key + 1, iso_scale(1.0 / 9.0, p));
     double strands = 1.2 * sim_noise3(hair->key + 2, iso_scale(1.0 / 4.0, p));
-    double cover = ramp(-3.0, 8.0 + 1.2 * hair->thickness_mm, inside_mm);
+    double cover = ramp_between(-3.0, 8.0 + 1.2 * hair->thickness_mm, inside_mm);
     return cover * (hair->thickness_mm * (1.0 + bumps) + strands) - 3.0 * (1.0 - cover);
 }
 
@@ -122,8 +122,8 @@ static void build_patch(const struct sim_hair *hair, const struct patch_corner c
 }
 
 /* Whether a triangle of the head carries hair; fills in its corners. */
-static bool hairy(const struct sim_ict *ict, uint32_t t, const struct iso_vec3 *vertices_mm,
-                  const struct sim_hair *hair, struct patch_corner corners[3])
+static bool is_hairy(const struct sim_ict *ict, uint32_t t, const struct iso_vec3 *vertices_mm,
+                     const struct sim_hair *hair, struct patch_corner corners[3])
 {
     double most = -1e9;
     for (int k = 0; k < 3; k++) {
@@ -144,7 +144,7 @@ int sim_hair_scalp(const struct sim_ict *ict, const struct iso_vec3 *vertices_mm
     struct patch_corner corners[3];
     uint32_t n = 0;
     for (uint32_t t = 0; hair->scalp && t < ict->n_triangles; t++) {
-        n += hairy(ict, t, vertices_mm, hair, corners);
+        n += is_hairy(ict, t, vertices_mm, hair, corners);
     }
     struct sim_solid *solid;
     int error = sim_solid_new(n * PATCH_VERTICES, n * PATCH_TRIANGLES, SIM_HAIR, &solid);
@@ -153,7 +153,7 @@ int sim_hair_scalp(const struct sim_ict *ict, const struct iso_vec3 *vertices_mm
     }
     uint32_t patch = 0;
     for (uint32_t t = 0; t < ict->n_triangles; t++) {
-        if (hairy(ict, t, vertices_mm, hair, corners)) {
+        if (is_hairy(ict, t, vertices_mm, hair, corners)) {
             uint32_t base = patch * PATCH_VERTICES;
             build_patch(hair, corners, solid->vertices_mm + base,
                         solid->triangles + patch * PATCH_TRIANGLES, base);
@@ -184,7 +184,7 @@ static struct iso_vec3 curtain_point(const struct sim_hair *hair, double half_br
     double reach = 1.5707963 + hair->curtain_front;
     double angle = reach * (2.0 * around - 1.0); /* 0: back of the head, +-pi/2: beside the ear */
     double y = 75.0 - 270.0 * down;
-    double side = half_breadth_mm + 9.0 + hair->thickness_mm * 0.7 * ramp(0.0, 0.4, down);
+    double side = half_breadth_mm + 9.0 + hair->thickness_mm * 0.7 * ramp_between(0.0, 0.4, down);
     double depth = 82.0 + 0.5 * hair->thickness_mm;
     struct iso_vec3 p = {side * sin(angle), y, 2.0 - depth * cos(angle)};
     double bumps = 7.0 * sim_noise3(hair->key + 3, iso_vec3(p.x / 22.0, y / 90.0, p.z / 22.0)) +

@@ -26,7 +26,11 @@ static double quantile(const double values[CELLS], double share)
         memcpy(sorted, values, CELLS * sizeof *sorted);
         qsort(sorted, CELLS, sizeof *sorted, compare_doubles);
         int at = (int)lrint(share * CELLS);
-        found = at <= 0 ? sorted[0] - 1.0 : at > last ? sorted[last] + 1.0 : sorted[at];
+        if (at <= 0) {
+            found = sorted[0] - 1.0;
+        } else {
+            found = at > last ? sorted[last] + 1.0 : sorted[at];
+        }
         free(sorted);
     }
     return found;

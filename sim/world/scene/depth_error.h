@@ -1,4 +1,4 @@
-/* How wrong a sensor model's depth is on faces, by distance: measured against the rendered truth.
+/* The errors of a sensor model's depths on faces, by distance, measured against the rendered truth.
  */
 #ifndef SIM_WORLD_SCENE_DEPTH_ERROR_H
 #define SIM_WORLD_SCENE_DEPTH_ERROR_H

@@ -1,4 +1,4 @@
-/* What a sensor's infrared image shows of a finished view, registered to its depth pixel by pixel.
+/* A sensor's infrared image of a finished view, registered to its depth pixel by pixel.
  *
  * A lamp beside the lens: what comes back from a matt surface falls with the cosine of its slant
  * (Lambert) and the square of the distance. Each pixel then has shot and dark noise and is rounded

@@ -1,4 +1,4 @@
-/* Models of depth sensors: from what is there (a finished view) to what a sensor reports.
+/* Models of depth sensors: from the true scene (a finished view) to what a sensor reports.
  *
  * Every model states its constants and where they were published at the top of its .c file, and its
  * measured noise is checked against them by tests/sim/world/test_sensor_noise.c. */
@@ -59,8 +59,8 @@ extern const struct sim_sensor *const sim_sensors[];
 /* By name, or NULL. */
 const struct sim_sensor *sim_sensor_find(const char *name);
 
-/* Loads what a sensor needs beside the program, so that what is missing is told before anything is
- * rendered. The errors of iso_module_load. */
+/* Loads what a sensor needs beside the program, so that a missing module is reported before
+ * anything is rendered. The errors of iso_module_load. */
 int sim_sensor_load(const struct sim_sensor *sensor, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

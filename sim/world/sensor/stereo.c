@@ -3,8 +3,9 @@
  *
  * - 1280 x 800, f 900 px (71 degrees wide), baseline 60 mm: a pixel of disparity is 6.7 mm at
  *   0.6 m. sim/world/stereo/rig.c has the other constants.
- * - There is no noise model: errors are those of the matching, and tests/sim/test_stereo.c measures
- *   them. noise_scale multiplies the noise of the pictures. */
+ * - There is no noise model: errors are those of the matching, and
+ * tests/sim/world/test_stereo_sensor.c measures them. noise_scale multiplies the noise of the
+ * pictures. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -16,7 +16,10 @@ static struct size size_of(const struct sim_view *view)
 
 static int clamped(int value, int last)
 {
-    return value < 0 ? 0 : value > last ? last : value;
+    if (value < 0) {
+        return 0;
+    }
+    return value > last ? last : value;
 }
 
 /* Step 1. du, dv: unit noise planes. */
@@ -118,7 +121,10 @@ static double dropout_level(double cosine, enum sim_material material)
 /* Factor on the noise: light from within hair, or from behind glass, blurs the pattern. */
 static double roughness_of(enum sim_material material)
 {
-    return material == SIM_HAIR ? 3.0 : material == SIM_GLASS ? 2.5 : 1.0;
+    if (material == SIM_HAIR) {
+        return 3.0;
+    }
+    return material == SIM_GLASS ? 2.5 : 1.0;
 }
 
 static float measured(const struct sim_triangulation *model, const struct sim_view *view, size_t i,

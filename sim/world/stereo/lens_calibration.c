@@ -6,12 +6,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "drivers/base/path.h"
 #include "drivers/file/png.h"
 #include "drivers/recording/recording_ini.h"
+#include "sim/base/make_directory.h"
 #include "sim/world/stereo/board_picture.h"
 #include "sim/world/stereo/rig.h"
 
@@ -47,7 +47,9 @@ static int add_picture(const struct sim_lens_calibration_options *options, const
                                                        *views ? image->height_px : 0};
     char path[PATH_MAX];
     int error = iso_path_join(options->pictures, name, path, fault);
-    error = error ? error : iso_png_read(path, &grey_or_colour, image, fault);
+    if (!error) {
+        error = iso_png_read(path, &grey_or_colour, image, fault);
+    }
     if (!error && !*views) {
         error = iso_board_views_new(&options->board, image->width_px, image->height_px, views,
                                     fault);
@@ -131,14 +133,18 @@ int sim_lens_calibrate(const struct sim_lens_calibration_options *options, struc
     const char *what = "";
     (void)snprintf(meta.sensor, sizeof meta.sensor, "%s", options->sensor);
     int error = gather(options, &views, fault);
-    error = error ? error : iso_board_calibrate_single(views, &lens, fault);
+    if (!error) {
+        error = iso_board_calibrate_single(views, &lens, fault);
+    }
     if (!error) {
         meta.camera = lens.camera;
         error = iso_recording_meta_check(&meta, &what)
                     ? iso_fault_set(fault, -EINVAL, "%s: %s", options->sensor, what)
                     : 0;
     }
-    error = error ? error : write_lens(options->out, &meta, &lens, fault);
+    if (!error) {
+        error = write_lens(options->out, &meta, &lens, fault);
+    }
     if (!error) {
         print(&lens);
     }
@@ -156,9 +162,9 @@ int sim_lens_pictures(const struct iso_board *board, size_t n, uint64_t seed, co
     struct iso_image image = {
         .width_px = camera->width_px, .height_px = camera->height_px, .pixel = ISO_PIXEL_GREY8};
     struct sim_lens *lens = NULL;
-    int error = 0;
-    if (mkdir(directory, 0777) != 0 && errno != EEXIST) {
-        return iso_fault_set(fault, -errno, "%s: %m", directory);
+    int error = sim_make_directory(directory, fault);
+    if (error) {
+        return error;
     }
     image.samples = malloc((size_t)image.width_px * (size_t)image.height_px);
     if (!image.samples || sim_lens_new(camera, &lens)) {
@@ -171,7 +177,9 @@ int sim_lens_pictures(const struct iso_board *board, size_t n, uint64_t seed, co
         (void)snprintf(name, sizeof name, "%03zu.png", i);
         sim_board_picture(board, lens, &pose, 2.0, &random, image.samples);
         error = iso_path_join(directory, name, path, fault);
-        error = error ? error : iso_png_write(path, &image, 1, fault);
+        if (!error) {
+            error = iso_png_write(path, &image, 1, fault);
+        }
     }
     free(image.samples);
     sim_lens_free(lens);

@@ -2,8 +2,8 @@
  *
  * The class of hardware: two monochrome global-shutter cameras of 1280 x 800 (such as OmniVision
  * OV9281) behind 2.7 mm lenses with 850 nm filters, and a laser with a diffractive element. No
- * maker publishes the noise of depth from such a rig: what is assumed is said beside each number,
- * depth errors are then measured, not assumed. */
+ * maker publishes the noise of depth from such a rig. Assumed values are marked beside each number;
+ * the errors of the depths are then measured, not assumed. */
 #ifndef SIM_WORLD_STEREO_RIG_H
 #define SIM_WORLD_STEREO_RIG_H
 
@@ -29,8 +29,8 @@ struct sim_stereo_rig {
     int samples;          /* light rays per pixel, along each axis */
 };
 
-/* 0: what believes itself exactly calibrated; 1: as good as a calibration from some 20 pictures of
- * a board is (tests/sim/world/test_calibrate.c measures it). */
+/* How wrong the calibration is. 0: exact; 1: as good as a calibration from some 20 pictures of a
+ * board is (tests/sim/world/test_calibrate.c measures it). */
 struct sim_stereo_rig sim_stereo_rig(double calibration_error);
 
 #endif

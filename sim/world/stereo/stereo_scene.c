@@ -27,7 +27,7 @@ struct sim_stereo_scene {
 
 /* ---- making ----------------------------------------------------------------- */
 
-static struct iso_camera wide(const struct iso_camera *camera)
+static struct iso_camera widened_camera(const struct iso_camera *camera)
 {
     return (struct iso_camera){.projection = ISO_PINHOLE,
                                .width_px = camera->width_px + 2 * MARGIN_PX,
@@ -40,12 +40,15 @@ static struct iso_camera wide(const struct iso_camera *camera)
 
 static int make_eye(const struct iso_camera *camera, struct eye *eye)
 {
-    struct iso_camera without = wide(camera);
+    struct iso_camera without = widened_camera(camera);
     int error = sim_view_new(&without, 2, &eye->view);
-    return error ? error : sim_lens_new(camera, &eye->lens);
+    if (error) {
+        return error;
+    }
+    return sim_lens_new(camera, &eye->lens);
 }
 
-static void place(struct sim_stereo_scene *s)
+static void place_cameras(struct sim_stereo_scene *s)
 {
     struct iso_rectification r = iso_rectification_of(&s->rig.believed);
     struct iso_rigid left_from_scene = {iso_mat3_transpose(&r.rectified_from_eye[ISO_EYE_LEFT]),
@@ -66,8 +69,8 @@ int sim_stereo_scene_new(const struct sim_stereo_rig *rig, struct sim_stereo_sce
     }
     scene->rig = *rig;
     const struct iso_camera *camera = &scene->rig.built.camera[ISO_EYE_LEFT];
-    struct iso_camera beam = wide(camera);
-    place(scene);
+    struct iso_camera beam = widened_camera(camera);
+    place_cameras(scene);
     int error = make_eye(camera, &scene->eyes[ISO_EYE_LEFT]);
     if (!error) {
         error = make_eye(&scene->rig.built.camera[ISO_EYE_RIGHT], &scene->eyes[ISO_EYE_RIGHT]);
@@ -112,8 +115,8 @@ void sim_stereo_scene_attach(struct sim_stereo_scene *scene, struct sim_view *vi
 /* ---- light to pixels -------------------------------------------------------- */
 
 /* Where a ray meets what the view shows around its pixel; false if that is nothing. */
-static bool meet(const struct sim_view *view, double x, double y, struct iso_vec3 *point,
-                 const struct sim_facet **seen)
+static bool meet_surface(const struct sim_view *view, double x, double y, struct iso_vec3 *point,
+                         const struct sim_facet **seen)
 {
     const struct iso_camera *camera = &view->camera;
     double u = camera->cx_px + camera->fx_px * x, v = camera->cy_px + camera->fy_px * y;
@@ -147,14 +150,15 @@ static double pixel_radiance(const struct eye *eye, const struct sim_light *ligh
         double a = (k % samples + 0.5) / samples, b = ((double)(k / samples) + 0.5) / samples;
         struct iso_vec3 sight = sim_lens_sight(eye->lens, i, a, b), point;
         const struct sim_facet *facet;
-        if (meet(eye->view, sight.x, sight.y, &point, &facet)) {
+        if (meet_surface(eye->view, sight.x, sight.y, &point, &facet)) {
             sum += sim_light_at(light, iso_rigid_apply(&scene_from_eye, point), facet);
         }
     }
     return sum / (samples * samples);
 }
 
-static void look(struct sim_stereo_scene *s, enum iso_eye which, const struct sim_light *light)
+static void take_picture(struct sim_stereo_scene *s, enum iso_eye which,
+                         const struct sim_light *light)
 {
     const struct iso_camera *camera = &s->rig.built.camera[which];
     size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
@@ -164,7 +168,7 @@ static void look(struct sim_stereo_scene *s, enum iso_eye which, const struct si
 }
 
 /* The radiance that only a fiftieth of the middle of the picture exceeds. */
-static double brightest(struct sim_stereo_scene *s)
+static double brightest_radiance(struct sim_stereo_scene *s)
 {
     const struct iso_camera *camera = &s->rig.built.camera[ISO_EYE_LEFT];
     size_t width = (size_t)camera->width_px, height = (size_t)camera->height_px;
@@ -218,9 +222,9 @@ void sim_stereo_scene_expose(struct sim_stereo_scene *scene, uint64_t key, doubl
                               .view_from_scene = scene->projector_from_scene,
                               .key = key};
     sim_light_shade(scene->projector, scene->shade);
-    look(scene, ISO_EYE_LEFT, &light);
-    double gain = 200.0 / 255.0 / brightest(scene);
+    take_picture(scene, ISO_EYE_LEFT, &light);
+    double gain = 200.0 / 255.0 / brightest_radiance(scene);
     read_out(scene, gain, noise_scale, random, left);
-    look(scene, ISO_EYE_RIGHT, &light);
+    take_picture(scene, ISO_EYE_RIGHT, &light);
     read_out(scene, gain * scene->rig.right_gain, noise_scale, random, right);
 }

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "core/base/vec.h"
+#include "isotherm/vec.h"
 
 enum { SCAN_ROWS = 50, SCAN_COLUMNS = 40, SCAN_POINTS = SCAN_ROWS * SCAN_COLUMNS };
 

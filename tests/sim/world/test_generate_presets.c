@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "core/landmark/landmark.h"
 #include "drivers/recording/recording.h"
+#include "isotherm/landmark.h"
 #include "sim/corpus/corpus.h"
 #include "sim/lab/methods/anthroface.h"
 #include "tests/sim/world/generated.h"
