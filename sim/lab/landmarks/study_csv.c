@@ -2,7 +2,7 @@
 #include <stdio.h>
 
 #include "sim/lab/landmarks/study.h"
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 
 static double degrees(double rad)
 {

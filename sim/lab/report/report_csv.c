@@ -1,5 +1,5 @@
 #include "sim/lab/report/report.h"
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 
 static void write_scores(const void *context, FILE *out)
 {

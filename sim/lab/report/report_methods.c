@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 
 static void name_corpus(const char *path, char name[SIM_CORPUS_NAME_MAX])
 {

@@ -8,7 +8,7 @@
 
 #include "drivers/base/path.h"
 #include "drivers/file/text.h"
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 
 enum { BYTES_MAX = 16 << 20, ROWS_MAX = 100000 };
 

@@ -1,6 +1,6 @@
 #include "drivers/base/path.h"
 #include "sim/lab/draw/plot.h"
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 #include "sim/shapes/study/sheet.h"
 #include "sim/shapes/study/study_data.h"
 

@@ -6,7 +6,7 @@
 #include "drivers/base/path.h"
 #include "sim/base/make_directory.h"
 #include "sim/lab/measure/rate.h"
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 #include "sim/shapes/learn/learn.h"
 #include "sim/shapes/study/sheet.h"
 #include "sim/shapes/study/study_data.h"

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "sim/base/make_directory.h"
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 #include "sim/shapes/learn/learn.h"
 #include "sim/shapes/study/paper.h"
 #include "sim/shapes/study/tables_corpus.h"

@@ -1,4 +1,4 @@
-#include "sim/lab/report/report_file.h"
+#include "sim/lab/report/landmark_lines.h"
 
 #include <errno.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Result files. */
-#ifndef SIM_LAB_REPORT_REPORT_FILE_H
-#define SIM_LAB_REPORT_REPORT_FILE_H
+#ifndef SIM_LAB_REPORT_LANDMARK_LINES_H
+#define SIM_LAB_REPORT_LANDMARK_LINES_H
 
 #include <stdio.h>
 
