@@ -1,8 +1,6 @@
 #include "sim/door/level_report.h"
 
-#include <errno.h>
-#include <limits.h>
-#include <string.h>
+#include "sim/base/result_file.h"
 
 static void add(struct sim_rate *rate, size_t events, size_t trials)
 {
@@ -53,26 +51,19 @@ static void write_row(enum iso_level level, const char *who, struct sim_rate rat
             rate.trials, rate.trials > 0 ? sim_rate_value(rate) : 0.0, interval.low, interval.high);
 }
 
-int sim_level_write_csv(const char *directory, const struct sim_level_counts counts[SIM_LEVELS],
-                        struct iso_fault *fault)
+static void write_levels(const void *context, FILE *out)
 {
-    char path[PATH_MAX];
-    if (snprintf(path, sizeof path, "%s/levels.csv", directory) >= (int)sizeof path) {
-        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", directory);
-    }
-    FILE *out = fopen(path, "w");
-    if (!out) {
-        return iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
-    }
+    const struct sim_level_counts *counts = context;
     fputs("level,who,errors,visits,rate,low,high\n", out);
     for (int level = 0; level < SIM_LEVELS; level++) {
         write_row((enum iso_level)level, "refused", counts[level].refused, out);
         write_row((enum iso_level)level, "strangers", counts[level].strangers, out);
         write_row((enum iso_level)level, "alike", counts[level].alike, out);
     }
-    const int failed = ferror(out);
-    if (fclose(out) != 0 || failed) {
-        return iso_fault_set(fault, -EIO, "%s: cannot be written", path);
-    }
-    return 0;
+}
+
+int sim_level_write_csv(const char *directory, const struct sim_level_counts counts[SIM_LEVELS],
+                        struct iso_fault *fault)
+{
+    return sim_result_file(directory, "levels.csv", write_levels, counts, fault);
 }

@@ -1,12 +1,11 @@
 #include "sim/door/visit_report.h"
 
-#include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 
 #include "drivers/terminal/terminal.h"
+#include "sim/base/result_file.h"
 
 static const char *verdict_name(const struct sim_visit *visit)
 {
@@ -119,27 +118,25 @@ static void write_row(const struct sim_visit *visit, FILE *out)
     fprintf(out, "%s,%s\n", door_name(visit), reason_of(visit));
 }
 
-int sim_visit_write_csv(const char *directory, const struct sim_visit *visits, size_t n_visits,
-                        struct iso_fault *fault)
-{
-    char path[PATH_MAX];
+struct all_visits {
+    const struct sim_visit *visits;
+    size_t n;
+};
 
-    if (snprintf(path, sizeof path, "%s/visits.csv", directory) >= (int)sizeof path) {
-        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", directory);
-    }
-    FILE *out = fopen(path, "w");
-    if (!out) {
-        return iso_fault_set(fault, -errno, "%s: %s", path, strerror(errno));
-    }
+static void write_visits(const void *context, FILE *out)
+{
+    const struct all_visits *all = context;
     fputs("recording,subject,role,note,verdict,person,score,threshold,frames,latency_ms,door,"
           "reason\n",
           out);
-    for (size_t i = 0; i < n_visits; i++) {
-        write_row(&visits[i], out);
+    for (size_t i = 0; i < all->n; i++) {
+        write_row(&all->visits[i], out);
     }
-    const int failed = ferror(out);
-    if (fclose(out) != 0 || failed) {
-        return iso_fault_set(fault, -EIO, "%s: cannot be written", path);
-    }
-    return 0;
+}
+
+int sim_visit_write_csv(const char *directory, const struct sim_visit *visits, size_t n_visits,
+                        struct iso_fault *fault)
+{
+    const struct all_visits all = {visits, n_visits};
+    return sim_result_file(directory, "visits.csv", write_visits, &all, fault);
 }

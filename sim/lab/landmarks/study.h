@@ -32,7 +32,7 @@ void sim_study_free(struct sim_study *study);
 void sim_study_text(const struct sim_study *study, FILE *out);
 
 /* landmarks.csv: the landmarks of every fitted frame; frames.csv: a line a frame. Errors of
- * sim_report_file; so below. */
+ * sim_result_file; so below. */
 int sim_study_csv(const struct sim_study *study, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

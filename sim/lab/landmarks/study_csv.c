@@ -1,6 +1,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sim/base/result_file.h"
 #include "sim/lab/landmarks/study.h"
 #include "sim/lab/report/landmark_lines.h"
 
@@ -82,9 +83,9 @@ static void write_frames(const void *context, FILE *out)
 
 int sim_study_csv(const struct sim_study *study, const char *directory, struct iso_fault *fault)
 {
-    int error = sim_report_file(directory, "landmarks.csv", write_landmarks, study, fault);
+    int error = sim_result_file(directory, "landmarks.csv", write_landmarks, study, fault);
     if (error) {
         return error;
     }
-    return sim_report_file(directory, "frames.csv", write_frames, study, fault);
+    return sim_result_file(directory, "frames.csv", write_frames, study, fault);
 }

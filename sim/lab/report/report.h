@@ -1,4 +1,4 @@
-/* What an evaluation prints and writes. Each writes into a directory that exists, replacing files,
+/* The reports of an evaluation. Each function writes into a directory that exists, replacing files,
  * and returns 0 or a negative errno with a fault that names the file. */
 #ifndef SIM_LAB_REPORT_REPORT_H
 #define SIM_LAB_REPORT_REPORT_H
@@ -7,9 +7,9 @@
 
 #include "sim/lab/eval/eval.h"
 
-/* scores.csv: every comparison; landmarks.csv: what was found in every usable frame; cmc.csv;
- * det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: by what a search
- * was like. */
+/* scores.csv: every comparison; landmarks.csv: the landmarks found in every usable frame; cmc.csv;
+ * det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: by the
+ * circumstances of a search. */
 int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,5 +1,6 @@
-#include "sim/lab/report/report.h"
+#include "sim/base/result_file.h"
 #include "sim/lab/report/landmark_lines.h"
+#include "sim/lab/report/report.h"
 
 static void write_scores(const void *context, FILE *out)
 {
@@ -92,7 +93,7 @@ int sim_report_csv(const struct sim_eval *eval, const char *directory, struct is
 {
     static const struct {
         const char *name;
-        sim_report_writer *rows;
+        sim_result_writer *rows;
     } files[] = {
         {"scores.csv", write_scores}, {"landmarks.csv", write_landmarks},
         {"cmc.csv", write_cmc},       {"det.csv", write_det},
@@ -100,7 +101,7 @@ int sim_report_csv(const struct sim_eval *eval, const char *directory, struct is
     };
     int error = 0;
     for (size_t i = 0; !error && i < sizeof files / sizeof *files; i++) {
-        error = sim_report_file(directory, files[i].name, files[i].rows, eval, fault);
+        error = sim_result_file(directory, files[i].name, files[i].rows, eval, fault);
     }
     return error;
 }

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "sim/lab/report/landmark_lines.h"
+#include "sim/base/result_file.h"
 
 static void name_corpus(const char *path, char name[SIM_CORPUS_NAME_MAX])
 {
@@ -99,7 +99,7 @@ static void print_standing(FILE *out, const char *first, const char *figure,
     fprintf(out, "  %s, %s: %s (%s)\n", first, figure, how, s->best_name);
 }
 
-static struct sim_interval complement(struct sim_interval interval)
+static struct sim_interval complement_of(struct sim_interval interval)
 {
     return (struct sim_interval){1.0 - interval.high, 1.0 - interval.low};
 }
@@ -110,7 +110,7 @@ static void print_standings(const struct sim_contest *c, FILE *out)
     for (size_t i = 0; i < c->n_verdicts; i++) {
         const struct sim_verdict *v = &c->verdicts[i];
         stand_beside(&rank_1, v, 1.0 - sim_rate_value(v->rank_1),
-                     complement(sim_rate_interval(v->rank_1)), i == 0);
+                     complement_of(sim_rate_interval(v->rank_1)), i == 0);
         stand_beside(&eer, v, v->eer, v->eer_interval, i == 0);
         stand_beside(&fnmr, v, v->at.at.fnmr, v->at.fnmr, i == 0);
     }
@@ -199,5 +199,5 @@ int sim_contest_csv(const struct sim_contest *contests, size_t n, const char *di
                     struct iso_fault *fault)
 {
     const struct contests all = {contests, n};
-    return sim_report_file(directory, "methods.csv", write_contests, &all, fault);
+    return sim_result_file(directory, "methods.csv", write_contests, &all, fault);
 }

@@ -8,7 +8,7 @@
 
 #include "drivers/base/path.h"
 #include "drivers/file/text.h"
-#include "sim/lab/report/landmark_lines.h"
+#include "sim/base/result_file.h"
 
 enum { BYTES_MAX = 16 << 20, ROWS_MAX = 100000 };
 
@@ -198,5 +198,5 @@ int sim_shape_manifest_write(const char *directory, const struct sim_shape_row *
                              struct iso_fault *fault)
 {
     const struct rows all = {rows, n};
-    return sim_report_file(directory, "manifest.csv", write_rows, &all, fault);
+    return sim_result_file(directory, "manifest.csv", write_rows, &all, fault);
 }

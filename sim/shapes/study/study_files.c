@@ -1,6 +1,6 @@
 #include "drivers/base/path.h"
+#include "sim/base/result_file.h"
 #include "sim/lab/draw/plot.h"
-#include "sim/lab/report/landmark_lines.h"
 #include "sim/shapes/study/sheet.h"
 #include "sim/shapes/study/study_data.h"
 
@@ -65,7 +65,7 @@ static int plot_curves(const struct sim_study *study, struct iso_fault *fault)
 int sim_study_save(const struct sim_study *study, struct iso_fault *fault)
 {
     char path[PATH_MAX];
-    int error = sim_report_file(study->options->out, "measures.csv", write_measures, study, fault);
+    int error = sim_result_file(study->options->out, "measures.csv", write_measures, study, fault);
     if (!error) {
         error = plot_curves(study, fault);
     }

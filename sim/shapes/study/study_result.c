@@ -5,8 +5,8 @@
 
 #include "drivers/base/path.h"
 #include "sim/base/make_directory.h"
+#include "sim/base/result_file.h"
 #include "sim/lab/measure/rate.h"
-#include "sim/lab/report/landmark_lines.h"
 #include "sim/shapes/learn/learn.h"
 #include "sim/shapes/study/sheet.h"
 #include "sim/shapes/study/study_data.h"
@@ -77,7 +77,7 @@ static int save_matrix(const struct sim_study *study, const struct sim_study_res
     char directory[PATH_MAX], path[PATH_MAX];
     int error = directory_of(study, result, directory, fault);
     if (!error) {
-        error = sim_report_file(directory, "distances.csv", write_matrix, matrix, fault);
+        error = sim_result_file(directory, "distances.csv", write_matrix, matrix, fault);
     }
     if (!error && study->options->pictures > 0) {
         error = iso_path_join(directory, "matches.png", path, fault);
@@ -102,7 +102,7 @@ static int measure_classes(const struct sim_study *study, const struct sim_featu
         const struct confusion confusion = {study->manifest, count};
         error = directory_of(study, result, directory, fault);
         if (!error) {
-            error = sim_report_file(directory, "confusion.csv", write_confusion, &confusion, fault);
+            error = sim_result_file(directory, "confusion.csv", write_confusion, &confusion, fault);
         }
     }
     free(count);

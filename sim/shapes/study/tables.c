@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "sim/base/make_directory.h"
-#include "sim/lab/report/landmark_lines.h"
+#include "sim/base/result_file.h"
 #include "sim/shapes/learn/learn.h"
 #include "sim/shapes/study/paper.h"
 #include "sim/shapes/study/tables_corpus.h"
@@ -250,7 +250,7 @@ static int run_tables(struct tables *tables, FILE *out, struct iso_fault *fault)
     if (error) {
         return error;
     }
-    return sim_report_file(directory, "tables.csv", write_csv, tables, fault);
+    return sim_result_file(directory, "tables.csv", write_csv, tables, fault);
 }
 
 int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struct iso_fault *fault)
