@@ -13,7 +13,8 @@ enum { SIM_FIELDS_MAX = 128 };
 
 /* Eigenvalues (falling) and eigenvectors (vector[k * n ..] belongs to value k, unit length) of the
  * symmetric row-major n x n matrix a, which is destroyed, by cyclic Jacobi rotations (Golub and Van
- * Loan, Matrix Computations, 8.5). In plain C so that results do not depend on the BLAS of the day.
+ * Loan, Matrix Computations, 8.5). In plain C so that results do not depend on the BLAS that is
+ * installed.
  */
 void sim_symmetric_eigen(double *a, uint32_t n, double *value, double *vector);
 

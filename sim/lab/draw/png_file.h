@@ -1,4 +1,4 @@
-/* Ends of pictures. Internal to sim/lab. */
+/* Text in pictures, and writing them. Internal to sim/lab. */
 #ifndef SIM_LAB_DRAW_PNG_FILE_H
 #define SIM_LAB_DRAW_PNG_FILE_H
 
@@ -6,7 +6,7 @@
 
 #include "core/base/fault.h"
 
-/* Writes a surface as a PNG file and destroys it, whatever comes of it. -ENOMEM (also for a surface
+/* Writes a surface as a PNG file and destroys it, also on failure. -ENOMEM (also for a surface
  * that could not be made), -EIO. */
 int sim_png_file_write(cairo_surface_t *surface, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));

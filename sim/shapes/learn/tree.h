@@ -1,4 +1,4 @@
-/* Decision trees in plain C: the one place that knows OpenCV's ml. Nothing is thrown out of it. Its
+/* Decision trees in plain C: the one place that knows OpenCV's ml. No C++ exception leaves it. Its
  * code is the module `trees` (drivers/base/module.h). */
 #ifndef ISO_SIM_SHAPES_LEARN_TREE_H
 #define ISO_SIM_SHAPES_LEARN_TREE_H
@@ -18,7 +18,7 @@ int iso_tree_new(const float *feature, const int32_t *label, int32_t n, int32_t 
                  struct iso_tree **out) __attribute__((warn_unused_result));
 void iso_tree_free(struct iso_tree *tree);
 
-/* The label that the tree tells. -EDOM, -ENOMEM. */
+/* The label that the tree predicts. -EDOM, -ENOMEM. */
 int iso_tree_tell(const struct iso_tree *tree, const float *feature, int32_t *label)
     __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
 /* The module `trees`: what tree.h declares, in a shared object of its own (drivers/base/module.h).
- * Programs call those functions as ever; trees_module.c hands the calls on. */
+ * Programs call those functions as usual; trees_module.c passes the calls on. */
 #ifndef ISO_SIM_SHAPES_LEARN_TREES_MODULE_H
 #define ISO_SIM_SHAPES_LEARN_TREES_MODULE_H
 

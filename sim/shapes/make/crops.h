@@ -1,7 +1,7 @@
-/* What stands before a depth sensor as a corpus of shapes: is it a face, by methods that know
- * nothing of faces?
+/* The things before a depth sensor as a corpus of shapes, to test whether methods that know nothing
+ * of faces can tell a face from a thing.
  *
- * Of a frame the foremost thing is cut out, the same way whatever it is: the middle of all that
+ * The nearest thing is cut out of a frame, in the same way whatever it is: the middle of all that
  * lies at most 80 mm behind the nearest hundredth of the measured pixels, and of what is within
  * 100 mm of that, cleaned, at 4 mm a pixel, the largest piece, seen from the front: x right, y up,
  * z towards the sensor, mm. The extractor has no part in it.

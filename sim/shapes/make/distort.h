@@ -1,4 +1,4 @@
-/* What happens to shapes before they are measured: noise, scale, missing parts, deformations.
+/* Distortions of shapes before they are measured: noise, scale, missing parts, deformations.
  *
  * Noise is given by its ratio to the signal: NSR is the variance of what is added over the variance
  * of the coordinates about their mean (Abdelrahman 2013, section 4.2.4). */

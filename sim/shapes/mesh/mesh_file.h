@@ -7,9 +7,9 @@
  *   .stl    text and binary; each triangle comes with vertices of its own
  *   .vert   TOSCA: a vertex a line; the .tri beside it has a triangle a line, counted from 1
  *
- * Faces of more than three corners are cut into fans. Coordinates are taken as they are, whatever
+ * Faces of more than three corners are cut into fans. Coordinates are not converted, whatever
  * their unit. A reader refuses what it does not understand: every failure is one line "file:line:
- * what is wrong". What can be wrong with a mesh that is understood, mending deals with. */
+ * what is wrong". Mending deals with defects of a mesh that could be read. */
 #ifndef ISO_SIM_SHAPES_MESH_MESH_FILE_H
 #define ISO_SIM_SHAPES_MESH_MESH_FILE_H
 
@@ -66,8 +66,8 @@ struct iso_mesh_mended {
  *  - triangles with two corners in one place, and copies of a triangle, are left out;
  *  - vertices of no triangle are left out;
  *  - boundaries, edges of more than two triangles, triangles without area, triangles that are
- *    turned inside out and several components stay: heat needs nothing else. What becomes of them
- *    says isotherm/shape.h.
+ *    turned inside out and several components stay: heat needs nothing else.
+ * isotherm/shape.h says what is done about them.
  *
  * What is left keeps its order. `report` may be NULL. -EBADMSG if no triangle is left, -ENOMEM; the
  * mesh is then as it was. */

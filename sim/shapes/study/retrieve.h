@@ -52,9 +52,9 @@ int sim_features_rank(const struct sim_features *features,
 int sim_features_measure(const struct sim_features *features, const double *distance,
                          struct iso_retrieval *out) __attribute__((warn_unused_result));
 
-/* How well classes are told, means over classes: of a corpus by 10-fold cross-validation, of
+/* How well shapes are classified, means over classes: of a corpus by 10-fold cross-validation, of
  * distorted queries by a classifier for each that learns from all items but its own.
- * count[true * n_classes + told] may be NULL. Errors of the classifier, -ENOMEM. */
+ * count[true * n_classes + predicted] may be NULL. Errors of the classifier, -ENOMEM. */
 int sim_features_classify(const struct sim_features *features,
                           const struct iso_classifier_ops *classifier, uint64_t seed, int threads,
                           int32_t *count, struct iso_confusion_rates *out)

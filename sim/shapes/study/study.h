@@ -28,7 +28,7 @@ struct sim_shapes_study_options {
  *   shapes.png                         some shapes of each class
  *   METHOD-CLASSIFIER/distances.csv    a line for each query: its file, then the distance to every
  *                                      item; a query's own item is at 0 and never counts
- *   METHOD-CLASSIFIER/confusion.csv    how often each class was told for each
+ *   METHOD-CLASSIFIER/confusion.csv    how often each class was taken for each
  *   METHOD-CLASSIFIER/matches.png      first matches of a query of each class
  *
  * -EINVAL for an unknown name; errors of the banks and of writing; each with a fault. */

@@ -13,7 +13,7 @@
 int sim_head_exposure(const struct sim_head_surface *surface, double *exposure)
     __attribute__((warn_unused_result));
 
-/* What is seen from fewer directions is inside a nostril or between the lips. */
+/* A vertex that is seen from fewer directions is inside a nostril or between the lips. */
 static inline bool sim_head_is_exposed(double exposure)
 {
     return exposure >= 0.8;

@@ -1,4 +1,4 @@
-/* Pictures of a head model, to be looked at: holes and spikes show at once. */
+/* Pictures of a head model, in which a person sees holes and spikes at once. */
 #ifndef SIM_TRAIN_HEAD_HEAD_PICTURE_H
 #define SIM_TRAIN_HEAD_HEAD_PICTURE_H
 

@@ -1,4 +1,4 @@
-/* Which parts of the head matter for what. */
+/* The regions of the head, and how much each vertex counts. */
 #ifndef SIM_TRAIN_HEAD_HEAD_REGION_H
 #define SIM_TRAIN_HEAD_HEAD_REGION_H
 
@@ -10,7 +10,7 @@
  * in front of the ears. */
 bool sim_head_in_face(const struct sim_head_surface *surface, uint32_t vertex);
 
-/* How much an error of the surface counts at each vertex when it is decimated: much about eyes,
+/* How much an error of the surface counts at each vertex when it is decimated: much around eyes,
  * nose and mouth, little outside of the face and where it is not exposed (head_exposure.h). */
 void sim_head_importance(const struct sim_head_surface *surface, const double *exposure,
                          double *importance);

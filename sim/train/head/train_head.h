@@ -15,7 +15,7 @@ struct sim_train_head_options {
 /* Seed 1, 1180 vertices, 60 + 12 modes: a file of 540 KB. */
 struct sim_train_head_options sim_train_head_options_default(void);
 
-/* What became of it. Variances and errors are over the region ISO_HEAD_FACE, weighted by area. */
+/* The result. Variances and errors are over the region ISO_HEAD_FACE, weighted by area. */
 struct sim_train_head_report {
     uint32_t n_fine_vertices; /* before decimation */
     uint32_t n_face, n_rigid; /* vertices of the regions */

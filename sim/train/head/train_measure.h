@@ -1,4 +1,4 @@
-/* How well a trained head model stands for what it was trained from. */
+/* How well a trained head model describes the faces that it was trained from. */
 #ifndef SIM_TRAIN_HEAD_TRAIN_MEASURE_H
 #define SIM_TRAIN_HEAD_TRAIN_MEASURE_H
 

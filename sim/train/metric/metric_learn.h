@@ -17,15 +17,15 @@ struct sim_metric_samples {
  * orthogonal iteration; among them the covariance within people and that between their means, by
  * moments; then the basis in which both are diagonal (Fukunaga 1990, 2.3). *explained (may be NULL)
  * is the components' share of the variance. In plain C, so that results do not depend on the BLAS
- * of the day. -EINVAL for more dimensions than values; -ENODATA for fewer people than twice the
- * dimensions or fewer than two samples a person on average; -ENOMEM. */
+ * that is installed. -EINVAL for more dimensions than values; -ENODATA for fewer people than twice
+ * the dimensions or fewer than two samples a person on average; -ENOMEM. */
 int sim_metric_learn(const struct sim_metric_samples *samples, struct iso_metric *metric,
                      double *explained) __attribute__((warn_unused_result));
 
 /* Gain and bias such that among strangers a score gain * ratio + bias of s or more is as rare as
  * 10^-s: a line through the tail of their log likelihood ratios, from the rate 1e-2 to that of ten
- * comparisons. `ratio` is sorted. Mated comparisons have no say: what a threshold promises is the
- * rate of false matches. -ENODATA for fewer than 10,000 comparisons, -EDOM if they do not fall off.
+ * comparisons. `ratio` is sorted. Mated comparisons are not used: a threshold promises a rate of
+ * false matches. -ENODATA for fewer than 10,000 comparisons, -EDOM if they do not fall off.
  */
 int sim_metric_calibrate(double *ratio, size_t n, float *gain, float *bias)
     __attribute__((warn_unused_result));

@@ -14,11 +14,11 @@ struct sim_rerank_pairs {
 };
 
 /* The misfit is calibrated as the metric's score is (sim_metric_calibrate), both are added (the sum
- * rule: Kittler, Hatef, Duin and Matas 1998), and the sum is calibrated again. So each says how
- * rare it is among strangers, and mated comparisons have no say. Weights that tell the people held
- * out apart best (logistic regression) leave next to nothing to surfaces: the metric has learned
- * from their like, and hardly errs on them. It is on other faces and sensors that surfaces are
- * needed. Errors of sim_metric_calibrate, -ENOMEM. */
+ * rule: Kittler, Hatef, Duin and Matas 1998), and the sum is calibrated again. So each score says
+ * how rare it is among strangers, and mated comparisons are not used. Weights that separate the
+ * people held out best (logistic regression) would nearly ignore the surfaces: the metric has
+ * learned from similar people and hardly errs on them. Surfaces are needed for other faces and
+ * sensors. Errors of sim_metric_calibrate, -ENOMEM. */
 int sim_rerank_learn(const struct sim_rerank_pairs *strangers, struct iso_rerank_weights *out)
     __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
 /* Things of the size of a head or larger that stand about where a door is. All are added to a
- * group, in a frame with x right, y down, z away from who looks; failures stay in the group. */
+ * group, in a frame with x right, y down, z away from the viewer; failures stay in the group. */
 #ifndef SIM_WORLD_PROP_FURNITURE_H
 #define SIM_WORLD_PROP_FURNITURE_H
 

@@ -1,4 +1,5 @@
-/* Several solids that belong together: a hand, a chair, a photograph with who holds it. */
+/* Several solids that belong together: a hand, a chair, a photograph with the person who holds it.
+ */
 #ifndef SIM_WORLD_PROP_GROUP_H
 #define SIM_WORLD_PROP_GROUP_H
 

@@ -1,8 +1,8 @@
 /* Hair: a shell over the scalp, and for long hair a curtain that hangs beside and behind the face.
  *
  * To a depth sensor hair is a rough surface some way off the skin, that covers forehead, temples
- * and ears more or less, differs between people and changes a little between sessions. No more than
- * that is modelled. */
+ * and ears more or less, differs between people and changes a little between sessions. Nothing else
+ * is modelled. */
 #ifndef SIM_WORLD_PROP_HAIR_H
 #define SIM_WORLD_PROP_HAIR_H
 

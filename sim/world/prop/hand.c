@@ -38,7 +38,7 @@ static void add_tube(const struct hand *hand, const struct iso_vec3 *points, con
     sim_group_add_tube(hand->group, joints, n, material);
 }
 
-/* A finger whose phalanges bend towards who looks by `bends_rad`, each against the one before. */
+/* A finger whose phalanges bend towards the viewer by `bends_rad`, each against the one before. */
 static void add_finger(const struct hand *hand, const struct finger *finger, struct iso_vec3 root,
                        double lean_rad, const double bends_rad[JOINTS - 1])
 {

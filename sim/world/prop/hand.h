@@ -18,7 +18,7 @@ enum sim_hand_pose {
 };
 
 /* Adds a hand with forearm to the group. Its frame: the wrist at the origin, x right, y down, z
- * away from who looks; fingers go up. A right hand mirrors a left one. `held_mm` is how thick the
+ * away from the viewer; fingers go up. A right hand mirrors a left one. `held_mm` is how thick the
  * thing in its grip is behind z = 0; other poses ignore it. Size, spread and where the elbow is
  * come from `random`. Failures stay in the group. */
 void sim_hand_add(struct sim_group *group, enum sim_hand_pose pose, bool left, double held_mm,

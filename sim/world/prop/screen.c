@@ -125,7 +125,7 @@ static void add_rim(struct sim_group *group, const struct sim_screen *screen)
     }
 }
 
-/* The lower half turns about the hinge, towards who looks. */
+/* The lower half turns about the hinge, towards the viewer. */
 static void add_keyboard(struct sim_group *group, const struct sim_screen *screen)
 {
     struct iso_rigid before = group->placed,

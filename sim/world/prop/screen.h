@@ -6,7 +6,7 @@
  * far away. How much of each depends on the device, its angle and the room; no distribution of it
  * is published, so that it is the caller's draw.
  *
- * Frame: x right, y down, z away from who looks, the middle of the glass at the origin. */
+ * Frame: x right, y down, z away from the viewer, the middle of the glass at the origin. */
 #ifndef SIM_WORLD_PROP_SCREEN_H
 #define SIM_WORLD_PROP_SCREEN_H
 

@@ -1,7 +1,7 @@
 /* A printed photograph, to a depth sensor: a sheet of paper, flat, bent or folded.
  *
  * A sheet bends without stretching: lengths along it stay what they were. Its frame: x right, y
- * down, z away from who looks at the print, the middle of the sheet at the origin. */
+ * down, z away from the viewer, the middle of the sheet at the origin. */
 #ifndef SIM_WORLD_PROP_SHEET_H
 #define SIM_WORLD_PROP_SHEET_H
 
@@ -12,7 +12,7 @@
 enum sim_sheet_shape {
     SIM_SHEET_FLAT = 0,
     SIM_SHEET_ROLLED, /* a cylinder */
-    SIM_SHEET_S,      /* one half bent away, the other towards who looks */
+    SIM_SHEET_S,      /* one half bent away, the other towards the viewer */
     SIM_SHEET_CREASED /* folded, both halves plane */
 };
 
@@ -20,8 +20,8 @@ struct sim_sheet {
     double width_mm, height_mm;
     enum sim_sheet_shape shape;
     double
-        radius_mm; /* ROLLED: > 0 its sides go away from who looks, < 0 towards; S: either sign */
-    double crease_rad; /* CREASED: slope of either half, > 0: away from who looks */
+        radius_mm; /* ROLLED: > 0 its sides go away from the viewer, < 0 towards; S: either sign */
+    double crease_rad; /* CREASED: slope of either half, > 0: away from the viewer */
     double axis_rad;   /* how far the axis or the fold leans from the vertical */
     bool outline;      /* cut along the outline of a face that fills the sheet */
     double waves_mm;   /* amplitude of the paper's unevenness */
