@@ -42,7 +42,7 @@ static bool is_tpm_rc(TSS2_RC rc, TPM2_RC expected)
     return is_of_tpm(rc) && (code & TPM2_RC_FMT1 ? (code & REFUSED) : code) == expected;
 }
 
-static void release(struct tpm2_counter *counter)
+static void release_tpm(struct tpm2_counter *counter)
 {
     if (counter->esys) {
         Esys_Finalize(&counter->esys);
@@ -58,8 +58,8 @@ static void release(struct tpm2_counter *counter)
 }
 
 /* What the code says. A TPM that did not answer is opened anew by the next call. */
-static int refuse(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
-                  struct iso_fault *fault)
+static int refuse_rc(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
+                     struct iso_fault *fault)
 {
     const bool password = is_tpm_rc(rc, TPM2_RC_BAD_AUTH) || is_tpm_rc(rc, TPM2_RC_AUTH_FAIL);
     const bool later = is_tpm_rc(rc, TPM2_RC_NV_RATE) || is_tpm_rc(rc, TPM2_RC_RETRY) ||
@@ -72,7 +72,7 @@ static int refuse(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
                              "the TPM at %s: counter 0x%08x cannot be %s: %s", counter->tcti_name,
                              (unsigned)counter->index, what, Tss2_RC_Decode(rc));
     if (!is_of_tpm(rc)) {
-        release(counter);
+        release_tpm(counter);
     }
     return error;
 }
@@ -134,7 +134,7 @@ static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
         rc = Esys_Initialize(&counter->esys, counter->tcti, NULL);
     }
     if (rc) {
-        release(counter);
+        release_tpm(counter);
         return iso_fault_set_code(fault, ISO_FAULT_TPM_FAILED, -EIO,
                                   "the TPM at %s cannot be reached: %s", counter->tcti_name,
                                   Tss2_RC_Decode(rc));
@@ -144,7 +144,7 @@ static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
 
 /* ---- the index ---- */
 
-static int absent(const struct tpm2_counter *counter, struct iso_fault *fault)
+static int counter_absent(const struct tpm2_counter *counter, struct iso_fault *fault)
 {
     return iso_fault_set_code(fault, ISO_FAULT_COUNTER_GONE, -ENOENT,
                               "the TPM at %s has no counter 0x%08x", counter->tcti_name,
@@ -159,7 +159,7 @@ static int check_index(struct tpm2_counter *counter, struct iso_fault *fault)
     const TSS2_RC rc = Esys_NV_ReadPublic(counter->esys, counter->handle, ESYS_TR_NONE,
                                           ESYS_TR_NONE, ESYS_TR_NONE, &index, NULL);
     if (rc) {
-        return refuse(counter, rc, "looked at", fault);
+        return refuse_rc(counter, rc, "looked at", fault);
     }
     const TPMA_NV found = index->nvPublic.attributes;
     Esys_Free(index);
@@ -186,8 +186,8 @@ static int find_index(struct tpm2_counter *counter, struct iso_fault *fault)
                                              ESYS_TR_NONE, ESYS_TR_NONE, &counter->handle);
     if (rc) {
         counter->handle = ESYS_TR_NONE;
-        return is_tpm_rc(rc, TPM2_RC_HANDLE) ? absent(counter, fault)
-                                             : refuse(counter, rc, "found", fault);
+        return is_tpm_rc(rc, TPM2_RC_HANDLE) ? counter_absent(counter, fault)
+                                             : refuse_rc(counter, rc, "found", fault);
     }
     return check_index(counter, fault);
 }
@@ -199,8 +199,8 @@ static int read_value(struct tpm2_counter *counter, uint64_t *value, struct iso_
                                     ESYS_TR_PASSWORD, ESYS_TR_NONE, ESYS_TR_NONE, VALUE_BYTES, 0,
                                     &data);
     if (rc) {
-        return is_tpm_rc(rc, TPM2_RC_NV_UNINITIALIZED) ? absent(counter, fault)
-                                                       : refuse(counter, rc, "read", fault);
+        return is_tpm_rc(rc, TPM2_RC_NV_UNINITIALIZED) ? counter_absent(counter, fault)
+                                                       : refuse_rc(counter, rc, "read", fault);
     }
     const bool whole = data->size == VALUE_BYTES;
     uint64_t found = 0;
@@ -209,17 +209,17 @@ static int read_value(struct tpm2_counter *counter, uint64_t *value, struct iso_
     }
     Esys_Free(data);
     if (!whole) {
-        return refuse(counter, TSS2_ESYS_RC_MALFORMED_RESPONSE, "read", fault);
+        return refuse_rc(counter, TSS2_ESYS_RC_MALFORMED_RESPONSE, "read", fault);
     }
     *value = found;
     return 0;
 }
 
-static int count(struct tpm2_counter *counter, uint64_t *value, struct iso_fault *fault)
+static int raise_counter(struct tpm2_counter *counter, uint64_t *value, struct iso_fault *fault)
 {
     const TSS2_RC rc = Esys_NV_Increment(counter->esys, counter->handle, counter->handle,
                                          ESYS_TR_PASSWORD, ESYS_TR_NONE, ESYS_TR_NONE);
-    return rc ? refuse(counter, rc, "raised", fault) : read_value(counter, value, fault);
+    return rc ? refuse_rc(counter, rc, "raised", fault) : read_value(counter, value, fault);
 }
 
 static int make_index(struct tpm2_counter *counter, struct iso_fault *fault)
@@ -232,7 +232,7 @@ static int make_index(struct tpm2_counter *counter, struct iso_fault *fault)
     const TSS2_RC rc = Esys_NV_DefineSpace(counter->esys, ESYS_TR_RH_OWNER, ESYS_TR_PASSWORD,
                                            ESYS_TR_NONE, ESYS_TR_NONE, &no_password, &index,
                                            &counter->handle);
-    return rc ? refuse(counter, rc, "made", fault) : 0;
+    return rc ? refuse_rc(counter, rc, "made", fault) : 0;
 }
 
 /* ---- operations ---- */
@@ -252,19 +252,19 @@ static int define_counter(void *self, uint64_t *value, struct iso_fault *fault)
     } else if (error) {
         (void)iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
-    return error ? error : count(self, value, fault);
+    return error ? error : raise_counter(self, value, fault);
 }
 
 static int increment_counter(void *self, uint64_t *value, struct iso_fault *fault)
 {
     const int error = find_index(self, fault);
-    return error ? error : count(self, value, fault);
+    return error ? error : raise_counter(self, value, fault);
 }
 
 static void close_counter(void *self)
 {
     struct tpm2_counter *counter = self;
-    release(counter);
+    release_tpm(counter);
     free(counter->tcti_name);
     free(counter);
 }

@@ -63,8 +63,8 @@ static void gpiod_close(void *self)
 }
 
 /* Puts the name of the option before a fault. */
-static int blame(const char *name, int error, const struct iso_fault *reason,
-                 struct iso_fault *fault)
+static int blame_option(const char *name, int error, const struct iso_fault *reason,
+                        struct iso_fault *fault)
 {
     return iso_fault_set_code(fault, reason->code, error, "%s: %s: %.200s", owner, name,
                               reason->text);
@@ -81,7 +81,8 @@ static int claim_outputs(struct gpiod *gpiod, const struct iso__gpiod_wiring *wi
                                               &gpiod->outputs[i], &reason);
         }
         if (error) {
-            return blame(iso_door_output_name((enum iso_door_output)i), error, &reason, fault);
+            return blame_option(iso_door_output_name((enum iso_door_output)i), error, &reason,
+                                fault);
         }
     }
     return 0;
@@ -126,7 +127,7 @@ static int claim_inputs(struct gpiod *gpiod, const struct iso__gpiod_wiring *wir
         const enum iso_door_input input = (enum iso_door_input)i;
         const int error = wiring->has_input[i] ? claim_input(gpiod, input, wiring, &reason) : 0;
         if (error) {
-            return blame(iso_door_input_name(input), error, &reason, fault);
+            return blame_option(iso_door_input_name(input), error, &reason, fault);
         }
     }
     return 0;
@@ -151,7 +152,7 @@ static int claim_wiegand(struct gpiod *gpiod, const struct iso__gpiod_wiring *wi
         const int error = iso_gpio_line_open_output(&wiring->wiegand[i], false, &gpiod->wiegand[i],
                                                     &reason);
         if (error) {
-            return blame(iso__gpiod_wiegand_names[i], error, &reason, fault);
+            return blame_option(iso__gpiod_wiegand_names[i], error, &reason, fault);
         }
     }
     return iso_wiegand_out_new(&lines, &gpiod->wiegand_out, fault);
@@ -221,7 +222,7 @@ static int gpiod_send_card(void *self, const struct iso_wiegand_card *card, stru
 
 /* The edges that wait, then the level itself, in case the kernel had to drop some. A wire that
  * chatters faster than it is read is left after EDGES_MAX: its level is no steadier later. */
-static int follow(struct iso_gpio_line *line, struct iso_debounce *debounce, int64_t now_ns)
+static int follow_input(struct iso_gpio_line *line, struct iso_debounce *debounce, int64_t now_ns)
 {
     struct iso_gpio_edge edge;
     bool level;
@@ -262,7 +263,7 @@ static int follow_all(struct gpiod *gpiod, struct iso_fault *fault)
     for (int i = 0; i < ISO_DOOR_INPUTS; i++) {
         struct iso_gpio_line *line = gpiod->inputs[i].line;
         const int64_t now_ns = iso_clock_now_ns(&gpiod->clock);
-        const int error = line ? follow(line, &gpiod->inputs[i].debounce, now_ns) : 0;
+        const int error = line ? follow_input(line, &gpiod->inputs[i].debounce, now_ns) : 0;
         if (error) {
             return iso_fault_set_code(fault, iso_gpio_fault_code(error), error, "%s: %s: %s", owner,
                                       iso_door_input_name((enum iso_door_input)i),

@@ -58,8 +58,8 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
 
 /* ---- open, open anew, close ---- */
 
-static int check(const struct iso_door_io_ops *ops, const struct iso_option *options,
-                 size_t n_options, struct iso_fault *fault)
+static int check_options(const struct iso_door_io_ops *ops, const struct iso_option *options,
+                         size_t n_options, struct iso_fault *fault)
 {
     const struct iso_option_set set = {ops->options, options, n_options};
     char owner[64];
@@ -95,7 +95,7 @@ static int new_io(const struct iso_door_io_ops *ops, const struct iso_option *op
                   size_t n_options, const struct iso_clock *clock, struct iso_door_io **out,
                   struct iso_fault *fault)
 {
-    const int error = check(ops, options, n_options, fault);
+    const int error = check_options(ops, options, n_options, fault);
     if (error) {
         return error;
     }
@@ -133,7 +133,7 @@ int iso_door_io_check(const char *name, const struct iso_option *options, size_t
                       struct iso_fault *fault)
 {
     const struct iso_door_io_ops *ops = find_back_end(name);
-    return ops ? check(ops, options, n_options, fault) : unknown_back_end(name, fault);
+    return ops ? check_options(ops, options, n_options, fault) : unknown_back_end(name, fault);
 }
 
 int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
@@ -210,15 +210,15 @@ void iso_door_io_close(struct iso_door_io *io)
 
 /* ---- operations ---- */
 
-static int gone(const struct iso_door_io *io, struct iso_fault *fault)
+static int device_gone(const struct iso_door_io *io, struct iso_fault *fault)
 {
     return iso_fault_set_code(fault, ISO_FAULT_CHIP_GONE, -ENODEV, "door %s: the device is gone",
                               io->ops->name);
 }
 
 /* Remembers that the device is gone, and never leaves a failure without a text. */
-static int settle(struct iso_door_io *io, int error, const struct iso_fault *reason,
-                  struct iso_fault *fault)
+static int settle_failure(struct iso_door_io *io, int error, const struct iso_fault *reason,
+                          struct iso_fault *fault)
 {
     if (error == -ENODEV) {
         io->lost = true;
@@ -240,13 +240,13 @@ int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, 
 {
     struct iso_fault reason = {.text = ""};
     if (io->lost) {
-        return gone(io, fault);
+        return device_gone(io, fault);
     }
     if (!iso_door_output_name(output)) {
         return iso_fault_set(fault, -EINVAL, "door %s: no output %d", io->ops->name, (int)output);
     }
     int error = io->ops->set_output(io->self, output, active, &reason);
-    return settle(io, error, &reason, fault);
+    return settle_failure(io, error, &reason, fault);
 }
 
 int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
@@ -254,10 +254,10 @@ int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
 {
     struct iso_fault reason = {.text = ""};
     if (io->lost) {
-        return gone(io, fault);
+        return device_gone(io, fault);
     }
     int error = io->ops->get_inputs(io->self, out, &reason);
-    return settle(io, error, &reason, fault);
+    return settle_failure(io, error, &reason, fault);
 }
 
 int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card *card,
@@ -265,10 +265,10 @@ int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card 
 {
     struct iso_fault reason = {.text = ""};
     if (io->lost) {
-        return gone(io, fault);
+        return device_gone(io, fault);
     }
     int error = io->ops->send_card ? io->ops->send_card(io->self, card, &reason) : -ENOSYS;
-    return settle(io, error, &reason, fault);
+    return settle_failure(io, error, &reason, fault);
 }
 
 int iso_door_io_poll_fd(struct iso_door_io *io)

@@ -39,7 +39,7 @@ static int error_of(int number)
     }
 }
 
-static const char *where(const struct iso_gpio_spec *spec, char *text, size_t size)
+static const char *name_line(const struct iso_gpio_spec *spec, char *text, size_t size)
 {
     if (*spec->chip) {
         (void)snprintf(text, size, "line %s:%u", spec->chip, spec->offset);
@@ -49,17 +49,18 @@ static const char *where(const struct iso_gpio_spec *spec, char *text, size_t si
     return text;
 }
 
-static int fail(const struct iso_gpio_spec *spec, enum iso_fault_code code, int error,
-                const char *what, struct iso_fault *fault)
+static int fail_line(const struct iso_gpio_spec *spec, enum iso_fault_code code, int error,
+                     const char *what, struct iso_fault *fault)
 {
     char text[ISO_GPIO_NAME_SIZE + 32];
-    return iso_fault_set_code(fault, code, error, "%s: %s", where(spec, text, sizeof text), what);
+    return iso_fault_set_code(fault, code, error, "%s: %s", name_line(spec, text, sizeof text),
+                              what);
 }
 
 /* What a call of the system says of the line. */
 static int fail_call(const struct iso_gpio_spec *spec, int error, struct iso_fault *fault)
 {
-    return fail(spec, iso_gpio_fault_code(error), error, strerror(-error), fault);
+    return fail_line(spec, iso_gpio_fault_code(error), error, strerror(-error), fault);
 }
 
 /* ---- finding a line ---- */
@@ -71,11 +72,11 @@ static int find_by_offset(const struct iso_gpio_spec *spec, struct iso_gpio_line
     if (!line->chip) {
         const int error = error_of(errno);
         return error == -ENODEV
-                   ? fail(spec, ISO_FAULT_CHIP_MISSING, error, "no such GPIO chip", fault)
+                   ? fail_line(spec, ISO_FAULT_CHIP_MISSING, error, "no such GPIO chip", fault)
                    : fail_call(spec, error, fault);
     }
     if (spec->offset >= gpiod_chip_num_lines(line->chip)) {
-        return fail(spec, ISO_FAULT_LINE_MISSING, -ENODEV, "the chip has no such line", fault);
+        return fail_line(spec, ISO_FAULT_LINE_MISSING, -ENODEV, "the chip has no such line", fault);
     }
     line->line = gpiod_chip_get_line(line->chip, spec->offset);
     return line->line ? 0 : fail_call(spec, error_of(errno), fault);
@@ -139,16 +140,16 @@ static int find_by_name(const struct iso_gpio_spec *spec, struct iso_gpio_line *
         return fail_call(spec, error_of(errno), fault);
     }
     if (found > 1) {
-        return fail(spec, ISO_FAULT_OPTION_WRONG, -EINVAL,
-                    "more than one line has this name: use CHIP:OFFSET", fault);
+        return fail_line(spec, ISO_FAULT_OPTION_WRONG, -EINVAL,
+                         "more than one line has this name: use CHIP:OFFSET", fault);
     }
     if (found == 0 && denied) {
-        return fail(spec, ISO_FAULT_LINE_DENIED, -EACCES,
-                    "not found, and not all GPIO chips may be opened", fault);
+        return fail_line(spec, ISO_FAULT_LINE_DENIED, -EACCES,
+                         "not found, and not all GPIO chips may be opened", fault);
     }
-    return found
-               ? 0
-               : fail(spec, ISO_FAULT_LINE_MISSING, -ENODEV, "no GPIO chip has such a line", fault);
+    return found ? 0
+                 : fail_line(spec, ISO_FAULT_LINE_MISSING, -ENODEV, "no GPIO chip has such a line",
+                             fault);
 }
 
 /* ---- claiming it ---- */
@@ -170,8 +171,8 @@ static int flags_of(const struct iso_gpio_spec *spec)
            (spec->active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0);
 }
 
-static int claim(const struct iso_gpio_spec *spec, int type, bool active,
-                 struct iso_gpio_line *line, struct iso_fault *fault)
+static int claim_line(const struct iso_gpio_spec *spec, int type, bool active,
+                      struct iso_gpio_line *line, struct iso_fault *fault)
 {
     const struct gpiod_line_request_config config = {
         .consumer = consumer,
@@ -189,7 +190,7 @@ static int claim(const struct iso_gpio_spec *spec, int type, bool active,
     } else {
         (void)snprintf(what, sizeof what, "%s", strerror(-error));
     }
-    return fail(spec, iso_gpio_fault_code(error), error, what, fault);
+    return fail_line(spec, iso_gpio_fault_code(error), error, what, fault);
 }
 
 static int open_line(const struct iso_gpio_spec *spec, int type, bool active,
@@ -197,12 +198,12 @@ static int open_line(const struct iso_gpio_spec *spec, int type, bool active,
 {
     struct iso_gpio_line *line = calloc(1, sizeof *line);
     if (!line) {
-        return fail(spec, ISO_FAULT_OUT_OF_MEMORY, -ENOMEM, "out of memory", fault);
+        return fail_line(spec, ISO_FAULT_OUT_OF_MEMORY, -ENOMEM, "out of memory", fault);
     }
     line->fd = -1;
     int error = *spec->chip ? find_by_offset(spec, line, fault) : find_by_name(spec, line, fault);
     if (!error) {
-        error = claim(spec, type, active, line, fault);
+        error = claim_line(spec, type, active, line, fault);
     }
     if (!error && type == GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES) {
         line->fd = gpiod_line_event_get_fd(line->line);

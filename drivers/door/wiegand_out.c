@@ -44,7 +44,7 @@ static void spin_until(int64_t t_ns)
     }
 }
 
-static void widen(int64_t *min_ns, int64_t *max_ns, int64_t ns)
+static void widen_range(int64_t *min_ns, int64_t *max_ns, int64_t ns)
 {
     *min_ns = *min_ns == 0 || ns < *min_ns ? ns : *min_ns;
     *max_ns = ns > *max_ns ? ns : *max_ns;
@@ -61,7 +61,7 @@ static int send_pulse(const struct iso_wiegand_lines *lines, int line, int64_t *
     const int rest_error = lines->set(lines->context, line, false);
     if (!error && !rest_error) {
         report->pulses++;
-        widen(&report->pulse_min_ns, &report->pulse_max_ns, clock_ns() - *begin_ns);
+        widen_range(&report->pulse_min_ns, &report->pulse_max_ns, clock_ns() - *begin_ns);
     }
     return error ? error : rest_error;
 }
@@ -90,7 +90,7 @@ static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
             return error;
         }
         if (before_ns) {
-            widen(&report->interval_min_ns, &report->interval_max_ns, begin_ns - before_ns);
+            widen_range(&report->interval_min_ns, &report->interval_max_ns, begin_ns - before_ns);
         }
         before_ns = begin_ns;
         due_ns = begin_ns + ISO_WIEGAND_INTERVAL_NS;
@@ -100,7 +100,7 @@ static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
     return 0;
 }
 
-static void *run(void *context)
+static void *run_sender(void *context)
 {
     struct iso_wiegand_out *out = context;
     iso_thread_set_name("isothermd-card");
@@ -136,7 +136,7 @@ int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegan
     new->lines = *lines;
     iso_thread_mutex_init(&new->mutex);
     (void)pthread_cond_init(&new->changed, NULL);
-    const int error = iso_thread_start_realtime(&new->thread, run, new, ISO_WIEGAND_PRIORITY,
+    const int error = iso_thread_start_realtime(&new->thread, run_sender, new, ISO_WIEGAND_PRIORITY,
                                                 &new->report.realtime);
     if (error) {
         free(new);

@@ -42,7 +42,7 @@ int iso_file_fault(const char *path, int error, struct iso_fault *fault)
     return iso_fault_set_code(fault, code_of(error), error, "%s: %s", path, strerror(-error));
 }
 
-static int refuse(const char *path, int error, const char *what, struct iso_fault *fault)
+static int refuse_kind(const char *path, int error, const char *what, struct iso_fault *fault)
 {
     return iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, error, "%s: is %s, not a file", path,
                               what);
@@ -55,15 +55,15 @@ static int check_status(const char *path, const struct stat *status, uint64_t ma
     case S_IFREG:
         break;
     case S_IFDIR:
-        return refuse(path, -EISDIR, "a directory", fault);
+        return refuse_kind(path, -EISDIR, "a directory", fault);
     case S_IFLNK:
-        return refuse(path, -ELOOP, "a symbolic link", fault);
+        return refuse_kind(path, -ELOOP, "a symbolic link", fault);
     case S_IFIFO:
-        return refuse(path, -EMEDIUMTYPE, "a FIFO", fault);
+        return refuse_kind(path, -EMEDIUMTYPE, "a FIFO", fault);
     case S_IFSOCK:
-        return refuse(path, -EMEDIUMTYPE, "a socket", fault);
+        return refuse_kind(path, -EMEDIUMTYPE, "a socket", fault);
     default:
-        return refuse(path, -EMEDIUMTYPE, "a device", fault);
+        return refuse_kind(path, -EMEDIUMTYPE, "a device", fault);
     }
     return (uint64_t)status->st_size > max_bytes
                ? iso_fault_set_code(fault, ISO_FAULT_FILE_UNFIT, -EFBIG,

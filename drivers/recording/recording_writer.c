@@ -127,7 +127,7 @@ static int write_ini(const struct sim_recording_writer *writer, struct iso_fault
     return error ? error : close_error;
 }
 
-static int prepare(struct sim_recording_writer *writer, struct iso_fault *fault)
+static int prepare_directory(struct sim_recording_writer *writer, struct iso_fault *fault)
 {
     int error = claim_directory(writer->directory, fault);
     if (!error) {
@@ -169,7 +169,7 @@ int sim_recording_writer_create(const char *directory, const struct iso_recordin
     if (!writer || !writer->directory || !writer->counts) {
         (void)iso_fault_set(fault, -ENOMEM, "%s: out of memory", directory);
     } else {
-        error = prepare(writer, fault);
+        error = prepare_directory(writer, fault);
     }
     if (error) {
         sim_recording_writer_free(writer);

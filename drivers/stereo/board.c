@@ -62,7 +62,7 @@ static size_t corners_of(const struct iso_board_views *views)
     return (size_t)views->board.columns * (size_t)views->board.rows;
 }
 
-static int reserve(struct iso_board_views *views)
+static int reserve_view(struct iso_board_views *views)
 {
     if (views->n_pairs < views->capacity) {
         return 0;
@@ -84,7 +84,7 @@ int iso_board_views_add(struct iso_board_views *views, const uint8_t *left, cons
 {
     const struct iso_board *board = &views->board;
     const uint8_t *const images[ISO_EYES] = {left, right};
-    int error = reserve(views);
+    int error = reserve_view(views);
     for (int eye = 0; !error && eye < ISO_EYES; eye++) {
         error = iso_board_opencv_find(
             images[eye], views->width_px, views->height_px, board->columns, board->rows,
@@ -110,9 +110,9 @@ static struct iso_camera camera_of(const struct iso_board_views *views,
                                .p2 = found->p2};
 }
 
-static void convert(const struct iso_board_views *views,
-                    const struct iso_board_opencv_solution *found,
-                    struct iso_stereo_calibration *out)
+static void convert_solution(const struct iso_board_views *views,
+                             const struct iso_board_opencv_solution *found,
+                             struct iso_stereo_calibration *out)
 {
     *out = (struct iso_stereo_calibration){.pairs = views->n_pairs, .rms_px = found->rms_px};
     for (int eye = 0; eye < ISO_EYES; eye++) {
@@ -158,7 +158,7 @@ int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void
         return iso_fault_set(fault, error, "calibration: %s",
                              error == -ENOMEM ? "out of memory" : "the solver gave up");
     }
-    convert(views, &found, &calibration);
+    convert_solution(views, &found, &calibration);
     if (iso_stereo_calibration_check(&calibration, &what)) {
         return iso_fault_set(fault, -ENODATA, "calibration: %s", what);
     }
@@ -179,7 +179,7 @@ static const double rms_max_px = 1.0;
 
 int iso_board_views_add_single(struct iso_board_views *views, const uint8_t *image)
 {
-    int error = reserve(views);
+    int error = reserve_view(views);
     if (!error) {
         error = iso_board_opencv_find(
             image, views->width_px, views->height_px, views->board.columns, views->board.rows,
@@ -220,7 +220,7 @@ static int count_different(const struct iso_board_views *views)
 }
 
 /* The share of the picture's width (axis 0) or height (1) over which corners were seen. */
-static double cover(const struct iso_board_views *views, int axis)
+static double cover_picture(const struct iso_board_views *views, int axis)
 {
     const float(*corner)[2] = corners_at(views, 0);
     float low = corner[0][axis], high = low;
@@ -248,7 +248,7 @@ static int check_views(const struct iso_board_views *views, struct iso_fault *fa
                              different, views->n_pairs, ISO_BOARD_VIEWS_MIN);
     }
     for (int axis = 0; axis < 2; axis++) {
-        const double share = cover(views, axis);
+        const double share = cover_picture(views, axis);
         if (share < cover_share) {
             return iso_fault_set(fault, -ENODATA,
                                  "calibration: the board was seen over %.0f %% of the picture's "

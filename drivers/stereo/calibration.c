@@ -140,7 +140,8 @@ int iso_stereo_calibration_check(const struct iso_stereo_calibration *calibratio
 /* ---- reading ---- */
 
 /* Every key was there, and together they make sense. */
-static int finish(const char *name, uint64_t seen, struct parse *parse, struct iso_fault *fault)
+static int check_calibration(const char *name, uint64_t seen, struct parse *parse,
+                             struct iso_fault *fault)
 {
     struct iso_stereo_calibration *c = &parse->calibration;
     const char *what = "";
@@ -171,7 +172,7 @@ int iso_stereo_calibration_parse(const char *name, const char *text,
     uint64_t seen = 0;
     int error = iso_ini_read(name, text, keys, KEYS, &parse, &seen, fault);
     if (!error) {
-        error = finish(name, seen, &parse, fault);
+        error = check_calibration(name, seen, &parse, fault);
     }
     if (!error) {
         *out = parse.calibration;
@@ -204,7 +205,7 @@ static struct iso_vec3 turn_of(const struct iso_mat3 *a)
     return iso_scale(sine > 1e-12 ? angle / (2.0 * sine) : 0.5, twice_sine);
 }
 
-static void print(FILE *file, const struct iso_stereo_calibration *calibration)
+static void print_calibration(FILE *file, const struct iso_stereo_calibration *calibration)
 {
     struct parse out = {.calibration = *calibration,
                         .turn_rad = turn_of(&calibration->right_from_left.rotation),
@@ -244,7 +245,7 @@ int iso_stereo_calibration_write(const char *path, const struct iso_stereo_calib
     if (!file) {
         return iso_fault_set(fault, -errno, "%s: %m", path);
     }
-    print(file, calibration);
+    print_calibration(file, calibration);
     bool good = !ferror(file);
     if (fclose(file) != 0 || !good) {
         int error = errno ? -errno : -EIO;

@@ -68,7 +68,7 @@ void iso_refine_free(struct iso_refine *refine)
 
 /* ---- warping ---------------------------------------------------------------- */
 
-static int clamped(int i, int last)
+static int clamp_index(int i, int last)
 {
     if (i < 0) {
         return 0;
@@ -91,7 +91,7 @@ static void interpolate_rows(struct iso_refine *r, const uint8_t *right)
         for (int i = 0; i < r->width; i++) {
             float around[4];
             for (int k = 0; k < 4; k++) {
-                around[k] = (float)in[clamped(i + k - 1, r->width - 1)] - 128.0f;
+                around[k] = (float)in[clamp_index(i + k - 1, r->width - 1)] - 128.0f;
             }
             for (int f = 0; f < FINE; f++) {
                 out[i * FINE + f] = taps[f][0] * around[0] + taps[f][1] * around[1] +
@@ -102,7 +102,7 @@ static void interpolate_rows(struct iso_refine *r, const uint8_t *right)
 }
 
 /* The right image and its derivative as the left camera would see them. */
-static void warp(struct iso_refine *r, const float *disparity_px)
+static void warp_right(struct iso_refine *r, const float *disparity_px)
 {
     float last = (float)(r->width - 1) - 1.0f / FINE;
     size_t i = 0;
@@ -126,7 +126,7 @@ static void warp(struct iso_refine *r, const float *disparity_px)
 
 /* ---- windows ---------------------------------------------------------------- */
 
-static void add(struct sums *to, double sign, const struct sums *what)
+static void add_sums(struct sums *to, double sign, const struct sums *what)
 {
     double *a = (double *)to;
     const double *b = (const double *)what;
@@ -146,14 +146,14 @@ static void add_row(struct iso_refine *r, const uint8_t *left, int row, double s
         }
         double l = (double)left[i] - 128.0, w = (double)r->warped[i], g = (double)r->slope[i];
         struct sums pixel = {1.0, l, w, g, l * l, l * w, l * g, w * w, w * g, g * g};
-        add(&r->columns[column], sign, &pixel);
+        add_sums(&r->columns[column], sign, &pixel);
     }
 }
 
 /* What the regression says: the step, and the correlation of L and W; false if the window is too
  * empty or too even to say anything. */
-static bool solve(const struct iso_refine *r, const struct sums *s, double *step_px,
-                  double *correlation)
+static bool solve_window(const struct iso_refine *r, const struct sums *s, double *step_px,
+                         double *correlation)
 {
     double area = r->options.window_px * r->options.window_px, n = s->n;
     double least = r->options.contrast_min * r->options.contrast_min;
@@ -179,19 +179,19 @@ static void step_row(struct iso_refine *r, int row, float *disparity_px, float *
     int radius = r->options.window_px / 2;
     struct sums window = {0};
     for (int k = 0; k < radius && k < r->width; k++) {
-        add(&window, 1.0, &r->columns[k]);
+        add_sums(&window, 1.0, &r->columns[k]);
     }
     for (int column = 0; column < r->width; column++) {
         size_t i = (size_t)row * (size_t)r->width + (size_t)column;
         double step_px, correlation;
         if (column + radius < r->width) {
-            add(&window, 1.0, &r->columns[column + radius]);
+            add_sums(&window, 1.0, &r->columns[column + radius]);
         }
         if (column > radius) {
-            add(&window, -1.0, &r->columns[column - radius - 1]);
+            add_sums(&window, -1.0, &r->columns[column - radius - 1]);
         }
         confidence[i] = 0.0f;
-        if (!isnan(r->slope[i]) && solve(r, &window, &step_px, &correlation) &&
+        if (!isnan(r->slope[i]) && solve_window(r, &window, &step_px, &correlation) &&
             fabs(step_px) <= r->options.step_max_px) {
             disparity_px[i] += (float)step_px;
             confidence[i] = (float)correlation;
@@ -199,10 +199,11 @@ static void step_row(struct iso_refine *r, int row, float *disparity_px, float *
     }
 }
 
-static void step(struct iso_refine *r, const uint8_t *left, float *disparity_px, float *confidence)
+static void step_disparity(struct iso_refine *r, const uint8_t *left, float *disparity_px,
+                           float *confidence)
 {
     int radius = r->options.window_px / 2;
-    warp(r, disparity_px);
+    warp_right(r, disparity_px);
     memset(r->columns, 0, (size_t)r->width * sizeof *r->columns);
     for (int row = 0; row < radius && row < r->height; row++) {
         add_row(r, left, row, 1.0);
@@ -240,7 +241,7 @@ static void smooth_line(const float *in, const float *confidence, int n, size_t 
     }
 }
 
-static void smooth(struct iso_refine *r, const float *confidence, float *disparity_px)
+static void smooth_disparity(struct iso_refine *r, const float *confidence, float *disparity_px)
 {
     size_t width = (size_t)r->width;
     float *scratch = r->warped; /* until the next step */
@@ -260,7 +261,7 @@ void iso_refine_run(struct iso_refine *refine, const uint8_t *left, const uint8_
 {
     interpolate_rows(refine, right);
     for (int i = 0; i < refine->options.iterations; i++) {
-        step(refine, left, disparity_px, confidence);
-        smooth(refine, confidence, disparity_px);
+        step_disparity(refine, left, disparity_px, confidence);
+        smooth_disparity(refine, confidence, disparity_px);
     }
 }

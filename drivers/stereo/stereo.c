@@ -33,7 +33,7 @@ struct iso_stereo_options iso_stereo_options_default(void)
 
 /* ---- making ----------------------------------------------------------------- */
 
-static int allocate(struct iso_stereo *s)
+static int allocate_planes(struct iso_stereo *s)
 {
     size_t n = s->n_pixels;
     s->rectified[ISO_EYE_LEFT] = malloc(n);
@@ -74,7 +74,7 @@ static int make_matcher(struct iso_stereo *s, const struct iso_stereo_calibratio
     return error;
 }
 
-static int make(struct iso_stereo *s, const struct iso_stereo_calibration *calibration)
+static int make_stages(struct iso_stereo *s, const struct iso_stereo_calibration *calibration)
 {
     const struct iso_camera *camera = &s->rectification.camera;
     struct iso_refine_options refine = {.window_px = s->options.window_px,
@@ -82,7 +82,7 @@ static int make(struct iso_stereo *s, const struct iso_stereo_calibration *calib
                                         .iterations = 2,
                                         .step_max_px = 1.0,
                                         .contrast_min = 1.5};
-    int error = allocate(s);
+    int error = allocate_planes(s);
     if (!error) {
         error = make_matcher(s, calibration);
     }
@@ -141,7 +141,7 @@ int iso_stereo_new(const struct iso_stereo_calibration *calibration,
     stereo->options = *options;
     stereo->n_pixels = (size_t)stereo->rectification.camera.width_px *
                        (size_t)stereo->rectification.camera.height_px;
-    error = make(stereo, calibration);
+    error = make_stages(stereo, calibration);
     if (error) {
         iso_stereo_free(stereo);
         return iso_fault_set(fault, error, "stereo: the matcher cannot be made: %s",
@@ -174,7 +174,7 @@ const struct iso_rectification *iso_stereo_rectification(const struct iso_stereo
 /* ---- frames ----------------------------------------------------------------- */
 
 /* Whether two neighbouring disparities are there and of different surfaces. */
-static bool differs(float a, float b)
+static bool surfaces_differ(float a, float b)
 {
     return a > 0.0f && b > 0.0f && fabsf(a - b) > jump_px;
 }
@@ -211,10 +211,11 @@ static void drop_outlines(struct iso_stereo *s)
             size_t i = (size_t)row * (size_t)width + (size_t)column;
             float own = s->disparity_px[i];
             const size_t reach = OUTLINE_PX, down = OUTLINE_PX * (size_t)width;
-            bool jump = (column >= OUTLINE_PX && differs(own, s->disparity_px[i - reach])) ||
-                        (column < width - OUTLINE_PX && differs(own, s->disparity_px[i + reach])) ||
-                        (row >= OUTLINE_PX && differs(own, s->disparity_px[i - down])) ||
-                        (row < height - OUTLINE_PX && differs(own, s->disparity_px[i + down]));
+            bool jump =
+                (column >= OUTLINE_PX && surfaces_differ(own, s->disparity_px[i - reach])) ||
+                (column < width - OUTLINE_PX && surfaces_differ(own, s->disparity_px[i + reach])) ||
+                (row >= OUTLINE_PX && surfaces_differ(own, s->disparity_px[i - down])) ||
+                (row < height - OUTLINE_PX && surfaces_differ(own, s->disparity_px[i + down]));
             s->confidence[i] = jump ? 0.0f : s->confidence[i];
         }
     }

@@ -38,7 +38,7 @@ static int64_t system_now_ns(void *context)
     return now.tv_sec * second_ns + now.tv_nsec;
 }
 
-static void erase(struct iso_progress *progress)
+static void erase_bar(struct iso_progress *progress)
 {
     if (progress->drawn) {
         fputs("\r\033[K", progress->terminal.out);
@@ -149,7 +149,7 @@ void iso_progress_pause(struct iso_progress *progress)
 {
     if (progress) {
         pthread_mutex_lock(&progress->lock);
-        erase(progress);
+        erase_bar(progress);
     }
 }
 
@@ -189,7 +189,7 @@ void iso_progress_end(struct iso_progress *progress)
     if (progress->ticking) {
         stop_ticking(progress);
     }
-    erase(progress);
+    erase_bar(progress);
     if (progress->line_ns != first_line_ns) {
         const int64_t elapsed_ns = iso_clock_now_ns(&progress->clock) - progress->started_ns;
         iso_duration_text(elapsed_ns / second_ns, duration);

@@ -57,7 +57,7 @@ struct window {
     int left, top, right, bottom; /* the last two are outside */
 };
 
-static int clamp(double value, int last)
+static int clamp_value(double value, int last)
 {
     if (value < 0.0) {
         return 0;
@@ -78,10 +78,10 @@ static struct window window_about(const struct iso_frame *frame, struct iso_vec3
     u -= frame->crop_x_px;
     v -= frame->crop_y_px;
     return (struct window){
-        .left = clamp(u - radius_px, frame->width_px),
-        .top = clamp(v - radius_px, frame->height_px),
-        .right = clamp(u + radius_px + 1.0, frame->width_px),
-        .bottom = clamp(v + radius_px + 1.0, frame->height_px),
+        .left = clamp_value(u - radius_px, frame->width_px),
+        .top = clamp_value(v - radius_px, frame->height_px),
+        .right = clamp_value(u + radius_px + 1.0, frame->width_px),
+        .bottom = clamp_value(v + radius_px + 1.0, frame->height_px),
     };
 }
 
@@ -103,8 +103,8 @@ static void gather_surface(struct iso_face_chip *chip, const struct iso_frame *f
 
 /* The mean of a cell's neighbours that were filled before step `before`, weighed 2 : 1 for edges
  * and corners. Returns the sum of the weights; 0: there is none. */
-static int neighbours(const struct iso_face_chip *chip, const uint8_t *step, int column, int row,
-                      int before, double *mean)
+static int mean_of_neighbours(const struct iso_face_chip *chip, const uint8_t *step, int column,
+                              int row, int before, double *mean)
 {
     double sum = 0.0;
     int weight = 0;
@@ -134,7 +134,7 @@ static void fill_surface(struct iso_face_chip *chip, uint8_t step[CELLS * CELLS]
     for (int k = 1; k <= FILL_STEPS; k++) {
         for (int i = 0; i < CELLS * CELLS; i++) {
             double mean;
-            if (step[i] > k && neighbours(chip, step, i % CELLS, i / CELLS, k, &mean) > 0) {
+            if (step[i] > k && mean_of_neighbours(chip, step, i % CELLS, i / CELLS, k, &mean) > 0) {
                 chip->surface_mm[i] = (float)mean;
                 step[i] = (uint8_t)k;
             }
@@ -148,7 +148,7 @@ static void smooth_surface(struct iso_face_chip *chip, const uint8_t step[CELLS 
     for (int i = 0; i < CELLS * CELLS; i++) {
         double mean;
         if (step[i] <= FILL_STEPS &&
-            neighbours(chip, step, i % CELLS, i / CELLS, FILL_STEPS + 1, &mean) > 0) {
+            mean_of_neighbours(chip, step, i % CELLS, i / CELLS, FILL_STEPS + 1, &mean) > 0) {
             chip->surface_mm[i] = (float)(0.5 * ((double)chip->surface_mm[i] + mean));
         }
     }
@@ -186,7 +186,7 @@ static int clamp_index(int i, int last)
     return i > last ? last : i;
 }
 
-static double sample(const struct iso_frame *frame, int column, int row)
+static double sample_intensity(const struct iso_frame *frame, int column, int row)
 {
     const int c = clamp_index(column, frame->width_px - 1);
     const int r = clamp_index(row, frame->height_px - 1);
@@ -200,14 +200,16 @@ static double intensity_at(const struct iso_frame *frame, double u, double v, in
     if (window == 1) {
         const int c = (int)floor(u), r = (int)floor(v);
         const double fx = u - c, fy = v - r;
-        return (1.0 - fy) * ((1.0 - fx) * sample(frame, c, r) + fx * sample(frame, c + 1, r)) +
-               fy * ((1.0 - fx) * sample(frame, c, r + 1) + fx * sample(frame, c + 1, r + 1));
+        return (1.0 - fy) * ((1.0 - fx) * sample_intensity(frame, c, r) +
+                             fx * sample_intensity(frame, c + 1, r)) +
+               fy * ((1.0 - fx) * sample_intensity(frame, c, r + 1) +
+                     fx * sample_intensity(frame, c + 1, r + 1));
     }
     const int left = (int)floor(u - 0.5 * window + 1.0), top = (int)floor(v - 0.5 * window + 1.0);
     double sum = 0.0;
     for (int r = top; r < top + window; r++) {
         for (int c = left; c < left + window; c++) {
-            sum += sample(frame, c, r);
+            sum += sample_intensity(frame, c, r);
         }
     }
     return sum / (window * window);
@@ -274,13 +276,13 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double median(float *values, int n)
+static double median_value(float *values, int n)
 {
     qsort(values, (size_t)n, sizeof *values, by_value);
     return (double)values[n / 2];
 }
 
-static double grain(const uint8_t *picture)
+static double measure_grain(const uint8_t *picture)
 {
     double difference = 0.0, sum = 0.0;
     for (int row = 0; row < SIDE; row++) {
@@ -296,11 +298,11 @@ static double grain(const uint8_t *picture)
     return sum > 0.0 ? difference / sum : 0.0;
 }
 
-static void develop(struct iso_face_chip *chip, double light_of_middle)
+static void develop_picture(struct iso_face_chip *chip, double light_of_middle)
 {
     const double gain = light_of_middle > 0.0 ? middle_grey / light_of_middle : 0.0;
     for (int i = 0; i < SIDE * SIDE; i++) {
-        chip->picture[i] = (uint8_t)clamp(nearbyint(gain * (double)chip->light[i]), 255);
+        chip->picture[i] = (uint8_t)clamp_value(nearbyint(gain * (double)chip->light[i]), 255);
     }
 }
 
@@ -319,8 +321,8 @@ int iso_face_chip_draw(struct iso_face_chip *chip, const struct iso_frame *frame
     }
     chip->measured = measured;
     chip->saturated = middle.saturated / (double)middle.n;
-    chip->level = median(middle.level, middle.n);
-    develop(chip, median(middle.light, middle.n));
-    chip->grain = grain(chip->picture);
+    chip->level = median_value(middle.level, middle.n);
+    develop_picture(chip, median_value(middle.light, middle.n));
+    chip->grain = measure_grain(chip->picture);
     return 0;
 }

@@ -86,7 +86,7 @@ static void what_no_file_can_hold_is_refused(void **state)
     assert_non_null(strstr(fault.text, "too long"));
 }
 
-static char *compose(const char *board_text, const char *sensor, const char *old_text)
+static char *compose_text(const char *board_text, const char *sensor, const char *old_text)
 {
     struct cli_fault fault = {0};
     struct cli_sensor_word word;
@@ -101,7 +101,7 @@ static char *compose(const char *board_text, const char *sensor, const char *old
 static void expect_composed(const char *board_text, const char *sensor, const char *old_text,
                             const char *expected)
 {
-    char *text = compose(board_text, sensor, old_text);
+    char *text = compose_text(board_text, sensor, old_text);
 
     assert_string_equal(text, expected);
     free(text);
@@ -169,7 +169,8 @@ static void every_composition_is_sound(void **state)
                        boards.items[i / COUNT(sensors)].name);
         char *board_text = cli_text_file_read(path, NULL);
         assert_non_null(board_text);
-        char *text = compose(board_text, sensor, NULL), *again = compose(board_text, sensor, text);
+        char *text = compose_text(board_text, sensor, NULL),
+             *again = compose_text(board_text, sensor, text);
         if (cli_setup_check(&places, beside, text, &fault)) {
             fail_msg("%s with %s: %s\n%s", path, sensor, fault.text, text);
         }

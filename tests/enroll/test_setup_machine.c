@@ -95,7 +95,7 @@ static void a_programs_words_are_kept(void **state)
 
 /* ---- what there is ---- */
 
-static void put(const char *root, const char *path, const char *text)
+static void put_file(const char *root, const char *path, const char *text)
 {
     char copy[512];
 
@@ -120,13 +120,13 @@ static struct cli_setup_places make_machine(const char *root)
         .dev = scratch_path(root, "dev"),
     };
 
-    put(root, "dev/video4", "");
-    put(root, "dev/video6", "");
-    put(root, "dev/v4l/by-path/x", "");
-    put(root, "sys/bus/usb/devices/1-2/idVendor", "8086\n");
-    put(root, "sys/bus/usb/devices/1-2/idProduct", "0b07\n");
-    put(root, "sys/bus/usb/devices/1-2/1-2:1.0/modalias", "");
-    put(root, "sys/class/video4linux/video4/name", "");
+    put_file(root, "dev/video4", "");
+    put_file(root, "dev/video6", "");
+    put_file(root, "dev/v4l/by-path/x", "");
+    put_file(root, "sys/bus/usb/devices/1-2/idVendor", "8086\n");
+    put_file(root, "sys/bus/usb/devices/1-2/idProduct", "0b07\n");
+    put_file(root, "sys/bus/usb/devices/1-2/1-2:1.0/modalias", "");
+    put_file(root, "sys/class/video4linux/video4/name", "");
     assert_int_equal(symlink("../../../bus/usb/devices/1-2/1-2:1.0",
                              scratch_path(root, "sys/class/video4linux/video4/device")),
                      0);
@@ -161,10 +161,10 @@ static void the_description_of_a_camera_is_found_by_its_usb_id(void **state)
 
     cli_cameras_list(&places, &cameras);
     assert_int_equal(cameras.n, 0);
-    put(*state, "cameras/D435.ini", "[depth]\n");
-    put(*state, "cameras/D435i.ini", "[depth]\n");
-    put(*state, "cameras/other.ini", "# USB id 1d27:0601\n[depth]\n");
-    put(*state, "cameras/README", "8086:0b07");
+    put_file(*state, "cameras/D435.ini", "[depth]\n");
+    put_file(*state, "cameras/D435i.ini", "[depth]\n");
+    put_file(*state, "cameras/other.ini", "# USB id 1d27:0601\n[depth]\n");
+    put_file(*state, "cameras/README", "8086:0b07");
     cli_cameras_list(&places, &cameras);
     assert_int_equal(cameras.n, 3);
     assert_string_equal(cli_cameras_find(&cameras, "8086:0b07"),
@@ -240,16 +240,16 @@ static void a_board_is_recognised_by_what_the_machine_says(void **state)
     const struct cli_setup_places places = make_machine(*state);
 
     assert_string_equal(only_board_here(&places), "none");
-    put(*state, "sys/bus/usb/devices/1-3/idVendor", "10c4\n");
-    put(*state, "sys/bus/usb/devices/1-3/idProduct", "ea90\n");
+    put_file(*state, "sys/bus/usb/devices/1-3/idVendor", "10c4\n");
+    put_file(*state, "sys/bus/usb/devices/1-3/idProduct", "ea90\n");
     assert_string_equal(only_board_here(&places), "pc-usb");
-    put(*state, "sys/bus/usb/devices/1-3/idProduct", "ea60\n");
-    put(*state, "sys/class/dmi/id/sys_vendor", "QEMU\n");
+    put_file(*state, "sys/bus/usb/devices/1-3/idProduct", "ea60\n");
+    put_file(*state, "sys/class/dmi/id/sys_vendor", "QEMU\n");
     assert_string_equal(only_board_here(&places), "qemu");
-    put(*state, "sys/class/dmi/id/sys_vendor", "Not QEMU\n");
-    put(*state, "sys/firmware/devicetree/base/model", "Raspberry Pi 5 Model B Rev 1.0");
+    put_file(*state, "sys/class/dmi/id/sys_vendor", "Not QEMU\n");
+    put_file(*state, "sys/firmware/devicetree/base/model", "Raspberry Pi 5 Model B Rev 1.0");
     assert_string_equal(only_board_here(&places), "raspberry-pi-5");
-    put(*state, "sys/firmware/devicetree/base/model", "Radxa ROCK 5B");
+    put_file(*state, "sys/firmware/devicetree/base/model", "Radxa ROCK 5B");
     assert_string_equal(only_board_here(&places), "rock-5b");
 }
 

@@ -122,7 +122,7 @@ static const char *name_at(const char *at)
 
 /* Every option of `help`, but for those that `common` has, stands in the forms of the command; and
  * every option that stands there is one of `help`. Returns how many there are. */
-static size_t compare(const char *command, const char *help, const char *common)
+static size_t compare_pages(const char *command, const char *help, const char *common)
 {
     size_t count = 0;
 
@@ -167,7 +167,7 @@ static size_t for_each_command(const char *program, const char *common,
 static size_t look_at_command(const char *program, const char *command, const char *common)
 {
     char *help = help_of(program, command);
-    const size_t count = compare(command, help, common);
+    const size_t count = compare_pages(command, help, common);
 
     free(help);
     return count;
@@ -179,7 +179,7 @@ static void the_synopsis_of_isotherm_is_complete(void **state)
 
     (void)state;
     read_synopsis(MANUAL "isotherm.1");
-    assert_int_equal(compare("", common, NULL), 5);
+    assert_int_equal(compare_pages("", common, NULL), 5);
     assert_true(for_each_command(isotherm, common, look_at_command) > 80);
     free(common);
 }
@@ -223,7 +223,7 @@ static void the_synopsis_of_the_daemon_is_complete(void **state)
 
     (void)state;
     read_synopsis(MANUAL "isothermd.8");
-    assert_true(compare("", help, NULL) >= 8);
+    assert_true(compare_pages("", help, NULL) >= 8);
     free(help);
 }
 

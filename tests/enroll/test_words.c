@@ -141,7 +141,8 @@ static void dates_are_written(void **state)
 }
 
 /* Parses a line of words; the program's name is put before them. */
-static enum cli_exit parse(const char *line, struct cli_arguments *out, struct cli_fault *fault)
+static enum cli_exit parse_line(const char *line, struct cli_arguments *out,
+                                struct cli_fault *fault)
 {
     static char copy[256];
     char *argv[16] = {(char[]){"isotherm"}};
@@ -165,18 +166,18 @@ static void options_stand_anywhere(void **state)
 
     (void)state;
     for (size_t i = 0; i < COUNT(lines); i++) {
-        assert_int_equal(parse(lines[i], &arguments, &fault), CLI_EXIT_OK);
+        assert_int_equal(parse_line(lines[i], &arguments, &fault), CLI_EXIT_OK);
         assert_int_equal(arguments.verb, CLI_VERIFY);
         assert_string_equal(arguments.person, "anna");
         assert_string_equal(arguments.bus.address, "x");
         assert_true(arguments.json);
         assert_true(arguments.timeout_s == 2.5);
     }
-    assert_int_equal(parse("log -n 7 --follow --from 9", &arguments, &fault), CLI_EXIT_OK);
+    assert_int_equal(parse_line("log -n 7 --follow --from 9", &arguments, &fault), CLI_EXIT_OK);
     assert_int_equal(arguments.count, 7);
     assert_int_equal(arguments.from, 9);
     assert_true(arguments.follow);
-    assert_int_equal(parse("verify -- --json", &arguments, &fault), CLI_EXIT_OK);
+    assert_int_equal(parse_line("verify -- --json", &arguments, &fault), CLI_EXIT_OK);
     assert_string_equal(arguments.person, "--json");
     assert_false(arguments.json);
 }
@@ -236,7 +237,7 @@ static void what_is_wrong_on_the_command_line_is_named(void **state)
 
     (void)state;
     for (size_t i = 0; i < COUNT(cases); i++) {
-        assert_int_equal(parse(cases[i].line, &arguments, &fault), CLI_EXIT_USAGE);
+        assert_int_equal(parse_line(cases[i].line, &arguments, &fault), CLI_EXIT_USAGE);
         assert_string_equal(fault.code, "usage");
         if (!strstr(fault.text, cases[i].text)) {
             fail_msg("'%s': '%s' is not in '%s'", cases[i].line, cases[i].text, fault.text);

@@ -24,8 +24,8 @@ const char *iso_sensor_state_name(enum iso_sensor_state state)
 /* ---- failures --------------------------------------------------------------- */
 
 /* Notes what went wrong, tells the caller, and knows when the device is gone. */
-static int fail(struct iso_sensor *sensor, int error, const struct iso_fault *reason,
-                struct iso_fault *fault)
+static int fail_call(struct iso_sensor *sensor, int error, const struct iso_fault *reason,
+                     struct iso_fault *fault)
 {
     struct iso_fault text = *reason;
     if (!text.text[0]) {
@@ -41,8 +41,8 @@ static int fail(struct iso_sensor *sensor, int error, const struct iso_fault *re
 }
 
 /* Whether a call that wants `state` is legal now: 0, or -ENODEV, -EBADFD. */
-static int require(const struct iso_sensor *sensor, enum iso_sensor_state state,
-                   struct iso_fault *fault)
+static int require_state(const struct iso_sensor *sensor, enum iso_sensor_state state,
+                         struct iso_fault *fault)
 {
     if (sensor->health.state == state) {
         return 0;
@@ -129,13 +129,13 @@ void iso_sensor_close(struct iso_sensor *sensor)
 int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
 {
     struct iso_fault reason = {.text = ""};
-    int error = require(sensor, ISO_SENSOR_OPEN, fault);
+    int error = require_state(sensor, ISO_SENSOR_OPEN, fault);
     if (error) {
         return error;
     }
     error = sensor->ops->start(sensor->self, &reason);
     if (error) {
-        return fail(sensor, error, &reason, fault);
+        return fail_call(sensor, error, &reason, fault);
     }
     sensor->health.state = ISO_SENSOR_STARTED;
     sensor->has_frame = false;
@@ -145,13 +145,13 @@ int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
 int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault)
 {
     struct iso_fault reason = {.text = ""};
-    int error = require(sensor, ISO_SENSOR_STARTED, fault);
+    int error = require_state(sensor, ISO_SENSOR_STARTED, fault);
     if (error) {
         return error;
     }
     sensor->health.state = ISO_SENSOR_OPEN;
     error = sensor->ops->stop(sensor->self);
-    return error ? fail(sensor, error, &reason, fault) : 0;
+    return error ? fail_call(sensor, error, &reason, fault) : 0;
 }
 
 /* What is wrong with a frame from the back end, or NULL. */
@@ -184,7 +184,7 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
 {
     struct iso_fault reason = {.text = ""};
     const struct iso_frame *fresh = NULL;
-    int error = require(sensor, ISO_SENSOR_STARTED, fault);
+    int error = require_state(sensor, ISO_SENSOR_STARTED, fault);
     if (error) {
         return error;
     }
@@ -194,7 +194,7 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
     }
     if (error) {
         sensor->health.faults++;
-        return fail(sensor, error, &reason, fault);
+        return fail_call(sensor, error, &reason, fault);
     }
     const char *flaw = find_flaw(sensor, fresh);
     if (flaw) {
@@ -202,7 +202,7 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
         (void)iso_fault_set_code(&reason, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
                                  "sensor %s: frame %llu refused: %s", sensor->ops->name,
                                  (unsigned long long)fresh->sequence, flaw);
-        return fail(sensor, -EBADMSG, &reason, fault);
+        return fail_call(sensor, -EBADMSG, &reason, fault);
     }
     count_frame(sensor, fresh);
     *frame = fresh;
@@ -211,7 +211,7 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
 
 int iso_sensor_next_due_ns(struct iso_sensor *sensor, int64_t *due_ns)
 {
-    int error = require(sensor, ISO_SENSOR_STARTED, NULL);
+    int error = require_state(sensor, ISO_SENSOR_STARTED, NULL);
     if (error) {
         return error;
     }

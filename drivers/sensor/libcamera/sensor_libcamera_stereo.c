@@ -28,7 +28,7 @@ struct pair {
 /* ---- a camera as a source --------------------------------------------------- */
 
 /* 0 and -EAGAIN are no faults. */
-static int complain(const struct eye *eye, int error, struct iso_fault *fault)
+static int complain_of_eye(const struct eye *eye, int error, struct iso_fault *fault)
 {
     enum iso_fault_code code = ISO_FAULT_SENSOR_FAILED;
     const char *what = "the stream broke";
@@ -47,7 +47,7 @@ static int complain(const struct eye *eye, int error, struct iso_fault *fault)
 static int eye_start(void *self, struct iso_fault *fault)
 {
     const struct eye *eye = self;
-    return complain(eye, iso_libcamera_start(eye->cameras, eye->index), fault);
+    return complain_of_eye(eye, iso_libcamera_start(eye->cameras, eye->index), fault);
 }
 
 static int eye_stop(void *self)
@@ -82,7 +82,7 @@ static uint32_t format_of(uint32_t fourcc, size_t *bytes)
 static int eye_give_back(void *self, struct iso_fault *fault)
 {
     const struct eye *eye = self;
-    return complain(eye, iso_libcamera_give_back(eye->cameras, eye->index), fault);
+    return complain_of_eye(eye, iso_libcamera_give_back(eye->cameras, eye->index), fault);
 }
 
 static int eye_take(void *self, struct iso_picture *out, struct iso_fault *fault)
@@ -92,14 +92,14 @@ static int eye_take(void *self, struct iso_picture *out, struct iso_fault *fault
     size_t bytes = 0;
     int error = iso_libcamera_take(eye->cameras, eye->index, &picture);
     if (error) {
-        return complain(eye, error, fault);
+        return complain_of_eye(eye, error, fault);
     }
     uint32_t format = format_of(picture.fourcc, &bytes);
     size_t row = bytes * (size_t)picture.width_px;
     if (!format || picture.stride_bytes < row ||
         picture.size_bytes < picture.stride_bytes * ((size_t)picture.height_px - 1) + row) {
         error = eye_give_back(self, fault);
-        return error ? error : complain(eye, -EBADMSG, fault);
+        return error ? error : complain_of_eye(eye, -EBADMSG, fault);
     }
     *out = (struct iso_picture){.bytes = picture.bytes,
                                 .stride_bytes = picture.stride_bytes,
@@ -232,7 +232,7 @@ struct visit {
     void *context;
 };
 
-static void tell(const char *id, const char *model, void *context)
+static void visit_camera(const char *id, const char *model, void *context)
 {
     const struct visit *visit = context;
     struct iso_sensor_device device = {.depth = false};
@@ -248,7 +248,7 @@ static int pair_probe(iso_sensor_visitor *visit, void *context, struct iso_fault
     if (error) {
         return error;
     }
-    return iso_libcamera_list(tell, &told)
+    return iso_libcamera_list(visit_camera, &told)
                ? iso_fault_set(fault, -EIO, "%s: libcamera cannot be asked", owner)
                : 0;
 }

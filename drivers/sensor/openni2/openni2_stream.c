@@ -8,21 +8,22 @@
 
 static const char owner[] = "sensor openni2";
 
-static int get(OniStreamHandle stream, int property, void *value, int size)
+static int get_property(OniStreamHandle stream, int property, void *value, int size)
 {
     return oniStreamGetProperty(stream, property, value, &size) == ONI_STATUS_OK ? 0 : -EIO;
 }
 
 /* Turns mirroring off; a file says what its frames are, and is believed rather than told. */
-static void unmirror(const struct iso__openni2_session *session, struct iso__openni2_stream *stream)
+static void unmirror_stream(const struct iso__openni2_session *session,
+                            struct iso__openni2_stream *stream)
 {
     const OniBool off = FALSE;
     OniBool mirroring = FALSE;
     if (!session->file) {
         (void)oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_MIRRORING, &off, sizeof off);
     }
-    stream->mirrored = get(stream->handle, ONI_STREAM_PROPERTY_MIRRORING, &mirroring,
-                           sizeof mirroring) == 0 &&
+    stream->mirrored = get_property(stream->handle, ONI_STREAM_PROPERTY_MIRRORING, &mirroring,
+                                    sizeof mirroring) == 0 &&
                        mirroring;
 }
 
@@ -31,8 +32,8 @@ static void unmirror(const struct iso__openni2_session *session, struct iso__ope
 static int count_frames(const struct iso__openni2_session *session,
                         struct iso__openni2_stream *stream, struct iso_fault *fault)
 {
-    if (get(stream->handle, ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES, &stream->n_frames,
-            sizeof stream->n_frames)) {
+    if (get_property(stream->handle, ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES, &stream->n_frames,
+                     sizeof stream->n_frames)) {
         return iso_fault_set(fault, -EIO, "%s: %s: does not tell how many frames it has", owner,
                              session->info.uri);
     }
@@ -56,7 +57,7 @@ static int choose_mode(const struct iso__openni2_session *session, const char *n
     OniVideoMode now = {0}, best = {0};
     int best_rank = 0;
     const OniSensorInfo *sensor = oniStreamGetSensorInfo(stream->handle);
-    if (!sensor || get(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &now, sizeof now)) {
+    if (!sensor || get_property(stream->handle, ONI_STREAM_PROPERTY_VIDEO_MODE, &now, sizeof now)) {
         return iso__openni2_refuse(ONI_STATUS_ERROR, "video modes cannot be read", fault);
     }
     for (int i = 0; i < sensor->numSupportedVideoModes; i++) {
@@ -103,7 +104,7 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
         (void)oniStreamSetProperty(stream->handle, ONI_STREAM_PROPERTY_CROPPING, &whole,
                                    sizeof whole);
     }
-    unmirror(session, stream);
+    unmirror_stream(session, stream);
     return session->file ? count_frames(session, stream, fault) : 0;
 }
 
@@ -170,7 +171,8 @@ static double grey_full_scale(const struct iso__openni2_stream *stream)
     if (stream->mode.pixelFormat != ONI_PIXEL_FORMAT_GRAY16) {
         return UINT8_MAX;
     }
-    const bool told = get(stream->handle, ONI_STREAM_PROPERTY_MAX_VALUE, &top, sizeof top) == 0 &&
+    const bool told = get_property(stream->handle, ONI_STREAM_PROPERTY_MAX_VALUE, &top,
+                                   sizeof top) == 0 &&
                       top > 0 && top <= UINT16_MAX;
     return told ? top : UINT16_MAX;
 }
@@ -203,8 +205,8 @@ int iso__openni2_find_camera(struct iso__openni2_session *session, enum iso__ope
     const OniVideoMode *mode = &session->depth.mode;
     const char *what = NULL;
     float x_rad = 0, y_rad = 0;
-    if (get(eye, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &x_rad, sizeof x_rad) ||
-        get(eye, ONI_STREAM_PROPERTY_VERTICAL_FOV, &y_rad, sizeof y_rad)) {
+    if (get_property(eye, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &x_rad, sizeof x_rad) ||
+        get_property(eye, ONI_STREAM_PROPERTY_VERTICAL_FOV, &y_rad, sizeof y_rad)) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EIO,
                                   "%s: %s: does not tell its field of view", owner,
                                   session->info.uri);

@@ -212,7 +212,7 @@ static int64_t file_due_ns(struct openni2 *sensor)
     return due_ns > sensor->last_ns ? due_ns : sensor->last_ns + 1;
 }
 
-static int convert(struct openni2 *sensor, struct iso_fault *fault)
+static int convert_frames(struct openni2 *sensor, struct iso_fault *fault)
 {
     const struct iso__openni2_session *session = &sensor->session;
     const char *what = "", *part = "depth";
@@ -235,7 +235,7 @@ static int hand_up(struct openni2 *sensor, const struct iso_frame **frame, struc
     const int index = sensor->fetched.depth->frameIndex;
     iso_timeline_advance(&sensor->timeline, index, iso__openni2_frame_ns(sensor->fetched.depth),
                          now_ns);
-    const int error = convert(sensor, fault);
+    const int error = convert_frames(sensor, fault);
     sensor->frame->t_ns = sensor->session.file ? sensor->last_ns : sensor->timeline.t_ns;
     sensor->frame->sequence = sensor->timeline.sequence;
     iso__openni2_pairing_clear(&sensor->fetched);

@@ -202,7 +202,8 @@ static int refuse_late(struct iso_picture_stream *s, const struct camera *camera
 }
 
 /* Takes what the kernel has of a camera's pictures. */
-static int fetch(struct iso_picture_stream *s, struct camera *camera, struct iso_fault *fault)
+static int fetch_pictures(struct iso_picture_stream *s, struct camera *camera,
+                          struct iso_fault *fault)
 {
     int error = 0;
     while (!error) {
@@ -228,7 +229,7 @@ static int fetch(struct iso_picture_stream *s, struct camera *camera, struct iso
     return error == -EAGAIN ? 0 : error;
 }
 
-static enum iso_pair_verdict judge(const struct iso_picture_stream *s)
+static enum iso_pair_verdict judge_pair(const struct iso_picture_stream *s)
 {
     int64_t stamps[ISO_PICTURE_CAMERAS_MAX][WAITING_MAX];
     if (s->n_cameras == 1) {
@@ -270,17 +271,17 @@ static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
 }
 
 /* A set from what has come; -EAGAIN if it takes more. */
-static int assemble(struct iso_picture_stream *s, struct iso_picture_set *out,
-                    struct iso_fault *fault)
+static int assemble_set(struct iso_picture_stream *s, struct iso_picture_set *out,
+                        struct iso_fault *fault)
 {
     for (int i = 0; i < s->n_cameras; i++) {
-        int error = fetch(s, &s->cameras[i], fault);
+        int error = fetch_pictures(s, &s->cameras[i], fault);
         if (error) {
             return error;
         }
     }
     for (;;) {
-        switch (judge(s)) {
+        switch (judge_pair(s)) {
         case ISO_PAIR_WAIT:
             return -EAGAIN;
         case ISO_PAIR_TAKE:
@@ -301,7 +302,7 @@ int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_
                             struct iso_picture_set *out, struct iso_fault *fault)
 {
     for (;;) {
-        int error = assemble(stream, out, fault);
+        int error = assemble_set(stream, out, fault);
         if (error != -EAGAIN) {
             return error;
         }

@@ -62,7 +62,7 @@ struct replay {
 
 /* ---- opening and closing ---------------------------------------------------- */
 
-static void empty(struct replay *replay)
+static void close_recording(struct replay *replay)
 {
     iso_recording_close(replay->recording);
     iso_frame_free(replay->frame);
@@ -73,7 +73,7 @@ static void empty(struct replay *replay)
 static void replay_close(void *self)
 {
     struct replay *replay = self;
-    empty(replay);
+    close_recording(replay);
     free(replay->path);
     free(replay);
 }
@@ -104,20 +104,20 @@ static int replay_start(void *self, struct iso_fault *fault)
 {
     struct replay *replay = self;
     (void)fault;
-    empty(replay);
+    close_recording(replay);
     replay->slot = (struct slot){.there = false};
     return 0;
 }
 
 static int replay_stop(void *self)
 {
-    empty(self);
+    close_recording(self);
     return 0;
 }
 
 /* ---- the slot --------------------------------------------------------------- */
 
-static int look(const char *path, struct slot *slot, struct iso_fault *fault)
+static int look_at_slot(const char *path, struct slot *slot, struct iso_fault *fault)
 {
     struct stat status;
     *slot = (struct slot){.there = false};
@@ -149,7 +149,7 @@ static bool slots_equal(const struct slot *a, const struct slot *b)
 
 /* Opens the recording by its resolved name, so that frames never come from two recordings when the
  * link is replaced meanwhile. */
-static int load(struct replay *replay, struct iso_fault *fault)
+static int load_recording(struct replay *replay, struct iso_fault *fault)
 {
     char resolved[PATH_MAX];
     if (!realpath(replay->path, resolved)) {
@@ -161,7 +161,7 @@ static int load(struct replay *replay, struct iso_fault *fault)
         error = iso_recording_frame_new(replay->recording, &replay->frame);
     }
     if (error) {
-        empty(replay);
+        close_recording(replay);
         return error == -ENOMEM
                    ? iso_fault_set(fault, error, "%s: out of memory", resolved)
                    : iso_fault_code_default(fault, ISO_FAULT_RECORDING_DAMAGED, -EBADMSG);
@@ -175,19 +175,19 @@ static int load(struct replay *replay, struct iso_fault *fault)
 static int follow_slot(struct replay *replay, struct iso_fault *fault)
 {
     struct slot before, after;
-    int error = look(replay->path, &before, fault);
+    int error = look_at_slot(replay->path, &before, fault);
     if (error || slots_equal(&before, &replay->slot)) {
         return error;
     }
-    empty(replay);
+    close_recording(replay);
     replay->slot = before;
     if (!before.there) {
         return 0;
     }
-    error = load(replay, fault);
-    if (look(replay->path, &after, NULL) || !slots_equal(&before, &after)) {
+    error = load_recording(replay, fault);
+    if (look_at_slot(replay->path, &after, NULL) || !slots_equal(&before, &after)) {
         /* Replaced while it was being opened: what was opened may be either. */
-        empty(replay);
+        close_recording(replay);
         error = -EAGAIN;
     }
     if (error == -EAGAIN || error == -ENOMEM) {

@@ -25,7 +25,7 @@ struct iso_v4l2_node {
     struct v4l2_buffer taken;
 };
 
-static int call(const struct iso_v4l2_node *node, unsigned long request, void *argument)
+static int call_node(const struct iso_v4l2_node *node, unsigned long request, void *argument)
 {
     return node->system->ioctl(node->system->context, node->fd, request, argument);
 }
@@ -69,8 +69,8 @@ static int class_error(int error)
     }
 }
 
-static int complain(const struct iso_v4l2_node *node, int error, const char *what,
-                    struct iso_fault *fault)
+static int complain_of_node(const struct iso_v4l2_node *node, int error, const char *what,
+                            struct iso_fault *fault)
 {
     return iso_fault_set_code(fault, iso_v4l2_fault_code(error), class_error(error),
                               "%s: %s: %s: %s", node->owner, node->path, what, strerror(-error));
@@ -81,16 +81,16 @@ static int node_give_back(void *self, struct iso_fault *fault);
 
 /* ---- opening ---------------------------------------------------------------- */
 
-static int identify(struct iso_v4l2_node *node, struct iso_fault *fault)
+static int identify_node(struct iso_v4l2_node *node, struct iso_fault *fault)
 {
     struct v4l2_capability capability = {0};
-    int error = call(node, VIDIOC_QUERYCAP, &capability);
+    int error = call_node(node, VIDIOC_QUERYCAP, &capability);
     if (error == -ENOTTY || error == -EINVAL) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_UNFIT, -ENODEV,
                                   "%s: %s: is no video device", node->owner, node->path);
     }
     if (error) {
-        return complain(node, error, "cannot be asked what it is", fault);
+        return complain_of_node(node, error, "cannot be asked what it is", fault);
     }
     uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
                                                                   : capability.capabilities;
@@ -103,11 +103,11 @@ static int identify(struct iso_v4l2_node *node, struct iso_fault *fault)
     return 0;
 }
 
-static bool offers(const struct iso_v4l2_node *node, uint32_t format)
+static bool offers_format(const struct iso_v4l2_node *node, uint32_t format)
 {
     for (uint32_t i = 0; i < 256; i++) {
         struct v4l2_fmtdesc description = {.index = i, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
-        if (call(node, VIDIOC_ENUM_FMT, &description)) {
+        if (call_node(node, VIDIOC_ENUM_FMT, &description)) {
             return false;
         }
         if (description.pixelformat == format) {
@@ -139,7 +139,7 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
                          struct iso_fault *fault)
 {
     const uint32_t *wanted = wish->formats;
-    while (*wanted && !offers(node, *wanted)) {
+    while (*wanted && !offers_format(node, *wanted)) {
         wanted++;
     }
     if (!*wanted) {
@@ -152,9 +152,9 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
     format.fmt.pix.height = (uint32_t)wish->height_px;
     format.fmt.pix.pixelformat = *wanted;
     format.fmt.pix.field = V4L2_FIELD_NONE;
-    int error = call(node, VIDIOC_S_FMT, &format);
+    int error = call_node(node, VIDIOC_S_FMT, &format);
     if (error) {
-        return complain(node, error, "its format cannot be set", fault);
+        return complain_of_node(node, error, "its format cannot be set", fault);
     }
     const struct v4l2_pix_format *got = &format.fmt.pix;
     if (got->pixelformat != *wanted || got->width != (uint32_t)wish->width_px ||
@@ -178,7 +178,7 @@ static void choose_rate(struct iso_v4l2_node *node, int fps)
     parameters.parm.capture.timeperframe.numerator = 1;
     parameters.parm.capture.timeperframe.denominator = (uint32_t)fps;
     if (fps > 0) {
-        (void)call(node, VIDIOC_S_PARM, &parameters);
+        (void)call_node(node, VIDIOC_S_PARM, &parameters);
     }
 }
 
@@ -193,9 +193,9 @@ int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4
     node->owner = wish->owner;
     (void)snprintf(node->path, sizeof node->path, "%s", wish->path);
     node->fd = system->open(system->context, wish->path);
-    int error = node->fd < 0 ? complain(node, node->fd, "cannot be opened", fault) : 0;
+    int error = node->fd < 0 ? complain_of_node(node, node->fd, "cannot be opened", fault) : 0;
     if (!error) {
-        error = identify(node, fault);
+        error = identify_node(node, fault);
     }
     if (!error) {
         error = choose_format(node, wish, fault);
@@ -229,11 +229,11 @@ static struct v4l2_buffer buffer_number(unsigned index)
         .index = index, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE, .memory = V4L2_MEMORY_MMAP};
 }
 
-static int request(struct iso_v4l2_node *node, unsigned count, unsigned *got)
+static int request_buffers(struct iso_v4l2_node *node, unsigned count, unsigned *got)
 {
     struct v4l2_requestbuffers wanted = {
         .count = count, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE, .memory = V4L2_MEMORY_MMAP};
-    int error = call(node, VIDIOC_REQBUFS, &wanted);
+    int error = call_node(node, VIDIOC_REQBUFS, &wanted);
     *got = wanted.count;
     return error;
 }
@@ -241,7 +241,7 @@ static int request(struct iso_v4l2_node *node, unsigned count, unsigned *got)
 static int add_buffer(struct iso_v4l2_node *node, unsigned index)
 {
     struct v4l2_buffer buffer = buffer_number(index);
-    int error = call(node, VIDIOC_QUERYBUF, &buffer);
+    int error = call_node(node, VIDIOC_QUERYBUF, &buffer);
     if (error) {
         return error;
     }
@@ -251,14 +251,14 @@ static int add_buffer(struct iso_v4l2_node *node, unsigned index)
         return -ENOMEM;
     }
     node->buffers[node->n_buffers++] = (struct buffer){at, buffer.length};
-    return call(node, VIDIOC_QBUF, &buffer);
+    return call_node(node, VIDIOC_QBUF, &buffer);
 }
 
 /* A device that was pulled out may say so only when it is asked. */
 static bool is_gone(const struct iso_v4l2_node *node)
 {
     struct v4l2_capability capability;
-    return call(node, VIDIOC_QUERYCAP, &capability) == -ENODEV;
+    return call_node(node, VIDIOC_QUERYCAP, &capability) == -ENODEV;
 }
 
 static int node_start(void *self, struct iso_fault *fault)
@@ -266,7 +266,7 @@ static int node_start(void *self, struct iso_fault *fault)
     struct iso_v4l2_node *node = self;
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     unsigned count = 0;
-    int error = request(node, BUFFERS, &count);
+    int error = request_buffers(node, BUFFERS, &count);
     if (!error && count < BUFFERS_MIN) {
         error = -ENOMEM;
     }
@@ -274,16 +274,16 @@ static int node_start(void *self, struct iso_fault *fault)
         error = add_buffer(node, i);
     }
     if (!error) {
-        error = call(node, VIDIOC_STREAMON, &type);
+        error = call_node(node, VIDIOC_STREAMON, &type);
         node->streaming = !error;
     }
     if (error) {
         (void)node_stop(node);
         if (is_gone(node)) {
-            (void)complain(node, -ENODEV, "does not stream", fault);
+            (void)complain_of_node(node, -ENODEV, "does not stream", fault);
             return iso_fault_recode(fault, ISO_FAULT_SENSOR_GONE, -ENODEV);
         }
-        return complain(node, error == -EINVAL ? -EIO : error, "does not stream", fault);
+        return complain_of_node(node, error == -EINVAL ? -EIO : error, "does not stream", fault);
     }
     return 0;
 }
@@ -294,7 +294,7 @@ static int node_stop(void *self)
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE, error = 0;
     unsigned none;
     if (node->streaming) {
-        error = call(node, VIDIOC_STREAMOFF, &type);
+        error = call_node(node, VIDIOC_STREAMOFF, &type);
         node->streaming = false;
     }
     bool had = node->n_buffers > 0;
@@ -303,12 +303,12 @@ static int node_stop(void *self)
         node->system->unmap(node->system->context, buffer->at, buffer->length);
     }
     if (had) {
-        (void)request(node, 0, &none); /* so that another process may have the camera */
+        (void)request_buffers(node, 0, &none); /* so that another process may have the camera */
     }
     return error && error != -ENODEV ? -EIO : error;
 }
 
-static int explain(struct iso_v4l2_node *node, int error, struct iso_fault *fault)
+static int explain_stream(struct iso_v4l2_node *node, int error, struct iso_fault *fault)
 {
     error = error == -ENODEV || is_gone(node) ? -ENODEV : -EIO;
     return iso_fault_set_code(fault,
@@ -332,12 +332,12 @@ static int node_take(void *self, struct iso_picture *out, struct iso_fault *faul
     struct iso_v4l2_node *node = self;
     const struct v4l2_pix_format *format = &node->format;
     struct v4l2_buffer buffer = buffer_number(0);
-    int error = call(node, VIDIOC_DQBUF, &buffer);
+    int error = call_node(node, VIDIOC_DQBUF, &buffer);
     if (error == -EAGAIN) {
         return error;
     }
     if (error || buffer.index >= node->n_buffers) {
-        return explain(node, error ? error : -EIO, fault);
+        return explain_stream(node, error ? error : -EIO, fault);
     }
     node->taken = buffer;
     size_t row = row_bytes(format->pixelformat, (int)format->width);
@@ -367,8 +367,8 @@ static int node_give_back(void *self, struct iso_fault *fault)
 {
     struct iso_v4l2_node *node = self;
     struct v4l2_buffer buffer = buffer_number(node->taken.index);
-    int error = call(node, VIDIOC_QBUF, &buffer);
-    return error ? explain(node, error, fault) : 0;
+    int error = call_node(node, VIDIOC_QBUF, &buffer);
+    return error ? explain_stream(node, error, fault) : 0;
 }
 
 static int node_fd(void *self)

@@ -34,7 +34,7 @@ static void make_getopt_table(struct option table[CLI_OPTIONS + 1])
     table[CLI_OPTIONS] = (struct option){0};
 }
 
-static enum cli_exit usage(struct cli_fault *fault, const char *text, const char *word)
+static enum cli_exit usage_fault(struct cli_fault *fault, const char *text, const char *word)
 {
     return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "%s '%s' (see isotherm --help)", text,
                          word);
@@ -76,7 +76,7 @@ static enum cli_exit unknown_option(struct cli_fault *fault, const char *word)
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
                              "unknown option '%s': did you mean '--%s'?", word, meant);
     }
-    return usage(fault, "unknown option, or one that takes no value:", word);
+    return usage_fault(fault, "unknown option, or one that takes no value:", word);
 }
 
 static enum cli_exit unknown_command(struct cli_fault *fault, const char *word)
@@ -85,7 +85,7 @@ static enum cli_exit unknown_command(struct cli_fault *fault, const char *word)
 
     return meant ? cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
                                  "unknown command '%s': did you mean '%s'?", word, meant)
-                 : usage(fault, "unknown command", word);
+                 : usage_fault(fault, "unknown command", word);
 }
 
 /* What a good value looks like, behind the complaint about a bad one, by the name of the argument.
@@ -113,7 +113,7 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
             return unknown_option(fault, argv[optind - 1]);
         }
         if (found == ':') {
-            return usage(fault, "a value is missing after", argv[optind - 1]);
+            return usage_fault(fault, "a value is missing after", argv[optind - 1]);
         }
         const enum cli_option_id id = option_found(found);
         if (!cli_option_store(out, id, optarg)) {
@@ -164,7 +164,7 @@ static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments
         return missing_word(&cli_commands[out->verb], words[n_words - 1], fault);
     }
     if (n_words > most) {
-        return usage(fault, "superfluous word", words[most]);
+        return usage_fault(fault, "superfluous word", words[most]);
     }
     out->word = n_words > 1 ? words[1] : NULL;
     out->person = out->word;

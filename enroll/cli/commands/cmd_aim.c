@@ -131,8 +131,8 @@ static enum cli_exit wait_for_views(struct cli_daemon *daemon, double timeout_s,
 }
 
 /* To be interrupted is how it is meant to end. */
-static enum cli_exit watch(struct cli_daemon *daemon, const struct cli_arguments *arguments,
-                           struct aim *aim, struct cli_fault *fault)
+static enum cli_exit watch_views(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                                 struct aim *aim, struct cli_fault *fault)
 {
     struct cli_fault ignored;
     enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_AIM_START, NULL, fault);
@@ -200,5 +200,5 @@ enum cli_exit cli_aim(struct cli_daemon *daemon, const struct cli_arguments *arg
     if (!exit) {
         exit = cli_daemon_subscribe(daemon, ISO_CONTRACT_VIEW, on_view, &aim, fault);
     }
-    return exit ? exit : watch(daemon, arguments, &aim, fault);
+    return exit ? exit : watch_views(daemon, arguments, &aim, fault);
 }

@@ -177,7 +177,7 @@ static void print_outcome(const struct enrolment *enrolment, const struct outcom
     fprintf(terminal.out, "%s\n", iso_terminal_paint(&terminal, ISO_PAINT_PLAIN));
 }
 
-static enum cli_exit report(struct enrolment *enrolment, struct cli_fault *fault)
+static enum cli_exit report_enrolment(struct enrolment *enrolment, struct cli_fault *fault)
 {
     const bool named = enrolment->duplicate[0] != '\0';
 
@@ -232,7 +232,7 @@ enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *
         json_decref(enrolment.hints.said);
         return exit;
     }
-    exit = report(&enrolment, fault);
+    exit = report_enrolment(&enrolment, fault);
     json_decref(enrolment.hints.said);
     return exit;
 }

@@ -119,7 +119,7 @@ static void report_text(const struct recognition *recognition, enum cli_exit exi
     }
 }
 
-static enum cli_exit report(struct recognition *recognition, struct cli_fault *fault)
+static enum cli_exit report_recognition(struct recognition *recognition, struct cli_fault *fault)
 {
     static const struct {
         const char *suffix;
@@ -153,8 +153,8 @@ static enum cli_exit report(struct recognition *recognition, struct cli_fault *f
                          "the daemon ended in an unknown way ('%s')", recognition->result);
 }
 
-static enum cli_exit recognise(struct cli_daemon *daemon, struct recognition *recognition,
-                               struct cli_action *action, struct cli_fault *fault)
+static enum cli_exit recognise_face(struct cli_daemon *daemon, struct recognition *recognition,
+                                    struct cli_action *action, struct cli_fault *fault)
 {
     const double timeout_s = recognition->arguments->timeout_s;
     const char *ending = NULL;
@@ -176,7 +176,7 @@ static enum cli_exit recognise(struct cli_daemon *daemon, struct recognition *re
         (void)snprintf(recognition->result, sizeof recognition->result, "%s-%s",
                        recognition->prefix, ending);
     }
-    exit = exit && !ending ? exit : report(recognition, fault);
+    exit = exit && !ending ? exit : report_recognition(recognition, fault);
     json_decref(recognition->hints.said);
     return exit;
 }
@@ -191,7 +191,7 @@ enum cli_exit cli_identify(struct cli_daemon *daemon, const struct cli_arguments
         .signal = ISO_CONTRACT_IDENTIFY_STATUS,
     };
 
-    return recognise(daemon, &recognition, &action, fault);
+    return recognise_face(daemon, &recognition, &action, fault);
 }
 
 enum cli_exit cli_verify(struct cli_daemon *daemon, const struct cli_arguments *arguments,
@@ -205,5 +205,5 @@ enum cli_exit cli_verify(struct cli_daemon *daemon, const struct cli_arguments *
         .append = append_person,
     };
 
-    return recognise(daemon, &recognition, &action, fault);
+    return recognise_face(daemon, &recognition, &action, fault);
 }

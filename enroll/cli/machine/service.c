@@ -24,8 +24,8 @@ struct cli_service {
     char result[32]; /* how it ended; "" it has not */
 };
 
-static enum cli_exit refuse(struct cli_fault *fault, const struct cli_service *service,
-                            const char *what, int error, const sd_bus_error *said)
+static enum cli_exit refuse_service(struct cli_fault *fault, const struct cli_service *service,
+                                    const char *what, int error, const sd_bus_error *said)
 {
     return cli_fault_set(fault, CLI_EXIT_FAULT, "no-start", "%s cannot be %s: %s", service->unit,
                          what, said && said->message ? said->message : strerror(-error));
@@ -47,8 +47,8 @@ static int on_job_removed(sd_bus_message *signal, void *context, sd_bus_error *e
     return 0;
 }
 
-static int call(struct cli_service *service, const char *method, sd_bus_error *error,
-                sd_bus_message **reply, const char *word)
+static int call_manager(struct cli_service *service, const char *method, sd_bus_error *error,
+                        sd_bus_message **reply, const char *word)
 {
     return word ? sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH, MANAGER_INTERFACE, method,
                                      error, reply, "s", word)
@@ -61,7 +61,7 @@ static int look_if_active(struct cli_service *service, sd_bus_error *error)
     sd_bus_message *reply = NULL;
     const char *path;
     char *state = NULL;
-    int r = call(service, "LoadUnit", error, &reply, service->unit);
+    int r = call_manager(service, "LoadUnit", error, &reply, service->unit);
 
     if (r >= 0) {
         r = sd_bus_message_read(reply, "o", &path);
@@ -83,7 +83,7 @@ static int look_if_enabled(struct cli_service *service, sd_bus_error *error)
 {
     sd_bus_message *reply = NULL;
     const char *state;
-    int r = call(service, "GetUnitFileState", error, &reply, service->unit);
+    int r = call_manager(service, "GetUnitFileState", error, &reply, service->unit);
 
     if (r >= 0) {
         r = sd_bus_message_read(reply, "s", &state);
@@ -95,11 +95,11 @@ static int look_if_enabled(struct cli_service *service, sd_bus_error *error)
     return r;
 }
 
-static enum cli_exit look(struct cli_service *service, struct cli_fault *fault)
+static enum cli_exit look_at_unit(struct cli_service *service, struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
-    int r = call(service, "Subscribe", &error, NULL, NULL);
+    int r = call_manager(service, "Subscribe", &error, NULL, NULL);
 
     if (r >= 0) {
         r = sd_bus_match_signal(service->bus, NULL, MANAGER, MANAGER_PATH, MANAGER_INTERFACE,
@@ -131,7 +131,7 @@ enum cli_exit cli_service_open(const struct cli_bus *bus, const char *unit,
                              strerror(-r));
     } else {
         service->unit = unit;
-        exit = look(service, fault);
+        exit = look_at_unit(service, fault);
     }
     if (exit) {
         cli_service_close(service);
@@ -208,7 +208,7 @@ static int set_enabled(struct cli_service *service, bool enabled, sd_bus_error *
                                      "EnableUnitFiles", error, NULL, "asbb", 1, service->unit, 0, 0)
                 : sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH, MANAGER_INTERFACE,
                                      "DisableUnitFiles", error, NULL, "asb", 1, service->unit, 0);
-    return r < 0 ? r : call(service, "Reload", error, NULL, NULL);
+    return r < 0 ? r : call_manager(service, "Reload", error, NULL, NULL);
 }
 
 /* A unit that has failed too often would not be started again; one that has not is no error. */
@@ -216,7 +216,7 @@ static void forget_failures(struct cli_service *service)
 {
     sd_bus_error ignored = SD_BUS_ERROR_NULL;
 
-    (void)call(service, "ResetFailedUnit", &ignored, NULL, service->unit);
+    (void)call_manager(service, "ResetFailedUnit", &ignored, NULL, service->unit);
     sd_bus_error_free(&ignored);
 }
 
@@ -227,14 +227,14 @@ enum cli_exit cli_service_start(struct cli_service *service, struct cli_fault *f
     int r = service->was_enabled ? 0 : set_enabled(service, true, &error);
 
     if (r < 0) {
-        exit = refuse(fault, service, "enabled", r, &error);
+        exit = refuse_service(fault, service, "enabled", r, &error);
     } else {
         forget_failures(service);
         r = run_job(service, "RestartUnit", true, &error);
         if (r == -EINTR) {
             exit = CLI_EXIT_INTERRUPTED;
         } else if (r < 0) {
-            exit = refuse(fault, service, "started", r, &error);
+            exit = refuse_service(fault, service, "started", r, &error);
         }
     }
     if (!exit && strcmp(service->result, "done") != 0) {
@@ -258,7 +258,7 @@ enum cli_exit cli_service_undo(struct cli_service *service, struct cli_fault *fa
         r = set_enabled(service, false, &error);
     }
     if (r < 0) {
-        exit = refuse(fault, service, "brought back to what it was", r, &error);
+        exit = refuse_service(fault, service, "brought back to what it was", r, &error);
     }
     sd_bus_error_free(&error);
     return exit;

@@ -205,7 +205,7 @@ static void write_all(const struct cli_composition *composition, FILE *out)
 }
 
 /* One empty line at most between two others, none at the end. */
-static void squeeze(char *text)
+static void squeeze_empty_lines(char *text)
 {
     char *to = text;
     size_t newlines = 2;
@@ -237,6 +237,6 @@ char *cli_compose(const struct cli_composition *composition)
         free(text);
         return NULL;
     }
-    squeeze(text);
+    squeeze_empty_lines(text);
     return text;
 }

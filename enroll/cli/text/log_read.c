@@ -19,8 +19,8 @@ static const double refused_wait_s = 0.25;
 static const int64_t clock_set_back_s = 7 * 86400;
 
 /* Asks once. */
-static enum cli_exit ask(struct cli_daemon *daemon, uint64_t from, unsigned max,
-                         sd_bus_message **reply, struct cli_fault *fault)
+static enum cli_exit ask_for_records(struct cli_daemon *daemon, uint64_t from, unsigned max,
+                                     sd_bus_message **reply, struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
     const enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_READ_LOG, &call, fault);
@@ -40,7 +40,7 @@ static enum cli_exit ask(struct cli_daemon *daemon, uint64_t from, unsigned max,
 static enum cli_exit ask_patiently(struct cli_daemon *daemon, uint64_t from, unsigned max,
                                    sd_bus_message **reply, struct cli_fault *fault)
 {
-    enum cli_exit exit = ask(daemon, from, max, reply, fault);
+    enum cli_exit exit = ask_for_records(daemon, from, max, reply, fault);
 
     for (int i = 1; exit && i < TRIES && strcmp(fault->code, "too-many-calls") == 0; i++) {
         const enum cli_exit pause = cli_daemon_wait(daemon, refused_wait_s, fault);
@@ -48,7 +48,7 @@ static enum cli_exit ask_patiently(struct cli_daemon *daemon, uint64_t from, uns
             return pause;
         }
         *fault = (struct cli_fault){0};
-        exit = ask(daemon, from, max, reply, fault);
+        exit = ask_for_records(daemon, from, max, reply, fault);
     }
     return exit;
 }

@@ -30,7 +30,7 @@ static const struct iso_option wiring[] = {
 
 enum { WIRED = sizeof wiring / sizeof *wiring };
 
-static int setup(void **state)
+static int set_up_chip(void **state)
 {
     (void)state;
     now_ns = 1000 * MS;
@@ -40,7 +40,7 @@ static int setup(void **state)
     return 0;
 }
 
-static int teardown(void **state)
+static int tear_down_chip(void **state)
 {
     (void)state;
     return fake_gpio_open() == 0 ? 0 : -1;
@@ -57,8 +57,8 @@ static struct iso_door_io *open_door(void)
     return io;
 }
 
-static void refuses(const struct iso_option *options, size_t n, int error, enum iso_fault_code code,
-                    const char *text)
+static void refuses_options(const struct iso_option *options, size_t n, int error,
+                            enum iso_fault_code code, const char *text)
 {
     const struct iso_clock clock = manual_clock(&now_ns);
     struct iso_door_io *io = NULL;
@@ -82,19 +82,20 @@ static void refuses_bad_options(void **state)
     const struct iso_option no_d1[] = {{"relay", "fake:0"}, {"wiegand_d0", "fake:8"}};
     const struct iso_option no_bits[] = {{"relay", "fake:0"}, {"wiegand_bits", "37"}};
     (void)state;
-    refuses(no_relay, 1, -EINVAL, ISO_FAULT_OPTION_WRONG, "door gpiod: option 'relay' is missing");
-    refuses(no_line, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
-            "door gpiod: tamper: 'high' in 'fake:7 high' is unknown");
-    refuses(no_time, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
-            "door gpiod: bad value 'soon' for 'debounce_ms'");
-    refuses(too_long, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
-            "'1001' for 'debounce_ms' (a whole number, 0 to 1000)");
-    refuses(no_d0, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
-            "door gpiod: option 'wiegand_d0' is missing");
-    refuses(no_d1, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
-            "door gpiod: option 'wiegand_d1' is missing");
-    refuses(no_bits, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
-            "door gpiod: bad value '37' for 'wiegand_bits' (26|34)");
+    refuses_options(no_relay, 1, -EINVAL, ISO_FAULT_OPTION_WRONG,
+                    "door gpiod: option 'relay' is missing");
+    refuses_options(no_line, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+                    "door gpiod: tamper: 'high' in 'fake:7 high' is unknown");
+    refuses_options(no_time, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+                    "door gpiod: bad value 'soon' for 'debounce_ms'");
+    refuses_options(too_long, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+                    "'1001' for 'debounce_ms' (a whole number, 0 to 1000)");
+    refuses_options(no_d0, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+                    "door gpiod: option 'wiegand_d0' is missing");
+    refuses_options(no_d1, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+                    "door gpiod: option 'wiegand_d1' is missing");
+    refuses_options(no_bits, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
+                    "door gpiod: bad value '37' for 'wiegand_bits' (26|34)");
     assert_int_equal(fake_gpio_changes(0), 0); /* a wrong file touches no line */
 }
 
@@ -116,10 +117,10 @@ static void says_which_line_cannot_be_had(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         fake_gpio_refuse(cases[i].line, cases[i].error);
-        refuses(wiring, WIRED, cases[i].error, cases[i].code, cases[i].text);
+        refuses_options(wiring, WIRED, cases[i].error, cases[i].code, cases[i].text);
         fake_gpio_refuse(cases[i].line, 0);
     }
-    refuses(twice, 2, -EBUSY, ISO_FAULT_LINE_BUSY, "door gpiod: tamper: line:");
+    refuses_options(twice, 2, -EBUSY, ISO_FAULT_LINE_BUSY, "door gpiod: tamper: line:");
 }
 
 /* A strike that must stay energised does not drop, and one that must not does not click. */
@@ -157,7 +158,7 @@ static void what_is_not_wired_is_quiet(void **state)
     iso_door_io_close(io);
 }
 
-static struct iso_door_inputs look(struct iso_door_io *io)
+static struct iso_door_inputs look_at_inputs(struct iso_door_io *io)
 {
     struct iso_door_inputs inputs;
     struct iso_fault fault = {.text = ""};
@@ -173,13 +174,13 @@ static void contacts_bounce(void **state)
     (void)state;
     for (int i = 0; i < 7; i++) { /* 12 ms of bouncing; then it stays open */
         fake_gpio_drive(5, i % 2 != 0);
-        assert_false(look(io).active[ISO_DOOR_CONTACT]);
+        assert_false(look_at_inputs(io).active[ISO_DOOR_CONTACT]);
         now_ns += 2 * MS;
     }
     now_ns += (ISO_DOOR_GPIOD_DEBOUNCE_MS - 3) * MS;
-    assert_false(look(io).active[ISO_DOOR_CONTACT]);
+    assert_false(look_at_inputs(io).active[ISO_DOOR_CONTACT]);
     now_ns += 1 * MS;
-    assert_true(look(io).active[ISO_DOOR_CONTACT]);
+    assert_true(look_at_inputs(io).active[ISO_DOOR_CONTACT]);
     iso_door_io_close(io);
 }
 
@@ -193,13 +194,13 @@ static void a_press_between_two_looks(void **state)
     now_ns += ISO_DOOR_GPIOD_DEBOUNCE_MS * MS;
     fake_gpio_drive(6, true);
     now_ns += 380 * MS;
-    assert_true(look(io).active[ISO_DOOR_EXIT_BUTTON]);
-    assert_false(look(io).active[ISO_DOOR_EXIT_BUTTON]);
+    assert_true(look_at_inputs(io).active[ISO_DOOR_EXIT_BUTTON]);
+    assert_false(look_at_inputs(io).active[ISO_DOOR_EXIT_BUTTON]);
     fake_gpio_drive(6, false);
     now_ns += (ISO_DOOR_GPIOD_DEBOUNCE_MS - 1) * MS;
     fake_gpio_drive(6, true);
     now_ns += 380 * MS;
-    assert_false(look(io).active[ISO_DOOR_EXIT_BUTTON]);
+    assert_false(look_at_inputs(io).active[ISO_DOOR_EXIT_BUTTON]);
     iso_door_io_close(io);
 }
 
@@ -213,9 +214,9 @@ static void edges_beyond_the_kernels_memory(void **state)
         now_ns += 1000;
     }
     assert_true(fake_gpio_voltage(7));
-    (void)look(io);
+    (void)look_at_inputs(io);
     now_ns += ISO_DOOR_GPIOD_DEBOUNCE_MS * MS;
-    assert_true(look(io).active[ISO_DOOR_TAMPER]);
+    assert_true(look_at_inputs(io).active[ISO_DOOR_TAMPER]);
     iso_door_io_close(io);
 }
 
@@ -234,10 +235,10 @@ static void the_descriptor_tells_when_a_level_counts(void **state)
     assert_false(is_readable(io, 0));
     fake_gpio_drive(7, true);
     assert_true(is_readable(io, 0));
-    assert_false(look(io).active[ISO_DOOR_TAMPER]);
+    assert_false(look_at_inputs(io).active[ISO_DOOR_TAMPER]);
     assert_true(is_readable(io, 5000));
     now_ns += ISO_DOOR_GPIOD_DEBOUNCE_MS * MS;
-    assert_true(look(io).active[ISO_DOOR_TAMPER]);
+    assert_true(look_at_inputs(io).active[ISO_DOOR_TAMPER]);
     assert_false(is_readable(io, 0));
     iso_door_io_close(io);
 }
@@ -259,7 +260,7 @@ static void a_chip_that_is_pulled_out(void **state)
     fake_gpio_pull_out(false);
     assert_int_equal(iso_door_io_reopen(io, &unpowered, NULL), 0);
     assert_int_equal(fake_gpio_open(), WIRED);
-    (void)look(io);
+    (void)look_at_inputs(io);
     fake_gpio_pull_out(true);
     assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_RELAY, true, &fault), -ENODEV);
     assert_string_equal(fault.text, "door gpiod: relay: No such device");
@@ -279,7 +280,7 @@ static void sends_cards_to_a_controller(void **state)
     (void)state;
     assert_int_equal(iso_door_io_open("gpiod", options, 3, &clock, &unpowered, &io, NULL), 0);
     assert_true(fake_gpio_voltage(8) && fake_gpio_voltage(9));
-    (void)look(io);
+    (void)look_at_inputs(io);
     assert_int_equal(iso_door_io_send_card(io, &too_big, &fault), -ERANGE);
     assert_string_equal(fault.text, "door gpiod: 256:1 does not fit in 26 bits");
     assert_int_equal(iso_door_io_send_card(io, &card, NULL), 0);
@@ -325,7 +326,7 @@ static void other_failures_are_not_for_ever(void **state)
 
 int main(void)
 {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
+#define TEST(f) cmocka_unit_test_setup_teardown(f, set_up_chip, tear_down_chip)
     const struct CMUnitTest tests[] = {
         TEST(refuses_bad_options),
         TEST(says_which_line_cannot_be_had),

@@ -39,7 +39,7 @@ static int puppet_open(const struct iso_option *options, size_t n_options,
     return 0;
 }
 
-static int answer(const struct puppet *p, struct iso_fault *fault)
+static int answer_call(const struct puppet *p, struct iso_fault *fault)
 {
     return p->text ? iso_fault_set(fault, p->error, "%s", p->text) : p->error;
 }
@@ -50,12 +50,12 @@ static int puppet_set_output(void *self, enum iso_door_output output, bool activ
     struct puppet *p = self;
     p->output = (int)output;
     p->active = active;
-    return answer(p, fault);
+    return answer_call(p, fault);
 }
 
 static int puppet_get_inputs(void *self, struct iso_door_inputs *out, struct iso_fault *fault)
 {
-    int error = answer(self, fault);
+    int error = answer_call(self, fault);
     if (!error) {
         *out = (struct iso_door_inputs){{[ISO_DOOR_TAMPER] = true}};
     }

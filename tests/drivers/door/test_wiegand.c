@@ -100,7 +100,7 @@ static int64_t clock_ns(void)
     return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
 }
 
-static void measure(struct wire *wire, bool pulse)
+static void measure_pulses(struct wire *wire, bool pulse)
 {
     const int64_t begin_ns = clock_ns();
     if (!pulse && (wire->shortest_ns == 0 || begin_ns - wire->on_ns < wire->shortest_ns)) {
@@ -116,7 +116,7 @@ static int set_line(void *context, int line, bool pulse)
     struct wire *wire = context;
     wire->strange |= pulse == wire->pulse[line] || (pulse && wire->pulse[!line]);
     wire->pulse[line] = pulse;
-    measure(wire, pulse);
+    measure_pulses(wire, pulse);
     if (pulse && wire->n < 64) {
         wire->bits[wire->n++] = (char)('0' + line);
     }

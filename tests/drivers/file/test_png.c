@@ -24,7 +24,7 @@ static const enum iso_pixel kinds[] = {ISO_PIXEL_GREY8, ISO_PIXEL_GREY16, ISO_PI
                                        ISO_PIXEL_RGB16};
 
 /* Samples that no two neighbours share, with bytes of different value in 16 bits. */
-static void fill(uint8_t *bytes, size_t size)
+static void fill_image(uint8_t *bytes, size_t size)
 {
     uint32_t x = 12345;
     for (size_t i = 0; i < size; i++) {
@@ -36,7 +36,7 @@ static void fill(uint8_t *bytes, size_t size)
 static void write_sample(const char *path, enum iso_pixel kind, uint8_t *samples)
 {
     struct iso_image image = {WIDTH, HEIGHT, kind, samples, 0};
-    fill(samples, iso_image_row_bytes(&image) * HEIGHT);
+    fill_image(samples, iso_image_row_bytes(&image) * HEIGHT);
     assert_int_equal(iso_png_write(path, &image, 9, NULL), 0);
 }
 
@@ -217,7 +217,7 @@ static void reads_interlaced_pictures(void **state)
     uint8_t samples[HEIGHT * WIDTH];
     struct iso_image image = {0};
     size_t size;
-    fill(samples, sizeof samples);
+    fill_image(samples, sizeof samples);
     uint8_t *bytes = write_other(scratch_path(*state, "a.png"), 8, PNG_COLOR_TYPE_GRAY,
                                  PNG_INTERLACE_ADAM7, samples, WIDTH, &size);
     assert_int_equal(iso_png_read_memory("a.png", bytes, size, NULL, &image, NULL), 0);
@@ -297,7 +297,7 @@ static void a_full_disk_leaves_no_half_file(void **state)
     struct iso_fault fault;
     struct rlimit unlimited, limit;
     const char *path = scratch_path(*state, "a.png");
-    fill(samples, sizeof samples);
+    fill_image(samples, sizeof samples);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &unlimited), 0);
     limit = unlimited;
     limit.rlim_cur = 9000;

@@ -106,7 +106,7 @@ static int query_buffer(const struct fake_camera *camera, struct v4l2_buffer *ou
     return 0;
 }
 
-static int queue(struct fake_camera *camera, const struct v4l2_buffer *buffer)
+static int queue_buffer(struct fake_camera *camera, const struct v4l2_buffer *buffer)
 {
     assert_true(buffer->index < camera->n_buffers);
     assert_false(camera->queued[buffer->index]);
@@ -114,7 +114,7 @@ static int queue(struct fake_camera *camera, const struct v4l2_buffer *buffer)
     return 0;
 }
 
-static int dequeue(struct fake_camera *camera, struct v4l2_buffer *out)
+static int dequeue_buffer(struct fake_camera *camera, struct v4l2_buffer *out)
 {
     uint64_t one;
     assert_true(camera->streaming);
@@ -138,7 +138,7 @@ static int dequeue(struct fake_camera *camera, struct v4l2_buffer *out)
     return 0;
 }
 
-static int stream(struct fake_camera *camera, bool on)
+static int switch_stream(struct fake_camera *camera, bool on)
 {
     uint64_t one;
     if (!on) {
@@ -181,12 +181,12 @@ static int fake_ioctl(void *context, int fd, unsigned long request, void *argume
     case VIDIOC_QUERYBUF:
         return query_buffer(camera, argument);
     case VIDIOC_QBUF:
-        return queue(camera, argument);
+        return queue_buffer(camera, argument);
     case VIDIOC_DQBUF:
-        return dequeue(camera, argument);
+        return dequeue_buffer(camera, argument);
     case VIDIOC_STREAMON:
     case VIDIOC_STREAMOFF:
-        return stream(camera, request == VIDIOC_STREAMON);
+        return switch_stream(camera, request == VIDIOC_STREAMON);
     default:
         fail_msg("request %lx is not one that a sensor has use for", request);
         return -ENOTTY;
@@ -236,7 +236,7 @@ struct iso_v4l2_system fake_v4l2_system(struct fake_v4l2 *fake)
 
 /* ---- what the test does to a camera ----------------------------------------- */
 
-static void wake(const struct fake_camera *camera)
+static void wake_camera(const struct fake_camera *camera)
 {
     const uint64_t one = 1;
     assert_int_equal(write(camera->fd, &one, sizeof one), sizeof one);
@@ -267,19 +267,19 @@ void fake_shoot(struct fake_camera *camera, int64_t stamp_ns, const void *pixels
     camera->done[camera->n_done].bytes = size_of(camera) / (fate == FAKE_SHORT ? 2 : 1);
     camera->done[camera->n_done].damaged = fate == FAKE_DAMAGED;
     camera->n_done++;
-    wake(camera);
+    wake_camera(camera);
 }
 
 void fake_unplug(struct fake_camera *camera)
 {
     camera->unplugged = true;
-    wake(camera);
+    wake_camera(camera);
 }
 
 void fake_break(struct fake_camera *camera)
 {
     camera->broken = true;
-    wake(camera);
+    wake_camera(camera);
 }
 
 void fake_v4l2_assert_released(const struct fake_v4l2 *fake)

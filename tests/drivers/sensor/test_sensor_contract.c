@@ -22,7 +22,7 @@
 
 /* ---- frames ---- */
 
-static void deliver(struct sensor_set *set)
+static void deliver_frames(struct sensor_set *set)
 {
     uint64_t sequence = 0;
     int64_t t_ns = 0;
@@ -49,11 +49,11 @@ static void deliver(struct sensor_set *set)
 static void delivers_every_frame_bit_by_bit_and_in_order(void **state)
 {
     (void)state;
-    on_every_stage(deliver, NULL);
+    on_every_stage(deliver_frames, NULL);
 }
 
 /* The camera of a field of view is one of 32 bits. */
-static void see(struct sensor_set *set)
+static void see_camera(struct sensor_set *set)
 {
     stage_start(set);
     const struct iso_camera *camera = &stage_next(set)->camera;
@@ -74,10 +74,10 @@ static bool has_the_plain_camera(const struct sensor_stage *stage)
 static void frames_carry_the_camera(void **state)
 {
     (void)state;
-    on_every_stage(see, has_the_plain_camera);
+    on_every_stage(see_camera, has_the_plain_camera);
 }
 
-static void reuse(struct sensor_set *set)
+static void reuse_buffer(struct sensor_set *set)
 {
     stage_start(set);
     const float *plane = stage_next(set)->depth_mm;
@@ -88,7 +88,7 @@ static void reuse(struct sensor_set *set)
 static void uses_its_buffer_again(void **state)
 {
     (void)state;
-    on_every_stage(reuse, NULL);
+    on_every_stage(reuse_buffer, NULL);
 }
 
 /* ---- waiting ---- */
@@ -126,7 +126,7 @@ static void keeps_deadlines(void **state)
     on_every_stage(run_out, NULL);
 }
 
-static void tell(struct sensor_set *set)
+static void tell_description(struct sensor_set *set)
 {
     struct iso_sensor_description description = {.unit_mm = -1.0};
     const int error = iso_sensor_describe(set->sensor, &description);
@@ -146,7 +146,7 @@ static void tell(struct sensor_set *set)
 static void describes_what_it_delivers(void **state)
 {
     (void)state;
-    on_every_stage(tell, NULL);
+    on_every_stage(tell_description, NULL);
 }
 
 /* ---- states ---- */

@@ -231,7 +231,7 @@ static void infrared_finds_its_depth(void **state)
 
 /* ---- opening ---------------------------------------------------------------- */
 
-static void refuses(int error, enum iso_fault_code code, const char *words)
+static void refuses_cameras(int error, enum iso_fault_code code, const char *words)
 {
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {.text = ""};
@@ -250,27 +250,27 @@ static void refuses_cameras_that_will_not_do(void **state)
     const struct fake_camera good = v4l2_fake.cameras[1];
     struct fake_camera *ir = &v4l2_fake.cameras[1];
     ir->path = "/dev/elsewhere";
-    refuses(-ENODEV, ISO_FAULT_SENSOR_MISSING,
-            "sensor v4l2: /dev/ir: cannot be opened: No such file");
+    refuses_cameras(-ENODEV, ISO_FAULT_SENSOR_MISSING,
+                    "sensor v4l2: /dev/ir: cannot be opened: No such file");
     *ir = good;
     ir->open_error = -EACCES;
-    refuses(-EACCES, ISO_FAULT_SENSOR_DENIED, "Permission denied");
+    refuses_cameras(-EACCES, ISO_FAULT_SENSOR_DENIED, "Permission denied");
     *ir = good;
     ir->open_error = -EBUSY;
-    refuses(-EBUSY, ISO_FAULT_SENSOR_BUSY, "busy");
+    refuses_cameras(-EBUSY, ISO_FAULT_SENSOR_BUSY, "busy");
     *ir = good;
     ir->capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
-    refuses(-ENODEV, ISO_FAULT_SENSOR_UNFIT, "/dev/ir: is no camera that streams");
+    refuses_cameras(-ENODEV, ISO_FAULT_SENSOR_UNFIT, "/dev/ir: is no camera that streams");
     *ir = good;
     ir->format = V4L2_PIX_FMT_MJPEG;
-    refuses(-EINVAL, ISO_FAULT_SENSOR_FORMAT,
-            "/dev/ir (Fake camera): has none of the pixel formats wanted");
+    refuses_cameras(-EINVAL, ISO_FAULT_SENSOR_FORMAT,
+                    "/dev/ir (Fake camera): has none of the pixel formats wanted");
     *ir = good;
     ir->height_px = 50;
-    refuses(-EINVAL, ISO_FAULT_SENSOR_FORMAT, "gives 70 x 50, not 70 x 48");
+    refuses_cameras(-EINVAL, ISO_FAULT_SENSOR_FORMAT, "gives 70 x 50, not 70 x 48");
     *ir = good;
     scratch_write_text(scratch_path(v4l2_scratch, "camera.ini"), "[recording]\n");
-    refuses(-EINVAL, ISO_FAULT_CALIBRATION_WRONG, "camera.ini: format is missing");
+    refuses_cameras(-EINVAL, ISO_FAULT_CALIBRATION_WRONG, "camera.ini: format is missing");
 }
 
 static void a_camera_that_does_not_start_holds_nothing(void **state)

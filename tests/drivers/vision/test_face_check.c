@@ -93,7 +93,8 @@ static struct iso_face_check *new_check(void)
 }
 
 /* The image's opinion of a face whose pose and landmarks are put aside in the face's own frame. */
-static struct iso_face_checked ask(struct iso_face_check *check, int i, struct iso_vec3 aside_mm)
+static struct iso_face_checked ask_check(struct iso_face_check *check, int i,
+                                         struct iso_vec3 aside_mm)
 {
     struct iso_extraction at = faces.found[i];
     struct iso_face_checked checked;
@@ -134,7 +135,7 @@ static void faces_are_confirmed(void **state)
     struct iso_face_check *check = new_check();
     (void)state;
     for (int i = 0; i < VISITS; i++) {
-        const struct iso_face_checked checked = ask(check, i, here);
+        const struct iso_face_checked checked = ask_check(check, i, here);
         print_message("%s: %s, %.1f mm off, %.0f mm wide, %d votes\n", visits[i],
                       iso_face_seen_name(checked.seen), checked.offset_mm, checked.side_mm,
                       checked.votes);
@@ -153,7 +154,7 @@ static void wrong_landmarks_are_contradicted(void **state)
     (void)state;
     for (int i = 0; i < VISITS; i++) {
         for (int k = 0; k < 4; k++) {
-            const struct iso_face_checked checked = ask(check, i, aside[k]);
+            const struct iso_face_checked checked = ask_check(check, i, aside[k]);
             if (!iso_face_seen_disagrees(checked.seen)) {
                 fail_msg("%s, aside %d: %s, %.1f mm", visits[i], k,
                          iso_face_seen_name(checked.seen), checked.offset_mm);
@@ -169,7 +170,7 @@ static void a_face_without_markings_is_none(void **state)
     (void)state;
     for (int i = 0; i < VISITS; i++) {
         painted_blank(faces.frame[i], 0.1);
-        const struct iso_face_checked checked = ask(check, i, here);
+        const struct iso_face_checked checked = ask_check(check, i, here);
         painted_face(faces.frame[i], faces.found[i].ibug_mm, 0.1);
         assert_int_equal(checked.seen, ISO_FACE_ABSENT);
         assert_int_equal(checked.votes, 0);
@@ -223,7 +224,7 @@ static void without_an_image(void **state)
     float *image = faces.frame[1]->intensity;
     (void)state;
     faces.frame[1]->intensity = NULL;
-    const struct iso_face_checked checked = ask(check, 1, here);
+    const struct iso_face_checked checked = ask_check(check, 1, here);
     faces.frame[1]->intensity = image;
     assert_int_equal(checked.seen, ISO_FACE_NO_INTENSITY);
     iso_face_check_free(check);
@@ -261,9 +262,9 @@ static void of_what_is_not_measured(void **state)
         memset(frame->depth_mm + row * frame->width_px, 0,
                (size_t)frame->width_px * sizeof *frame->depth_mm);
     }
-    assert_int_equal(ask(check, 2, here).seen, ISO_FACE_HIDDEN);
+    assert_int_equal(ask_check(check, 2, here).seen, ISO_FACE_HIDDEN);
     memset(frame->depth_mm, 0, pixels(frame) * sizeof *frame->depth_mm);
-    assert_int_equal(ask(check, 2, here).seen, ISO_FACE_HIDDEN);
+    assert_int_equal(ask_check(check, 2, here).seen, ISO_FACE_HIDDEN);
     iso_frame_free(frame);
     read_face(2);
     painted_face(faces.frame[2], faces.found[2].ibug_mm, 0.1);
@@ -277,9 +278,9 @@ static void in_a_bad_light(void **state)
     uint64_t random = 88172645463325252U;
     (void)state;
     painted_face(frame, faces.found[3].ibug_mm, 0.003);
-    assert_int_equal(ask(check, 3, here).seen, ISO_FACE_DARK);
+    assert_int_equal(ask_check(check, 3, here).seen, ISO_FACE_DARK);
     painted_face(frame, faces.found[3].ibug_mm, 5.0);
-    assert_int_equal(ask(check, 3, here).seen, ISO_FACE_GLARING);
+    assert_int_equal(ask_check(check, 3, here).seen, ISO_FACE_GLARING);
     painted_face(frame, faces.found[3].ibug_mm, 0.1);
     for (size_t i = 0; i < pixels(frame); i++) { /* dots: xorshift (Marsaglia 2003) */
         random ^= random << 13;
@@ -287,7 +288,7 @@ static void in_a_bad_light(void **state)
         random ^= random << 17;
         frame->intensity[i] *= random % 8 == 0 ? 4.0F : 0.6F;
     }
-    assert_int_equal(ask(check, 3, here).seen, ISO_FACE_GRAINY);
+    assert_int_equal(ask_check(check, 3, here).seen, ISO_FACE_GRAINY);
     painted_face(frame, faces.found[3].ibug_mm, 0.1);
     iso_face_check_free(check);
 }

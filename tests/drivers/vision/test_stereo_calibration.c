@@ -16,7 +16,7 @@
 #include "tests/support/scratch.h"
 
 /* Every number another, so that swapped keys show. */
-static struct iso_stereo_calibration sample(void)
+static struct iso_stereo_calibration sample_calibration(void)
 {
     return (struct iso_stereo_calibration){
         .camera = {{.projection = ISO_PINHOLE,
@@ -52,7 +52,7 @@ static struct iso_stereo_calibration sample(void)
 static void writes_what_it_reads(void **state)
 {
     const char *path = scratch_path(*state, "rig.ini");
-    struct iso_stereo_calibration in = sample(), out;
+    struct iso_stereo_calibration in = sample_calibration(), out;
     assert_int_equal(iso_stereo_calibration_write(path, &in, NULL), 0);
     assert_int_equal(iso_stereo_calibration_read(path, &out, NULL), 0);
     assert_memory_equal(&in.camera, &out.camera, sizeof in.camera);
@@ -71,7 +71,7 @@ static void writes_what_it_reads(void **state)
 static char *with_line(const char *directory, const char *line, const char *instead)
 {
     const char *path = scratch_path(directory, "sound.ini");
-    struct iso_stereo_calibration in = sample();
+    struct iso_stereo_calibration in = sample_calibration();
     size_t size;
     assert_int_equal(iso_stereo_calibration_write(path, &in, NULL), 0);
     char *sound = scratch_read(path, &size), *text = calloc(1, size + 512);
@@ -139,13 +139,13 @@ static void refuses_long_lines_and_missing_files(void **state)
 static void writes_no_nonsense(void **state)
 {
     const char *path = scratch_path(*state, "rig.ini");
-    struct iso_stereo_calibration bad = sample();
+    struct iso_stereo_calibration bad = sample_calibration();
     struct iso_fault fault = {.text = ""};
     bad.right_from_left.rotation.m[0][0] = 2.0;
     assert_int_equal(iso_stereo_calibration_write(path, &bad, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "the rotation is none"));
     assert_false(scratch_exists(path));
-    bad = sample();
+    bad = sample_calibration();
     assert_int_equal(iso_stereo_calibration_write(scratch_path(*state, "no/rig.ini"), &bad, &fault),
                      -ENOENT);
     const char *link = scratch_path(*state, "full");
@@ -159,7 +159,7 @@ static void writes_no_nonsense(void **state)
 static void rectified_rows_agree(void **state)
 {
     (void)state;
-    struct iso_stereo_calibration c = sample();
+    struct iso_stereo_calibration c = sample_calibration();
     struct iso_rectification r = iso_rectification_of(&c);
     size_t n = (size_t)r.camera.width_px * (size_t)r.camera.height_px;
     float *x[ISO_EYES], *y[ISO_EYES];

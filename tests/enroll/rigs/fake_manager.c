@@ -31,17 +31,17 @@ struct service {
 static char calls[64 * 1024];
 static size_t n_calls;
 
-static void trace(const struct service *service, const char *text)
+static void trace_call(const struct service *service, const char *text)
 {
     (void)!write(service->trace_fd, text, strlen(text));
 }
 
-static bool fails(const struct service *service, sd_bus_message *call, sd_bus_error *error)
+static bool fails_call(const struct service *service, sd_bus_message *call, sd_bus_error *error)
 {
     const char *method = sd_bus_message_get_member(call);
 
-    trace(service, method);
-    trace(service, ";");
+    trace_call(service, method);
+    trace_call(service, ";");
     if (!service->script->fail_method || strcmp(method, service->script->fail_method) != 0) {
         return false;
     }
@@ -51,19 +51,20 @@ static bool fails(const struct service *service, sd_bus_message *call, sd_bus_er
 
 static int on_nothing(sd_bus_message *call, void *context, sd_bus_error *error)
 {
-    return fails(context, call, error) ? -EIO : sd_bus_reply_method_return(call, NULL);
+    return fails_call(context, call, error) ? -EIO : sd_bus_reply_method_return(call, NULL);
 }
 
 static int on_load(sd_bus_message *call, void *context, sd_bus_error *error)
 {
-    return fails(context, call, error) ? -EIO : sd_bus_reply_method_return(call, "o", UNIT_PATH);
+    return fails_call(context, call, error) ? -EIO
+                                            : sd_bus_reply_method_return(call, "o", UNIT_PATH);
 }
 
 static int on_file_state(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     const struct service *service = context;
 
-    return fails(service, call, error)
+    return fails_call(service, call, error)
                ? -EIO
                : sd_bus_reply_method_return(call, "s",
                                             service->script->enabled ? "enabled" : "disabled");
@@ -71,12 +72,13 @@ static int on_file_state(sd_bus_message *call, void *context, sd_bus_error *erro
 
 static int on_enable(sd_bus_message *call, void *context, sd_bus_error *error)
 {
-    return fails(context, call, error) ? -EIO : sd_bus_reply_method_return(call, "ba(sss)", 1, 0);
+    return fails_call(context, call, error) ? -EIO
+                                            : sd_bus_reply_method_return(call, "ba(sss)", 1, 0);
 }
 
 static int on_disable(sd_bus_message *call, void *context, sd_bus_error *error)
 {
-    return fails(context, call, error) ? -EIO : sd_bus_reply_method_return(call, "a(sss)", 0);
+    return fails_call(context, call, error) ? -EIO : sd_bus_reply_method_return(call, "a(sss)", 0);
 }
 
 static void trace_file(const struct service *service)
@@ -84,13 +86,13 @@ static void trace_file(const struct service *service)
     char text[4096];
     FILE *file = service->script->started ? fopen(service->script->started, "r") : NULL;
 
-    trace(service, "<");
+    trace_call(service, "<");
     if (file) {
         text[fread(text, 1, sizeof text - 1, file)] = '\0';
-        trace(service, text);
+        trace_call(service, text);
         fclose(file);
     }
-    trace(service, ">;");
+    trace_call(service, ">;");
 }
 
 /* Only the first start goes as the script says: what follows is how things are put back. */
@@ -99,7 +101,7 @@ static int on_job(sd_bus_message *call, void *context, sd_bus_error *error)
     struct service *service = context;
     char path[64];
 
-    if (fails(service, call, error)) {
+    if (fails_call(service, call, error)) {
         return -EIO;
     }
     const char *scripted = service->n_jobs == 0 ? service->script->result : NULL;
@@ -150,7 +152,7 @@ static const sd_bus_vtable unit_vtable[] = {
     SD_BUS_VTABLE_END,
 };
 
-static int serve(struct service *service, const char *address, int ready_fd)
+static int serve_bus(struct service *service, const char *address, int ready_fd)
 {
     sd_bus *bus = NULL;
     int r = sd_bus_new(&bus);
@@ -202,7 +204,7 @@ void fake_manager_start(struct fake_manager *manager, const char *address,
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         close(ready[0]);
         close(traced[0]);
-        _exit(serve(&service, address, ready[1]) < 0);
+        _exit(serve_bus(&service, address, ready[1]) < 0);
     }
     close(ready[1]);
     close(traced[1]);

@@ -128,7 +128,7 @@ void setup_rig_end(struct setup_rig *at)
     at->has_manager = at->has_daemon = false;
 }
 
-static struct cli_setup_wish complete(const struct cli_setup_wish *wish)
+static struct cli_setup_wish complete_wish(const struct cli_setup_wish *wish)
 {
     struct cli_setup_wish whole = *wish;
 
@@ -141,7 +141,7 @@ enum cli_exit setup_rig_run(struct setup_rig *at, const struct cli_setup_wish *w
                             const struct fake_manager_script *manager,
                             const struct fake_script *daemon)
 {
-    const struct cli_setup_wish whole = complete(wish);
+    const struct cli_setup_wish whole = complete_wish(wish);
     size_t size;
 
     free(at->said);
@@ -161,7 +161,7 @@ enum cli_exit setup_rig_run(struct setup_rig *at, const struct cli_setup_wish *w
 void setup_rig_open(struct setup_rig *at, const struct cli_setup_wish *wish,
                     struct setup_terminal *terminal)
 {
-    const struct cli_setup_wish whole = complete(wish);
+    const struct cli_setup_wish whole = complete_wish(wish);
     const struct winsize window = {.ws_row = 24, .ws_col = 80};
 
     *terminal = (struct setup_terminal){.length = 0};
@@ -180,7 +180,7 @@ void setup_rig_open(struct setup_rig *at, const struct cli_setup_wish *wish,
 }
 
 /* False at the end. */
-static bool take(struct setup_terminal *terminal)
+static bool take_output(struct setup_terminal *terminal)
 {
     struct pollfd waiting = {.fd = terminal->fd, .events = POLLIN};
 
@@ -197,7 +197,7 @@ static bool take(struct setup_terminal *terminal)
 void setup_rig_answer(struct setup_terminal *terminal, const char *question, const char *answer)
 {
     while (!strstr(terminal->text + terminal->asked, question)) {
-        if (!take(terminal)) {
+        if (!take_output(terminal)) {
             fail_msg("'%s' was never asked; but: %s", question, terminal->text);
         }
     }
@@ -209,7 +209,7 @@ int setup_rig_close(struct setup_terminal *terminal)
 {
     int status;
 
-    while (take(terminal)) {
+    while (take_output(terminal)) {
     }
     close(terminal->fd);
     assert_int_equal(waitpid(terminal->pid, &status, 0), terminal->pid);
