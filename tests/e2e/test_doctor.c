@@ -51,7 +51,7 @@ static void expect_finding(const struct appliance *appliance, int exit, const ch
 static void a_replay_of_nothing_is_found(void **state)
 {
     expect_finding(*state, 0, "sensor", "warning",
-                   "started: there is no recording at its path, and there never was a frame",
+                   "started: there is no recording at its path, and no frame has arrived yet",
                    ISO_FAULT_RECORDING_MISSING);
 }
 
@@ -64,7 +64,7 @@ static void people_whose_time_has_not_come_are_found(void **state)
 {
     assert_int_equal(appliance_run(*state, "enroll p01 --valid-from 2037-01-01", "p01-enrol")->exit,
                      0);
-    expect_finding(*state, 4, "gallery", "fault", "1 people, none of whom may come in at this time",
+    expect_finding(*state, 4, "gallery", "fault", "1 people, none of whom is valid at this time",
                    ISO_FAULT_NOBODY_VALID);
     assert_int_equal(appliance_run(*state, "enroll p02", "p02-enrol")->exit, 0);
     expect_finding(*state, 0, "gallery", "ok", "2 people", ISO_FAULT_NONE);
@@ -73,7 +73,8 @@ static void people_whose_time_has_not_come_are_found(void **state)
 static void a_lockdown_is_found(void **state)
 {
     assert_int_equal(appliance_run(*state, "lockdown on", NULL)->exit, 0);
-    expect_finding(*state, 4, "service", "fault", "lockdown: nobody is let in", ISO_FAULT_LOCKDOWN);
+    expect_finding(*state, 4, "service", "fault", "lockdown: the door admits nobody",
+                   ISO_FAULT_LOCKDOWN);
     assert_int_equal(appliance_run(*state, "lockdown off", NULL)->exit, 0);
     expect_finding(*state, 0, "door", "ok", "locked", ISO_FAULT_NONE);
 }
@@ -84,7 +85,7 @@ static void a_lockout_is_found(void **state)
                                      "x05-v1", "x06-v1", "x07-v1", NULL};
 
     assert_int_equal(appliance_visit(*state, strangers)->exit, 0);
-    expect_finding(*state, 4, "service", "fault", "locked out: nobody is let in for ",
+    expect_finding(*state, 4, "service", "fault", "locked out: the door admits nobody for another ",
                    ISO_FAULT_LOCKED_OUT);
     assert_int_equal(appliance_run(*state, "lockout clear", NULL)->exit, 0);
     expect_finding(*state, 0, "door", "ok", "locked", ISO_FAULT_NONE);
@@ -183,7 +184,7 @@ static void a_lockout_file_that_is_missing_is_found(void **state)
     (void)snprintf(path, sizeof path, "%s/lockout", appliance->directory);
     assert_int_equal(unlink(path), 0);
     appliance_start_daemon(appliance);
-    expect_finding(appliance, 4, "service", "fault", "lockdown: nobody is let in",
+    expect_finding(appliance, 4, "service", "fault", "lockdown: the door admits nobody",
                    ISO_FAULT_LOCKDOWN);
     appliance_end_daemon(appliance, SIGTERM);
     assert_non_null(strstr(appliance->daemon.err, "[lockout-missing]"));

@@ -37,8 +37,8 @@ static void enrolling_guides_the_person(void **state)
                                     "  come closer\n"
                                     "stage 1/2 done (quality 0.88)\n"
                                     "  turn a little to your left\n"
-                                    "this capture is not like the ones before: one person only, "
-                                    "as at the beginning\n"
+                                    "this capture does not match the earlier ones: only one "
+                                    "person can be enrolled\n"
                                     "  turn a little to your left\n"
                                     "stage 2/2 done (quality 0.75)\n"
                                     "anna is enrolled.\n");
@@ -116,7 +116,7 @@ static void a_duplicate_is_named(void **state)
     const struct fake_status nameless = {"enroll-duplicate", true, 4, 4, 0.5, NULL, 0};
     const struct fake_script before = {.statuses = &nameless, .n_statuses = 1};
     result = cli_run(&before, "enroll bob");
-    assert_non_null(strstr(result.err, "this face is known under another name (see"));
+    assert_non_null(strstr(result.err, "this face is enrolled under another name (see"));
 }
 
 /* How an action may end: the daemon's word, the exit code, and what the person reads. */
@@ -128,8 +128,7 @@ static const struct ending {
     {"enroll anna", "enroll-duplicate", 1, "this face is enrolled as bob"},
     {"enroll anna", "enroll-failed", 1, "the captures did not agree with each other"},
     {"enroll anna", "enroll-not-stored", 4, "anna is not enrolled: bob."},
-    {"enroll anna", "enroll-other-face", 1,
-     "this face is not like the one that is enrolled under this name"},
+    {"enroll anna", "enroll-other-face", 1, "another face is enrolled under this name"},
     {"enroll anna", "enroll-attack", 1, "this looks like a picture, a screen or a mask"},
     {"enroll anna", "enroll-timed-out", 5, "no usable face in time"},
     {"enroll anna", "enroll-disconnected", 4, "the sensor has gone away"},

@@ -57,15 +57,15 @@ static void what_no_file_can_hold_is_refused(void **state)
     static const struct {
         const char *word, *text;
     } cases[] = {
-        {"", "names no driver"},
-        {":/dev/video0", "names no driver"},
-        {"/dev/video0", "names no driver"},
+        {"", "does not name a driver"},
+        {":/dev/video0", "does not name a driver"},
+        {"/dev/video0", "does not name a driver"},
         {"replay:frames", "'frames': a full name is needed"},
         {"v4l2:/dev/video0,camera=c.ini", "'c.ini': a full name is needed"},
         {"v4l2:/dev/video0,camera=", "'camera': its value is empty"},
-        {"v4l2:/dev/video0\n[door]", "characters that no file can hold"},
-        {"v4l2:/dev/video0 ;x", "characters that no file can hold"},
-        {"v4l2:a_key_that_is_longer_than_any=1", "no key of [sensor]"},
+        {"v4l2:/dev/video0\n[door]", "characters that the file cannot contain"},
+        {"v4l2:/dev/video0 ;x", "characters that the file cannot contain"},
+        {"v4l2:a_key_that_is_longer_than_any=1", "not a key of [sensor]"},
     };
     char long_word[300] = "replay:/";
 

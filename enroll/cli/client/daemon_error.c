@@ -28,7 +28,7 @@ static const struct translation {
     {ISO_CONTRACT_ERROR_STORAGE, CLI_EXIT_FAULT, "storage", NULL},
     {ISO_CONTRACT_ERROR_INTERNAL, CLI_EXIT_FAULT, "internal", NULL},
     {SD_BUS_ERROR_ACCESS_DENIED, CLI_EXIT_NO, "access-denied",
-     "not permitted: root may, and who is in the right group (see isothermd(8))"},
+     "not permitted: only root and members of the right group may do this (see isothermd(8))"},
     {SD_BUS_ERROR_SERVICE_UNKNOWN, CLI_EXIT_FAULT, "no-daemon",
      "isothermd is not running on this bus (start it: systemctl start isothermd)"},
     {SD_BUS_ERROR_NAME_HAS_NO_OWNER, CLI_EXIT_FAULT, "no-daemon",

@@ -109,7 +109,7 @@ static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
     (void)snprintf(enrolment->result, sizeof enrolment->result, "%s", result);
     if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_STAGE_MISFIT) == 0) {
         enrolment->hints.last[0] = '\0';
-        fputs("this capture is not like the ones before: one person only, as at the beginning\n",
+        fputs("this capture does not match the earlier ones: only one person can be enrolled\n",
               enrolment->hints.out);
     } else if (strcmp(result, "enroll-" ISO_CONTRACT_RESULT_STAGE_PASSED) == 0) {
         enrolment->hints.last[0] = '\0';
@@ -141,12 +141,12 @@ static const struct outcome {
 } outcomes[] = {
     {"enroll-" ISO_CONTRACT_RESULT_COMPLETED, CLI_EXIT_OK, "is enrolled"},
     {"enroll-" ISO_CONTRACT_RESULT_DUPLICATE, CLI_EXIT_NO,
-     "is not enrolled: this face is known under another name (see --allow-duplicate)"},
+     "is not enrolled: this face is enrolled under another name (see --allow-duplicate)"},
     {"enroll-" ISO_CONTRACT_RESULT_FAILED, CLI_EXIT_NO,
      "is not enrolled: the captures did not agree with each other; try again, alone and holding "
      "still"},
     {"enroll-" ISO_CONTRACT_RESULT_OTHER_FACE, CLI_EXIT_NO,
-     "is not enrolled: this face is not like the one that is enrolled under this name; choose "
+     "is not enrolled: another face is enrolled under this name; choose "
      "another name, or remove that person first"},
     {"enroll-" ISO_CONTRACT_RESULT_NOT_STORED, CLI_EXIT_FAULT,
      "is not enrolled: the disk refused to store it; isotherm doctor says more"},
@@ -199,7 +199,7 @@ static enum cli_exit report_enrolment(struct enrolment *enrolment, struct cli_fa
         return written ? written : outcomes[i].exit;
     }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",
-                         "the daemon ended the enrolment in an unknown way ('%s')",
+                         "the daemon reported an unknown result of the enrolment ('%s')",
                          enrolment->result);
 }
 

@@ -38,7 +38,7 @@ enum cli_exit cli_lockdown(struct cli_daemon *daemon, const struct cli_arguments
     if (arguments->json) {
         return cli_report_json(json_pack("{s:b}", "lockdown", (int)on));
     }
-    puts(on ? "Nobody is let in from now on." : "The door is in service.");
+    puts(on ? "The door admits nobody from now on." : "The door is in service.");
     return CLI_EXIT_OK;
 }
 

@@ -150,7 +150,7 @@ static enum cli_exit report_recognition(struct recognition *recognition, struct 
         return outcomes[i].exit;
     }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "bad-reply",
-                         "the daemon ended in an unknown way ('%s')", recognition->result);
+                         "the daemon reported an unknown result ('%s')", recognition->result);
 }
 
 static enum cli_exit recognise_face(struct cli_daemon *daemon, struct recognition *recognition,

@@ -71,7 +71,7 @@ static void judge_running_sensor(struct cli_diagnosis *diagnosis, const json_t *
         return;
     }
     (void)snprintf(found, sizeof found, "started: %s%s", health,
-                   never ? ", and there never was a frame" : "");
+                   never ? ", and no frame has arrived yet" : "");
     cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_ODD, code_of(state, "sensor-health-code"),
                       found);
 }
@@ -120,10 +120,10 @@ static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
 
     if (json_is_true(json_object_get(state, "lockdown"))) {
         cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, ISO_FAULT_LOCKDOWN,
-                          "lockdown: nobody is let in");
+                          "lockdown: the door admits nobody");
     } else if (left_ms > 0) {
         (void)snprintf(found, sizeof found,
-                       "locked out: nobody is let in for %" JSON_INTEGER_FORMAT " s more",
+                       "locked out: the door admits nobody for another %" JSON_INTEGER_FORMAT " s",
                        (left_ms + 999) / 1000);
         cli_diagnosis_add(diagnosis, "service", CLI_CHECK_BAD, ISO_FAULT_LOCKED_OUT, found);
     }
@@ -216,7 +216,7 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
         cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_ODD, ISO_FAULT_GALLERY_EMPTY, found);
     } else if (valid == 0) {
         (void)snprintf(found, sizeof found,
-                       "%" JSON_INTEGER_FORMAT " people, none of whom may come in at this time",
+                       "%" JSON_INTEGER_FORMAT " people, none of whom is valid at this time",
                        people);
         cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, ISO_FAULT_NOBODY_VALID, found);
     } else if (templates < people) {

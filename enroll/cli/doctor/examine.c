@@ -13,7 +13,7 @@ static void check_permission(struct cli_daemon *daemon, struct cli_diagnosis *di
 
     if (exit == CLI_EXIT_NO) {
         cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_DENIED, ISO_FAULT_NOT_PERMITTED,
-                          "this user may not command the daemon");
+                          "this user may not give commands to the daemon");
     } else {
         cli_diagnosis_add(diagnosis, "permission", CLI_CHECK_GOOD, ISO_FAULT_NONE, "this user may");
     }

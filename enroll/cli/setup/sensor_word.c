@@ -39,10 +39,11 @@ enum cli_exit cli_sensor_word_set(struct cli_sensor_word *word, const char *key,
     size_t i = 0;
 
     if (!*key || key[strspn(key, key_letters)] || strlen(key) >= sizeof word->options[0].key) {
-        return refuse(fault, key, "this is no key of [sensor] in isotherm.conf(5)");
+        return refuse(fault, key, "this is not a key of [sensor] in isotherm.conf(5)");
     }
     if (!*value || !can_be_written(value)) {
-        return refuse(fault, key, "its value is empty or has characters that no file can hold");
+        return refuse(fault, key,
+                      "its value is empty or has characters that the file cannot contain");
     }
     if (is_relative(key, value)) {
         return refuse(fault, value, "a full name is needed, which begins with /");
@@ -110,7 +111,7 @@ static enum cli_exit take_part(struct cli_sensor_word *word, const char *part,
     (void)snprintf(key, sizeof key, "%.*s", (int)length, part);
     return length < sizeof key
                ? cli_sensor_word_set(word, key, part + length + 1, fault)
-               : refuse(fault, part, "this is no key of [sensor] in isotherm.conf(5)");
+               : refuse(fault, part, "this is not a key of [sensor] in isotherm.conf(5)");
 }
 
 enum cli_exit cli_sensor_word_parse(const char *word, struct cli_sensor_word *out,
@@ -123,7 +124,8 @@ enum cli_exit cli_sensor_word_parse(const char *word, struct cli_sensor_word *ou
 
     if (length == 0 || length >= sizeof parsed.backend ||
         strspn(word, "abcdefghijklmnopqrstuvwxyz0123456789-") != length) {
-        return refuse(fault, word, "this names no driver; such as v4l2:/dev/video0 or openni2");
+        return refuse(fault, word,
+                      "this does not name a driver such as v4l2:/dev/video0 or openni2");
     }
     (void)snprintf(parsed.backend, sizeof parsed.backend, "%.*s", (int)length, word);
     const char *at = word[length] ? word + length + 1 : word + length;
