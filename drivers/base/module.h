@@ -1,9 +1,8 @@
 /* Modules: shared objects with the back ends that pull in other libraries (OpenCV, libcamera, the
- * TPM software stack). A
- * program loads one when its configuration asks for it, so that it runs without these libraries
- * where it does not.
+ * TPM software stack). A program loads a module when its configuration asks for it; otherwise it
+ * runs without these libraries.
  *
- * A module lies beside the libisotherm-core.so that the process already runs, and is called
+ * A module is next to the libisotherm-core.so that the process already uses, and is called
  * isotherm-NAME.so: /usr/lib/x86_64-linux-gnu/isotherm/isotherm-stereo.so. There is
  * no search path, and no variable of the environment or key of the configuration names another
  * place: whoever can put a file there could as well replace the library itself.
@@ -45,8 +44,8 @@ struct iso_module {
 
 #define ISO_MODULE_EXPORT __attribute__((visibility("default")))
 
-/* What a program wants of a module, and what came of it. Begins with the first two members set and
- * all others zero. */
+/* A module that a program needs, and the result of loading it. The program sets the first two
+ * members; all others are zero at the beginning. */
 struct iso_module_slot {
     const char *name;  /* the package that has it is called isotherm-NAME */
     size_t size_bytes; /* of the table */
@@ -58,10 +57,10 @@ struct iso_module_slot {
     const struct iso_module *table;
 };
 
-/* Loads a module, or tells again what came of the first attempt: a process asks the disk once. Any
- * thread. After 0 slot->table stands. One line in *fault for every error: -ENOENT there is no such
- * file (the line names the package to install), -EBADMSG it is not a regular file, anybody may
- * write to it, it cannot be loaded, or it is not this module in this version. */
+/* Loads a module, or returns the result of the first attempt: a process reads the disk once. Any
+ * thread may call it. After 0 slot->table is set. One line in *fault for every error: -ENOENT there
+ * is no such file (the line names the package to install), -EBADMSG it is not a regular file,
+ * anybody may write to it, it cannot be loaded, or it is not this module in this version. */
 int iso_module_load(struct iso_module_slot *slot, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -41,8 +41,8 @@ static inline int64_t iso_times_boot_ns(const struct iso_times *times)
     return iso_clock_now_ns(times->boottime.now_ns ? &times->boottime : &times->monotonic);
 }
 
-/* Whether a date is one that a clock shows which has been set: a board without a battery starts in
- * 1970 and would take what has expired for valid. */
+/* Whether a date comes from a clock that was set. A board without a battery starts in 1970, and an
+ * expired limit would then seem to be valid. */
 static inline bool iso_wall_is_set(int64_t wall_s)
 {
     return wall_s >= INT64_C(1704067200); /* 2024-01-01 */

@@ -1,5 +1,5 @@
-/* A counter in hardware: a number that only rises, whoever has the disk. It shows that a state
- * directory is of an earlier time (firmware/keys/state_counter.h). */
+/* A counter in hardware: a number that can only rise, even if somebody has the disk. It shows that
+ * a state directory is of an earlier time (firmware/keys/state_counter.h). */
 #ifndef ISO_DRIVERS_COUNTER_COUNTER_H
 #define ISO_DRIVERS_COUNTER_COUNTER_H
 
@@ -13,9 +13,9 @@
  * leave *value untouched then:
  *   -ENOENT the device answers, and does not have the counter (read, increment)
  *   -EBADMSG the device has something else in its place
- *   -EAGAIN the device wants to be asked later
- *   -EACCES the device refuses it
- *   -EIO    the device is not there, or does not answer as it should */
+ *   -EAGAIN the device asks to try again later
+ *   -EACCES the device refuses the operation
+ *   -EIO    the device is missing or gives a wrong answer */
 struct iso_counter_ops {
     const char *name; /* "tpm2" */
     int (*read)(void *self, uint64_t *value, struct iso_fault *fault);
@@ -23,7 +23,7 @@ struct iso_counter_ops {
      * counted is taken. Its first value is above that of every counter that the device had before.
      */
     int (*define)(void *self, uint64_t *value, struct iso_fault *fault);
-    /* *value: the number behind it. */
+    /* Counts once; *value is the new number. */
     int (*increment)(void *self, uint64_t *value, struct iso_fault *fault);
     void (*close)(void *self);
 };
@@ -34,7 +34,7 @@ struct iso_counter {
     void *self;
 };
 
-/* Lets the device go; the counter in it stays. One that is not there is fine. */
+/* Closes the device; the counter in it remains. A counter without ops is fine. */
 static inline void iso_counter_close(struct iso_counter *counter)
 {
     if (counter->ops) {

@@ -1,9 +1,10 @@
 /* A counter in the non-volatile memory of a TPM 2.0: an NV index of the type TPM2_NT_COUNTER in the
  * owner's hierarchy (TPM 2.0 Library, part 1, "NV counter index").
  *
- * The index has an empty password for reading and counting, and so whoever may use the TPM may
- * count on, which nobody can undo. To make or delete it takes the owner's password, which is empty
- * unless somebody has set one; then the index has to be made by hand (isothermd(8)). A TPM begins a
+ * The index has an empty password for reading and counting: everybody who may use the TPM can raise
+ * the counter, and nobody can undo it. To create or delete the index takes the owner's password,
+ * which is empty unless somebody has set one; then the index must be created by hand
+ * (isothermd(8)). A TPM begins a
  * counter that is made again above the largest value that any of its counters ever had, so the
  * number rises over a deletion, too. It is not an "orderly" counter, whose value jumps when power
  * is lost.

@@ -1,9 +1,8 @@
-/* The level of a switch without its bounces, by the times of its edges: pure.
+/* Removes the bounces of a switch by the times of its edges. Pure.
  *
- * A new level counts when it has lasted for the window; what is shorter has not happened. Since the
- * edges bear the times at which they happened, it makes no difference how late they are looked at:
- * a press of 100 ms that is over when somebody looks is still a press. A window of 0 takes every
- * edge for one. */
+ * A new level counts when it has lasted for the window; a shorter one is ignored. Since each edge
+ * has the time at which it happened, it does not matter when the edges are read: a press of 100 ms
+ * that is over by then still counts. With a window of 0 every edge counts. */
 #ifndef ISO_DRIVERS_DOOR_DEBOUNCE_H
 #define ISO_DRIVERS_DOOR_DEBOUNCE_H
 
@@ -12,27 +11,27 @@
 
 struct iso_debounce {
     int64_t window_ns;
-    bool level;           /* what counts */
-    bool was_active;      /* it has been active since the last iso_debounce_take */
-    bool raw;             /* the wire */
-    int64_t raw_since_ns; /* when it took that level */
+    bool level;           /* without bounces */
+    bool was_active;      /* `level` was active since the last iso_debounce_take */
+    bool raw;             /* the level of the wire */
+    int64_t raw_since_ns; /* since when the wire has that level */
 };
 
-/* The level at the beginning counts at once. */
+/* The first level counts without a delay. */
 void iso_debounce_init(struct iso_debounce *debounce, int64_t window_ns, bool level,
                        int64_t now_ns);
 
-/* The wire has taken a level. Edges come in the order of their times; one that claims to be earlier
- * than the last is taken to be simultaneous with it. */
+/* Notes that the wire has changed to a level. Edges are given in the order of their times; an edge
+ * with an earlier time than the last one gets the time of the last one. */
 void iso_debounce_edge(struct iso_debounce *debounce, bool level, int64_t t_ns);
 
-/* Time has passed without another edge. */
+/* Notes that time has passed without another edge. */
 void iso_debounce_advance(struct iso_debounce *debounce, int64_t now_ns);
 
-/* When iso_debounce_advance will change the level; INT64_MAX if nothing is under way. */
+/* When iso_debounce_advance will change the level; INT64_MAX if no change is pending. */
 int64_t iso_debounce_due_ns(const struct iso_debounce *debounce);
 
-/* Whether it is active or has been since the last call. */
+/* Whether the level is active now or was active since the last call. */
 bool iso_debounce_take(struct iso_debounce *debounce);
 
 #endif

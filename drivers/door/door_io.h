@@ -1,14 +1,14 @@
 /* The door I/O class: the lines between the appliance and a door.
  *
- * Levels are logical: true is "active"; which voltage that is, and which contact is normally
- * closed, is a matter of the back end's options. Deciding what to switch when is the door state
- * machine's business, not this class's.
+ * Levels are logical: true is "active". The options of the back end say which voltage that is and
+ * which contact is normally closed. The door's state machine, not this class, decides what to
+ * switch and when.
  *
- * One object is used by one thread at a time; operations do not block for more than a few
- * milliseconds. Every failure is one line in *fault (which may be NULL).
+ * One object is used by one thread at a time. Operations block for a few milliseconds at most. On a
+ * failure *fault (which may be NULL) holds one line.
  *
- *   open: LOST, OPEN     OPEN -> LOST when an operation returns -ENODEV (the device is gone)
- *   LOST -> OPEN         by iso_door_io_reopen; every other call is -ENODEV meanwhile */
+ *   OPEN -> LOST   when an operation returns -ENODEV: the device is gone
+ *   LOST -> OPEN   by iso_door_io_reopen; until then every other call returns -ENODEV */
 #ifndef ISO_DRIVERS_DOOR_DOOR_IO_H
 #define ISO_DRIVERS_DOOR_DOOR_IO_H
 
@@ -62,14 +62,15 @@ struct iso_door_io_ops {
      * `relay` or `wiegand_d0` has the meaning that isotherm.conf(5) gives it. */
     const struct iso_option_spec *options;
 
-    /* OPTIONAL. Whether the options are sound as far as the table cannot say, such as which of them
-     * go together. Touches no device. -EINVAL, -ENOMEM. */
+    /* OPTIONAL. Checks what the table cannot express, such as options that exclude each other.
+     * Touches no device. -EINVAL, -ENOMEM. */
     int (*check)(const struct iso_option *options, size_t n_options, struct iso_fault *fault);
 
-    /* REQUIRED. Claims the lines; each output takes its initial level without another one before
-     * it, so that a strike that must stay energised does not drop. Called after check has accepted
-     * the options. *self is the back end's own and not NULL. The errors of check; -EINVAL a line
-     * cannot do what they ask for, -ENODEV no such chip or line, -EBUSY, -EACCES, -ENOMEM, -EIO. */
+    /* REQUIRED. Claims the lines. Each output has its initial level from the first moment, so that
+     * a strike that must stay energised does not drop. Called after check has accepted the options.
+     * *self becomes the back end's own object, which is not NULL. The errors of check; -EINVAL a
+     * line does not support an option, -ENODEV there is no such chip or line, -EBUSY, -EACCES,
+     * -ENOMEM, -EIO. */
     int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
                 const struct iso_door_outputs *initial, void **self, struct iso_fault *fault);
 
@@ -77,39 +78,41 @@ struct iso_door_io_ops {
     int (*set_output)(void *self, enum iso_door_output output, bool active,
                       struct iso_fault *fault);
 
-    /* REQUIRED. The inputs, debounced. EXIT_BUTTON and TAMPER are active if they are now, or have
-     * been since the last call: a short press is not missed. CONTACT is the level now. An input
-     * that is not wired (by option) reads inactive. -EIO, -EBADMSG, -ENODEV. */
+    /* REQUIRED. Reads the inputs, debounced. EXIT_BUTTON and TAMPER are active if they are active
+     * now or were active since the last call, so that a short press is not missed. CONTACT is its
+     * present level. An input without a line reads inactive. -EIO, -EBADMSG, -ENODEV. */
     int (*get_inputs)(void *self, struct iso_door_inputs *out, struct iso_fault *fault);
 
     /* OPTIONAL. Begins to send a card number to an access controller and returns at once. -ENOSYS
      * no controller is wired, -ERANGE the number does not fit the controller's format, -EBUSY the
-     * last number is still under way, -EIO, -ENODEV; a failure under way is told by the next call.
-     */
+     * last number is still being sent, -EIO, -ENODEV. A failure while a number is sent is returned
+     * by the next call. */
     int (*send_card)(void *self, const struct iso_wiegand_card *card, struct iso_fault *fault);
 
-    /* OPTIONAL. A descriptor that polls readable when an input may have changed; get_inputs makes
-     * it quiet again. Owned by the back end. Negative errno if there is none now; the inputs are
-     * then looked at every now and then. */
+    /* OPTIONAL. A descriptor that polls readable when an input may have changed, until get_inputs
+     * is called. Owned by the back end. A negative errno if there is none now; the caller then
+     * reads the inputs at intervals. */
     int (*poll_fd)(void *self);
 
-    /* REQUIRED. Releases the lines and sets none: the caller has put the outputs to where they
-     * shall rest, the hardware's pull resistors keep or lose it. Cannot fail. */
+    /* REQUIRED. Releases the lines without setting them: the caller has set the outputs to their
+     * resting levels. Whether a released line keeps its level depends on the hardware. Cannot
+     * fail. */
     void (*close)(void *self);
 };
 
 struct iso_door_io;
 
-/* Whether lines of this back end could be opened with these options, if their device is there: asks
- * the table of options and the operation that iso_door_io_new asks first. -ENOENT unknown name (the
- * fault lists those there are), -EINVAL an option that is not in the table, is repeated, has a bad
- * value or is missing, else the errors of ops->check. */
+/* Checks whether lines of this back end could be opened with these options if their device exists,
+ * as iso_door_io_new does first: by the table of options and by ops->check. -ENOENT the name is
+ * unknown (the fault lists the known ones), -EINVAL an option is unknown, repeated, bad or missing,
+ * else the errors of ops->check. */
 int iso_door_io_check(const char *name, const struct iso_option *options, size_t n_options,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Door lines by the name of the back end (`null` is the simulated one), in the lost state: touches
- * no device, iso_door_io_reopen does. The errors of iso_door_io_check. Options and clock need not
- * outlive the call; what the clock's context points to must outlive the object. */
+/* Makes door lines by the name of the back end (`null` is the simulated one), in the state LOST. It
+ * touches no device; iso_door_io_reopen opens the lines. The errors of iso_door_io_check. Options
+ * and clock need not outlive the call; what the clock's context points to must outlive the
+ * object. */
 int iso_door_io_new(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_door_io **out,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -119,14 +122,14 @@ int iso_door_io_new(const char *name, const struct iso_option *options, size_t n
 int iso_door_io_reopen(struct iso_door_io *io, const struct iso_door_outputs *initial,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Both at once: opened lines, or nothing. The errors of both. */
+/* iso_door_io_new and iso_door_io_reopen: opened lines, or nothing. The errors of both. */
 int iso_door_io_open(const char *name, const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, const struct iso_door_outputs *initial,
                      struct iso_door_io **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The last with a back end that is not in the registry. -EINVAL if a REQUIRED operation is missing.
- * `ops` must outlive the object. */
+/* iso_door_io_open with a back end that is not in the registry. -EINVAL if a REQUIRED operation is
+ * missing. `ops` must outlive the object. */
 int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_option *options,
                          size_t n_options, const struct iso_clock *clock,
                          const struct iso_door_outputs *initial, struct iso_door_io **out,

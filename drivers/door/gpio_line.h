@@ -53,8 +53,8 @@ struct iso_gpio_line;
  * LINE_BUSY, CHIP_GONE, OUT_OF_MEMORY, else LINE_FAILED. */
 enum iso_fault_code iso_gpio_fault_code(int error);
 
-/* Claims a line as an output that takes the level `active` first and no other before it, or as an
- * input that reports its edges. The spec need not outlive the call.
+/* Claims a line as an output with the level `active` from the first moment, or as an input that
+ * reports its edges. The spec need not outlive the call.
  *
  * -ENODEV no such chip or line; -EBUSY somebody else has the line (the fault says who); -EACCES no
  * permission for the chip, or, for a named line that was not found, for one of the chips; -EINVAL
@@ -65,7 +65,7 @@ int iso_gpio_line_open_output(const struct iso_gpio_spec *spec, bool active,
 int iso_gpio_line_open_input(const struct iso_gpio_spec *spec, struct iso_gpio_line **out,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Gives the line back; the level that it has then is the hardware's. NULL is fine. */
+/* Releases the line; its level is then up to the hardware. NULL is fine. */
 void iso_gpio_line_close(struct iso_gpio_line *line);
 
 /* -EIO, -ENODEV. The level of an output reads as it was set. */
@@ -83,7 +83,7 @@ struct iso_gpio_edge {
 int iso_gpio_line_fd(const struct iso_gpio_line *line);
 
 /* Takes the next edge of an input. -EAGAIN there is none now, -EIO, -ENODEV. The kernel keeps 16
- * edges and drops what comes on top: after the last one, iso_gpio_line_get tells the truth. */
+ * edges and drops further ones: after the last edge, iso_gpio_line_get gives the true level. */
 int iso_gpio_line_next_edge(struct iso_gpio_line *line, struct iso_gpio_edge *out)
     __attribute__((warn_unused_result));
 

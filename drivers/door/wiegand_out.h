@@ -1,10 +1,9 @@
 /* Sends Wiegand codes over two lines: a pulse on D0 is a zero, one on D1 a one.
  *
- * A code takes 50 to 70 ms and its pulses are 50 us long, which the thread of the appliance can
- * neither wait for nor keep: each sender has a thread of its own, SCHED_FIFO where that is
- * permitted (RLIMIT_RTPRIO). It is the one place below the simulator that has a thread and looks at
- * CLOCK_MONOTONIC itself. Readers allow for pulses of 20 to 100 us and intervals of 0.2 to 20 ms.
- */
+ * A code takes 50 to 70 ms, and its pulses are 50 us long. The appliance's thread can neither wait
+ * that long nor keep such times, so each sender has a thread of its own, with SCHED_FIFO where that
+ * is permitted (RLIMIT_RTPRIO). No other driver has a thread that reads CLOCK_MONOTONIC itself.
+ * Controllers accept pulses of 20 to 100 us and intervals of 0.2 to 20 ms. */
 #ifndef ISO_DRIVERS_DOOR_WIEGAND_OUT_H
 #define ISO_DRIVERS_DOOR_WIEGAND_OUT_H
 
@@ -26,8 +25,8 @@ struct iso_wiegand_lines {
     void *context;
 };
 
-/* What was measured of all pulses so far; times from switching on to switching off, and between two
- * pulses of a code. */
+/* The times of all pulses so far: from switching on to switching off, and between two pulses of a
+ * code. */
 struct iso_wiegand_report {
     uint64_t codes, pulses;
     bool realtime; /* the thread has SCHED_FIFO */
@@ -37,16 +36,16 @@ struct iso_wiegand_report {
 
 struct iso_wiegand_out;
 
-/* `lines` need not outlive the call, its context has to outlive the sender. -ENOMEM, -EAGAIN no
- * thread can be had. */
+/* `lines` need not outlive the call, but its context must outlive the sender. -ENOMEM, -EAGAIN no
+ * thread can be started. */
 int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegand_out **out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Cuts off what is being sent, with both lines at rest. NULL is fine. */
+/* Cuts off the code that is being sent; both lines are at rest then. NULL is fine. */
 void iso_wiegand_out_free(struct iso_wiegand_out *out);
 
 /* Begins to send the lowest `bits` bits (1 to 64) and returns at once. -EBUSY the last code is
- * still under way; or the error of the lines at which the last code was cut off, told once. */
+ * still being sent; or, once, the error of the lines that cut off the last code. */
 int iso_wiegand_out_send(struct iso_wiegand_out *out, uint64_t code, int bits)
     __attribute__((warn_unused_result));
 

@@ -1,15 +1,15 @@
-/* Whether the daemon's main thread waits for the disk: so that whoever watches over it can tell a
- * disk that is slow from a program that hangs.
+/* Whether the daemon's main thread waits for the disk. The watchdog can thereby distinguish a slow
+ * disk from a program that hangs.
  *
- * Whatever may wait for the disk says so by begin and end, in whichever thread it runs; only the
+ * Code that may wait for the disk calls begin before and end after it, in any thread; only the
  * waits of the thread that has called iso_disk_wait_watch count. */
 #ifndef ISO_DRIVERS_FILE_DISK_WAIT_H
 #define ISO_DRIVERS_FILE_DISK_WAIT_H
 
 #include <stdbool.h>
 
-/* From now on the waits of the calling thread are those that iso_disk_wait_lasts tells of. One
- * thread of a process. */
+/* From now on iso_disk_wait_lasts reports the waits of the calling thread. One thread of a process
+ * may call this. */
 void iso_disk_wait_watch(void);
 
 /* Around a call that may wait for the disk, or for a thread that does; they may be nested. */

@@ -5,16 +5,16 @@
  *                   fx_px, fy_px, k1..k3, p1, p2 (pinhole; k and p default to 0) or
  *                   pitch_mm (orthographic); cx_px, cy_px; unit_mm = millimetres per count;
  *                   nominal = yes | no (pinhole; default no): the intrinsics are those that the
- *                   maker states for the model, nobody has measured them on this camera
+ *                   manufacturer states for the model; this camera was not measured
  *   depth.txt       one line per frame, in order of time: timestamp_s filename; '#' comments
  *   depth/NAME.png   16-bit grey, counts of unit_mm along the optical axis, 0 = not measured
  *   ir.txt, ir/     optional: 8- or 16-bit grey, registered to depth pixel by pixel
  *   rgb.txt, rgb/   optional: 8-bit RGB, the same
  *   landmarks.csv   optional ground truth: frame,name,x_mm,y_mm,z_mm in the camera frame
  *
- * A recording of a cropped sensor image says so by its cx_px and cy_px, so the frames that come out
- * of a reader have no crop offset. The reader refuses what it does not understand: every failure is
- * one line "file: what is wrong" in *fault (which may be NULL). */
+ * The cx_px and cy_px of a recording include the crop of the sensor image, so that frames from a
+ * reader have no crop offset. The reader refuses what it does not understand. On a failure *fault
+ * (which may be NULL) holds one line, "file: what is wrong". */
 #ifndef ISO_DRIVERS_RECORDING_RECORDING_H
 #define ISO_DRIVERS_RECORDING_RECORDING_H
 

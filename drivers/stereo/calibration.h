@@ -1,4 +1,5 @@
-/* What is known of a pair of cameras: each one's lens, and how the right one stands to the left.
+/* The calibration of a pair of cameras: the lens of each, and the pose of the right one relative to
+ * the left one.
  *
  * The file, format 1, is written by `isotherm-sim calibrate`:
  *
@@ -9,8 +10,8 @@
  *   [right_from_left]  rx_rad, ry_rad, rz_rad (rotation vector), tx_mm, ty_mm, tz_mm:
  *                      x_right = R x_left + t
  *
- * Lines hold at most 190 bytes. Left and right are those of somebody who looks along with the
- * cameras: the left camera's picture shows things farther to the right. */
+ * Lines have at most 190 bytes. Left and right are as seen from behind the cameras: the left
+ * camera's picture shows things farther to the right. */
 #ifndef ISO_DRIVERS_STEREO_CALIBRATION_H
 #define ISO_DRIVERS_STEREO_CALIBRATION_H
 
@@ -29,7 +30,7 @@ struct iso_stereo_calibration {
 /* Distance between the two cameras. */
 double iso_stereo_baseline_mm(const struct iso_stereo_calibration *calibration);
 
-/* Whether two cameras can stand so and be used as a pair: both pinhole and sane, images of one
+/* Whether two cameras in this pose can be used as a pair: both pinhole and sane, images of one
  * size, focal lengths within 10 % of each other, baseline 5..1000 mm, the right camera at the
  * right, and both optical axes within 0.3 rad of the perpendicular to the baseline. Returns 0, or
  * -EINVAL with *what (if not NULL) set to a static text. */

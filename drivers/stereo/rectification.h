@@ -1,5 +1,5 @@
-/* Rectification: turning both cameras, on paper, until their images have one plane and their rows
- * are parallel to the baseline, so that a point is seen in the same row of both. */
+/* Rectification: both cameras are turned by computation until their images have one plane and their
+ * rows are parallel to the baseline, so that a point is in the same row of both images. */
 #ifndef ISO_DRIVERS_STEREO_RECTIFICATION_H
 #define ISO_DRIVERS_STEREO_RECTIFICATION_H
 

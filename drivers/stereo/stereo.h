@@ -16,7 +16,7 @@
 #include "isotherm/frame.h"
 
 struct iso_stereo_options {
-    double near_mm, far_mm; /* what is nearer or farther is not looked for */
+    double near_mm, far_mm; /* the range that is measured */
     double confidence_min;  /* correlation of the two windows that a depth needs: 0..1 */
     int window_px;          /* of the refinement: odd, 3..31 */
 };

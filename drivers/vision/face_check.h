@@ -2,8 +2,8 @@
  * frame show a face where the fitted landmarks say it is?
  *
  * The face is drawn as seen from straight ahead (face_chip.h), a cascade looks for a frontal face
- * in it (face_detector.h), and the middle of what it sees is compared with the landmarks. It can
- * support or contradict, never move a landmark.
+ * in it (face_detector.h), and the middle of the face that it finds is compared with the landmarks.
+ * The check can confirm or contradict the landmarks; it never moves one.
  *
  * Measured on 370 frames of 7 real people before a Kinect v2, every pose and expression: the
  * cascade's middle is 3 mm (median) and at most 10 mm from where it should be; none is contradicted

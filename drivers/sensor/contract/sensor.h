@@ -1,14 +1,14 @@
-/* The sensor class: whatever delivers depth frames.
+/* The sensor class: everything that delivers depth frames.
  *
  * States of a sensor and the calls that are legal in them; any other call is -EBADFD:
  *
  *   (none)  --open-->  OPEN  --start-->  STARTED  --stop-->  OPEN  --close-->  (none)
  *   STARTED: wait, next_due_ns.  Every state: describe, poll_fd, health, name, close.
- *   A call that returns -ENODEV (the device is gone) leads to LOST, from where only close goes on.
+ *   A call that returns -ENODEV (the device is gone) leads to LOST, where only close is legal.
  *
  * One sensor is used by one thread at a time. Time is read from the injected clock only. Frames are
- * checked (iso_frame_check, sequence and time rising) before they are handed up. Every failure is
- * one line in *fault (which may be NULL). */
+ * checked (iso_frame_check, sequence and time rising) before the caller gets them. On a failure
+ * *fault (which may be NULL) holds one line. */
 #ifndef ISO_DRIVERS_SENSOR_CONTRACT_SENSOR_H
 #define ISO_DRIVERS_SENSOR_CONTRACT_SENSOR_H
 
@@ -28,11 +28,11 @@ struct iso_sensor_description {
     int width_px, height_px; /* of the depth plane */
     bool intensity;          /* frames carry one */
     double unit_mm;          /* depths are whole multiples of this; 0 if they are not */
-    double rate_hz;          /* frames a second when all is well; 0 if that is not fixed */
-    char calibration[96];    /* what it measures by, in words; "" if the device knows itself */
+    double rate_hz;          /* the regular frames a second; 0 if the rate is not fixed */
+    char calibration[96];    /* the calibration, in words; "" if the device has its own */
     enum iso_fault_code
-        calibration_code; /* why that is not to be relied on; ISO_FAULT_NONE: it is */
-    bool repeats; /* its frames are stored ones that may count again: of a replay, on demand */
+        calibration_code; /* why the calibration is not reliable; ISO_FAULT_NONE: it is reliable */
+    bool repeats;         /* a replay whose stored frames may count more than once, by its option */
 };
 
 /* A device that a back end could open. */
@@ -43,15 +43,15 @@ struct iso_sensor_device {
     enum iso_fault_code code; /* ISO_FAULT_NONE, or why it cannot be opened */
 };
 
-/* Is told of one device; what it points to is valid during the call. */
+/* Called for one device, which is valid during the call. */
 typedef void iso_sensor_visitor(const struct iso_sensor_device *device, void *context);
 
-/* What a device says of itself while it works. */
+/* What a device reports about itself while it streams. */
 struct iso_sensor_device_health {
-    uint64_t dropped; /* frames that arrived and were given up: nobody fetched them in time, or a
-                         part of them was missing. They are gaps in the sequence as well */
-    char state[64];   /* "" well, else in words */
-    enum iso_fault_code code; /* of what `state` says */
+    uint64_t dropped; /* frames that arrived and were dropped: they were not fetched in time, or a
+                         part of them was missing. They are also gaps in the sequence */
+    char state[64];   /* the fault, in words; "": there is none */
+    enum iso_fault_code code; /* the code of that fault */
 };
 
 /* What an operation of a back end may and must do. `self` is the back end's own object. */
@@ -63,47 +63,47 @@ struct iso_sensor_ops {
      * options that agree with the table: known, given once, within their ranges, none missing. */
     const struct iso_option_spec *options;
 
-    /* OPTIONAL. Tells the visitor of every device there is, opening none. Needs no open sensor and
-     * may be called while there are some. May block for a second. 0 also if there is no device;
-     * -EIO the bus or the driver cannot be asked. */
+    /* OPTIONAL. Calls the visitor for every device that exists, and opens none. May be called with
+     * or without open sensors. May block for a second. 0 also if there is no device; -EIO the bus
+     * or the driver does not answer. */
     int (*probe)(iso_sensor_visitor *visit, void *context, struct iso_fault *fault);
 
-    /* Whether probe looks in a moment, so that a door need not wait for it. */
+    /* Whether probe returns so fast that the door may wait for it. */
     bool probes_at_once;
 
-    /* OPTIONAL. Loads the modules (drivers/base/module.h) that open, or probe, would load
-     * otherwise: for a process that confines itself before it opens a sensor. -ENOENT a module is
-     * missing, -EBADMSG it cannot be used. */
+    /* OPTIONAL. Loads the modules (drivers/base/module.h) that open or probe would load otherwise:
+     * for a process that gives up rights before it opens a sensor. -ENOENT a module is missing,
+     * -EBADMSG it cannot be used. */
     int (*load)(struct iso_fault *fault);
 
-    /* OPTIONAL. Whether the options are sound as far as the table cannot say: which of them go
-     * together, and what the files that they name hold. Touches no device. -EINVAL a bad option or
-     * a damaged file, -ENOENT a file that is named does not exist, -ENOMEM. */
+    /* OPTIONAL. Checks what the table cannot express: options that exclude each other, and the
+     * contents of the files that they name. Touches no device. -EINVAL an option is bad or a file
+     * is damaged, -ENOENT a named file does not exist, -ENOMEM. */
     int (*check)(const struct iso_option *options, size_t n_options, struct iso_fault *fault);
 
-    /* REQUIRED. Finds and claims the device, streams nothing yet. May block for a few seconds.
-     * Called after check has accepted the options. The options and the clock's struct are copied
-     * or read during the call. The errors of check; -EINVAL the device cannot do what they ask for,
-     * -ENODEV no such device, -EBUSY claimed by another, -EACCES no permission, -ENOMEM, -EIO. On
-     * failure nothing is held. */
+    /* REQUIRED. Finds and claims the device without streaming. May block for a few seconds. Called
+     * after check has accepted the options. Options and clock are read or copied during the call.
+     * The errors of check; -EINVAL the device does not support an option, -ENODEV there is no such
+     * device, -EBUSY another process has it, -EACCES no permission, -ENOMEM, -EIO. On failure
+     * nothing is held. */
     int (*open)(const struct iso_option *options, size_t n_options, const struct iso_clock *clock,
                 void **self, struct iso_fault *fault);
 
     /* REQUIRED. Starts streaming. May block for a second. -ENODEV, -EIO, -ENOMEM. */
     int (*start)(void *self, struct iso_fault *fault);
 
-    /* REQUIRED. The next frame, oldest first, blocking at most until deadline_ns of the injected
-     * clock (a deadline in the past: only look). A back end that could block only by sleeping does
-     * not: it returns -ETIMEDOUT at once and has next_due_ns. *frame belongs to the back end and
-     * stays as it is until the next call on the sensor. Nothing is allocated per frame once warm.
-     * Errors: -ETIMEDOUT no frame yet (or nothing to come), -EBADMSG one frame is lost or damaged
-     * and the next may be good, -EIO the stream broke (stop and start may help), -ENODEV the device
-     * is gone. */
+    /* REQUIRED. Gives the next frame, oldest first. Blocks until deadline_ns of the injected clock
+     * at most; with a deadline in the past it does not block. A back end that could block only by
+     * sleeping does not block: it returns -ETIMEDOUT at once and has next_due_ns. *frame belongs to
+     * the back end and stays unchanged until the next call on the sensor. After the first frames
+     * nothing is allocated. Errors: -ETIMEDOUT there is no frame yet, or no more to come, -EBADMSG
+     * one frame is lost or damaged and the next may be good, -EIO the stream broke (stop and start
+     * may help), -ENODEV the device is gone. */
     int (*wait)(void *self, int64_t deadline_ns, const struct iso_frame **frame,
                 struct iso_fault *fault);
 
-    /* OPTIONAL. When to call wait next, for back ends that do not block: at *due_ns a frame is due
-     * or it is time to look again. Does not block or fail. */
+    /* OPTIONAL, for back ends whose wait does not block: when to call wait next. Does not block or
+     * fail. */
     int (*next_due_ns)(void *self, int64_t *due_ns);
 
     /* OPTIONAL. A descriptor that polls readable when wait would not block; owned by the back end,
@@ -114,8 +114,8 @@ struct iso_sensor_ops {
      * Does not block. */
     int (*describe)(void *self, struct iso_sensor_description *out);
 
-    /* OPTIONAL. Fills in what the device says of itself; the wrapper counts the rest. Does not
-     * block or fail. */
+    /* OPTIONAL. Fills in what the device reports about itself; the wrapper counts everything else.
+     * Does not block or fail. */
     void (*health)(void *self, struct iso_sensor_device_health *out);
 
     /* REQUIRED. Stops streaming; frames not yet fetched are dropped. May block for a second. Leaves
@@ -128,14 +128,14 @@ struct iso_sensor_ops {
 
 struct iso_sensor;
 
-/* Loads what the back end of a name keeps outside of the program; most keep nothing there. -ENOENT
- * unknown name (the fault lists those there are), else the errors of ops->load. */
+/* Loads the modules of a back end; most have none. -ENOENT the name is unknown (the fault lists the
+ * known ones), else the errors of ops->load. */
 int iso_sensor_load(const char *name, struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Whether a sensor of this back end could be opened with these options, if its device is there:
- * asks the table of options and the operation that iso_sensor_open asks first. -ENOENT unknown name
- * (the fault lists those there are), -EINVAL an option that is not in the table, is repeated, has a
- * bad value or is missing, else the errors of ops->check. */
+/* Checks whether a sensor of this back end could be opened with these options if its device exists,
+ * as iso_sensor_open does first: by the table of options and by ops->check. -ENOENT the name is
+ * unknown (the fault lists the known ones), -EINVAL an option is unknown, repeated, bad or missing,
+ * else the errors of ops->check. */
 int iso_sensor_check(const char *name, const struct iso_option *options, size_t n_options,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -157,7 +157,7 @@ int iso_sensor_check_ops(const struct iso_sensor_ops *ops, const struct iso_opti
                          size_t n_options, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Stops if need be, and releases. NULL is fine. */
+/* Stops the sensor if it streams, and releases it. NULL is fine. */
 void iso_sensor_close(struct iso_sensor *sensor);
 
 int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
@@ -189,13 +189,13 @@ const char *iso_sensor_state_name(enum iso_sensor_state state);
 /* Counted since open. */
 struct iso_sensor_health {
     enum iso_sensor_state state;
-    uint64_t frames;                        /* handed up */
+    uint64_t frames;                        /* that the caller got */
     uint64_t lost;                          /* gaps in the sequence */
-    uint64_t refused;                       /* failed the check here */
-    uint64_t faults;                        /* other failures of wait, time-outs not among them */
+    uint64_t refused;                       /* frames that failed the check */
+    uint64_t faults;                        /* other failures of wait, except time-outs */
     int64_t last_frame_ns;                  /* clock time of the last frame; 0 before the first */
     char last_fault[256];                   /* "" if there was none */
-    struct iso_sensor_device_health device; /* zero if the back end does not tell */
+    struct iso_sensor_device_health device; /* zero if the back end reports none */
 };
 
 struct iso_sensor_health iso_sensor_health(const struct iso_sensor *sensor);
@@ -210,11 +210,11 @@ const char *iso_sensor_registered(size_t i);
  * such back end, or it has no options. */
 const struct iso_option_spec *iso_sensor_options(const char *name);
 
-/* Whether a registered back end can tell what devices there are in a moment. */
+/* Whether the probe of a registered back end returns so fast that the door may wait for it. */
 bool iso_sensor_probes_at_once(const char *name);
 
-/* Tells the visitor of every device that a registered back end could open. -ENOENT unknown name,
- * -ENOSYS the back end cannot tell, else the errors of ops->probe. */
+/* Calls the visitor for every device that a registered back end could open. -ENOENT the name is
+ * unknown, -ENOSYS the back end cannot list devices, else the errors of ops->probe. */
 int iso_sensor_probe(const char *name, iso_sensor_visitor *visit, void *context,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 

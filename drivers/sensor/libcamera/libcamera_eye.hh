@@ -21,11 +21,12 @@ struct mapping {
     size_t length = 0, first = 0; /* of the map; from its begin to the picture */
 };
 
-/* A picture is handed out when libcamera says that its buffer is filled, not when it says that the
- * request around it is done: requests are done in the order in which they were made, so that one
- * whose buffer waits for another picture (the kernel had to give up its first one) would hold back
- * the later ones and then come before them. Buffers come as they were filled. A request goes to
- * libcamera again when both are through with it: `given_back` and `done`. */
+/* A picture is handed out when libcamera reports its buffer as filled, not when it reports the
+ * request as complete. Requests complete in the order in which they were made: a request whose
+ * buffer waits for another picture (the kernel dropped its first one) would delay the later ones,
+ * and its picture would come before theirs. Buffers come in the order in which they were filled. A
+ * request is queued again when both the caller and libcamera have finished with it: `given_back`
+ * and `done`. */
 struct slot {
     std::unique_ptr<libcamera::Request> request;
     libcamera::FrameBuffer *buffer = nullptr;

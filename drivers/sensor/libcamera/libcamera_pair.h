@@ -23,17 +23,17 @@ struct iso_libcamera_options {
 
 enum { ISO_LIBCAMERA_TEXT = 200 };
 
-/* Acquires both cameras and sets them up for grey pictures (R8, R12, R10, YUYV), streams
- * nothing. `text` is told in words what failed. -ENODEV there is no such camera (the text lists
- * those there are), -EBUSY another has it, or another pair is open; -EINVAL it gives no such
- * picture, -ENOMEM, -EIO, the errors of iso_libcamera_module_load. */
+/* Acquires both cameras and sets them up for grey pictures (R8, R12, R10, YUYV) without streaming.
+ * On failure `text` says what failed. -ENODEV there is no such camera (the text lists the existing
+ * ones), -EBUSY another process has it, or another pair is open; -EINVAL it has no such picture
+ * format, -ENOMEM, -EIO, the errors of iso_libcamera_module_load. */
 int iso_libcamera_pair_open(const struct iso_libcamera_options *options,
                             struct iso_libcamera_pair **out, char text[ISO_LIBCAMERA_TEXT])
     __attribute__((warn_unused_result));
 void iso_libcamera_pair_close(struct iso_libcamera_pair *pair);
 
-/* Tells of every camera that libcamera sees: how it names it, and its model. May be called while a
- * pair is open. 0 also if there is none; -EBUSY a pair is just being opened by another thread,
+/* Calls `tell` for every camera that libcamera sees, with its name and its model. May be called
+ * while a pair is open. 0 also if there is no camera; -EBUSY another thread is opening a pair,
  * -EIO, -ENOMEM, the errors of iso_libcamera_module_load. */
 int iso_libcamera_list(void (*tell)(const char *id, const char *model, void *context),
                        void *context) __attribute__((warn_unused_result));
@@ -44,7 +44,7 @@ int iso_libcamera_start(struct iso_libcamera_pair *pair, int camera)
     __attribute__((warn_unused_result));
 int iso_libcamera_stop(struct iso_libcamera_pair *pair, int camera);
 
-/* What is seen of a picture; its bytes stay until iso_libcamera_give_back. */
+/* A picture; its bytes stay valid until iso_libcamera_give_back. */
 struct iso_libcamera_picture {
     const uint8_t *bytes;
     size_t size_bytes, stride_bytes;

@@ -15,9 +15,9 @@ int iso__openni2_refuse(OniStatus status, const char *what, struct iso_fault *fa
  */
 int iso__openni2_start_runtime(struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Each start of the runtime takes its drivers most of a second and loses some memory (138 kB, seen
- * with those of Debian 12), so that one that found no device stays on: the next look is cheap, and
- * the runtime's drivers themselves notice what is plugged in. iso__openni2_leave ends that. */
+/* Each start of the runtime takes most of a second and leaks some memory (138 kB with the drivers
+ * of Debian 12). A runtime that found no device therefore stays loaded: the next search is cheap,
+ * and its drivers notice a new device themselves. iso__openni2_leave unloads it. */
 void iso__openni2_stay(void);
 void iso__openni2_leave(void);
 
@@ -34,7 +34,7 @@ int iso__openni2_find_file(const char *path, OniDeviceInfo *out, struct iso_faul
 /* "" if it has none. */
 void iso__openni2_read_serial(OniDeviceHandle device, char serial[64]);
 
-/* Tells of the devices that the runtime sees; ops->probe of the sensor class. */
+/* Calls the visitor for the devices that the runtime sees; ops->probe of the sensor class. */
 int iso__openni2_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,5 +1,6 @@
-/* An OpenNI2 device, opened: the runtime, the device, its streams and what happens to it. For
- * sensor_openni2.c. The runtime counts its users, so several sessions may be open in a process. */
+/* An opened OpenNI2 device: the runtime, the device, its streams, and whether it is still there.
+ * For sensor_openni2.c. The runtime counts its users, so several sessions may be open in a process.
+ */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_SESSION_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_SESSION_H
 
@@ -37,14 +38,14 @@ struct iso__openni2_session {
     atomic_int state; /* OniDeviceState */
 };
 
-/* Opens what is wanted; *session stays where it is until it is closed. -EINVAL the device cannot do
- * it, -ENODEV there is none such, -EIO. On failure it is closed, and the runtime stays on until a
- * session has been opened and closed (openni2_runtime.h). */
+/* Opens the device of the wish; *session must not move until it is closed. -EINVAL the device does
+ * not support the wish, -ENODEV there is no such device, -EIO. On failure the session is closed,
+ * and the runtime stays loaded until a session has been opened and closed (openni2_runtime.h). */
 int iso__openni2_session_open(struct iso__openni2_session *session,
                               const struct iso__openni2_wish *wish, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* All-zero is fine, and is what remains. */
+/* An all-zero session is fine. The session is all zero afterwards. */
 void iso__openni2_session_close(struct iso__openni2_session *session);
 
 /* Starts the streams; and records them into the .oni file `record`, from its beginning, if that is
@@ -53,9 +54,9 @@ int iso__openni2_session_start(struct iso__openni2_session *session, const char 
                                struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso__openni2_session_stop(struct iso__openni2_session *session);
 
-/* Waits for a frame of either stream; the caller releases it (oniFrameRelease). Of a file, it takes
- * as long as it takes to read it, whatever the timeout. -ETIMEDOUT also at the end of a file,
- * -ENODEV the device is gone, -EIO. */
+/* Waits for a frame of either stream; the caller releases it (oniFrameRelease). With a file the
+ * timeout is ignored: the call takes as long as reading the frame. -ETIMEDOUT also at the end of a
+ * file, -ENODEV the device is gone, -EIO. */
 int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_ms,
                               OniFrame **frame, struct iso_fault *fault)
     __attribute__((warn_unused_result));

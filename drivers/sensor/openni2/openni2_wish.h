@@ -6,7 +6,7 @@
 
 enum iso__openni2_grey { ISO__OPENNI2_NO_GREY, ISO__OPENNI2_IR, ISO__OPENNI2_COLOR };
 
-/* What is wanted; see sensor_openni2.h. */
+/* See sensor_openni2.h for the meaning of the options. */
 struct iso__openni2_wish {
     const char *path;             /* an .oni file; NULL: a device */
     const char *device;           /* its URI or serial number; NULL: any */

@@ -8,18 +8,18 @@
  * `camera` the lens follows from the field of view that the device tells, with the principal point
  * in the middle. `record` is for tools: the runtime writes that .oni file from start to stop.
  *
- * A device is waited for in slices of a few milliseconds, so that an unplugged cable is noticed in
- * time. The runtime keeps the newest frame only: who is late loses the older ones, and finds a gap
- * in the sequence. Depth and intensity are paired by the device's time stamps; a depth frame whose
- * partner does not come is dropped. t_ns is the device's time on the injected clock (timeline.h).
- * Mirroring is turned off, or undone.
+ * A wait for a device consists of slices of a few milliseconds, so that an unplugged cable is
+ * noticed in time. The runtime keeps only the newest frame: a caller that is late loses the older
+ * ones and finds a gap in the sequence. Depth and intensity are paired by the device's time stamps;
+ * a depth frame whose partner does not come is dropped. t_ns is the device's time on the injected
+ * clock (timeline.h). Mirroring is turned off, or undone.
  *
- * A file is played frame by frame and never waited for in real time: it has next_due_ns, and from
- * the end on it has nothing to come. A start begins it anew.
+ * A file is played frame by frame without blocking: the back end has next_due_ns, and after the end
+ * there are no more frames. A start plays the file from its beginning.
  *
- * The runtime has threads of its own, and runs as long as a sensor is open, or has been looked for
- * in vain and is not found yet. It looks for its drivers beside the path that it was loaded from,
- * and changes the working directory for a moment when it starts. */
+ * The runtime has threads of its own. It runs as long as a sensor is open, and after a search that
+ * found no device. It finds its drivers next to the path from which it was loaded, and changes the
+ * working directory for a moment when it starts. */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_SENSOR_OPENNI2_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_SENSOR_OPENNI2_H
 
@@ -27,8 +27,8 @@
 
 extern const struct iso_sensor_ops iso_sensor_openni2_ops;
 
-/* Ends a runtime that has stayed on because no device was found. Not needed before the end of a
- * process. */
+/* Ends a runtime that still runs because no device was found. Not needed at the end of a process.
+ */
 void iso_sensor_openni2_forget(void);
 
 #endif

@@ -6,10 +6,10 @@
  *   device      required: the depth node, such as /dev/video0 or a link in /dev/v4l/by-path
  *   camera      required: a file like the recording.ini of a recording (drivers/recording): the
  *               sensor's name, the lens, the image's size and the millimetres per count, which
- *               V4L2 does not tell
+ *               V4L2 does not provide
  *   ir_device   a node with the registered infrared picture, of the same size: GREY, Y16, Y12, Y10,
  *               YUYV or UYVY; without it frames carry no intensity
- *   fps         frames a second to ask for; else the camera's own
+ *   fps         the frame rate to set; else the camera's own
  *   pair_ms     how far apart depth and infrared picture may be (4)
  *
  * A frame's time is the kernel's time stamp of the depth picture, on the injected clock; its

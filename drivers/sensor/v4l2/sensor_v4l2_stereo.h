@@ -4,12 +4,12 @@
  * Options:
  *   left, right   required: the two nodes, such as links in /dev/v4l/by-path
  *   calibration   required: the file of `isotherm-sim calibrate` (drivers/stereo/calibration.h); it
- *                 decides the size that is asked for
- *   fps           pictures a second to ask for; else the cameras' own
+ *                 determines the size of the pictures
+ *   fps           the frame rate to set; else the cameras' own
  *   pair_ms       how far apart two pictures may be that belong together (4). Cameras without a
  *                 common trigger need half a period, 17 at 30 pictures a second; what moves between
  *                 the two moments is measured wrong
- *   near_mm, far_mm   what is nearer or farther is not looked for (300, 1200)
+ *   near_mm, far_mm   the range that is measured (300, 1200)
  *   confidence    correlation that a depth needs, 0..1 (0.75)
  *
  * Formats: GREY, Y16, Y12, Y10, YUYV, UYVY. A frame is the rectified left camera's: depths, and its
