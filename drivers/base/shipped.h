@@ -1,9 +1,9 @@
-/* Where the data files are that the product ships: head model, metric and cohort.
+/* The paths of the data files of the product: head model, metric and cohort.
  *
- * An installed program takes them from the data directory that it was installed with. A program
- * that lies in a build tree takes those of its source tree, so that what was just built is also
- * what is tried. Only the place of the executable decides that: the build tree has a symbolic link
- * (ISO_SHIPPED_LINK) to the source's data, and no path of a build is compiled into a program. */
+ * An installed program uses the data directory with which it was installed. A program in a build
+ * tree uses the data of its source tree, so that it is tested with them. Only the place of the
+ * executable decides this: the build tree has a symbolic link (ISO_SHIPPED_LINK) to the data of the
+ * source tree, and no path of a build is compiled into a program. */
 #ifndef ISO_DRIVERS_BASE_SHIPPED_H
 #define ISO_DRIVERS_BASE_SHIPPED_H
 
@@ -12,8 +12,8 @@
 /* The link in the top directory of a build tree; CMakeLists.txt makes it. */
 #define ISO_SHIPPED_LINK "isotherm-build-data"
 
-/* Paths of the files, whether they exist or not. They are worked out once and stay valid; safe to
- * call from several threads. */
+/* The paths of the files, whether they exist or not. They are determined once and stay valid.
+ * Several threads may call these functions. */
 const char *iso_shipped_model(void);
 const char *iso_shipped_metric(void);
 const char *iso_shipped_cohort(void);

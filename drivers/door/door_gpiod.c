@@ -273,8 +273,8 @@ static int follow_all(struct gpiod *gpiod, struct iso_fault *fault)
     return 0;
 }
 
-/* The relay may be on another chip than the inputs, or there may be none: whether it is still there
- * is not to be found out when somebody has to be let in. */
+/* The relay may be on another chip than the inputs. A chip that is gone must be noticed before the
+ * next grant, not during it. */
 static int look_at_relay(struct gpiod *gpiod, struct iso_fault *fault)
 {
     bool active;

@@ -120,8 +120,8 @@ static int is_chip(const struct dirent *entry)
     return strncmp(entry->d_name, "gpiochip", 8) == 0;
 }
 
-/* Not gpiod_line_find(): that gives up at the first chip which may not be opened, and does not see
- * that a name is taken twice. */
+/* gpiod_line_find() does not do: it stops at the first chip that it may not open, and does not
+ * notice a name that two lines have. */
 static int find_by_name(const struct iso_gpio_spec *spec, struct iso_gpio_line *line,
                         struct iso_fault *fault)
 {

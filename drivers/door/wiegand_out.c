@@ -50,8 +50,8 @@ static void widen_range(int64_t *min_ns, int64_t *max_ns, int64_t ns)
     *max_ns = ns > *max_ns ? ns : *max_ns;
 }
 
-/* The length counts from when the line has its level: whoever is interrupted before that must not
- * send a pulse that is over before it began. */
+/* The length of a pulse is measured from the moment at which the line has its level, so that an
+ * interruption before that cannot shorten the pulse. */
 static int send_pulse(const struct iso_wiegand_lines *lines, int line, int64_t *begin_ns,
                       struct iso_wiegand_report *report)
 {
@@ -160,7 +160,7 @@ void iso_wiegand_out_free(struct iso_wiegand_out *out)
     }
 }
 
-/* Of the last code, told once. The mutex is held. */
+/* The error of the last code, which is returned once. The mutex is held. */
 static int take_error(struct iso_wiegand_out *out)
 {
     const int error = out->error;

@@ -12,11 +12,11 @@
 int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t *size,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Puts a file of the owner's alone in the place of `path`: it is written beside (PATH.new), is on
- * the disk, and is moved there. After a kill at any moment the old file is there or the new one.
- * An error of opening the new file, or of storage (storage_fault.h): then the old file is in place,
- * or the new one, if it was the renaming or the directory that failed; iso_data_file_holds tells.
- */
+/* Replaces the file `path` by a new one that only its owner can read: it is written as PATH.new,
+ * synchronised to the disk, and renamed. If the process is killed at any moment, the old or the new
+ * file exists. The errors of opening the new file, and those of storage (storage_fault.h). After an
+ * error the old file is in place, or the new one if the renaming or the directory failed;
+ * iso_data_file_holds finds out which. */
 int iso_data_file_replace(const char *path, const void *bytes, size_t size, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

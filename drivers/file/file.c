@@ -81,8 +81,8 @@ int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault
 
 /* ---- opening ---- */
 
-/* A file that is to be empty is made anew. The one of that name may be a second name of a file that
- * is needed, which would be emptied, or belong to somebody who could then read what is written. */
+/* A file that begins empty is created anew. The existing file of that name may be a hard link to
+ * another file, which would be emptied, or belong to a user who could then read the new content. */
 static bool makes_anew(int flags)
 {
     return (flags & O_CREAT) && (flags & O_TRUNC);

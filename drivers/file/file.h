@@ -1,13 +1,13 @@
-/* Opening files of data. Every program opens what it reads, and what it keeps, through here
+/* Opens data files. Every program opens the files that it reads and writes through these functions
  * (tests/gate/open_files.sh).
  *
- * A path that the programs are given may lead to something else than a file: a FIFO waits for a
- * writer, /dev/zero has no end, opening a device can have an effect, a symbolic link leads
- * elsewhere, and a file may be larger than the memory. So the path is asked what it is before it is
- * opened; it is opened with O_NOFOLLOW, O_NONBLOCK, O_NOCTTY and O_CLOEXEC; what was opened is
- * asked again. Directories on the way may be symbolic links; the last component may not.
+ * A path that is given to a program may not be that of a file: a FIFO waits for a writer, /dev/zero
+ * has no end, opening a device can have an effect, a symbolic link leads elsewhere, and a file may
+ * be larger than the memory. Therefore the kind of the path is checked before it is opened; it is
+ * opened with O_NOFOLLOW, O_NONBLOCK, O_NOCTTY and O_CLOEXEC; and the kind is checked again after
+ * that. Directories of the path may be symbolic links; the last component may not.
  *
- * Each function that fails leaves its outputs untouched and writes one line that names the path.
+ * A function that fails leaves its outputs untouched and writes one line that names the path.
  * Errors of all:
  *   -EISDIR       it is a directory
  *   -ELOOP        it is a symbolic link

@@ -1,4 +1,4 @@
-/* What the system has to allow a program that computes. */
+/* The limits of the system that a program with the computation needs. */
 #ifndef ISO_DRIVERS_PROCESS_LIMITS_H
 #define ISO_DRIVERS_PROCESS_LIMITS_H
 
@@ -6,9 +6,9 @@
  * more than 16 KiB (cmake/IsothermWarnings.cmake), and programs need less than 136 KiB. */
 enum { ISO_STACK_LEAST_BYTES = 256 << 10 };
 
-/* -ENOMEM, after one line to standard error that begins with the program's name, if the limit of
- * the main thread's stack is below that: the program has to end, or it would die of a signal in the
- * middle of its work. 0 else. */
+/* Checks the limit of the main thread's stack. -ENOMEM if it is below that, after one line to
+ * standard error that begins with the program's name: the program must end, because a signal would
+ * kill it in the middle of its work. */
 int iso_limits_check(const char *program) __attribute__((warn_unused_result));
 
 #endif

@@ -1,16 +1,15 @@
 /* OpenBLAS without threads of its own. Compiled into each program that computes.
  *
  * OpenBLAS starts a thread for every other processor when it is loaded, before main(). Each of them
- * takes a stack and 32 MiB. Where the address space is limited, a thread that gets no memory asks
- * for it again for ever, and the program hangs at its exit, where it is waited for; and when the
- * thread itself cannot be made, the program gets a SIGINT. None of our matrices is large enough to
- * gain by such threads.
+ * takes a stack and 32 MiB. If the address space is limited, a thread that gets no memory asks for
+ * it for ever, and the program hangs when it waits for the thread at its exit; if the thread cannot
+ * be created, the program gets a SIGINT. None of our matrices is large enough to profit from such
+ * threads.
  *
- * Only OPENBLAS_NUM_THREADS keeps it from that, and it has to be there before the library is
- * loaded. So a program that is started without it starts itself again with it, from the only place
- * that is called before the constructors of libraries: DT_PREINIT_ARRAY. Nothing has been done by
- * then; the process and all that it has inherited stay the same. If that is not possible, the
- * program goes on as it is. */
+ * Only OPENBLAS_NUM_THREADS prevents this, and it must be set before the library is loaded. A
+ * program that is started without it therefore executes itself again with it, in DT_PREINIT_ARRAY,
+ * which is the only code that runs before the constructors of libraries. The process and everything
+ * that it has inherited stay the same. If this is not possible, the program continues as it is. */
 #include <limits.h>
 #include <stddef.h>
 #include <string.h>

@@ -27,8 +27,8 @@ int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), vo
 /* Gives the calling thread a name, at most 15 bytes, by which ps(1) and top(1) show it. */
 void iso_thread_set_name(const char *name);
 
-/* A mutex whose holder has the priority of whoever waits for it: a thread of low priority does not
- * keep one of high priority waiting because others keep the processors busy. */
+/* A mutex with priority inheritance: its holder has the priority of the thread that waits for it,
+ * so that threads of medium priority cannot delay a thread of high priority. */
 void iso_thread_mutex_init(pthread_mutex_t *mutex);
 
 #endif

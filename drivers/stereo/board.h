@@ -48,7 +48,7 @@ int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void
 
 enum { ISO_BOARD_VIEWS_MIN = 8 };
 
-/* What is known of a camera then. */
+/* The result for one camera. */
 struct iso_board_lens {
     struct iso_camera camera;
     int views;

@@ -179,8 +179,8 @@ static bool surfaces_differ(float a, float b)
     return a > 0.0f && b > 0.0f && fabsf(a - b) > jump_px;
 }
 
-/* A column of the right image shows one surface, the nearest: whoever else claims it, more than a
- * pixel behind, was matched to something that hides it. */
+/* A column of the right image shows only the nearest surface. Another pixel that is matched to the
+ * same column, and is more than a pixel farther, was matched to a surface that hides it. */
 static void drop_hidden(struct iso_stereo *s, float *disparity_px)
 {
     int width = s->rectification.camera.width_px;

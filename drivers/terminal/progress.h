@@ -1,15 +1,15 @@
-/* How far a program is with what it does. On a terminal one line that is drawn again and again:
+/* Shows the progress of a program. On a terminal one line that is redrawn:
  *
  *     rendering frames  [########............]  40 %, 1 min 20 s left
  *
  * and elsewhere (a pipe, a file, a journal) plain lines: the first after two seconds, then one
- * every ten, and one at the end if there was any before.
+ * every ten seconds, and one at the end if there was one before.
  *
  *     isotherm-sim: rendering frames: 40 of 100, 1 min 20 s left
  *
- * Who works only counts; a thread of the progress, which takes no signals, draws five times a
- * second, so that the time goes on while nothing is counted. Every function takes NULL and does
- * nothing with it: no work fails because its progress cannot be shown. */
+ * The working thread only counts. A thread of its own, which takes no signals, draws five times a
+ * second, so that the time advances while nothing is counted. Every function accepts NULL and then
+ * does nothing: no work fails because its progress cannot be shown. */
 #ifndef ISO_DRIVERS_TERMINAL_PROGRESS_H
 #define ISO_DRIVERS_TERMINAL_PROGRESS_H
 
@@ -21,27 +21,28 @@
 
 struct iso_progress;
 
-/* Begins to show progress on `out`. `program` and `what` are kept, not copied. `total` is what will
- * be counted, 0 if nobody can know: then only the time that has passed is shown. `clock` NULL: the
- * system's; with another one there is no thread, and the caller calls iso_progress_tick(). NULL for
- * want of memory or threads. End it with iso_progress_end(). */
+/* Begins to show progress on `out`. `program` and `what` are kept, not copied. `total` is the
+ * number of steps; if it is unknown (0), only the time that has passed is shown. A `clock` of NULL
+ * is the system's; with another one there is no thread, and the caller calls iso_progress_tick().
+ * Returns NULL if there is no memory or no thread. End it with iso_progress_end(). */
 struct iso_progress *iso_progress_start(FILE *out, const char *program, const char *what,
                                         uint64_t total, const struct iso_clock *clock);
 
-/* So many more are done. From any thread. */
+/* Adds n steps. From any thread. */
 void iso_progress_step(struct iso_progress *progress, uint64_t n);
 
-/* So many of so many are done, in all. From any thread. */
+/* Sets the number of steps done, and of all steps. From any thread. */
 void iso_progress_set(struct iso_progress *progress, uint64_t done, uint64_t total);
 
-/* Between the two the line is gone, so that something else can be printed, by the same thread. */
+/* Between pause and resume the line is removed, so that the same thread can print something else.
+ */
 void iso_progress_pause(struct iso_progress *progress);
 void iso_progress_resume(struct iso_progress *progress);
 
 /* Draws what is due now. */
 void iso_progress_tick(struct iso_progress *progress);
 
-/* Takes the line from the terminal and releases everything. */
+/* Removes the line from the terminal and releases everything. */
 void iso_progress_end(struct iso_progress *progress);
 
 /* What is drawn, as a text. */
@@ -51,7 +52,7 @@ struct iso_progress_view {
     int64_t elapsed_ns;
 };
 
-/* The line of a terminal of so many columns, which it does not fill to the last one. */
+/* The line for a terminal of this width; it leaves the last column free. */
 void iso_progress_bar(const struct iso_progress_view *view, unsigned columns, char *text,
                       size_t size);
 

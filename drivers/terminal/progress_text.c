@@ -9,7 +9,7 @@ enum { BAR_MIN = 4, BAR_MAX = 30, RIGHT_SIZE = 64 };
 
 static const int64_t second_ns = 1000000000;
 
-/* How long it takes yet if it goes on as it did; -1 while nobody can say. */
+/* The remaining time at the present speed; -1 while it is unknown. */
 static int64_t seconds_left(const struct iso_progress_view *view)
 {
     if (view->done == 0 || view->done > view->total || view->elapsed_ns < second_ns) {

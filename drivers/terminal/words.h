@@ -13,7 +13,7 @@ enum { ISO_DURATION_SIZE = 32 };
 /* The two largest units: "12 s", "2 min 5 s", "3 h 20 min", "4 d 1 h". Less than 0 counts as 0. */
 void iso_duration_text(int64_t seconds, char text[ISO_DURATION_SIZE]);
 
-/* The known word that somebody may have meant, or NULL. `next` gives the known words one by one,
+/* The known word that was probably meant, or NULL. `next` gives the known words one by one,
  * from index 0 on, and then NULL. A word is near if no more than a third of its letters (of short
  * words one) is missing, superfluous, another or swapped with its neighbour; or if it begins with
  * what was typed, which has at least three letters. */

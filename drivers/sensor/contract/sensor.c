@@ -23,7 +23,7 @@ const char *iso_sensor_state_name(enum iso_sensor_state state)
 
 /* ---- failures --------------------------------------------------------------- */
 
-/* Notes what went wrong, tells the caller, and knows when the device is gone. */
+/* Records a failure, passes it to the caller, and sets the state LOST if the device is gone. */
 static int fail_call(struct iso_sensor *sensor, int error, const struct iso_fault *reason,
                      struct iso_fault *fault)
 {
@@ -154,7 +154,7 @@ int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault)
     return error ? fail_call(sensor, error, &reason, fault) : 0;
 }
 
-/* What is wrong with a frame from the back end, or NULL. */
+/* The fault of a frame from the back end, or NULL. */
 static const char *find_flaw(const struct iso_sensor *sensor, const struct iso_frame *frame)
 {
     const char *flaw = NULL;
@@ -218,7 +218,7 @@ int iso_sensor_next_due_ns(struct iso_sensor *sensor, int64_t *due_ns)
     return sensor->ops->next_due_ns ? sensor->ops->next_due_ns(sensor->self, due_ns) : -ENOSYS;
 }
 
-/* ---- what is known of it ---------------------------------------------------- */
+/* ---- description and health ---------------------------------------------------- */
 
 int iso_sensor_poll_fd(struct iso_sensor *sensor)
 {

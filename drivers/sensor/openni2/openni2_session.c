@@ -11,7 +11,7 @@
 static const char owner[] = "sensor openni2";
 
 enum {
-    PLAYER_MS = 2000, /* a file that gives no frame for so long is stuck */
+    PLAYER_MS = 2000, /* a file without a frame for this time is stuck */
     PLAYER_NAP_MS = 3,
     RECORDER_LOOK_MS = 20,
     RECORDER_STILL = 3,  /* looks without a change that mean that it waits for frames */
@@ -119,9 +119,9 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
     return error;
 }
 
-/* The player's thread goes through the list of its streams without a lock: over and over at the end
- * of a file, and once in 10 ms while they are stopped. Destroying them then is seen to crash. A
- * short while after the stop, it sleeps. */
+/* The player's thread goes through the list of its streams without a lock: again and again at the
+ * end of a file, and every 10 ms while they are stopped. Destroying the streams at that moment
+ * crashes. Shortly after the stop the thread sleeps. */
 static void let_player_sleep(void)
 {
     const struct timespec while_ns = {0, PLAYER_NAP_MS * 1000000};
@@ -157,8 +157,9 @@ void iso__openni2_session_close(struct iso__openni2_session *session)
 
 /* ---- streaming -------------------------------------------------------------- */
 
-/* The recorder starts in a thread of its own and throws away what comes before, without a word. It
- * writes the streams' properties first: when its file has stopped growing, it has started. */
+/* The recorder starts in a thread of its own, and drops frames that come before that without an
+ * error. It writes the streams' properties first: when its file has stopped growing, it has
+ * started. */
 static void wait_for_recorder(const char *record)
 {
     const struct timespec look = {0, RECORDER_LOOK_MS * 1000000};
@@ -172,8 +173,8 @@ static void wait_for_recorder(const char *record)
     }
 }
 
-/* Begins when the streams run: a recorder counts the time of each from its own first frame, so that
- * those of depth and intensity have to be of one exposure. */
+/* Called when the streams run: a recorder counts the time of each stream from its own first frame,
+ * so the first frames of depth and intensity must be of the same exposure. */
 static int start_recorder(struct iso__openni2_session *session, const char *record,
                           struct iso_fault *fault)
 {
@@ -244,9 +245,10 @@ bool iso__openni2_session_ended(const struct iso__openni2_session *session)
            (!session->grey.handle || session->grey.taken >= session->grey.n_frames);
 }
 
-/* Each look of the runtime's for a frame has the player read one, and one that is not fetched is
- * overwritten by the next: it must look once. A frame that came while nobody waited has left the
- * thread's event set, which would let it look twice. Waiting for no stream clears that. */
+/* Each time the runtime looks for a frame, the player reads one, and a frame that is not fetched is
+ * overwritten by the next: the runtime must look once. A frame that came while nobody waited has
+ * left the thread's event set, and the runtime would look twice. Waiting for no stream clears the
+ * event. */
 static void forget_old_news(void)
 {
     OniStreamHandle none[] = {NULL};

@@ -13,7 +13,7 @@ static int get_property(OniStreamHandle stream, int property, void *value, int s
     return oniStreamGetProperty(stream, property, value, &size) == ONI_STATUS_OK ? 0 : -EIO;
 }
 
-/* Turns mirroring off; a file says what its frames are, and is believed rather than told. */
+/* Turns mirroring off. A file cannot be set: it only says whether its frames are mirrored. */
 static void unmirror_stream(const struct iso__openni2_session *session,
                             struct iso__openni2_stream *stream)
 {
@@ -27,8 +27,8 @@ static void unmirror_stream(const struct iso__openni2_session *session,
                        mirroring;
 }
 
-/* How many frames a stream of a file has. Its end is known by that: the runtime tells of it too,
- * but from another thread and at its own time. */
+/* The number of frames of a stream of a file, by which its end is known. The runtime reports the
+ * end, too, but later and from another thread. */
 static int count_frames(const struct iso__openni2_session *session,
                         struct iso__openni2_stream *stream, struct iso_fault *fault)
 {

@@ -108,7 +108,8 @@ static int openni2_open(const struct iso_option *options, size_t n_options,
     return 0;
 }
 
-/* A file goes on where it was, and from its end nowhere: it is opened anew. */
+/* A start would continue a file where it was stopped; the file is opened again to play it from its
+ * beginning. */
 static int rewind_file(struct openni2 *sensor, struct iso_fault *fault)
 {
     if (!sensor->session.file || !sensor->played) {
@@ -158,8 +159,9 @@ static int take_one(struct openni2 *sensor, int timeout_ms, struct iso_fault *fa
     return error;
 }
 
-/* Of a device: fetches until a frame is complete or the deadline has come. The time left is counted
- * down by what was slept: a clock that stands still must not hold the caller. */
+/* With a device: fetches until a frame is complete or the deadline has passed. The remaining time
+ * is also counted down by the time of the waits, so that a clock that does not advance cannot block
+ * the caller. */
 static int fetch_live(struct openni2 *sensor, int64_t deadline_ns, struct iso_fault *fault)
 {
     const int64_t left_ns = deadline_ns - iso_clock_now_ns(&sensor->clock);
@@ -185,7 +187,7 @@ static int fetch_live(struct openni2 *sensor, int64_t deadline_ns, struct iso_fa
     return 0;
 }
 
-/* Of a file: fetches the next frame, which takes the player no more than it takes to read it. */
+/* With a file: fetches the next frame, which takes as long as reading it. */
 static int fetch_file(struct openni2 *sensor, struct iso_fault *fault)
 {
     int error = 0;
@@ -273,7 +275,7 @@ static int openni2_wait(void *self, int64_t deadline_ns, const struct iso_frame 
     return error ? error : hand_up(sensor, frame, fault);
 }
 
-/* Of a file alone: a device is waited for. */
+/* Only with a file: the wait for a device blocks. */
 static int openni2_next_due_ns(void *self, int64_t *out)
 {
     struct openni2 *sensor = self;
@@ -290,7 +292,7 @@ static int openni2_next_due_ns(void *self, int64_t *out)
     return 0;
 }
 
-/* ---- what is known of it ---------------------------------------------------- */
+/* ---- description and health ---------------------------------------------------- */
 
 /* A device's name as a recording can hold it. */
 static void name_model(const char *name, char *model, size_t size)

@@ -1,5 +1,5 @@
-/* What the back ends share whose frames come of a picture stream: the options of the stream, and
- * the operations that concern nothing else. */
+/* The common part of the back ends whose frames come from a picture stream: the options of the
+ * stream, and the operations that need only the stream. */
 #ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SENSOR_H
 #define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SENSOR_H
 

@@ -1,4 +1,4 @@
-/* A camera as the sensors see it that take pictures, whatever drives it. */
+/* A camera that delivers pictures, independent of its driver. */
 #ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SOURCE_H
 #define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_SOURCE_H
 
@@ -18,25 +18,25 @@ struct iso_picture {
     int64_t stamp_ns; /* of the kernel's monotonic clock */
 };
 
-/* The operations of one camera; `self` is theirs. None blocks for more than start and stop need. */
+/* The operations of one camera, which get `self`. Only start and stop may block. */
 struct iso_picture_source {
     void *self;
 
     /* -ENODEV, -EBUSY, -ENOMEM, -EIO; nothing is held after a failure. */
     int (*start)(void *self, struct iso_fault *fault);
 
-    /* Stops whatever the device says. -ENODEV, -EIO. */
+    /* Stops even if the device reports an error. -ENODEV, -EIO. */
     int (*stop)(void *self);
 
-    /* The oldest picture; it stays until give_back, which has to follow. -EAGAIN there is none yet,
-     * -EBADMSG one came damaged or short (and was given back), -EIO the stream broke, -ENODEV the
-     * device is gone. */
+    /* Takes the oldest picture, which stays valid until give_back; the caller must call give_back.
+     * -EAGAIN there is none yet, -EBADMSG a picture was damaged or short (and was given back), -EIO
+     * the stream broke, -ENODEV the device is gone. */
     int (*take)(void *self, struct iso_picture *out, struct iso_fault *fault);
 
     /* -ENODEV, -EIO. */
     int (*give_back)(void *self, struct iso_fault *fault);
 
-    /* A descriptor that polls readable when take would not be -EAGAIN. */
+    /* A descriptor that polls readable when take would not return -EAGAIN. */
     int (*fd)(void *self);
 };
 

@@ -177,8 +177,8 @@ static void copy_picture(struct camera *camera, struct iso_picture *picture)
     picture->bytes = copy;
 }
 
-/* Whether a picture comes after one that was taken later; where it would stand there is a gap
- * already. Devices count in 32 bits, beyond which they begin anew. */
+/* Whether a picture comes after one that was taken later; there is already a gap in its place. The
+ * numbers of devices have 32 bits and start again after that. */
 static bool is_late(struct camera *camera, const struct iso_picture *picture)
 {
     if (camera->has_newest && (int32_t)(picture->sequence - camera->newest) <= 0) {

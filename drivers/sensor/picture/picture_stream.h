@@ -1,5 +1,5 @@
-/* Pictures of one camera, or of two that belong together, with a wait that ends: what the back ends
- * v4l2, v4l2-stereo and libcamera-stereo share. */
+/* A stream of pictures of one camera, or of pairs of two cameras, and a wait with a deadline: for
+ * the back ends v4l2, v4l2-stereo and libcamera-stereo. */
 #ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_STREAM_H
 #define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_STREAM_H
 
@@ -16,10 +16,10 @@ struct iso_picture_stream_options {
     void *context;
     struct iso_picture_source sources[ISO_PICTURE_CAMERAS_MAX];
     int n_cameras, width_px, height_px;
-    int64_t tolerance_ns; /* how far apart two pictures may be that belong together */
+    int64_t tolerance_ns; /* the largest difference in time of two pictures of a pair */
 };
 
-/* What came in one go. */
+/* One picture of each camera. */
 struct iso_picture_set {
     struct iso_picture pictures[ISO_PICTURE_CAMERAS_MAX]; /* copies, until the next wait or stop */
     int64_t t_ns;      /* of the first picture, on the injected clock; strictly rising */
@@ -39,17 +39,17 @@ int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault
 int iso_picture_stream_stop(struct iso_picture_stream *stream);
 
 /* The next set, oldest first; polls until deadline_ns of the injected clock at the latest.
- * -ETIMEDOUT, and the errors of a source's take but -EAGAIN; -EBADMSG also for a picture that comes
- * after one that was taken later: it is dropped, and pictures go on. */
+ * -ETIMEDOUT, and the errors of a source's take except -EAGAIN; -EBADMSG also for a picture that
+ * comes after one that was taken later: it is dropped, and the stream continues. */
 int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_ns,
                             struct iso_picture_set *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Polls readable when a picture waits in the kernel; with two cameras, of either: a wait that
- * follows takes it over and may still end in -ETIMEDOUT. */
+/* Polls readable when the kernel has a picture of one of the cameras. The next wait takes it and
+ * may still return -ETIMEDOUT. */
 int iso_picture_stream_fd(const struct iso_picture_stream *stream);
 
-/* Pictures that came without a partner in time, or too late. */
+/* The number of pictures that came without a partner, or too late. */
 uint64_t iso_picture_stream_dropped(const struct iso_picture_stream *stream);
 
 #endif

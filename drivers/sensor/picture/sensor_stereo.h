@@ -1,4 +1,5 @@
-/* What the stereo back ends share, wherever their pictures come from: options, matcher, frame. */
+/* The common part of the stereo back ends, independent of the source of their pictures: options,
+ * matcher, frame. */
 #ifndef ISO_DRIVERS_SENSOR_PICTURE_SENSOR_STEREO_H
 #define ISO_DRIVERS_SENSOR_PICTURE_SENSOR_STEREO_H
 
@@ -22,7 +23,7 @@ struct iso_sensor_stereo {
  * far_mm and confidence. The texts of left and right are for the back end to understand. */
 extern const struct iso_option_spec iso_sensor_stereo_options[];
 
-/* What the options say of the cameras. */
+/* The options of the cameras. */
 struct iso_sensor_stereo_cameras {
     const char *ids[ISO_EYES]; /* left, right: the options' texts */
     int fps;                   /* 0: as they are */

@@ -45,7 +45,7 @@ struct cli_arguments {
     bool allow_duplicate;                  /* enroll */
     bool names_from, names_until;          /* enroll, validity: these limits are given */
     int64_t valid_from_s, valid_until_s;   /* ... since 1970, 0: no limit */
-    bool expired;                          /* ... an end in the past is meant */
+    bool expired;                          /* ... an end in the past is accepted */
     bool none;                             /* validity: neither limit */
     const char *from_text;                 /* log, validity: --from as it was typed */
     uint64_t from;                         /* log: a sequence number; 0: not given */
@@ -66,9 +66,9 @@ struct cli_arguments {
 };
 
 /* Reads argv, options and words in any order. The texts of *out point into argv. With --help or
- * --version nothing else is required. CLI_EXIT_USAGE for what is wrong: an unknown command or
- * option, an option of another command, a missing, superfluous or bad value. out->json is right
- * even then, so that the fault can be told in the form that was asked for. */
+ * --version nothing else is required. CLI_EXIT_USAGE if something is wrong: an unknown command or
+ * option, an option of another command, or a missing, superfluous or bad value. out->json is
+ * correct even then, so that the fault can be printed in the requested form. */
 enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *out,
                                   struct cli_fault *fault) __attribute__((warn_unused_result));
 

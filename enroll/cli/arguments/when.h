@@ -1,4 +1,4 @@
-/* Points in time as people write them on a command line and read them in a list. */
+/* Points in time on the command line and in lists. */
 #ifndef CLI_ARGUMENTS_WHEN_H
 #define CLI_ARGUMENTS_WHEN_H
 

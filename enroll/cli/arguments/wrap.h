@@ -6,8 +6,8 @@
 
 enum { CLI_WRAP_COLUMNS = 80 };
 
-/* Prints a text and a line end. It begins at `column`, where the output stands already, and goes on
- * there on the next line instead of going beyond the last column. It is broken at blanks only. */
+/* Prints a text and a line end. The text begins at `column`, the present column of the output, and
+ * each further line begins at that column, too. Lines are broken at blanks only. */
 void cli_wrap(const char *text, int column, FILE *out);
 
 #endif

@@ -1,6 +1,6 @@
-/* An action in front of the camera (enrol, verify, identify): the daemon's sensor is claimed, the
- * action started, its status signals are handed on until one is the last, and everything is
- * released again, whatever happened. */
+/* An action in front of the camera (enrol, verify, identify): it claims the daemon's sensor, starts
+ * the action, passes on the status signals up to the last one, and releases everything in every
+ * case. */
 #ifndef CLI_CLIENT_ACTION_H
 #define CLI_CLIENT_ACTION_H
 
@@ -13,11 +13,12 @@ struct cli_action {
     const char *start, *stop, *signal; /* names of firmware/contract/contract.h */
     /* Appends the arguments of `start`; 0 or a negative errno. NULL if there are none. */
     int (*append)(sd_bus_message *call, const void *context);
-    /* Takes the answer to `start`; NULL if it says nothing. */
+    /* Takes the answer to `start`; NULL if the answer is empty. */
     void (*answered)(sd_bus_message *reply, void *context);
-    /* The camera is ours and looks: the time to speak to the person before it. */
+    /* Called when the action has started: the time to speak to the person in front of the camera.
+     */
     void (*started)(void *context);
-    /* Takes a status signal; true when it was the last one, or when it is not understood. */
+    /* Takes a status signal; true if it is the last one, or cannot be read. */
     bool (*status)(sd_bus_message *signal, void *context);
     void *context;
     double timeout_s;

@@ -1,4 +1,4 @@
-/* The daemon as the commands see it: one connection, calls with their faults in plain words, and a
+/* The client's side of the daemon: one connection, calls with their faults in plain words, and a
  * wait for signals that a person can interrupt. A connection is used by one thread. */
 #ifndef CLI_CLIENT_DAEMON_H
 #define CLI_CLIENT_DAEMON_H
@@ -11,12 +11,12 @@
 
 struct cli_daemon;
 
-/* Connects to the bus; the daemon need not be there. CLI_EXIT_FAULT "no-bus" if the bus cannot be
+/* Connects to the bus; the daemon need not be on it. CLI_EXIT_FAULT "no-bus" if the bus cannot be
  * reached. */
 enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out,
                               struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* The daemon takes what this connection has claimed back by itself. NULL is fine. */
+/* The daemon itself releases what this connection has claimed. NULL is fine. */
 void cli_daemon_close(struct cli_daemon *daemon);
 
 /* A call of a method of the daemon; arguments are appended with sd_bus_message_append(). Never
@@ -50,22 +50,22 @@ enum cli_exit cli_daemon_has_daemon(struct cli_daemon *daemon, bool *has, struct
 /* Called for a signal; returns true to end the wait. */
 typedef bool (*cli_daemon_signal_fn)(sd_bus_message *signal, void *context);
 
-/* Has `handler` called, during cli_daemon_wait() and cli_daemon_send_and_listen(), for every signal
- * of the daemon named `member` (NULL: all of them) from here on. At most one subscription a
- * connection. */
+/* From now on `handler` is called, during cli_daemon_wait() and cli_daemon_send_and_listen(), for
+ * every signal of the daemon with the name `member` (NULL: for all signals). At most one
+ * subscription a connection. */
 enum cli_exit cli_daemon_subscribe(struct cli_daemon *daemon, const char *member,
                                    cli_daemon_signal_fn handler, void *context,
                                    struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* As cli_daemon_send, for a call that may take long and tells meanwhile how far it is. The handler
- * of the subscription is called for its signals, whatever it returns. The daemon may be silent for
- * ten minutes: when every record is sealed, it still writes them to the disk as one transaction, of
- * which no signal tells. */
+/* As cli_daemon_send, for a call that may take long and reports its progress by signals. The
+ * handler of the subscription is called for the signals; its result is ignored. The daemon may be
+ * silent for ten minutes: after it has sealed all records, it writes them to the disk as one
+ * transaction and sends no signals meanwhile. */
 enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *daemon, sd_bus_message *call,
                                          sd_bus_message **reply, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* From here on SIGINT and SIGTERM end a wait instead of the program. */
+/* From now on SIGINT and SIGTERM end a wait instead of the program. */
 enum cli_exit cli_daemon_catch_interrupt(struct cli_daemon *daemon, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,4 +1,4 @@
-/* What GetStatus tells, as a JSON object: the bus dictionary with its names and types kept. */
+/* The result of GetStatus as a JSON object with the names and types of the bus dictionary. */
 #ifndef CLI_CLIENT_STATE_H
 #define CLI_CLIENT_STATE_H
 

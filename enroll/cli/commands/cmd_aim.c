@@ -1,4 +1,5 @@
-/* aim: what the sensor sees, for who installs it: numbers until interrupted, or one picture. */
+/* aim: what the sensor sees, for its installation: numbers until it is interrupted, or one picture.
+ */
 #include "enroll/cli/commands/commands.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* validity and rename: what changes of a person who is enrolled. */
+/* validity and rename: changes of an enrolled person. */
 #include "enroll/cli/commands/commands.h"
 
 #include <inttypes.h>

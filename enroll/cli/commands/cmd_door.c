@@ -1,4 +1,4 @@
-/* door test: the relay clicks once, so that who installs the door sees and hears that it is wired.
+/* door test: the relay clicks once, so that the installer hears and sees that it is wired.
  */
 #include "enroll/cli/commands/commands.h"
 

@@ -88,7 +88,7 @@ static void read_detail(sd_bus_message *signal, const char *result, struct enrol
     }
 }
 
-/* Takes a status and says what it means; the line of the progress is not there meanwhile. */
+/* Takes a status and prints what it means; the progress line is removed meanwhile. */
 static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
 {
     const char *result, *word;

@@ -38,7 +38,7 @@ static void on_started(void *context)
     recognition->progress = iso_progress_start(stderr, "isotherm", "looking for a face", 0, NULL);
 }
 
-/* Takes a status and says what it means; the line of the progress is not there meanwhile. */
+/* Takes a status and prints what it means; the progress line is removed meanwhile. */
 static bool take_status(sd_bus_message *signal, struct recognition *recognition)
 {
     const char *result, *person, *word;

@@ -42,7 +42,7 @@ enum cli_exit cli_lockout(struct cli_daemon *daemon, const struct cli_arguments 
 enum cli_exit cli_door_test(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                             struct cli_fault *fault);
 
-/* Opens the bus by itself: that it cannot be reached is one of its findings. */
+/* Opens the bus itself: a bus that cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);
 
 /* Needs no daemon: it starts one. */

@@ -1,4 +1,5 @@
-/* Whether `isotherm setup` is still to be run: then nothing starts the daemon. */
+/* Whether the daemon is configured. Without a configuration nothing starts it; `isotherm setup`
+ * writes one. */
 #ifndef CLI_DOCTOR_CONFIGURED_H
 #define CLI_DOCTOR_CONFIGURED_H
 
@@ -7,11 +8,12 @@
 #include "enroll/cli/client/daemon.h"
 #include "enroll/cli/client/fault.h"
 
-/* False if the bus is the system's and the configuration of its daemon is missing. What is on
- * another bus has been started in another way. */
+/* False if the bus is the system's and the configuration of its daemon is missing. A daemon on
+ * another bus has its own configuration. */
 bool cli_is_configured(const struct cli_bus *bus);
 
-/* If the fault is that there is no daemon, and it is not configured yet: says so instead. */
+/* If the fault is that there is no daemon, and the daemon is not configured, the fault says this
+ * instead. */
 void cli_explain_no_daemon(const struct cli_bus *bus, enum cli_exit exit, struct cli_fault *fault);
 
 #endif

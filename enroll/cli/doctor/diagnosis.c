@@ -33,8 +33,8 @@ static void add_good(struct cli_diagnosis *diagnosis, const char *subject, const
     cli_diagnosis_add(diagnosis, subject, CLI_CHECK_GOOD, ISO_FAULT_NONE, found);
 }
 
-/* The code that the daemon tells. One of a newer daemon, which this client does not know, is none:
- * its sentence is shown without a remedy. */
+/* The code that the daemon gives. An unknown code of a newer daemon counts as none: its sentence is
+ * shown without a remedy. */
 static enum iso_fault_code code_of(const json_t *state, const char *key)
 {
     const char *name = cli_state_text(state, key);
@@ -112,7 +112,7 @@ static void judge_told(struct cli_diagnosis *diagnosis, const json_t *state,
     }
 }
 
-/* A door that refuses everybody is not in service. */
+/* A door that denies everybody is not in service. */
 static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const json_int_t left_ms = cli_state_number(state, "lockout-ms", 0);
@@ -177,7 +177,7 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
-/* A daemon that does not know of it tells nothing, and nothing is said if all is well. */
+/* An older daemon does not have this key. There is no finding if the priority is right. */
 static void judge_priority(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     if (json_is_false(json_object_get(state, "door-realtime"))) {
@@ -226,7 +226,7 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
-/* A daemon that does not know of it tells nothing. */
+/* An older daemon does not have this key. */
 static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *word = cli_state_text(state, "image-check");

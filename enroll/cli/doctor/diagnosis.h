@@ -1,4 +1,4 @@
-/* The findings of `isotherm doctor`: what was checked, what was found, and how to mend it. */
+/* The findings of `isotherm doctor`: what was checked, what was found, and how to correct it. */
 #ifndef CLI_DOCTOR_DIAGNOSIS_H
 #define CLI_DOCTOR_DIAGNOSIS_H
 
@@ -10,8 +10,8 @@
 
 enum cli_check {
     CLI_CHECK_GOOD,
-    CLI_CHECK_ODD,    /* works, but somebody should know */
-    CLI_CHECK_DENIED, /* this user may not */
+    CLI_CHECK_ODD,    /* a warning: it works */
+    CLI_CHECK_DENIED, /* this user has no right to it */
     CLI_CHECK_BAD,
 };
 
@@ -29,7 +29,7 @@ struct cli_diagnosis {
 
 /* Adds a finding; `found` is copied, and is the meaning of the code if it is empty; `subject` is
  * kept. Its remedy follows from the code (enroll/cli/doctor/remedy.h). Findings beyond the maximum
- * would be a mistake of the program and are dropped. */
+ * are dropped; they would be an error of the program. */
 void cli_diagnosis_add(struct cli_diagnosis *diagnosis, const char *subject, enum cli_check check,
                        enum iso_fault_code code, const char *found);
 

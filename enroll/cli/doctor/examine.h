@@ -1,5 +1,4 @@
-/* Examines the appliance: the bus, the daemon, the rights of the user, and what the daemon says of
- * itself. */
+/* Examines the appliance: the bus, the daemon, the rights of the user, and the daemon's status. */
 #ifndef CLI_DOCTOR_EXAMINE_H
 #define CLI_DOCTOR_EXAMINE_H
 

@@ -4,8 +4,8 @@
 
 #include "core/base/fault_code.h"
 
-/* One line for people that says how the fault is mended. NULL for ISO_FAULT_NONE, of which nothing
- * more is known than its sentence, and outside the range. A constant. */
+/* One line that says how to correct the fault. NULL outside the range, and for ISO_FAULT_NONE, a
+ * fault of which only the sentence is known. A constant. */
 const char *cli_remedy(enum iso_fault_code code);
 
 #endif

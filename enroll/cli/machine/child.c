@@ -45,7 +45,8 @@ static int spawn(const char *const argv[], int out_fd, int err_fd, pid_t *pid)
     return error;
 }
 
-/* Takes what has come; what is beyond the bound is read and dropped, so that the program goes on.
+/* Reads the output that is there; output beyond the bound is dropped, so that the program
+ * continues.
  */
 static void take(struct stream *stream)
 {

@@ -30,7 +30,7 @@ struct cli_devices {
 enum cli_exit cli_devices_find(const struct cli_setup_places *places, struct cli_devices *out,
                                struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* Takes the lines of `isothermd --list-devices`; what is no such line is passed over. */
+/* Parses the lines of `isothermd --list-devices`; other lines are ignored. */
 void cli_devices_parse(const char *lines, struct cli_devices *out);
 
 /* The USB id of the camera behind a video node (or a link to one), such as "8086:0b07"; "" if it is

@@ -1,5 +1,5 @@
-/* Replaces a file as a whole or not at all: the new text is written beside it, the old file is kept
- * under another name, and can be put back. */
+/* Replaces a file as a whole or not at all: the new text is written to another file first, and the
+ * old file is kept under another name and can be restored. */
 #ifndef CLI_MACHINE_NEW_FILE_H
 #define CLI_MACHINE_NEW_FILE_H
 

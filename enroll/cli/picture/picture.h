@@ -1,4 +1,4 @@
-/* One picture of what the camera sees, for who places it. */
+/* One picture of what the camera sees, for its installation. */
 #ifndef CLI_PICTURE_PICTURE_H
 #define CLI_PICTURE_PICTURE_H
 

@@ -10,8 +10,8 @@
 
 enum { SLICE_MS = 200 };
 
-/* Reads a byte at a time: what is typed ahead stays for the next question. Returns 1, or 0 at the
- * end of the input or after an interrupt. */
+/* Reads a byte at a time, so that text that is typed ahead remains for the next question. Returns
+ * 1, or 0 at the end of the input or after an interrupt. */
 static int read_byte(int fd, char *out)
 {
     for (;;) {

@@ -67,7 +67,7 @@ static bool has_word(const char *list, const char *word)
     return false;
 }
 
-/* Whether the record is about one of the people. Who was renamed has had two names. */
+/* Whether the record is about one of the people. A renamed person has two names. */
 static bool is_about(const json_t *record, const char *const *people, size_t n)
 {
     const char *event = text_of(record, "event"), *person = text_of(record, "person");
