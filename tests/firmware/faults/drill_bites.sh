@@ -276,7 +276,7 @@ mistake 'grant: its record may take 3 s' firmware/appliance/appliance_log.c \
 mistake 'grant: its record may take any time' firmware/appliance/appliance_log.c 'took_ns > wait_ns' 'took_ns < 0'
 judges=(test_firmware_audit_writer)
 mistake 'log: a grant that was given up is written' firmware/audit/audit_writer.c \
-    'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled;'
+    'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled && slot->ticket == ticket;'
 mistake 'log: a late grant has no outcome behind it' firmware/audit/audit_group.c \
     'known ? writer->awaited.sequence : 0;' 'known ? 0 : 0;'
 mistake 'log: what was lost is not said' firmware/audit/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
