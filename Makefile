@@ -1,27 +1,28 @@
-# The short commands; CMake does the work (CMakePresets.json).
+# Short commands; CMake does the work (CMakePresets.json).
 #
-#   make demo     an enrolled face opens the door: builds, then plays stored frames to a running daemon
+#   make demo     builds, then plays stored frames to a running daemon: an enrolled face opens the door
 #   make check    builds and runs every test
 #   make vm-check runs the tests that need devices of a kernel, in virtual machines
 #   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator
-#   make arm64-bench  instructions of a frame, stage by stage, on arm64 and on x86-64, counted by the emulator: some minutes
-#   make bench    milliseconds per stage from frame to verdict; heat, search, registration beside their peers; memory
-#   make bench-door  milliseconds from the exit button to the relay, with a disk that takes 10 s: four minutes
-#   make fuzz     feeds every parser damaged input, FUZZ_SECONDS each; FUZZ_SEED=0 for other inputs every time
+#   make arm64-bench  counts the instructions of a frame, stage by stage, on arm64 and on x86-64, by an emulator: some minutes
+#   make bench    measures the time of each stage from frame to verdict; compares heat, search and registration with other libraries;
+#                 measures memory
+#   make bench-door  measures the time from the exit button to the relay, with a disk that takes 10 s: four minutes
+#   make fuzz     gives every parser damaged input for FUZZ_SECONDS; FUZZ_SEED=0 chooses other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments
-#   make storage-faults  fails every call that changes a file, in six ways, and kills before and behind it, in every operation
+#   make storage-faults  lets every call that changes a file fail, in six ways, and kills before and after it, in every operation
 #   make drill    breaks sensor, disk, memory, clock and bus of the appliance by 200 plans of 500 steps
-#   make races    runs the tests of what has threads under the thread sanitizer
-#   make drill-bites  builds mistakes into a copy of the tree; the tests of faults have to find each of them
+#   make races    runs the tests of code with threads under the thread sanitizer
+#   make drill-bites  builds mistakes into a copy of the tree; the tests of faults must find each of them
 #   make check-clang  builds with clang and runs every test
-#   make nightly  what is rare and slow: check-clang, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults, drill,
-#                 races, drill-bites; `make levels` is apart
-#   make levels   counts who is refused and let in at each security level in 3,000 visits: an hour; ICT=DIR has the head model
+#   make nightly  runs the slow checks: check-clang, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults, drill, races,
+#                 drill-bites; it does not run `make levels`
+#   make levels   counts refused and admitted visitors at each security level in 3,000 visits: an hour; ICT=DIR has the head model
 #   make packages makes the Debian packages in build/packages and checks them
-#   make packages-arm64  cross-builds those of arm64 in build/packages-arm64
-#   make install-check  installs the packages, and what `make install` installs, in a Debian of its own: needs root
+#   make packages-arm64  cross-builds the packages for arm64 in build/packages-arm64
+#   make install-check  installs the packages, and also runs `make install`, each in a fresh Debian in a container: needs root
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
-#   make clean    removes what the others made
+#   make clean    removes everything that the other commands made
 
 PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 20

@@ -1,5 +1,5 @@
-# Options ISOTHERM_LIBSVM and ISOTHERM_OPENCV_ML: classifiers of other libraries for the evaluation of shapes (sim/shapes/learn), on
-# where they are found. Include after IsothermOpenCV, which finds the C++ compiler.
+# Options ISOTHERM_LIBSVM and ISOTHERM_OPENCV_ML: classifiers of other libraries for the evaluation of shapes (sim/shapes/learn). They
+# are on if the libraries are found. Include this file after IsothermOpenCV, which finds the C++ compiler.
 find_path(LIBSVM_INCLUDE_DIR libsvm/svm.h)
 find_library(LIBSVM_LIBRARY svm)
 find_path(OPENCV_ML_INCLUDE_DIR opencv2/ml.hpp PATH_SUFFIXES opencv4)

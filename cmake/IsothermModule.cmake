@@ -1,6 +1,6 @@
-# isotherm_module(NAME SOURCES sources... LIBS targets...): a shared object isotherm-NAME.so that programs load when they are
-# configured to (drivers/base/module.h). It lies beside libisotherm-core.so, here as where it is installed, and exports one
-# symbol.
+# isotherm_module(NAME SOURCES sources... LIBS targets...): builds a shared object isotherm-NAME.so that programs load when their
+# configuration asks for it (drivers/base/module.h). The file is next to libisotherm-core.so, both in the build and where it is
+# installed. It exports one symbol.
 function(isotherm_module name)
   cmake_parse_arguments(M "" "" "SOURCES;LIBS" ${ARGN})
   set(target isotherm-module-${name})
@@ -10,7 +10,7 @@ function(isotherm_module name)
   target_link_libraries(${target} PRIVATE ${M_LIBS})
   target_link_options(${target} PRIVATE -Wl,--version-script=${map})
   if(ISOTHERM_SANITIZE AND CMAKE_C_COMPILER_ID STREQUAL "Clang")
-    # clang's programs in C have no run time for what these check in C++.
+    # Programs in C that clang links lack the run time of these two checks of C++.
     target_compile_options(${target} PRIVATE -fno-sanitize=vptr,function)
   endif()
   set_target_properties(${target} PROPERTIES

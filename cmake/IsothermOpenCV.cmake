@@ -1,11 +1,11 @@
-# The option ISOTHERM_OPENCV: the module `vision`, which checks faces in infrared or grey images by OpenCV. OpenCV is C++: a build
-# without a C++ compiler goes without, as one without the library does. Debian's narrow packages have no pkg-config file. Makes
-# the target isotherm-opencv-vision.
+# The option ISOTHERM_OPENCV: the module `vision`, which checks faces in infrared or grey images by OpenCV. A build without OpenCV or
+# without a C++ compiler leaves the module out. The search is by file names, because Debian's packages of single OpenCV libraries have no
+# pkg-config file. Makes the target isotherm-opencv-vision.
 option(ISOTHERM_OPENCV "Check faces in infrared or grey images by OpenCV, where it is found" ON)
 
 if(ISOTHERM_OPENCV)
   if(CMAKE_C_COMPILER_ID STREQUAL "Clang" AND NOT CMAKE_CXX_COMPILER AND NOT DEFINED ENV{CXX})
-    set(CMAKE_CXX_COMPILER clang++) # the sanitizers of two compilers do not mix
+    set(CMAKE_CXX_COMPILER clang++) # sanitizers of two compilers cannot be linked into one program
   endif()
   include(CheckLanguage)
   check_language(CXX)
@@ -13,7 +13,7 @@ if(ISOTHERM_OPENCV)
   find_library(OPENCV_CORE opencv_core)
   find_library(OPENCV_OBJDETECT opencv_objdetect)
   find_file(ISOTHERM_CASCADE haarcascade_frontalface_alt2.xml PATHS /usr/share/opencv4/haarcascades
-    DOC "The cascade that is used unless the configuration names another")
+    DOC "The cascade that the daemon uses if its configuration names no other")
   mark_as_advanced(OPENCV_INCLUDE_DIR OPENCV_CORE OPENCV_OBJDETECT)
 endif()
 

@@ -1,7 +1,8 @@
-# The option ISOTHERM_STEREO: depth from two cameras, and their calibration, by OpenCV. On where its narrow packages and a C++
-# compiler are found. Debian's narrow packages have neither a CMake nor a pkg-config file. Makes the target isotherm-opencv-stereo.
+# The option ISOTHERM_STEREO: depth from two cameras, and their calibration, by OpenCV. It is on if OpenCV's core, imgproc and calib3d and
+# a C++ compiler are found. The search is by file names, because Debian's packages of single OpenCV libraries have neither a CMake nor a
+# pkg-config file. Makes the target isotherm-opencv-stereo.
 if(CMAKE_C_COMPILER_ID STREQUAL "Clang" AND NOT CMAKE_CXX_COMPILER AND NOT DEFINED ENV{CXX})
-  set(CMAKE_CXX_COMPILER clang++) # the sanitizers of two compilers do not mix
+  set(CMAKE_CXX_COMPILER clang++) # sanitizers of two compilers cannot be linked into one program
 endif()
 include(CheckLanguage)
 check_language(CXX)
@@ -26,7 +27,7 @@ if(ISOTHERM_STEREO)
   set(CMAKE_CXX_STANDARD_REQUIRED ON)
   enable_language(CXX)
   add_library(isotherm-opencv-stereo INTERFACE)
-  # SYSTEM: our warnings are for our sources.
+  # SYSTEM: the project's warnings do not apply to OpenCV's headers.
   target_include_directories(isotherm-opencv-stereo SYSTEM INTERFACE ${OPENCV_STEREO_INCLUDE_DIR})
   target_link_libraries(isotherm-opencv-stereo INTERFACE
     ${OPENCV_STEREO_calib3d} ${OPENCV_STEREO_imgproc} ${OPENCV_STEREO_core})

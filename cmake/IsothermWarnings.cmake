@@ -1,8 +1,8 @@
-# isotherm_target(NAME): what every target of the project is compiled with.
+# isotherm_target(NAME): the flags of every target of the project.
 option(ISOTHERM_WERROR "Treat warnings as errors" ON)
 
-# What a frame of the stack may take, bytes: programs work with a stack of 256 KiB (drivers/process/limits.h). Sanitizers and code that is
-# not optimised need more for the same variables; tests keep what they like on the stack of a developer's machine.
+# The largest permitted stack frame of a function, in bytes: programs work with a stack of 256 KiB (drivers/process/limits.h). The limit
+# does not apply to sanitizers and code without optimisation, which need more for the same variables, nor to tests.
 set(ISOTHERM_FRAME_BYTES_MAX 16384)
 
 function(isotherm_frames_bounded name)
@@ -27,8 +27,8 @@ function(isotherm_target name)
   endif()
 endfunction()
 
-# isotherm_find_in_rooms(OUT SOURCES...): the paths of sources that lie in the folder of the CMakeLists.txt or in a room of it, where
-# each name is unique.
+# isotherm_find_in_rooms(OUT SOURCES...): finds the paths of sources in the folder of the CMakeLists.txt or in one of its subfolders, in
+# which each name is unique.
 function(isotherm_find_in_rooms out)
   set(found)
   foreach(source ${ARGN})
@@ -45,7 +45,7 @@ function(isotherm_find_in_rooms out)
   set(${out} ${found} PARENT_SCOPE)
 endfunction()
 
-# isotherm_test(NAME SOURCES... LIBS targets...): one cmocka program is one ctest. Its last line says why it failed.
+# isotherm_test(NAME SOURCES... LIBS targets...): makes one cmocka program, which is one ctest. Its last line says why it failed.
 function(isotherm_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LIBS" ${ARGN})
   isotherm_find_in_rooms(sources ${T_SOURCES})

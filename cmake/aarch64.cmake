@@ -1,5 +1,5 @@
-# The toolchain file of the preset aarch64: Debian's cross compiler on Debian's arm64 libraries, which aarch64_root.sh puts
-# into a folder of their own; programs run under qemu-aarch64-static.
+# The toolchain file of the preset aarch64: Debian's cross compiler with Debian's arm64 libraries, which aarch64_root.sh puts into a
+# separate folder. Programs run under qemu-aarch64-static.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Puts Debian 12's arm64 libraries and headers, those that packages.txt names and what they stand on, into a folder: nothing is
-# installed, and nothing of this machine's own packages is touched. Does nothing if they are there.
+# Puts Debian 12's arm64 libraries and headers into a folder: those that packages.txt names and their dependencies. It installs nothing
+# and does not change the packages of this machine. It does nothing if the folder is complete.
 #
 #   aarch64_root.sh ROOT
 #
@@ -9,12 +9,12 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$1"
 root=$(cd "$1" && pwd)
-# Libraries only: what runs while building is this machine's.
+# Only libraries: the tools of the build are programs of this machine.
 packages=$(awk '($1 == "build" || $1 == "test") && $2 ~ /^lib/ { print $2 }' "$here/packages.txt" | sort -u)
-complete=$root/complete-2 # what is in it; the number rises when this script makes something else
+complete=$root/complete-2 # the list of its packages; raise the number when this script makes another folder from the same list
 [ "$(cat "$complete" 2>/dev/null)" != "$packages" ] || exit 0
 
-# An apt of its own, which knows one architecture and no package that is installed.
+# A separate configuration of apt, with one architecture and without installed packages.
 apt=$root/apt
 rm -rf "$root/usr" "$root/lib" "$complete" "$apt"
 mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial" "$apt/parts"
@@ -49,10 +49,10 @@ ln -s usr/lib "$root/lib"
 for deb in "$apt"/cache/archives/*.deb; do
     dpkg-deb --fsys-tarfile "$deb" |
         tar -x -C "$root" --keep-directory-symlink --wildcards './lib/*' './usr/lib/*' './usr/include/*' './usr/share/pkgconfig/*' \
-            2>/dev/null || true # a package has not all of them
+            2>/dev/null || true # not every package has files in all of these folders
 done
 
-# What scripts of packages would have done, and absolute links, which lead out of the folder.
+# Makes the links that the scripts of the packages would make, and makes absolute links relative, because they lead out of the folder.
 lib=$root/usr/lib/aarch64-linux-gnu
 for name in libblas.so libblas.so.3 liblapack.so liblapack.so.3 libopenblas.so libopenblas.so.0; do
     ln -sf "openblas-pthread/$name" "$lib/$name"

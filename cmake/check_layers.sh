@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks by their text that all includes keep to cmake/layers.txt, and that core stays pure: no file, device, clock, thread or
-# process headers there.
+# Checks the text of all includes: they keep to cmake/layers.txt, and core stays pure, which means that it includes no header of files,
+# devices, clocks, threads or processes.
 # usage: check_layers.sh [ROOT]            prints each fault, exits 1 if there is one
 set -eu
 cd "${1:-$(dirname "$0")/..}"

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Builds the Debian packages of this machine's architecture, and the source package beside them, from board/debian laid beside a copy
-# of the tree. What is not committed is packaged, too.
+# Builds the Debian packages for this machine's architecture, and the source package, from board/debian and a copy of the tree. The copy
+# has the changes that are not committed, too.
 #
-#   debian_packages.sh OUT        OUT is emptied; then it has *.dsc, *.deb, *.changes and the log of the build. It does nothing if
-#                                 OUT has the packages of this very tree.
+#   debian_packages.sh OUT        empties OUT, then writes *.dsc, *.deb, *.changes and the log of the build there. It does nothing if
+#                                 OUT has the packages of exactly this tree.
 #
 # Needs the tags `build` and `package` of packages.txt.
 set -eu
@@ -16,7 +16,7 @@ project=$(sed -n 's/^project(isotherm VERSION \([0-9.]*\) .*/\1/p' "$source_dir/
     exit 1
 }
 
-# Names and contents of what is packaged.
+# A checksum of the names and contents of all packaged files.
 tree_sum=$(cd "$source_dir" && git ls-files -z | xargs -0 sha256sum | sha256sum)
 if [ "$(cat "$1/tree.sha256" 2>/dev/null)" = "$tree_sum" ]; then
     exit 0

@@ -1,8 +1,9 @@
 #!/bin/sh
-# Cross-builds the Debian packages of arm64 from the source package, in a Debian of its own with the libraries of both architectures:
-# nothing is installed on this machine.
+# Cross-builds the Debian packages for arm64 from the source package, in a separate Debian root with the libraries of both architectures.
+# It installs nothing on this machine.
 #
-#   debian_packages_arm64.sh SOURCE OUT      SOURCE: what debian_packages.sh made; OUT is emptied; then it has *.deb and the log
+#   debian_packages_arm64.sh SOURCE OUT      SOURCE is the output folder of debian_packages.sh; OUT is emptied, and then has *.deb and
+#                                            the log
 #
 # Needs root and mmdebstrap.
 set -eu
@@ -14,7 +15,7 @@ root=$(mktemp -d /var/tmp/isotherm-arm64.XXXXXX)
 trap 'rm -rf --one-file-system "$root"' EXIT
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg
 
-# What of the source package is built for arm64 needs these libraries of arm64, and the tools of this architecture.
+# The build needs the libraries of arm64 and the tools of this machine's architecture.
 dsc=$(ls "$source_packages"/isotherm_*.dsc)
 mmdebstrap --quiet --variant=buildd --architectures=amd64,arm64 --include=crossbuild-essential-arm64 bookworm "$root/debian" \
     "deb [signed-by=$keyring] http://deb.debian.org/debian bookworm main" \

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the Debian packages of some tags of cmake/packages.txt; does nothing if all are there.
+# Installs the Debian packages of some tags of cmake/packages.txt. It does nothing if all of them are installed.
 # usage: install_packages.sh TAG...        (build, demo, test, gate, vm, bench, arm64, package, install)
 set -eu
 
