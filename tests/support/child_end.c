@@ -82,7 +82,7 @@ int child_wait(struct child *child, char err[CHILD_ERR_SIZE])
     int status = 0;
 
     while (read(child->err_fd, &byte, 1) == 1) {
-        if (length == CHILD_ERR_SIZE - 1) { /* the last words count */
+        if (length == CHILD_ERR_SIZE - 1) { /* keep the end of the output */
             length = CHILD_ERR_SIZE / 2;
             memmove(err, err + CHILD_ERR_SIZE / 2 - 1, length);
         }

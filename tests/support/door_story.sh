@@ -1,9 +1,9 @@
-# For scripts that play visits to a running daemon on a slow processor: `. tests/support/door_story.sh`, after
-# story_directory (an empty one: socket of the bus, gallery, log), story_source (the project) and a function `client` that runs
-# isotherm with what it is given. Plain sh.
+# For scripts that play visits to a running daemon on a slow processor. Set story_directory (an empty directory for the socket of the bus,
+# the gallery and the log) and story_source (the project), define a function `client` that runs isotherm with its arguments, and then run
+# `. tests/support/door_story.sh`. Plain sh.
 story_address=unix:path=$story_directory/bus
 
-# A bus on which everybody may do everything.
+# A bus on which every user may make every call.
 bus_conf() {
     cat <<END
 <!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
@@ -19,7 +19,7 @@ bus_conf() {
 END
 }
 
-# Where the daemon keeps what, for isotherm.conf.
+# Prints the sections of isotherm.conf that name the files of the daemon.
 stores_conf() {
     cat <<END
 [gallery]
@@ -34,8 +34,8 @@ metric = $story_source/core/data/face.metric
 END
 }
 
-# A frame takes seconds: few of them, patience, and no suspicion if a camera that plays a recording again and again shows the same one
-# twice. The scores that decide are as they are.
+# A frame takes seconds on such a processor: few frames decide, the limits of time are long, and a camera that plays a recording again and
+# again may show a frame twice. The thresholds of the scores are the usual ones.
 patience_conf() {
     cat <<END
 [decision]
@@ -51,7 +51,7 @@ timeout_ms = 600000
 END
 }
 
-# The same of the section [sensor]: frames are not too late, nor is the camera silent, because the processor is slow.
+# The same for the section [sensor]: a slow processor must not make frames late or a camera silent.
 patient_sensor_conf() {
     cat <<END
 pause_ms = 600000
@@ -60,7 +60,7 @@ stale_ms = 600000
 END
 }
 
-# The log is sealed on the disk: the daemon has to read it.
+# Prints the log. It is sealed on the disk, so the daemon must read it.
 log_records() {
     client log --count 100000 --json | tr -d ' \n'
 }
@@ -69,7 +69,7 @@ has_logged() {
     log_records | grep -q "$1"
 }
 
-# count_logged RECORD: how many there are
+# count_logged RECORD: prints how many such records the log has
 count_logged() {
     log_records | { grep -o "$1" || true; } | wc -l
 }

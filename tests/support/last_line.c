@@ -1,7 +1,7 @@
-/* Linked into every test program: says at its very end, once more, which tests failed and why, so
+/* Linked into every test program: at its end it prints once more which tests failed and why, so
  * that the last line of the output of a failed test is the reason. cmocka prints the reason in the
- * middle and ends with a count; its print_error() and print_message(), which a program may replace,
- * are listened to. */
+ * middle and ends with a count. This file replaces cmocka's print_error() and print_message(),
+ * which a program may do, and collects the reasons from their output. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,14 +21,14 @@ static struct {
 } failures[FAILURES_MAX];
 
 static size_t n_failures;
-static pid_t tester; /* a forked child has nothing to tell */
+static pid_t tester; /* a forked child must not print the list */
 
 __attribute__((constructor)) static void remember_who_tests(void)
 {
     tester = getpid();
 }
 
-/* Copies what stands behind `prefix` up to one of the letters of `end`. False if it is not there.
+/* Copies the text after `prefix` up to one of the letters of `end`. False if there is no such text.
  */
 static bool take_behind(const char *prefix, const char *text, const char *end, char copy[TEXT_SIZE])
 {
@@ -41,8 +41,8 @@ static bool take_behind(const char *prefix, const char *text, const char *end, c
     return start;
 }
 
-/* A failure is told in several prints: the reason (by fail_msg(), or by an assertion, then with the
- * line), and the name of the test, which ends it. The list at the very end repeats the names. */
+/* cmocka prints a failure in several calls: first the reason (by fail_msg(), or by an assertion
+ * with its line), then the name of the test. Its list at the very end repeats the names. */
 static void listen(const char *text)
 {
     static char why[TEXT_SIZE], where[TEXT_SIZE];

@@ -1,4 +1,4 @@
-/* Doubles compared as doubles: cmocka's assert_float_equal rounds both sides to float first. */
+/* Compares doubles as doubles: cmocka's assert_float_equal rounds both sides to float first. */
 #ifndef TESTS_SUPPORT_NEAR_H
 #define TESTS_SUPPORT_NEAR_H
 

@@ -1,4 +1,5 @@
-/* A directory of a test's own, and small files in it. Failures fail the running cmocka test. */
+/* A temporary directory for one test, and small files in it. Failures fail the running cmocka test.
+ */
 #ifndef TESTS_SUPPORT_SCRATCH_H
 #define TESTS_SUPPORT_SCRATCH_H
 
@@ -10,13 +11,13 @@
 int scratch_setup(void **state);
 int scratch_teardown(void **state);
 
-/* DIRECTORY/NAME in a buffer of which there are 64, used in turn. */
+/* Returns DIRECTORY/NAME in one of 64 static buffers, which are used in turn. */
 const char *scratch_path(const char *directory, const char *name);
 
 void scratch_write(const char *path, const void *bytes, size_t size);
 void scratch_write_text(const char *path, const char *text);
 
-/* Reads a file into memory to be freed with free(). */
+/* Reads a file into memory, which the caller frees with free(). */
 void *scratch_read(const char *path, size_t *size);
 
 void scratch_mkdir(const char *path);

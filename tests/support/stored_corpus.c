@@ -21,7 +21,7 @@ void stored_corpus_make(const char *directory, const char *manifest)
         const char *recording = corpus->rows[i].recording;
         char stored[4096];
         (void)snprintf(stored, sizeof stored, "%s/sim/stored/%s", ISOTHERM_SOURCE_DIR, recording);
-        /* Several rows may be of one recording. */
+        /* Several rows may name the same recording. */
         assert_true(symlink(stored, scratch_path(directory, recording)) == 0 || errno == EEXIST);
     }
     sim_corpus_free(corpus);

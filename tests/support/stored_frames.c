@@ -27,8 +27,8 @@ const char stored_ini[] = "[recording]\n"
                           "k1 = -0.01\n"
                           "unit_mm = 0.5\n";
 
-/* Writes a plane whose count at (column, row) is first + row_step * row + column; one of depth does
- * not measure pixel (0, 0). */
+/* Writes a plane whose count at (column, row) is first + row_step * row + column. In a plane of
+ * depth pixel (0, 0) is not measured. */
 static void write_plane(const char *path, int first, int row_step, bool depth)
 {
     uint16_t counts[STORED_HEIGHT][STORED_WIDTH];
@@ -42,7 +42,7 @@ static void write_plane(const char *path, int first, int row_step, bool depth)
     assert_int_equal(iso_png_write(path, &image, 6, NULL), 0);
 }
 
-/* Writes the planes and the list of one kind: depth or ir. */
+/* Writes the planes of one kind, depth or ir, and the list of them. */
 static void write_planes(const char *directory, const char *kind, int n_frames)
 {
     const bool depth = kind[0] == 'd';

@@ -1,6 +1,7 @@
-/* A small recording written by hand, not by the simulator's writer: the two are tested against each
- * other. 7 x 5 pixels, unit 0.5 mm, frame f at time 10 + f / 8 s; the depth count at (column, row)
- * of frame f is 1000 + 100 f + 10 row + column, except that pixel (0, 0) is not measured. */
+/* A small recording that this file writes itself, without the product's writer: tests compare the
+ * two. It has 7 x 5 pixels, the unit 0.5 mm, and frame f at time 10 + f / 8 s. The depth count at
+ * (column, row) of frame f is 1000 + 100 f + 10 row + column, except that pixel (0, 0) is not
+ * measured. */
 #ifndef TESTS_SUPPORT_STORED_FRAMES_H
 #define TESTS_SUPPORT_STORED_FRAMES_H
 
@@ -10,12 +11,12 @@ enum { STORED_WIDTH = 7, STORED_HEIGHT = 5 };
 
 extern const char stored_ini[];
 
-/* Writes the recording; the directory is made. */
+/* Makes the directory and writes the recording. */
 void stored_frames_write(const char *directory, int n_frames);
 
-/* The same frames as a camera of OpenNI 2 can make them: another unit, no distortion, the principal
- * point in the middle; on demand with ir/, the 16-bit count at (column, row) of frame f being
- * 3000 + 500 f + 70 row + column. */
+/* The same frames as a camera of OpenNI 2 can make them: with another unit, without distortion, and
+ * with the principal point in the middle. If asked for, with ir/: the 16-bit count at (column, row)
+ * of frame f is 3000 + 500 f + 70 row + column. */
 void stored_frames_write_plain(const char *directory, int n_frames, double unit_mm, bool with_ir);
 
 /* Writes one plane of constant samples: `bits` 8 or 16, `channels` 1 or 3. */

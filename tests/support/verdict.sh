@@ -1,6 +1,6 @@
 # shellcheck shell=sh
-# Verdicts of scripts in colour, where standard output is a terminal that knows colours and NO_COLOR is unset or empty
-# (https://no-color.org); elsewhere the plain text. To be sourced.
+# Prints verdicts of scripts. They are in colour if standard output is a terminal with colours and NO_COLOR is unset or empty
+# (https://no-color.org); otherwise they are plain text. To be sourced.
 
 # paint good|warning|bad TEXT: the text without a line end
 paint() {
@@ -24,7 +24,7 @@ count() {
     fi
 }
 
-# say_tally PASSED FAILED SKIPPED: "3 passed, 0 failed, 1 skipped"; what there is none of has no colour
+# say_tally PASSED FAILED SKIPPED: prints "3 passed, 0 failed, 1 skipped"; a zero has no colour
 say_tally() {
     count good "$1" passed
     printf ', '

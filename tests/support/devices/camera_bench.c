@@ -20,7 +20,8 @@ static const char file_driver[] = ISOTHERM_BINARY_DIR
 int camera_bench_make(const char *directory, const char *recording, bool shutter)
 {
     size_t size;
-    /* Keeps the driver in memory, so that the leak sanitizer can name what it loses. */
+    /* Keeps the driver in memory, so that the leak sanitizer can name the functions of its leaks.
+     */
     (void)dlopen(file_driver, RTLD_NOW | RTLD_NODELETE);
     scratch_mkdir(directory);
     char *ini = scratch_read(scratch_path(recording, "recording.ini"), &size);
@@ -32,7 +33,7 @@ int camera_bench_make(const char *directory, const char *recording, bool shutter
         return -1;
     }
     assert_int_equal(mkfifo(scratch_path(directory, "shutter"), 0600), 0);
-    /* For reading too: it can be opened before the camera is there. */
+    /* Opened for reading, too: then open() does not wait for the camera. */
     const int fd = open(scratch_path(directory, "shutter"), O_RDWR | O_CLOEXEC);
     assert_true(fd >= 0);
     return fd;

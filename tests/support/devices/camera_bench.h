@@ -5,19 +5,19 @@
 
 #include <stdbool.h>
 
-/* Makes the bench `directory` with the camera that made `recording`, which stands in its slot, and
- * has the drivers of this process and of its children find it. With `shutter` the camera makes
- * frames only when it is told to; returns the descriptor to press it with, else -1. */
+/* Makes the bench `directory` with the camera of `recording`, puts the recording into its slot, and
+ * lets the drivers of this process and of its children find it. With `shutter` the camera makes a
+ * frame only on request. Returns the descriptor for the requests; without `shutter` -1. */
 int camera_bench_make(const char *directory, const char *recording, bool shutter);
 
-/* One frame, one that is lost on its way. */
+/* Requests one frame; the second function requests a frame that is lost on its way. */
 void camera_bench_press(int shutter_fd);
 void camera_bench_lose(int shutter_fd);
 
-/* Pulls the cable, or puts it in again. */
+/* Unplugs the cable, or plugs it in again. */
 void camera_bench_plug(const char *directory, bool in);
 
-/* Undoes what is not in the directory. */
+/* Undoes everything that camera_bench_open() changed outside the directory. */
 void camera_bench_leave(int shutter_fd);
 
 #endif

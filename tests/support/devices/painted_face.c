@@ -24,7 +24,7 @@ static double distance_to_curve(struct iso_vec3 p, const struct iso_vec3 *ibug_m
     return least;
 }
 
-/* One part of the face: a curve through landmarks, how wide and how dark it is. */
+/* One part of the face: a curve through landmarks, its width and its brightness. */
 struct stroke {
     int first, last;
     double half_mm, albedo;

@@ -76,7 +76,7 @@ char *pseudo_terminal_run(const char *const argv[], unsigned short columns, cons
         become(argv, environment);
     }
     while ((n = read(master_fd, text + length, PRINTED_MAX - 1 - length)) > 0) {
-        length += (size_t)n; /* EIO is how a terminal ends */
+        length += (size_t)n; /* a terminal without a writer ends with EIO */
     }
     close(master_fd);
     assert_int_equal(waitpid(pid, status, 0), pid);

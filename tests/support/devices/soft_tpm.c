@@ -43,7 +43,7 @@ static bool is_free(int port)
     return result == 0;
 }
 
-/* The TPM has one port, and its control channel the next. */
+/* The TPM has one port, and its control channel has the next port. */
 static int find_ports(void)
 {
     int port = PORT_FIRST + 2 * (getpid() % (PORTS / 2));
@@ -59,7 +59,7 @@ static void pause_ms(long ms)
     (void)nanosleep(&time, NULL);
 }
 
-/* The control channel takes any client; the other one takes one at a time. */
+/* Asks the control channel, which accepts any number of clients; the TPM accepts one at a time. */
 static bool listens(int port)
 {
     const struct sockaddr_in address = address_of(port + 1);
@@ -110,7 +110,7 @@ static bool write_all(int fd, const uint8_t *bytes, size_t size)
     return true;
 }
 
-/* Commands and responses have their size in bytes 2 to 5. 0: there was none. */
+/* Bytes 2 to 5 of a command or a response are its size. 0: nothing could be read. */
 static size_t read_message(int fd, uint8_t message[MESSAGE_MAX_BYTES])
 {
     if (!read_all(fd, message, HEADER_BYTES)) {
@@ -123,7 +123,7 @@ static size_t read_message(int fd, uint8_t message[MESSAGE_MAX_BYTES])
     return whole ? size : 0;
 }
 
-/* Passes commands on until one of the ends is gone. */
+/* Passes on commands and responses until one of the ends is closed. */
 static void run_bridge(const struct soft_tpm *tpm, int device)
 {
     static uint8_t message[MESSAGE_MAX_BYTES];
@@ -142,7 +142,8 @@ static void run_bridge(const struct soft_tpm *tpm, int device)
     }
 }
 
-/* The bridge keeps a descriptor of the slave, so that the device outlasts whoever closes it. */
+/* The bridge keeps a descriptor of the slave, so that the device remains when a client closes it.
+ */
 static void connect_device(struct soft_tpm *tpm)
 {
     char name[64];
@@ -175,7 +176,7 @@ void soft_tpm_make_device(struct soft_tpm *tpm, const char *directory)
     connect_device(tpm);
 }
 
-/* ---- switching it on and off ---- */
+/* ---- power on and off ---- */
 
 /* False: there is no swtpm. */
 static bool launch(struct soft_tpm *tpm)

@@ -75,7 +75,7 @@ static int wired_get_inputs(void *self, struct iso_door_inputs *out, struct iso_
     const bool was_short = door.pressed.active[ISO_DOOR_EXIT_BUTTON] &&
                            !door.now.active[ISO_DOOR_EXIT_BUTTON];
     door.pressed = (struct iso_door_inputs){{false}};
-    if (was_short) { /* the next look finds it released */
+    if (was_short) { /* the next reading finds it released */
         const uint64_t one = 1;
         (void)!write(door.fd, &one, sizeof one);
     }

@@ -23,7 +23,7 @@ static bool refuses(void)
     return broken_disk.error != 0;
 }
 
-/* Directories, pipes and sockets are no files on this disk. */
+/* Directories, pipes and sockets are not on the broken disk. */
 static bool refuses_file(int fd)
 {
     struct stat status;
@@ -35,7 +35,7 @@ static bool is_to_write(int flags)
     return (flags & O_ACCMODE) != O_RDONLY || (flags & O_CREAT);
 }
 
-/* ---- what is linked statically ---- */
+/* ---- calls of statically linked code ---- */
 
 int __real_open(const char *path, int flags, ...);
 ssize_t __real_write(int fd, const void *bytes, size_t size);
@@ -132,7 +132,7 @@ void broken_disk_install(void)
     }
 }
 
-/* SQLite waits with this for a lock; nobody is to wait for the time to pass. */
+/* SQLite waits for a lock by this call; a test must not wait. */
 int usleep(useconds_t us)
 {
     (void)us;

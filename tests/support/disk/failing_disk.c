@@ -81,7 +81,7 @@ long failing_disk_heal(void)
     return disk.calls;
 }
 
-/* Files and directories; memory files have no name. */
+/* Whether it is a file or a directory of the disk; memory files have no name. */
 static bool is_on_disk(int fd)
 {
     struct stat status;
@@ -91,7 +91,7 @@ static bool is_on_disk(int fd)
 
 enum fate { WORKS, FAILS, LIES, HALF };
 
-/* Counts a call that writes, and says what becomes of it. */
+/* Counts a call that writes, and decides whether it fails. */
 static enum fate fate_of_call(void)
 {
     if (!disk.armed) {
@@ -169,7 +169,7 @@ static bool is_directory(int fd)
     return fstat(fd, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-/* What a call does that lies is not relied upon. */
+/* With FAILING_DISK_LIES nothing depends on whether the data was synchronised. */
 int fsync(int fd)
 {
     if (fate_of_file(fd) != WORKS) {
@@ -201,7 +201,7 @@ int ftruncate64(int fd, off_t size)
     return ftruncate(fd, size);
 }
 
-/* ---- names ---- */
+/* ---- names of files ---- */
 
 int renameat2(int from_fd, const char *from, int to_fd, const char *to, unsigned flags)
 {
@@ -218,7 +218,7 @@ int rename(const char *from, const char *to)
     return renameat2(AT_FDCWD, from, AT_FDCWD, to, 0);
 }
 
-/* Of a database of SQLite. */
+/* Whether it is the journal of a database of SQLite. */
 static bool is_journal(const char *path)
 {
     static const char end[] = "-journal";

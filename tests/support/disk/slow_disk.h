@@ -1,30 +1,29 @@
-/* A disk that takes its time: fsync and fdatasync of a test program do not return until the test
- * lets them, or until a stated time is over. The linker puts it before the calls of everything that
- * is linked statically (isotherm_slow_disk() in CMake). For tests with threads: the order of things
- * is what they test, and nothing depends on how long something takes. Nothing is synchronised
- * really. */
+/* A slow disk: fsync and fdatasync of a test program return only when the test permits it, or after
+ * a stated time. The linker replaces the calls of all statically linked code by these
+ * (isotherm_slow_disk() in CMake). It is for tests with threads, which test the order of events and
+ * do not depend on durations. Nothing is really synchronised. */
 #ifndef TESTS_SUPPORT_DISK_SLOW_DISK_H
 #define TESTS_SUPPORT_DISK_SLOW_DISK_H
 
-/* From now on whoever synchronises waits. */
+/* From now on every call waits. */
 void slow_disk_hang(void);
 
-/* Who waits goes on, and nobody waits any more. */
+/* Waiting calls return, and later calls do not wait. */
 void slow_disk_go_on(void);
 
-/* From now on each call takes so many milliseconds; 0: it takes none. */
+/* From now on each call takes this number of milliseconds; 0: no time. */
 void slow_disk_take_ms(int ms);
 
-/* How many calls there were; those that wait are among them. */
+/* The number of calls so far, including those that wait. */
 int slow_disk_calls(void);
 
-/* How many threads wait now. */
+/* The number of threads that wait now. */
 int slow_disk_waiting(void);
 
-/* Waits until somebody waits for the disk; fails the test after a minute. */
+/* Waits until a thread waits for the disk; fails the test after a minute. */
 void slow_disk_await(void);
 
-/* The next call has the process stop (SIGSTOP) before it synchronises. */
+/* The next call stops the process (SIGSTOP) before it synchronises. */
 void slow_disk_stop_process(void);
 
 #endif

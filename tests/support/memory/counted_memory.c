@@ -5,14 +5,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* glibc's own, under the names by which a replacement reaches them. */
+/* glibc's own allocators, under the names that a replacement may call. */
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t n, size_t size);
 void *__libc_realloc(void *old, size_t size);
 void *__libc_memalign(size_t alignment, size_t size);
 
-/* What the linker is to find, declared here lest headers change what the compiler thinks of them.
- */
+/* The replacements that the linker finds. They are declared here and not by headers, whose
+ * attributes would let the compiler remove or change calls. */
 void *malloc(size_t size);
 void *calloc(size_t n, size_t size);
 void *realloc(void *old, size_t size);

@@ -84,7 +84,7 @@ bool private_bus_revive(struct private_bus *bus)
         _exit(NOT_FOUND);
     }
     close(address[1]);
-    do { /* the address is a line; its coming says that the bus listens */
+    do { /* the bus listens when it has printed the line with its address */
         n = read(address[0], bus->address + length, sizeof bus->address - 1 - length);
         length += n > 0 ? (size_t)n : 0;
         bus->address[length] = '\0';

@@ -70,7 +70,7 @@ static void take(int *fd, char *text, size_t *size)
     text[*size] = '\0';
 }
 
-/* Takes what comes next on either stream. */
+/* Reads the next output of either stream. */
 static void pump(struct run *run)
 {
     struct pollfd fds[2] = {

@@ -1,5 +1,5 @@
-/* Runs a program and catches what it prints. A program that does not end within a minute is killed
- * and fails the test. */
+/* Runs a program and captures its output. A program that does not end within a minute is killed and
+ * fails the test. */
 #ifndef TEST_RUN_H
 #define TEST_RUN_H
 
@@ -12,23 +12,24 @@ struct run {
     int out_fd, err_fd; /* -1 at their end */
     int exit;           /* after run_finish(): the exit code, or 1000 + the signal */
     char what[512];     /* the command line */
-    char *out, *err;    /* what came so far, terminated */
+    char *out, *err;    /* the output so far, null-terminated */
     size_t out_size, err_size;
 };
 
 /* argv ends with NULL; argv[0] is a path. Output beyond RUN_OUTPUT_SIZE fails the test. */
 void run_start(struct run *run, const char *const argv[]);
 
-/* The same, with standard output to the file at `out_path`; NULL: caught. */
+/* The same, with standard output to the file at `out_path`; NULL: captured. */
 void run_start_to(struct run *run, const char *const argv[], const char *out_path);
 
-/* Waits until `text` stands in what the program prints; that it ends before fails the test. */
+/* Waits until the program has printed `text`. The test fails if the program ends before. */
 void run_until(struct run *run, const char *text);
 
 /* Waits for the end. */
 void run_finish(struct run *run);
 
-/* Fails the test, saying what it was, how it ended and what it said, unless it ended like that. */
+/* Fails the test unless the program ended with this code. The message has the command, its end and
+ * its last line. */
 void run_expect(const struct run *run, int exit);
 
 void run_free(struct run *run);

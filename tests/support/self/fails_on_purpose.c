@@ -1,4 +1,4 @@
-/* Every test of this program fails; test_child_end looks at what it says of it at its end. */
+/* Every test of this program fails; test_child_end checks the lines that it prints at its end. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -16,7 +16,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* The n-th line from the end of a text whose last line is ended; 0 is the last one. */
+/* The n-th line from the end of a text that ends with a line feed; 0 is the last line. */
 static const char *line_from_end(const char *text, size_t n)
 {
     static char line[1024];
@@ -39,7 +39,7 @@ static const char *line_from_end(const char *text, size_t n)
 static void the_last_lines_say_why(void **state)
 {
     static const char *const reasons[] = {
-        /* from the last one on */
+        /* the last reason comes first */
         "a_number_is_wrong: 0x100 != 0",
         "a_script_ends_wrongly: sh -c 'exit 7': ended with exit code 7, not exit code 0; it said "
         "nothing",
@@ -86,7 +86,7 @@ static void an_end_as_expected_says_nothing(void **state)
     assert_int_equal(child_wait(&child, err), 1000 + SIGKILL);
 }
 
-/* Of a child that says very much the last words are kept. */
+/* If a child prints more than fits, the end is kept. */
 static void the_last_words_of_many_are_kept(void **state)
 {
     char err[CHILD_ERR_SIZE];

@@ -1,4 +1,4 @@
-/* Verdicts of scripts (verdict.sh): in colour on a terminal that wants it, else plain. */
+/* Verdicts of scripts (verdict.sh) are in colour on a terminal with colours, otherwise plain. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
