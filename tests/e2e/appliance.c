@@ -23,9 +23,9 @@
 
 #define DATA ISOTHERM_SOURCE_DIR "/core/data/"
 
-/* Short times, so that the tests are, but for those of the sensor, which are for machines that do
- * one thing; scores and counts are those of the product, but for the hints: a stored visit has
- * three frames, of which a slow machine may miss one. */
+/* The times are short, so that the tests are short. Only those of the sensor are long, because the
+ * machine may be busy with other work. Scores and counts are those of the product, except that of
+ * the hints: a stored visit has three frames, and a slow machine may miss one of them. */
 static const char configuration[] = "[sensor]\nretry_ms = 50\nretry_max_ms = 100\n"
                                     "stale_ms = 5000\npause_ms = 5000\n%s%s%s\n"
                                     "[door]\nbackend = null\nunlock_ms = 200\n"
@@ -37,8 +37,8 @@ static const char configuration[] = "[sensor]\nretry_ms = 50\nretry_max_ms = 100
                                     "[model]\nhead = " DATA "head.model\n"
                                     "metric = " DATA "face.metric\n";
 
-/* The virtual camera begins a recording again when it ends: a machine that takes as long for a
- * frame as a recording lasts sees the same one every time, and would call it frozen. */
+/* The virtual camera repeats its recording. A machine that takes as long for a frame as the
+ * recording lasts sees the same frame every time and would report a frozen picture. */
 static const char looping[] = "backend = openni2\n[motion]\nfrozen_frames = 0";
 
 enum { READY_MS = 60 * 1000 };
@@ -61,7 +61,7 @@ void appliance_configure(const struct appliance *appliance)
     assert_int_equal(fclose(file), 0);
 }
 
-/* Stands in for the service manager: a socket that the daemon tells its state. */
+/* Replaces the service manager: a socket on which the daemon reports its state. */
 static int listen_to_daemon(const struct appliance *appliance)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -129,8 +129,8 @@ static void make_directory(struct appliance *appliance)
     appliance->settle_ms = "400";
 }
 
-/* What plays in the daemon's own process reads only what the daemon may
- * (firmware/daemon/confine.h): temporary files, but not those of whoever built it. */
+/* The virtual camera is a library in the daemon's process, so it may read only what the daemon may
+ * read (firmware/daemon/confine.h): temporary files, but not the source tree. */
 static void copy_people(struct appliance *appliance)
 {
     (void)snprintf(appliance->people, sizeof appliance->people, "%s/people", appliance->directory);
@@ -158,7 +158,7 @@ int appliance_setup(void **state)
     return 0;
 }
 
-/* The runtime finds its drivers beside the path that it is loaded from. */
+/* The runtime finds its drivers next to the path from which it is loaded. */
 int appliance_setup_openni2(void **state)
 {
     struct appliance *appliance = &the_appliance;
@@ -170,8 +170,8 @@ int appliance_setup_openni2(void **state)
     (void)camera_bench_make(appliance->bench, scratch_path(appliance->people, "p01-v1"), false);
     scratch_write_text(scratch_path(appliance->bench, "noise"), "");
     appliance_show(appliance, NULL);
-    /* The camera makes 30 frames a second however slow the machine is, and does not wait: a frame
-     * takes seconds on a busy one with sanitizers. */
+    /* The camera makes 30 frames a second and does not wait for a slow machine: with sanitizers on
+     * a busy machine the computation of a frame takes seconds. */
     appliance->gap_ms = "4000";
     appliance->settle_ms = "6000";
     assert_int_equal(setenv("LD_LIBRARY_PATH", ISOTHERM_BINARY_DIR "/tests/openni2/runtime", 1), 0);
@@ -268,7 +268,7 @@ json_t *appliance_run_json(const struct appliance *appliance, const char *words,
     return document;
 }
 
-/* A corpus of some of these people's recordings: links to them, and their rows. */
+/* Makes a corpus of some recordings: links to them, and their rows of the manifest. */
 static void make_corpus(const char *directory, const char *people, const char *const recordings[])
 {
     size_t size;

@@ -1,7 +1,7 @@
 #!/bin/sh
-# The programs while memory is short: under a ladder of limits of the address space, with stacks of 8192 and of 256 KiB, each program
-# does its work or ends with one line and an exit code: no signal, no hang (OpenBLAS's threads at the exit), no message of several lines.
-# The daemon serves its client on a bus, a corpus is enrolled and played to the appliance, and is evaluated with two threads.
+# Runs the programs with little memory: with rising limits of the address space and with stacks of 8192 and of 256 KiB. Each program must
+# do its work or end with one line and an exit code. It must not end by a signal, hang (OpenBLAS's threads at the exit), or print a message
+# of several lines. The daemon serves its client on a bus; a corpus is enrolled, played to the appliance, and evaluated with two threads.
 # usage: limits.sh SOURCE BUILD
 set -eu
 story_source=$(cd "$1" && pwd)
@@ -19,7 +19,7 @@ dbus-daemon --config-file="$story_directory/bus.conf" --nofork --nosyslog 2>/dev
 bus=$!
 trap 'kill "$bus"; rm -rf "$story_directory"' EXIT
 
-# Two people of the stored corpus, one of whom is a stranger there.
+# A corpus of two people of the stored corpus; one of them is a stranger.
 corpus=$story_directory/corpus
 mkdir "$corpus"
 for recording in p01-enrol p01-v1 p02-enrol p02-v1 none-photo1; do
@@ -35,7 +35,8 @@ tried=0
 worked=0
 faults=0
 
-# try SECONDS COMMAND...: under the limits $stack_kib and $memory_mib; a command that has to be ended gets SIGTERM after SECONDS.
+# try SECONDS COMMAND...: runs the command under the limits $stack_kib and $memory_mib. A command that does not end gets SIGTERM after
+# SECONDS.
 try() {
     patience=$1
     shift
@@ -49,7 +50,7 @@ try() {
     judge "$@"
 }
 
-# 124: timeout ended it, as a daemon is meant to be; 137: it did not obey. Lines that tell how far a long command is are no faults.
+# 124: timeout ended it, which is right for a daemon; 137: it ignored SIGTERM. Lines with the progress of a long command are not faults.
 judge() {
     tried=$((tried + 1))
     lines=$(grep -cvE ' left$|: [0-9]+ of [0-9]+' "$story_directory/err" || true)
@@ -78,7 +79,7 @@ for stack_kib in 8192 256; do
     done
 done
 
-# The least stack is enough for the deepest calls, of the main thread and of the others.
+# The smallest permitted stack is enough for the deepest calls of the main thread and of the other threads.
 stack_kib=256
 memory_mib=1000
 before=$((tried - worked))
@@ -88,7 +89,7 @@ run_all
     faults=$((faults + 1))
 }
 
-# One that is less is refused with one line.
+# A smaller stack is refused with one line.
 stack_kib=192
 before=$worked
 try 60 "$build/sim/isotherm-sim" replay --corpus "$corpus" --out "$story_directory/replay"
@@ -97,7 +98,7 @@ try 60 "$build/sim/isotherm-sim" replay --corpus "$corpus" --out "$story_directo
     faults=$((faults + 1))
 }
 
-# A client at a daemon that both have little memory.
+# A client and a daemon, both with little memory.
 stack_kib=8192
 memory_mib=300
 (

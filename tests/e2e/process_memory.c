@@ -22,7 +22,7 @@ static FILE *open_of(pid_t pid, const char *name)
     return fopen(path, "re");
 }
 
-/* Whether a line of maps is of an area with the process's own data. */
+/* Whether a line of maps describes an area that the process may read and write. */
 static bool is_own(const char *line, unsigned long *from, unsigned long *to)
 {
     char rights[5] = "";
@@ -38,7 +38,7 @@ static void append(struct process_memory *memory, int fd, unsigned long from, un
     for (unsigned long at = from; at < to;) {
         const ssize_t n = pread(fd, bytes + memory->size, to - at, (off_t)at);
         if (n <= 0) {
-            break; /* a page that nobody has touched */
+            break; /* a page that was never used */
         }
         memory->size += (size_t)n;
         at += (unsigned long)n;

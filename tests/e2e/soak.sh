@@ -1,16 +1,16 @@
 #!/bin/bash
-# The whole daemon under load for a long time: one person enrolled, stored visits in a ring, as fast as it takes frames, with
-# a client that asks for its state. Prints the memory in use every so many frames, and fails if it has grown by more than a few percent after
-# the first quarter, or if the daemon says or ends with anything that is not expected (a sanitizer's report, for one).
+# Runs the whole daemon under load for a long time: one person is enrolled, stored visits are repeated as fast as the daemon takes frames,
+# and a client asks for its state. The script prints the memory in use at intervals. It fails if the memory has grown by more than a few
+# percent after the first quarter, or if the daemon prints anything unexpected (such as a sanitizer's report) or ends with a failure.
 # usage: soak.sh BUILD FRAMES [RECORDING...]      of sim/stored; default: two people, a stranger, nobody, a photograph
-# GAP_MS=5000 in the environment for a build so slow that frames come seconds apart: a visit is not over between two of them.
+# Set GAP_MS=5000 in the environment for a build so slow that frames are seconds apart, so that a visit does not end between two frames.
 set -euo pipefail
 build=$(cd "$1" && pwd)
 frames=$2
 shift 2
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
 export TSAN_OPTIONS=suppressions=$source_dir/tests/support/devices/openni2_locks.supp
-# What the sanitizer keeps of freed memory is not growth.
+# The sanitizer must not keep freed memory, which would look like growth.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-quarantine_size_mb=8}
 recordings=("$@")
 [ $# -gt 0 ] || recordings=(p01-v1 p02-v1 x01-v1 none-nobody1 none-photo1)
@@ -73,7 +73,7 @@ END
 "$build/firmware/isothermd" --config "$run/isotherm.conf" 2>"$run/isothermd.log" &
 daemon_pid=$!
 
-# Somebody to compare with: the metric has work from now on.
+# Enrol a person, so that the metric has a template to compare with.
 for _ in $(seq 600); do
     ! "$build/enroll/isotherm" --bus "$address" status >/dev/null 2>&1 || break
     kill -0 "$daemon_pid"
@@ -111,7 +111,7 @@ while [ "$seen" -lt "$frames" ]; do
         [ "$now" -le "$largest" ] || largest=$now
     fi
 done
-# The log is sealed on the disk: the daemon has to read it, and while visits go on it has no end.
+# The log is sealed on the disk, so the daemon must read it. While visits go on, the log has no end.
 rm "$run/slot"
 records=$("$build/enroll/isotherm" --bus "$address" log --count 100000 --json | tr -d ' \n')
 count() {

@@ -1,5 +1,5 @@
-/* `isotherm doctor` on a running daemon: whatever keeps people out is a finding with a remedy. The
- * tests are one story and run in this order. */
+/* `isotherm doctor` on a running daemon: everything that keeps people out is a finding with a
+ * remedy. Each test continues from the state that the test before it leaves. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,8 +19,8 @@
 #include "tests/e2e/appliance.h"
 #include "tests/support/scratch.h"
 
-/* Runs the doctor, and looks for a finding of this state whose text has these words in it, with
- * this code and the remedy that belongs to it; ISO_FAULT_NONE: without any. */
+/* Runs the doctor, and expects a finding of this subject with this state, with these words in its
+ * text, with this code and with the remedy of the code. ISO_FAULT_NONE: with neither. */
 static void expect_finding(const struct appliance *appliance, int exit, const char *subject,
                            const char *state, const char *words, enum iso_fault_code code)
 {
@@ -91,7 +91,8 @@ static void a_lockout_is_found(void **state)
     expect_finding(*state, 0, "door", "ok", "locked", ISO_FAULT_NONE);
 }
 
-/* The one call that opens the door. Without a terminal nobody can be asked. */
+/* This is the only call that switches the relay. Without a terminal the tool cannot ask for a
+ * confirmation and refuses. */
 static void the_relay_is_tested_on_record(void **state)
 {
     const struct appliance_result *result = appliance_run(*state, "door test", NULL);
@@ -113,9 +114,9 @@ static void the_relay_is_tested_on_record(void **state)
     assert_int_equal(appliance_run(*state, "lockdown off", NULL)->exit, 0);
 }
 
-/* ---- faults of the disk, the stores and the lines, provoked for real ---- */
+/* ---- real faults of the disk, the stores and the lines ---- */
 
-/* The daemon may not let a file grow: for its disk there is no room left. */
+/* A limit forbids the daemon to let a file grow, as on a full disk. */
 static void a_full_disk_is_found(void **state)
 {
     struct appliance *appliance = *state;
@@ -175,7 +176,7 @@ static void a_damaged_recording_is_found(void **state)
     appliance_start_daemon(appliance);
 }
 
-/* The file is gone, and the other stores know that there was one. */
+/* The file was deleted, and the other stores know that it existed. */
 static void a_lockout_file_that_is_missing_is_found(void **state)
 {
     struct appliance *appliance = *state;
@@ -191,9 +192,9 @@ static void a_lockout_file_that_is_missing_is_found(void **state)
     appliance_start_daemon(appliance);
 }
 
-/* ---- what the daemon does not start with ---- */
+/* ---- states in which the daemon does not start ---- */
 
-/* Another daemon with the same files ends with this code in its line. */
+/* Starts another daemon with the same files, which must end with this code in its line. */
 static void expect_refusal(const struct appliance *appliance, const char *tag)
 {
     const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--config",

@@ -1,6 +1,6 @@
-/* The daemon's memory after a person was removed: the name and the template are not in it. Before,
- * they are, so that the search is known to find them. Needs root, for a daemon cannot be looked
- * into by anybody else. */
+/* After a person was removed, the daemon's memory has neither the name nor the template. Before the
+ * removal the search finds both, which shows that it works. Only root can read the memory of a
+ * daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,13 +24,15 @@
 
 enum { RUN = 32, RUNS_MAX = 600 };
 
-/* Stretches of a template, in memory and as it is stored. */
+/* Pieces of a template, as it is in memory and as it is stored. */
 struct runs {
     uint8_t bytes[RUNS_MAX][RUN];
     int n;
 };
 
-/* Zeros and the like stand everywhere. */
+/* Whether the piece has many different bytes; pieces with few, such as zeros, are anywhere in
+ * memory.
+ */
 static bool is_telling(const uint8_t *run)
 {
     int kinds = 0;
@@ -42,7 +44,7 @@ static bool is_telling(const uint8_t *run)
     return kinds >= RUN / 2;
 }
 
-/* Every `step` bytes. */
+/* Collects a piece every `step` bytes. */
 static void take_runs(struct runs *runs, const void *bytes, size_t size, size_t step)
 {
     const uint8_t *at = bytes;
@@ -67,7 +69,7 @@ static int take_item(void *context, const struct iso_gallery_item *item, struct 
     return 0;
 }
 
-/* The template of the person, out of a copy of the daemon's stores. */
+/* Reads the person's template from a copy of the daemon's stores. */
 static void read_template(const struct appliance *appliance, struct runs *runs)
 {
     struct iso_config config = iso_config_default();
@@ -112,13 +114,13 @@ static struct found search(const struct appliance *appliance, const struct runs 
     for (int i = 0; i < runs->n; i++) {
         found.runs += process_memory_count(&memory, runs->bytes[i], RUN) > 0;
     }
-    print_message("%zu kB: the name %d times, %d of %d stretches of the template\n",
+    print_message("%zu kB: the name %d times, %d of %d pieces of the template\n",
                   memory.size / 1024, found.names, found.runs, runs->n);
     process_memory_free(&memory);
     return found;
 }
 
-/* Everything that a daemon does with people: it lists, names, recognises and records them. */
+/* Makes the daemon use the person in every way: list, name, recognise and record. */
 static void use(struct appliance *appliance)
 {
     static const char *const recordings[] = {"p01-v1", NULL};

@@ -1,5 +1,5 @@
-/* The whole product behind a camera: the daemon opens the virtual camera through OpenNI2's own
- * runtime. The tests are one story and run in this order. */
+/* The whole product with a camera: the daemon opens the virtual camera through OpenNI2's own
+ * runtime. Each test continues from the state that the test before it leaves. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,23 +12,17 @@
 #include <string.h>
 #include <time.h>
 
+#include "tests/e2e/answers.h"
 #include "tests/e2e/appliance.h"
 #include "tests/support/devices/camera_bench.h"
 #include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
-static const char *text_of(const json_t *object, const char *name)
-{
-    const char *text = json_string_value(json_object_get(object, name));
-
-    return text ? text : "(none)";
-}
-
 static void expect_status(const struct appliance *appliance, const char *key, const char *wanted)
 {
     json_t *status = appliance_run_json(appliance, "status", NULL, 0);
 
-    assert_string_equal(text_of(status, key), wanted);
+    assert_string_equal(answer_text(status, key), wanted);
     json_decref(status);
 }
 
@@ -46,7 +40,8 @@ static void the_camera_is_seen_and_runs(void **state)
     assert_non_null(strstr(doctor->out, devices));
 }
 
-/* As `isotherm setup` asks for it, while the daemon has the camera, which goes on. */
+/* `isotherm setup` runs this command. It works while the daemon has the camera, and does not
+ * disturb the daemon. */
 static void the_camera_is_listed_for_programs(void **state)
 {
     const struct appliance *appliance = *state;
@@ -78,12 +73,12 @@ static void people_are_identified(void **state)
 {
     json_t *document = appliance_run_json(*state, "identify", "p02-v1", 0);
 
-    assert_string_equal(text_of(document, "person"), "p02");
+    assert_string_equal(answer_text(document, "person"), "p02");
     json_decref(document);
     appliance_expect(appliance_run(*state, "identify", "x02-v1"), 1);
 }
 
-/* One line of visits.csv: who came, the verdict, and whom the door took it for. */
+/* Expects one line of visits.csv: the recording, the verdict, and the recognised person. */
 static void expect_visit(const char *csv, const char *recording, const char *verdict,
                          const char *person)
 {
@@ -124,14 +119,14 @@ static void the_door_opens_to_the_enrolled_and_to_no_stranger(void **state)
     free(csv);
 }
 
-/* Asks until the sensor is in this state; no faster than a caller of the daemon may. */
+/* Asks until the sensor is in this state, no faster than the daemon permits a client. */
 static void await_sensor(const struct appliance *appliance, const char *wanted)
 {
     static const struct timespec between = {.tv_nsec = 100 * 1000 * 1000};
 
     for (int tries = 0; tries < 300; tries++) {
         json_t *status = appliance_run_json(appliance, "status", NULL, 0);
-        const bool there = strcmp(text_of(status, "sensor-state"), wanted) == 0;
+        const bool there = strcmp(answer_text(status, "sensor-state"), wanted) == 0;
         json_decref(status);
         if (there) {
             return;
