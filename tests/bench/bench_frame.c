@@ -1,12 +1,14 @@
-/* From a frame in memory to a verdict, one thread, 1,000 people enrolled: milliseconds per stage.
+/* Measures each stage from a frame in memory to a verdict, in milliseconds, with one thread and
+ * 1,000 enrolled people.
  *
- * The gallery is a sealed file, as the daemon has it: people from the corpus, and made-up ones with
- * the upper faces of those. The reranking of every frame is timed twice: with nothing kept from
- * before, so that everybody is opened from the file, which the total holds; then once more, with
- * all kept.
+ * The gallery is a sealed file, as the daemon's is. It has the people of the corpus and made-up
+ * people with the upper faces of the former. The reranking of every frame is timed twice: first
+ * without templates in memory, so that all candidates are read from the file, which the total
+ * includes; then once more with all templates in memory.
  *
- * Every frame is worked on twice, timed by wall clock and by the thread's processor time: the first
- * is what a person waits, the second does not depend on what else the machine is doing. */
+ * Every frame is computed twice, timed by the wall clock and by the thread's processor time. The
+ * first is the time that a person waits; the second does not depend on other work of the machine.
+ */
 #include <errno.h>
 #include <libgen.h>
 #include <stdio.h>
@@ -16,7 +18,6 @@
 
 #include "drivers/base/shipped.h"
 #include "drivers/base/times.h"
-#include "firmware/gallery/gallery.h"
 #include "firmware/recognise/method/reranker.h"
 #include "firmware/visit/decision.h"
 #include "isotherm/extract.h"
@@ -26,15 +27,16 @@
 #include "sim/lab/match/extract_options.h"
 #include "sim/lab/match/latency.h"
 #include "tests/bench/crowd.h"
+#include "tests/bench/enrolled.h"
 #include "tests/bench/frames.h"
 #include "tests/bench/machine.h"
 
-enum { ENROLLED = 1000, FACES_MAX = 512, BATCH = 20000, PLACE_MAX = 4096 };
+enum { ENROLLED = 1000, FACES_MAX = 512, PLACE_MAX = 4096 };
 
-/* What is timed: the extractor's stages; the best by the index; reranking, of people opened
- * from the file, or kept, and the decision with it; the search with the look at people opened; and
- * all of it but what is kept. */
-enum { SEARCH = ISO_STAGES, LOOK, LOOK_KEPT, ONE_TO_MANY, TOTAL, TIMED };
+/* The timed steps: the extractor's stages; the search by the index; reranking and decision with
+ * templates from the file, and with templates in memory; search and reranking from the file
+ * together; and all steps except the reranking from memory. */
+enum { SEARCH = ISO_STAGES, RERANK, RERANK_KEPT, ONE_TO_MANY, TOTAL, TIMED };
 
 typedef int64_t clock_function(void *context);
 
@@ -49,12 +51,12 @@ struct bench {
     struct iso_metric *metric;
     struct sim_corpus *corpus;
     struct iso_extractor *extractor;
-    clock_function *clock; /* in use */
-    char path[PLACE_MAX];  /* of the gallery, in a directory of its own */
+    clock_function *clock; /* the one in use */
+    char path[PLACE_MAX];  /* of the gallery, in a temporary directory */
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
     struct iso_reranker *reranker;
-    uint64_t version;           /* that the reranker sees */
+    uint64_t version;           /* of the gallery, as the reranker sees it */
     size_t people;              /* to enrol */
     struct iso_template *faces; /* [FACES_MAX] of the corpus */
     size_t n_faces;
@@ -70,7 +72,7 @@ static int64_t bench_now_ns(void *context)
     return bench->clock(NULL);
 }
 
-/* Does something with each frame of the rows of a kind: gallery, or not. */
+/* Calls `each` with the frames of the rows of one kind: gallery, or not. */
 static int read_rows(struct bench *bench, bool gallery, bench_frame_function *each,
                      struct iso_fault *fault)
 {
@@ -105,67 +107,39 @@ static int keep_face(void *context, const struct iso_frame *frame, struct iso_fa
     return error == -ENODATA ? 0 : error;
 }
 
-/* The template of a person: a face of the corpus, or isotherms made up and an upper face of it. */
-static struct iso_template template_of(const struct bench *bench, size_t person)
+/* A person has the template of a face of the corpus, or made-up isotherms with the upper face of
+ * one.
+ */
+static struct iso_template template_of(const void *context, size_t person, size_t number)
 {
+    const struct bench *bench = context;
     if (person < bench->n_faces) {
         return bench->faces[person];
     }
-    struct iso_template made_up = bench_template(bench->metric, person, 0);
+    struct iso_template made_up = bench_template(bench->metric, person, number);
     made_up.upper = bench->faces[person % bench->n_faces].upper;
     return made_up;
 }
 
-/* Enrolled at once: a gallery looks at everybody in it anew after each. */
-struct batch {
-    struct iso_gallery_item items[BATCH];
-    uint8_t bytes[BATCH][ISO_TEMPLATE_BYTES_MAX];
-};
-
-/* Enrols these people, with a template each. */
-static int enrol(struct bench *bench, struct batch *batch, size_t first, size_t n,
-                 struct iso_fault *fault)
+static int open_gallery(struct bench *bench, struct iso_fault *fault)
 {
-    size_t added = 0;
-    for (size_t i = 0; i < n; i++) {
-        struct iso_gallery_item *item = &batch->items[i];
-        const struct iso_template tmpl = template_of(bench, first + i);
-        const int size = iso_template_serialise(&tmpl, batch->bytes[i], sizeof batch->bytes[i]);
-        if (size < 0) {
-            return iso_fault_set(fault, size, "template: %s", strerror(-size));
-        }
-        *item = (struct iso_gallery_item){.person = {.enrolled_s = 1}, .n = 1};
-        (void)snprintf(item->person.name, sizeof item->person.name, "person %zu", first + i);
-        item->templates[0].algorithm = tmpl.algorithm;
-        item->templates[0].bytes = batch->bytes[i];
-        item->templates[0].size = (size_t)size;
-    }
-    return iso_gallery_import(bench->gallery, batch->items, n, false, NULL, &added, fault);
+    return bench_gallery_open(bench->path, bench->people, bench->metric, bench->ring,
+                              &bench->gallery, fault);
 }
 
-/* Makes the gallery, closes it and opens it again, as a daemon that starts. */
+/* Makes the gallery, closes it and opens it again, as a daemon does that starts. */
 static int make_gallery(struct bench *bench, struct iso_fault *fault)
 {
-    const struct iso_gallery_options options = {
-        .path = bench->path,
-        .capacity = (int)bench->people,
-        .algorithm = bench->metric->algorithm,
-        .metric = bench->metric,
-        .ring = bench->ring,
-    };
     if (bench->n_faces == 0) {
         return iso_fault_set(fault, -ENODATA, "%s: no usable face", bench->directory);
     }
-    struct batch *batch = malloc(sizeof *batch);
-    int error = batch ? iso_gallery_open(&options, &bench->gallery, fault) : -ENOMEM;
-    for (size_t i = 0; !error && i < bench->people; i += BATCH) {
-        const size_t n = bench->people - i < BATCH ? bench->people - i : BATCH;
-        error = enrol(bench, batch, i, n, fault);
+    int error = open_gallery(bench, fault);
+    if (!error) {
+        error = bench_gallery_fill(bench->gallery, bench->people, 1, template_of, bench, fault);
     }
-    free(batch);
     iso_gallery_close(bench->gallery);
     bench->gallery = NULL;
-    return error ? error : iso_gallery_open(&options, &bench->gallery, fault);
+    return error ? error : open_gallery(bench, fault);
 }
 
 static void decide(struct bench *bench, const struct iso_search_hit *hits)
@@ -178,7 +152,7 @@ static void decide(struct bench *bench, const struct iso_search_hit *hits)
     (void)iso_decision_face(&bench->decision, &face, &verdict);
 }
 
-/* Searches, looks again and decides; end_ns[SEARCH...] is when each was done. */
+/* Searches, reranks and decides. end_ns[SEARCH...] are the times at which these steps ended. */
 static int recognise(struct bench *bench, const struct iso_extraction *extraction, int64_t *end_ns)
 {
     struct iso_search_hit hits[ISO_RERANK_CANDIDATES];
@@ -188,8 +162,8 @@ static int recognise(struct bench *bench, const struct iso_extraction *extractio
     int error = iso_metric_project(bench->metric, &extraction->tmpl, &probe);
     error = error ? error : iso_index_search(among.index, &probe, hits, ISO_RERANK_CANDIDATES, &n);
     end_ns[SEARCH] = bench->clock(NULL);
-    among.version = ++bench->version; /* nothing of before is good any more */
-    for (int look = LOOK; !error && look <= LOOK_KEPT; look++) {
+    among.version = ++bench->version; /* the reranker drops its templates */
+    for (int kept = RERANK; !error && kept <= RERANK_KEPT; kept++) {
         struct iso_search_hit best[ISO_RERANK_CANDIDATES];
         memcpy(best, hits, sizeof best);
         error = iso_reranker_take(bench->reranker, bench->metric, &among, &extraction->tmpl, best,
@@ -197,7 +171,7 @@ static int recognise(struct bench *bench, const struct iso_extraction *extractio
         if (!error) {
             decide(bench, best);
         }
-        end_ns[look] = bench->clock(NULL);
+        end_ns[kept] = bench->clock(NULL);
     }
     return error;
 }
@@ -227,10 +201,10 @@ static int time_frame(void *context, const struct iso_frame *frame, struct iso_f
         }
         const int64_t times_ns[TIMED] = {
             [SEARCH] = end_ns[SEARCH] - extracted_ns,
-            [LOOK] = end_ns[LOOK] - end_ns[SEARCH],
-            [LOOK_KEPT] = end_ns[LOOK_KEPT] - end_ns[LOOK],
-            [ONE_TO_MANY] = end_ns[LOOK] - extracted_ns,
-            [TOTAL] = end_ns[LOOK] - begin_ns,
+            [RERANK] = end_ns[RERANK] - end_ns[SEARCH],
+            [RERANK_KEPT] = end_ns[RERANK_KEPT] - end_ns[RERANK],
+            [ONE_TO_MANY] = end_ns[RERANK] - extracted_ns,
+            [TOTAL] = end_ns[RERANK] - begin_ns,
         };
         for (int s = SEARCH; s < TIMED; s++) {
             bench->times_ns[c][s][bench->n_timed] = times_ns[s];
@@ -240,11 +214,11 @@ static int time_frame(void *context, const struct iso_frame *frame, struct iso_f
     return 0;
 }
 
-/* A directory and keys for the gallery. */
+/* Makes a directory and keys for the gallery. */
 static int open_ring(struct bench *bench, struct iso_fault *fault)
 {
     const char *temporary = getenv("TMPDIR");
-    char directory[PLACE_MAX - 16], ring[PLACE_MAX + 8], key[PLACE_MAX + 8];
+    char directory[PLACE_MAX - 16];
     const int length = snprintf(directory, sizeof directory, "%s/bench_frame-XXXXXX",
                                 temporary ? temporary : "/tmp");
     if ((size_t)length >= sizeof directory) {
@@ -254,26 +228,17 @@ static int open_ring(struct bench *bench, struct iso_fault *fault)
         return iso_fault_set(fault, -errno, "%s: %s", directory, strerror(errno));
     }
     (void)snprintf(bench->path, sizeof bench->path, "%s/gallery.db", directory);
-    (void)snprintf(ring, sizeof ring, "%s.keys", bench->path);
-    (void)snprintf(key, sizeof key, "%s.key", bench->path);
-    const struct iso_key_place place = {.ring = ring, .file = key};
     const int error = iso_seal_start(fault);
-    return error ? error : iso_key_ring_open(&place, &bench->ring, fault);
+    return error ? error : bench_ring_open(bench->path, &bench->ring, fault);
 }
 
-static void remove_gallery(const struct bench *bench)
+static void remove_gallery(struct bench *bench)
 {
-    static const char *const ends[] = {"", ".anchor", ".keys", ".key"};
-    char path[PLACE_MAX + 8];
-    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
-        (void)snprintf(path, sizeof path, "%s%s", bench->path, ends[i]);
-        (void)unlink(path);
-    }
-    (void)snprintf(path, sizeof path, "%s", bench->path);
-    (void)rmdir(dirname(path));
+    bench_gallery_remove(bench->path);
+    (void)rmdir(dirname(bench->path));
 }
 
-/* Loads what is needed and makes room for as many times as there are frames. */
+/* Loads the data files and allocates room for the times of all frames. */
 static int prepare(struct bench *bench, struct iso_fault *fault)
 {
     int error = sim_head_model_load(bench->model_path, &bench->model, fault);
@@ -309,8 +274,8 @@ static int prepare(struct bench *bench, struct iso_fault *fault)
     return error ? iso_fault_set(fault, error, "extractor: %s", strerror(-error)) : 0;
 }
 
-/* Enrols from the gallery, then from the other frames, and makes up who is missing; then times
- * these. */
+/* Enrols the faces of the gallery's rows, then those of the other rows, then made-up people. Then
+ * it times the other rows. */
 static int run(struct bench *bench, struct iso_fault *fault)
 {
     int error = read_rows(bench, true, keep_face, fault);
@@ -342,7 +307,7 @@ static void release(struct bench *bench)
 static void print_table(struct bench *bench)
 {
     static const char *const more[TIMED] = {
-        [SEARCH] = "search",   [LOOK] = "look again", [LOOK_KEPT] = "... kept",
+        [SEARCH] = "search",   [RERANK] = "rerank", [RERANK_KEPT] = "... kept",
         [ONE_TO_MANY] = "1:N", [TOTAL] = "total",
     };
     bench_print_machine();

@@ -1,7 +1,8 @@
-/* A gallery of so many people, filled as an import fills it: how long it keeps a daemon from
- * starting, which opens keys, gallery and log before its sensor; what it takes to search, and to
- * fetch the templates of a shortlist; how large it is on the disk and in memory. With --keep it
- * stays, for a daemon to be started on it (resident.sh). */
+/* Measures a gallery with many people, which is filled by an import. Prints how long the daemon
+ * needs to open keys, gallery and log, which it does before it opens its sensor; how long a search
+ * takes, and reading the templates of a shortlist; and the size of the gallery on the disk and in
+ * memory.
+ * --keep leaves the gallery on the disk, so that a daemon can be started with it (resident.sh). */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,17 +13,17 @@
 #include "drivers/base/shipped.h"
 #include "drivers/base/times.h"
 #include "firmware/audit/audit.h"
-#include "firmware/gallery/gallery.h"
 #include "firmware/keys/seal.h"
 #include "sim/base/data_file.h"
 #include "sim/base/options.h"
 #include "sim/lab/match/latency.h"
 #include "tests/bench/crowd.h"
+#include "tests/bench/enrolled.h"
 #include "tests/bench/machine.h"
 
-enum { BATCH = 1000, SHORTLIST = 10, TIMES = 200, STARTS = 3, TEMPLATES_MAX = 16 };
+enum { SHORTLIST = 10, TIMES = 200, STARTS = 3 };
 
-/* What is opened, in this order. */
+/* The stores, in the order in which they are opened. */
 enum { KEYS, GALLERY, LOG, PARTS };
 
 typedef int64_t clock_function(void *context);
@@ -32,8 +33,8 @@ enum { CLOCKS = sizeof clocks / sizeof *clocks };
 
 struct bench {
     const char *directory, *metric_path;
-    size_t people, templates; /* of a person */
-    size_t keep;              /* not 0: leave it there */
+    size_t people, templates; /* people of the gallery, templates of a person */
+    size_t keep;              /* not 0: do not delete the gallery */
     char path[4096];
     struct iso_times times;
     struct iso_metric *metric;
@@ -42,49 +43,21 @@ struct bench {
     struct iso_audit *audit;
 };
 
-struct batch {
-    struct iso_gallery_item items[BATCH];
-    uint8_t bytes[BATCH][TEMPLATES_MAX][ISO_TEMPLATE_BYTES_MAX];
-};
-
-static int make_item(const struct bench *bench, size_t person, struct batch *batch, size_t at)
+static struct iso_template template_of(const void *context, size_t person, size_t number)
 {
-    struct iso_gallery_item *item = &batch->items[at];
-    *item = (struct iso_gallery_item){.person = {.enrolled_s = 1}, .n = bench->templates};
-    (void)snprintf(item->person.name, sizeof item->person.name, "person %zu", person);
-    for (size_t k = 0; k < item->n; k++) {
-        const struct iso_template tmpl = bench_template(bench->metric, person, k);
-        const int size = iso_template_serialise(&tmpl, batch->bytes[at][k],
-                                                sizeof batch->bytes[at][k]);
-        if (size < 0) {
-            return size;
-        }
-        item->templates[k].algorithm = tmpl.algorithm;
-        item->templates[k].bytes = batch->bytes[at][k];
-        item->templates[k].size = (size_t)size;
-    }
-    return 0;
+    const struct bench *bench = context;
+    return bench_template(bench->metric, person, number);
 }
 
 static int open_gallery(struct bench *bench, struct iso_fault *fault)
 {
-    const struct iso_gallery_options options = {
-        .path = bench->path,
-        .capacity = (int)bench->people,
-        .algorithm = bench->metric->algorithm,
-        .metric = bench->metric,
-        .ring = bench->ring,
-    };
-    return iso_gallery_open(&options, &bench->gallery, fault);
+    return bench_gallery_open(bench->path, bench->people, bench->metric, bench->ring,
+                              &bench->gallery, fault);
 }
 
 static int open_ring(struct bench *bench, struct iso_fault *fault)
 {
-    char ring[4200], key[4200];
-    (void)snprintf(ring, sizeof ring, "%s.keys", bench->path);
-    (void)snprintf(key, sizeof key, "%s.key", bench->path);
-    const struct iso_key_place place = {.ring = ring, .file = key};
-    return iso_key_ring_open(&place, &bench->ring, fault);
+    return bench_ring_open(bench->path, &bench->ring, fault);
 }
 
 static int open_log(struct bench *bench, struct iso_fault *fault)
@@ -105,7 +78,7 @@ static void close_all(struct bench *bench)
     bench->ring = NULL;
 }
 
-/* Opens everything; least_ns[] is lowered to what it took. */
+/* Opens all stores. Times that are shorter than those in least_ns replace them. */
 static int open_all(struct bench *bench, int64_t least_ns[CLOCKS][PARTS + 1],
                     struct iso_fault *fault)
 {
@@ -130,31 +103,22 @@ static int open_all(struct bench *bench, int64_t least_ns[CLOCKS][PARTS + 1],
 
 static int fill(struct bench *bench, struct iso_fault *fault)
 {
-    struct batch *batch = malloc(sizeof *batch);
-    int error = batch ? open_ring(bench, fault) : -ENOMEM;
+    int error = open_ring(bench, fault);
     error = error ? error : open_gallery(bench, fault);
-    for (size_t first = 0; !error && first < bench->people; first += BATCH) {
-        size_t n = 0, added = 0;
-        for (; !error && n < BATCH && first + n < bench->people; n++) {
-            error = make_item(bench, first + n, batch, n);
-        }
-        error = error ? error
-                      : iso_gallery_import(bench->gallery, batch->items, n, false, NULL, &added,
-                                           fault);
-    }
-    free(batch);
-    return error;
+    return error ? error
+                 : bench_gallery_fill(bench->gallery, bench->people, bench->templates, template_of,
+                                      bench, fault);
 }
 
 static int time_search(const struct bench *bench, size_t *wrong, struct iso_fault *fault)
 {
     static int64_t project_ns[TIMES], scan_ns[TIMES], fetch_ns[TIMES];
-    static struct iso_template found[SHORTLIST * TEMPLATES_MAX];
+    static struct iso_template found[SHORTLIST * BENCH_TEMPLATES_MAX];
     const struct iso_candidate_list all = iso_gallery_everybody(bench->gallery);
     *wrong = 0;
     for (int i = 0; i < TIMES; i++) {
         const size_t person = (size_t)i * 7919u % bench->people;
-        const struct iso_template tmpl = bench_template(bench->metric, person, TEMPLATES_MAX);
+        const struct iso_template tmpl = bench_template(bench->metric, person, BENCH_TEMPLATES_MAX);
         struct iso_search_hit hits[SHORTLIST];
         struct iso_metric_vector probe;
         int n = 0;
@@ -165,8 +129,9 @@ static int time_search(const struct bench *bench, size_t *wrong, struct iso_faul
         const int64_t searched_ns = sim_wall_ns(NULL);
         for (int k = 0; !error && k < n; k++) {
             int m = 0;
-            error = iso_gallery_templates(bench->gallery, hits[k].person, &found[k * TEMPLATES_MAX],
-                                          TEMPLATES_MAX, &m, fault);
+            error = iso_gallery_templates(bench->gallery, hits[k].person,
+                                          &found[k * BENCH_TEMPLATES_MAX], BENCH_TEMPLATES_MAX, &m,
+                                          fault);
         }
         if (error) {
             return error;
@@ -223,15 +188,17 @@ static int measure(struct bench *bench, struct iso_fault *fault)
     return error;
 }
 
-/* Of the log nothing is left; without --keep of the rest neither. */
+/* Deletes the log, and without --keep the gallery and its keys, too. */
 static void remove_files(const struct bench *bench)
 {
-    static const char *const ends[] = {".log", ".log.anchor", "", ".anchor", ".keys", ".key"};
-    const size_t n = bench->keep ? 2 : sizeof ends / sizeof *ends;
+    static const char *const ends[] = {".log", ".log.anchor"};
     char path[4200];
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
         (void)snprintf(path, sizeof path, "%s%s", bench->path, ends[i]);
         (void)unlink(path);
+    }
+    if (!bench->keep) {
+        bench_gallery_remove(bench->path);
     }
 }
 
@@ -260,7 +227,7 @@ int main(int argc, char **argv)
         return EXIT_SUCCESS;
     }
     const bool read = outcome == SIM_OPTIONS_READ && bench.directory && bench.people > 0 &&
-                      bench.templates >= 1 && bench.templates <= TEMPLATES_MAX;
+                      bench.templates >= 1 && bench.templates <= BENCH_TEMPLATES_MAX;
     int error = read ? iso_seal_start(&fault) : -EINVAL;
     error = error ? error : sim_metric_load(bench.metric_path, &bench.metric, &fault);
     if (!error) {

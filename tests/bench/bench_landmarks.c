@@ -1,18 +1,19 @@
-/* From a frame in memory to its landmarks, one thread, processor time in milliseconds: the face
- * looked for in frames as they are and at half their resolution, and followed from frame to frame.
+/* Measures the way from a frame in memory to its landmarks, in milliseconds of processor time, with
+ * one thread. The face is looked for in whole frames and in frames of half the resolution, or it is
+ * followed from frame to frame.
  *
- * The three ways take turns on every frame, so that what else the machine does is shared. */
+ * The three ways take turns on every frame, so that other work of the machine affects all alike. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/utsname.h>
 
 #include "core/frame/shrink.h"
 #include "isotherm/extract.h"
 #include "sim/base/data_file.h"
 #include "sim/lab/match/latency.h"
 #include "tests/bench/frames.h"
+#include "tests/bench/machine.h"
 
 enum { HALF_MAX = 1920 * 1200 }; /* pixels */
 
@@ -25,21 +26,14 @@ struct bench {
     struct iso_frame half;
     int width_px, height_px; /* of the last frame */
     size_t n[WAYS], n_ok[WAYS];
-    double *ms[WAYS];
+    int64_t *times_ns[WAYS];
 };
 
-static int by_value(const void *a, const void *b)
+/* The time of the stages up to the landmarks; the patch belongs to the template. */
+static int64_t landmarks_ns(const struct iso_extraction *x)
 {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* What the steps up to the landmarks took: the patch is the template's. */
-static double landmarks_ms(const struct iso_extraction *x)
-{
-    return (double)(x->stage_ns[ISO_STAGE_REGION] + x->stage_ns[ISO_STAGE_CLEAN] +
-                    x->stage_ns[ISO_STAGE_FIT]) /
-           1e6;
+    return x->stage_ns[ISO_STAGE_REGION] + x->stage_ns[ISO_STAGE_CLEAN] +
+           x->stage_ns[ISO_STAGE_FIT];
 }
 
 static int time_frame(struct bench *b, enum way way, const struct iso_frame *frame)
@@ -49,12 +43,12 @@ static int time_frame(struct bench *b, enum way way, const struct iso_frame *fra
     if (error || (way == FOLLOWED && !x.tracked)) {
         return error;
     }
-    b->ms[way][b->n[way]++] = landmarks_ms(&x);
+    b->times_ns[way][b->n[way]++] = landmarks_ns(&x);
     b->n_ok[way] += x.outcome == ISO_CAPTURE_OK;
     return 0;
 }
 
-/* The three ways, on one frame. */
+/* Times the three ways on one frame. */
 static int time_ways(void *context, const struct iso_frame *frame, struct iso_fault *fault)
 {
     struct bench *b = context;
@@ -76,8 +70,8 @@ static int prepare(struct bench *b, const struct iso_head_model *model, size_t n
     for (int way = 0; way < WAYS && !error; way++) {
         options.track = way == FOLLOWED;
         error = iso_extractor_new(model, &options, &b->extractor[way]);
-        b->ms[way] = calloc(n_frames, sizeof *b->ms[way]);
-        error = b->ms[way] ? error : -ENOMEM;
+        b->times_ns[way] = calloc(n_frames, sizeof *b->times_ns[way]);
+        error = b->times_ns[way] ? error : -ENOMEM;
     }
     b->half.depth_mm = calloc(HALF_MAX, sizeof *b->half.depth_mm);
     return b->half.depth_mm ? error : -ENOMEM;
@@ -85,18 +79,14 @@ static int prepare(struct bench *b, const struct iso_head_model *model, size_t n
 
 static void report(struct bench *b)
 {
-    struct utsname machine;
-    if (uname(&machine) == 0) {
-        printf("%s %s, one thread, processor time; the last frame was %d x %d\n", machine.sysname,
-               machine.machine, b->width_px, b->height_px);
-    }
+    bench_print_machine();
+    printf("one thread, processor time; the last frame was %d x %d\n", b->width_px, b->height_px);
     printf("%-22s %8s %8s %9s %9s\n", "landmarks", "frames", "usable", "median", "p95, ms");
     for (int way = 0; way < WAYS; way++) {
-        size_t n = b->n[way];
-        if (n > 0) {
-            qsort(b->ms[way], n, sizeof *b->ms[way], by_value);
-            printf("%-22s %8zu %8zu %9.2f %9.2f\n", names[way], n, b->n_ok[way], b->ms[way][n / 2],
-                   b->ms[way][(n * 95 + 99) / 100 - 1]);
+        if (b->n[way] > 0) {
+            const struct sim_latency latency = sim_latency_of(b->times_ns[way], b->n[way]);
+            printf("%-22s %8zu %8zu %9.2f %9.2f\n", names[way], b->n[way], b->n_ok[way],
+                   latency.median_ms, latency.p95_ms);
         }
     }
 }
@@ -125,7 +115,7 @@ int main(int argc, char **argv)
     }
     for (int way = 0; way < WAYS; way++) {
         iso_extractor_free(bench.extractor[way]);
-        free(bench.ms[way]);
+        free(bench.times_ns[way]);
     }
     free(bench.half.depth_mm);
     sim_corpus_free(corpus);
