@@ -1,5 +1,5 @@
 #!/bin/bash
-# The arm64 daemon and its client on a private bus: somebody is enrolled, is let in, and a stranger is not.
+# Runs the arm64 daemon and its client on a private bus: a person is enrolled and let in, and a stranger is refused.
 #
 #   daemon.sh BUILD
 set -euo pipefail
@@ -21,7 +21,8 @@ finish() {
 }
 trap finish EXIT
 
-# wait_for SECONDS WHAT COMMAND...: seconds of an idle machine; it gives up after six times as many
+# wait_for SECONDS WHAT COMMAND...: waits until the command succeeds. An idle machine needs at most SECONDS; it fails after six times as
+# many.
 wait_for() {
     local end=$((SECONDS + 6 * $1)) what=$2
     shift 2
@@ -42,7 +43,7 @@ client() {
 bus_conf >"$run/bus.conf"
 dbus-daemon --config-file="$run/bus.conf" --nofork --nopidfile &
 bus=$!
-# Confined, the daemon would not start: the emulator knows no filter of calls.
+# The daemon cannot confine itself here, because the emulator has no filter of system calls.
 cat >"$run/isotherm.conf" <<END
 [sensor]
 backend = replay
@@ -70,7 +71,7 @@ wait_for 10 'no bus' test -S "$run/bus"
 qemu-aarch64-static "$build/firmware/isothermd" --config "$run/isotherm.conf" 2>"$run/daemon.log" &
 daemon=$!
 wait_for 60 'the daemon does not answer' client status
-# The daemon is busy with a frame for seconds: who asks while nobody stands there is answered.
+# The daemon computes a frame for seconds, so ask it only while nobody is before the camera.
 mkfifo "$run/hints"
 client enroll p01 --timeout 500 >"$run/hints" 2>&1 &
 tool=$!
@@ -87,7 +88,7 @@ rm "$run/slot"
 allowed=$(count_allowed) # the last frames of the enrolment may have opened already
 stand p01-v1
 wait_for 90 'an enrolled face is not let in' lets_in_again
-[ "$(count_logged '"verdict":"allow"')" = "$(count_allowed)" ] # nobody else
+[ "$(count_logged '"verdict":"allow"')" = "$(count_allowed)" ] # no other person was let in
 kill -TERM $daemon
 wait $daemon
 daemon=''

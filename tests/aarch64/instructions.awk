@@ -1,6 +1,6 @@
-# Counts instructions between the calls of a function, from qemu's log (-d in_asm,exec,nochain): a block of instructions is
-# listed when it is translated ("IN:", one line each), right before the first of the lines that say that it runs
-# ("Trace", with the block's place in memory, which is its name until another is put there).
+# Counts the instructions between the calls of a function, from qemu's log (-d in_asm,exec,nochain). The log lists a block of instructions
+# when it is translated ("IN:", one line for each instruction), right before the first line that says that the block runs ("Trace", with
+# the address of the block, which identifies it until another block is at this address).
 #
 #   awk -v mark=FUNCTION -f instructions.awk <LOG       prints a number for each pair of successive calls
 
@@ -21,12 +21,12 @@
     next
 }
 /^IN:/ { listed = 0 }
-# Those that are too long for a line go on in a second one, of bytes alone.
+# A long instruction continues on a second line, which has only bytes.
 /^0x/ {
     for (i = 2; i <= NF && $i ~ /^[0-9a-f][0-9a-f]$/; i++) {
     }
     listed += i <= NF
     next
 }
-# The program's own word, if it fails.
+# The message of the program, if it fails.
 /^one_frame: / { print >"/dev/stderr" }

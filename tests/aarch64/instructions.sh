@@ -1,9 +1,9 @@
 #!/bin/bash
-# Instructions of one frame by stage: arm64 beside x86-64 without and with AVX2, all counted alike, by the emulator's log of
-# what it runs. One face that is looked for everywhere (none was there before), to the ten best of 1,000 people by the
-# metric. Measures, never passes or fails; some minutes.
+# Counts the instructions of one frame in each stage, on arm64 and on x86-64 without and with AVX2, in the same way: by the emulator's log.
+# The face is searched in the whole frame, and the ten best of 1,000 people are found by the metric. It measures and does not judge; it
+# takes some minutes.
 #
-#   instructions.sh             builds one_frame in build/aarch64 and build/dev, which are optimised alike
+#   instructions.sh             builds one_frame in build/aarch64 and build/dev, with the same optimisation
 set -euo pipefail
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
 arm64=$source_dir/build/aarch64/tests/bench/one_frame
@@ -26,10 +26,10 @@ done >"$run/build.log" || {
     exit 1
 }
 
-# One thread, and names bound before the first stage.
+# One thread; the dynamic linker binds all names before the first stage.
 export OPENBLAS_NUM_THREADS=1 LD_BIND_NOW=1
 
-# count NAME PROGRAM EMULATOR...: what the stages are called to NAME.stages, their instructions to NAME.counts
+# count NAME PROGRAM EMULATOR...: writes the names of the stages to NAME.stages and their instructions to NAME.counts
 count() {
     local name=$1 program=$2
     shift 2
@@ -38,7 +38,7 @@ count() {
         awk -v mark=one_frame_mark -f "$source_dir/tests/aarch64/instructions.awk" >"$run/$name.counts"
 }
 
-# Of all processors that the emulator knows: a Raspberry Pi 4's, the first of x86-64, and one with AVX2.
+# Three processors of the emulator: that of a Raspberry Pi 4, the first of x86-64, and one with AVX2.
 count neon "$arm64" env QEMU_LD_PREFIX="$source_dir/build/aarch64-root" qemu-aarch64-static -cpu cortex-a72
 count sse2 "$x86" qemu-x86_64-static -cpu qemu64
 count avx2 "$x86" qemu-x86_64-static -cpu max

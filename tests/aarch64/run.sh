@@ -1,16 +1,16 @@
 #!/bin/bash
-# Cross-builds everything for arm64 (preset aarch64) and runs it under qemu-aarch64-static: the units of core, drivers and
-# firmware, the appliance on stored frames, and the daemon with its client and visitors.
+# Cross-builds everything for arm64 (preset aarch64) and runs under qemu-aarch64-static: the unit tests of core, drivers and firmware, the
+# appliance on stored frames, and the daemon with its client and visitors.
 #
 #   run.sh BUILD [TESTS]     TESTS: names of ctest, instead of the usual ones
 #
-# Ends with "N passed, N failed, N skipped". Where the cross compiler or the emulator is missing, all is skipped and counted.
+# Ends with "N passed, N failed, N skipped". Without the cross compiler or the emulator, all tests are skipped and counted.
 set -euo pipefail
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
 # shellcheck source=tests/support/verdict.sh
 . "$source_dir/tests/support/verdict.sh"
 root=$source_dir/build/aarch64-root
-# Not those of V4L2, whose calls the emulator does not know, nor those that take it minutes.
+# Without the tests of V4L2, whose calls the emulator does not have, and without tests that take minutes there.
 usual='test_firmware_config test_firmware_gallery test_firmware_audit test_firmware_decision test_firmware_track
     test_firmware_sensor_supervisor test_firmware_pipeline test_sensor_contract test_sensor_replay
     test_recording test_png test_door_contract test_gpio_line test_stereo_calibration test_registration
@@ -36,7 +36,7 @@ export OPENBLAS_NUM_THREADS=1
 # ---- the units ----
 passed=0 failed=0 skipped=0
 log=$build/arm64-check.log
-# What starts the daemon itself is below: an emulated program cannot start another.
+# An emulated program cannot start another program, so tests that start the daemon are left out; daemon.sh below replaces them.
 ctest --test-dir "$build" -j "$(nproc)" --timeout 600 --output-on-failure \
     -R "^($(echo $tests | tr ' ' '|'))\$" 2>&1 | tee "$log" || true
 passed=$(grep -c ' Passed ' "$log" || true)

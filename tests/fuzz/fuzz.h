@@ -1,5 +1,5 @@
-/* What the fuzz targets share. A target is one file with libFuzzer's entry point; it must come back
- * from any input without a crash, a leak or a sanitizer's complaint. */
+/* Functions that the fuzz targets share. A target is one file with libFuzzer's entry point, which
+ * must return for every input without a crash, a leak or a report of a sanitizer. */
 #ifndef TESTS_FUZZ_FUZZ_H
 #define TESTS_FUZZ_FUZZ_H
 
@@ -9,15 +9,15 @@
 /* libFuzzer's entry point, defined once in each target. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A copy of the input: writable, ended by a NUL that is not counted, exactly so large that reading
- * past it is caught. Free with free(). */
+/* Returns a writable copy of the input with a NUL after it. The copy has exactly this size, so that
+ * a sanitizer finds reads beyond it. Free it with free(). */
 uint8_t *fuzz_copy(const uint8_t *data, size_t size);
 
-/* A path under which the input can be opened as a file, for readers that take a name. The same path
- * each time. */
+/* Returns the path of a file with the input, for readers that take a name. The path is the same in
+ * every call. */
 const char *fuzz_file(const uint8_t *data, size_t size);
 
-/* Ends the program if `condition` is false: a promise of the interface was broken. */
+/* Ends the program if `condition` is false, because the interface has broken a promise. */
 void fuzz_check(int condition, const char *promise);
 
 #endif

@@ -17,7 +17,7 @@ static void try_header(const char *line)
     }
 }
 
-/* What was sealed comes back, and does not when a bit of it is another. */
+/* A sealed record can be opened, and it cannot be opened after one of its bits has changed. */
 static void try_record(const struct iso_audit_seal *seal, const char *text, size_t size)
 {
     static char line[ISO_AUDIT_LINE_MAX];

@@ -1,7 +1,7 @@
-/* Calls on the message bus: the service of a whole appliance, with a bus that the target plays
- * itself, and clients of it that send what the input says: any method, with arguments of the right
- * types or of others, from several names, while frames come and time passes. The door must stay
- * shut, and each call must be answered. */
+/* Calls on the message bus: the service of a whole appliance. The target is the bus and its
+ * clients. The input decides what the clients send: any method, with arguments of right or wrong
+ * types, from several names, while frames arrive and time passes. The door must stay locked, and
+ * each call must be answered. */
 #include <poll.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -19,7 +19,7 @@
 
 enum { INPUTS_A_RIG = 2000, VALUES_MAX = 64 };
 
-/* ---- what is left of the input ---- */
+/* ---- the rest of the input ---- */
 
 struct input {
     const uint8_t *data;
@@ -36,7 +36,7 @@ static uint64_t take(struct input *input, size_t bytes)
     return value;
 }
 
-/* Printable, at most 255 bytes; D-Bus has no other texts. */
+/* Takes a printable text of at most 255 bytes; other bytes could make a text that D-Bus refuses. */
 static const char *take_text(struct input *input)
 {
     static const char *const known[] = {"anna",
@@ -63,7 +63,7 @@ static const char *take_text(struct input *input)
 static struct rig *rig;
 static sd_event *event;
 static struct iso_bus *service;
-static sd_bus *bus; /* its end of the connection */
+static sd_bus *bus; /* the bus's end of the connection */
 static int listener = -1;
 static char address[64];
 static pthread_mutex_t bus_lock = PTHREAD_MUTEX_INITIALIZER;
@@ -76,7 +76,7 @@ static int reply_u(sd_bus_message *call, uint32_t value)
     return sd_bus_reply_method_return(call, "u", value);
 }
 
-/* What the bus itself is asked for; and answers, to whoever called. */
+/* Answers the calls to the bus itself, and passes the service's answers to their callers. */
 static int on_message(sd_bus_message *message, void *context, sd_bus_error *error)
 {
     uint8_t type = 0;
@@ -132,7 +132,7 @@ static bool all_answered(void)
     return __atomic_load_n(&answered, __ATOMIC_ACQUIRE) == asked;
 }
 
-/* Until the service has done what it was sent; at least a round. */
+/* Runs the service until it has handled all messages, but at least once. */
 static void go_round(void)
 {
     for (int i = 0; i < 5000; i++) {
@@ -201,7 +201,8 @@ static void tear_down(void)
     bus = NULL;
 }
 
-/* Keys are where the leak sanitizer does not look for pointers: nothing of a rig may be left. */
+/* The leak sanitizer does not search the memory of keys for pointers, so everything must be freed.
+ */
 static void tear_down_at_exit(void)
 {
     if (rig) {
@@ -281,10 +282,10 @@ static const struct {
     {ISO_CONTRACT_RENAME_PERSON, "ss"},
 };
 
-/* With the bus locked. */
+/* Call with the bus locked. */
 static void call(struct input *input)
 {
-    uint64_t number; /* who does not take it wants no answer */
+    uint64_t number; /* the caller wants no answer if it passes no room for this */
     static const char *const clients[] = {":1.7", ":1.8", ":1.9", ""};
     static const char odd_types[] = "subxtdya";
     const size_t method = take(input, 1) % (sizeof methods / sizeof *methods);
@@ -293,7 +294,7 @@ static void call(struct input *input)
     const char *types = methods[method].types;
     char others[4] = "";
     sd_bus_message *message = NULL;
-    if (how >> 2 == 1) { /* of other types than it should be */
+    if (how >> 2 == 1) { /* arguments of wrong types */
         for (size_t i = 0; i + 1 < sizeof others; i++) {
             others[i] = odd_types[take(input, 1) % (sizeof odd_types - 1)];
         }
@@ -314,7 +315,7 @@ static void call(struct input *input)
     sd_bus_message_unref(message);
 }
 
-/* A client leaves the bus. With the bus locked. */
+/* A client leaves the bus. Call with the bus locked. */
 static void leave(struct input *input)
 {
     uint64_t number;
@@ -337,8 +338,8 @@ static void with_bus(void (*act)(struct input *input), struct input *input)
     (void)pthread_mutex_unlock(&bus_lock);
 }
 
-/* Frames while nobody watches the door would open it to who has been enrolled: there are none
- * then. */
+/* While the door is in service, frames would open it for the enrolled person, so there are no
+ * frames then. */
 static void show(struct input *input)
 {
     if (iso_appliance_status(rig->appliance).mode > ISO_APPLIANCE_CLAIMED) {

@@ -1,4 +1,4 @@
-/* The cohort file. Its checksum and those of its templates are put right. */
+/* The cohort file. The target corrects its checksum and those of its templates. */
 #include <stdlib.h>
 
 #include "core/base/bytes.h"

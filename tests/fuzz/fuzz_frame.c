@@ -1,5 +1,5 @@
-/* What a broken or hostile depth camera may send: a rendered face, coarsely sampled, on which the
- * input draws. The extraction must come back with a word for every frame that passes its check. */
+/* Frames of a broken or hostile depth camera: a coarsely sampled rendered face, on which the input
+ * draws. The extraction must return an outcome for every frame that passes its check. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "isotherm/extract.h"
 #include "tests/fuzz/fuzz.h"
 
-enum { STEP = 6 }; /* of the stored frame's pixels one in so many is taken, both ways */
+enum { STEP = 6 }; /* every sixth pixel of the stored frame is taken, in both directions */
 
 static struct iso_extractor *extractor;
 static struct iso_frame *face, *frame;
@@ -68,7 +68,7 @@ static float depth_of(const uint8_t *bytes)
     return depth;
 }
 
-/* Twelve bytes a stroke: what is done, where (left, top, width, height), with which number. */
+/* A stroke is twelve bytes: the operation, its place (left, top, width, height), and a number. */
 static void draw(const uint8_t stroke[12])
 {
     const int left = stroke[1] * frame->width_px / 256, top = stroke[2] * frame->height_px / 256;
@@ -108,7 +108,7 @@ static void draw(const uint8_t stroke[12])
     }
 }
 
-/* The camera that is said to have seen it. */
+/* The camera of the frame. */
 static void choose_camera(uint8_t choice)
 {
     const double factors[] = {1.0, 1.0, 0.5, 2.0, 1e-6, 1e6, 1.0, 1.0};
@@ -127,7 +127,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const size_t n = (size_t)face->width_px * (size_t)face->height_px;
     iso_extractor_forget(extractor);
     frame->sequence = 0;
-    while (size >= 2 && frame->sequence < 2) { /* the second one is looked for near the first */
+    while (size >= 2 && frame->sequence < 2) { /* the second face is searched near the first one */
         const size_t n_strokes = data[1] % 8;
         const bool whole = data[1] >= 240; /* the heat takes most of the time */
         memcpy(frame->depth_mm, face->depth_mm, n * sizeof *face->depth_mm);

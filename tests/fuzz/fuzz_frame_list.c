@@ -1,4 +1,4 @@
-/* depth.txt and its like. */
+/* Lists of frames, such as depth.txt. */
 #include "drivers/recording/frame_list.h"
 #include "tests/fuzz/fuzz.h"
 

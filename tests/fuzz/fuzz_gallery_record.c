@@ -1,4 +1,4 @@
-/* Records of the gallery: what stands in a row, and what is in it once it is opened. */
+/* Records of the gallery: the sealed bytes of a row, and the opened bytes. */
 #include <string.h>
 
 #include "firmware/gallery/gallery_seal.h"

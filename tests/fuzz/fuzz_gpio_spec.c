@@ -1,4 +1,4 @@
-/* A GPIO line as the configuration writes it. */
+/* The specification of a GPIO line in the configuration. */
 #include <stdlib.h>
 
 #include "drivers/door/gpio_line.h"

@@ -1,4 +1,4 @@
-/* The head model file. Its length and checksum are put right. */
+/* The head model file. The target corrects its length and checksum. */
 #include <math.h>
 #include <stdlib.h>
 

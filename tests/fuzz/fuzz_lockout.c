@@ -1,4 +1,4 @@
-/* What the lock-out remembers: the text of format 1, and what is sealed in format 2. */
+/* The lock-out file: the text of format 1, and the sealed bytes of format 2. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,7 +30,7 @@ static void try_text(const char *text, size_t size)
     }
 }
 
-/* Takes the bytes for what has been unsealed. */
+/* Reads the bytes as if they had been unsealed. */
 static void try_plain(const uint8_t *data, size_t size)
 {
     struct iso_lockout_file file = {.number = 77};

@@ -1,4 +1,4 @@
-/* A corpus's manifest.csv. */
+/* The manifest.csv of a corpus. */
 #include <stdlib.h>
 
 #include "sim/corpus/corpus.h"

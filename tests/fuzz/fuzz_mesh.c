@@ -1,4 +1,6 @@
-/* Mesh files: the first byte says which format; a TOSCA mesh is cut at the first '!'. */
+/* Mesh files: the first byte chooses the format. The first '!' separates the two files of a TOSCA
+ * mesh.
+ */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* The metric's file. Its length and checksum are put right. */
+/* The file of the metric. The target corrects its length and checksum. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* recording.ini. */
+/* The file recording.ini. */
 #include <stdlib.h>
 
 #include "drivers/recording/recording.h"

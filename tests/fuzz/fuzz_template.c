@@ -1,5 +1,5 @@
-/* Serialised templates, which come from the gallery. The checksum is put right, so that what lies
- * behind it is reached. */
+/* Serialised templates, which come from the gallery. The target corrects the checksum, so that the
+ * code after its check is reached. */
 #include <stdlib.h>
 
 #include "core/base/bytes.h"
@@ -8,7 +8,7 @@
 #include "isotherm/template.h"
 #include "tests/fuzz/fuzz.h"
 
-/* What registrations work in. */
+/* The workspace of registrations. */
 static struct iso_icp_workspace registration;
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

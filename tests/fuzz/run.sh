@@ -1,8 +1,8 @@
 #!/bin/bash
-# Runs every fuzz target of a build for some seconds each, as many at a time as there are processors; stops when an input breaks
-# one, and keeps it. Says for each how many inputs it was fed, which edges of the program and features (edges by how often) that
-# reached, and its processor's seconds.
-# usage: run.sh BUILD SECONDS [SEED]      SEED 0: another one each time; default 1, so that a short run can be repeated
+# Runs every fuzz target of a build for some seconds, as many targets at a time as there are processors. It stops when an input breaks a
+# target, and keeps the input. For each target it prints the number of inputs, the reached edges of the program and features (edges with
+# their counts), and the seconds of processor time.
+# usage: run.sh BUILD SECONDS [SEED]      SEED 0: another seed each time; default 1, so that a short run can be repeated
 set -euo pipefail
 build=$(cd "$1" && pwd)
 seconds=$2
@@ -11,7 +11,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 work=$build/fuzz
 mkdir -p "$work"
 
-# One target; its log and its line go to files of its own.
+# Runs one target. Its log and its result line go to separate files.
 run_target() {
     local program=$1 target=${1##*/fuzz_}
     local corpus=$work/$target log=$work/$target.log TIMEFORMAT='%U %S'

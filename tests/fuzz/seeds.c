@@ -1,6 +1,6 @@
-/* Writes the binary inputs that fuzzing starts from, as small as they can be and still be sound.
+/* Writes the binary inputs with which fuzzing starts: the smallest valid ones.
  *
- * usage: fuzz_seeds DIRECTORY       (one folder for each target below it) */
+ * usage: fuzz_seeds DIRECTORY       (makes one folder for each target there) */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

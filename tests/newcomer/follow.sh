@@ -1,11 +1,11 @@
 #!/bin/sh
-# Does what a page for newcomers says, in a copy of the tree:
+# Follows a page for newcomers in a copy of the tree:
 #   ```c PATH     is the text of a new file
-#   ```diff       is applied with patch -p1; its lines count, not its line numbers, and each hunk has
-#                 as many lines before its change as behind it, else patch looks at an end of the file
+#   ```diff       is applied with patch -p1, which finds the place by the lines and not by line numbers. Each hunk needs
+#                 as many lines before its change as after it; otherwise patch searches only one end of the file
 #   ```sh         is run in the copy
-#   ```text       holds lines that the commands before it have printed
-# The copy keeps its build folder, so that a second run compiles what is new alone.
+#   ```text       has lines that the commands before it must have printed
+# The copy keeps its build folder, so that a second run compiles only what is new.
 # usage: follow.sh ROOT WORK PAGE     PAGE as seen from ROOT
 set -eu
 root=$(cd "$1" && pwd)
@@ -20,7 +20,7 @@ fail() {
     exit 1
 }
 
-# ---- the copy: times of files are kept, so that only what a page has changed is compiled anew
+# ---- the copy: it keeps the times of files, so that only the changes of a page are compiled anew
 mkdir -p "$tree"
 find "$tree" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
 find "$root" -mindepth 1 -maxdepth 1 ! -name build ! -name out ! -name .git -exec cp -a {} "$tree" \;
@@ -44,7 +44,7 @@ awk -v blocks="$blocks" '
     inside { print >file }
     END { exit inside }' "$page" || fail "a block has no end"
 
-# ---- what they say
+# ---- follow the blocks
 write_file() {
     path=$(cat "${1%.c}.path") || fail "a block of C has no path"
     [ ! -e "$path" ] || fail "$path is there already"
@@ -53,7 +53,7 @@ write_file() {
     echo "$path" >>"$work/changed"
 }
 
-# The page has no line numbers: each hunk is looked for by its lines.
+# The page has no line numbers: patch finds each hunk by its lines.
 apply_diff() {
     sed -n 's,^+++ b/,,p' "$1" >>"$work/changed"
     awk -v out="$1.whole" '

@@ -1,5 +1,5 @@
 #!/bin/sh
-# follow.sh fails for a page that is not true, and passes for one that is.
+# Tests that follow.sh fails for a page that is not true, and passes for a page that is true.
 set -eu
 follow=$(cd "$(dirname "$0")" && pwd)/follow.sh
 work=$(mktemp -d "${TMPDIR:-/tmp}/isotherm-test-XXXXXX")
@@ -8,7 +8,7 @@ mkdir "$work/root"
 printf 'one\ntwo\nthree\n' >"$work/root/list"
 faults=0
 
-# expect 0|1 NAME: what follow.sh says of the page on standard input
+# expect 0|1 NAME: expects this exit code of follow.sh for the page on standard input
 expect() {
     cat >"$work/root/page.md"
     ended=0

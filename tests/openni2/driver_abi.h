@@ -1,12 +1,13 @@
-/* What the OpenNI2 runtime asks of a driver, in C. Driver/OniDriverAPI.h defines it for C++ only:
- * there a device and a stream are classes, here they are pointers that the runtime hands back.
- * Functions are found by name (dlsym); a library without one of them is no driver. */
+/* The interface between the OpenNI2 runtime and a driver, in C. Driver/OniDriverAPI.h defines it
+ * for C++ only: there a device and a stream are classes, here they are pointers that the runtime
+ * passes back. The runtime finds the functions by name (dlsym) and refuses a library without one of
+ * them. */
 #ifndef SIM_OPENNI2_DRIVER_ABI_H
 #define SIM_OPENNI2_DRIVER_ABI_H
 
 #include <stdarg.h>
 
-/* OniCTypes.h uses the tags of these three as if it were C++. */
+/* OniCTypes.h uses the tags of these three as type names, which is valid in C++ only. */
 typedef struct _OniDevice _OniDevice;
 typedef struct _OniStream _OniStream;
 typedef struct _OniRecorder _OniRecorder;

@@ -22,7 +22,7 @@
 #include "sim/base/random.h"
 
 enum {
-    LOOK_MS = 10, /* how often the cable is looked at */
+    LOOK_MS = 10, /* time between two checks of the cable */
     NS_PER_MS = 1000000,
     PERIOD_NS = 1000000000 / SIM_VIRTUAL_CAMERA_HZ,
     INI_MAX_BYTES = 65536,
@@ -32,16 +32,16 @@ struct sim_virtual_camera {
     struct sim_virtual_camera_events events;
     struct iso_recording_meta meta;
     char unplugged[PATH_MAX], slot[PATH_MAX], noise[PATH_MAX];
-    struct iso_sensor *scene; /* the slot, played as fast as it is asked */
-    struct iso_frame *seen;   /* what is handed on */
-    int shutter_fd;           /* -1: 30 a second */
-    int quit_fd;              /* readable: the thread shall end */
+    struct iso_sensor *scene; /* plays the slot, as fast as frames are requested */
+    struct iso_frame *seen;   /* the frame for the events */
+    int shutter_fd;           /* -1: 30 frames a second */
+    int quit_fd;              /* readable: the thread must end */
     pthread_t thread;
     bool running;
     atomic_bool streaming;
-    atomic_uint takes; /* counts the starts: one right after a stop is one too */
+    atomic_uint takes; /* counts the starts, including one right after a stop */
 
-    /* Of the thread alone. */
+    /* Only the thread uses the following. */
     bool plugged, was_streaming;
     unsigned take;
     int index;
@@ -56,7 +56,7 @@ static int64_t monotonic_ns(void *context)
     return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
 }
 
-/* ---- setting up ---- */
+/* ---- set-up ---- */
 
 static int read_meta(const char *bench, struct sim_virtual_camera *camera, struct iso_fault *fault)
 {
@@ -97,7 +97,8 @@ static int prepare(struct sim_virtual_camera *camera, const char *bench, struct 
     if (error) {
         return error;
     }
-    /* For writing too, so that it has no end when who presses the shutter goes. */
+    /* Opened for writing, too, so that reading does not end when the other program closes the FIFO.
+     */
     camera->shutter_fd = open(shutter, O_RDWR | O_NONBLOCK | O_CLOEXEC);
     if (camera->shutter_fd < 0 && errno != ENOENT) {
         return iso_fault_set(fault, -errno, "%s: %m", shutter);
@@ -173,7 +174,7 @@ static void look_at_cable(struct sim_virtual_camera *camera)
     }
 }
 
-/* Begins the slot's recording anew when somebody begins to look. */
+/* Starts the recording in the slot from its beginning when a client starts a stream. */
 static void look_at_stream(struct sim_virtual_camera *camera)
 {
     const bool streaming = atomic_load(&camera->streaming) && camera->plugged;
@@ -202,7 +203,8 @@ static void add_noise(const struct sim_virtual_camera *camera, size_t pixels)
     }
 }
 
-/* Copies what stands before the camera, or darkness. False if nothing can be made of it. */
+/* Copies a frame of the slot, or makes a frame without depths. False if the slot's recording does
+ * not fit the camera. */
 static bool see(struct sim_virtual_camera *camera)
 {
     const struct iso_frame *scene = NULL;
@@ -236,7 +238,8 @@ static void expose(struct sim_virtual_camera *camera, bool lost)
 {
     camera->index++;
     if (see(camera) && !lost) {
-        /* By the shutter, the camera's clock goes by frames: nothing then depends on the time. */
+        /* With the shutter the camera's clock counts frames, so that nothing depends on real time.
+         */
         const int64_t t_ns = camera->shutter_fd >= 0 ? camera->index * (int64_t)PERIOD_NS
                                                      : monotonic_ns(NULL);
         camera->events.frame(camera->events.context, camera->seen, camera->index,
@@ -264,7 +267,7 @@ static void expose_if_due(struct sim_virtual_camera *camera, bool shutter_is_rea
     }
 }
 
-/* How long the thread may sleep. */
+/* The time for which the thread may sleep. */
 static int patience_ms(const struct sim_virtual_camera *camera)
 {
     if (camera->shutter_fd >= 0 || !camera->was_streaming) {
@@ -294,7 +297,7 @@ static void *live(void *context)
 
 int sim_virtual_camera_run(struct sim_virtual_camera *camera)
 {
-    look_at_cable(camera); /* so that who asks right away finds it */
+    look_at_cable(camera); /* so that a client finds the camera at once */
     const int error = iso_thread_start(&camera->thread, live, camera);
     camera->running = error == 0;
     return error;

@@ -1,6 +1,6 @@
-/* The virtual camera as a driver of the OpenNI2 runtime (driver_abi.h). Its bench is named by the
- * environment variable ISOTHERM_BENCH; without one the driver has no device. The runtime has one of
- * each driver in a process, so the driver is a static object. */
+/* The virtual camera as a driver of the OpenNI2 runtime (driver_abi.h). The environment variable
+ * ISOTHERM_BENCH names its bench; without it the driver has no device. The runtime loads a driver
+ * once in a process, so the driver is a static object. */
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,10 +25,10 @@ static struct driver {
     struct sim_virtual_stream streams[STREAMS];
     OniSensorInfo sensors[STREAMS];
     pthread_mutex_t lock;    /* of the streams' state */
-    pthread_mutex_t exposed; /* held while a frame is handed on: stopping waits for it */
+    pthread_mutex_t exposed; /* held while a frame is passed on: stopping waits for it */
 } driver = {.lock = PTHREAD_MUTEX_INITIALIZER, .exposed = PTHREAD_MUTEX_INITIALIZER};
 
-/* ---- what the camera tells ---- */
+/* ---- events of the camera ---- */
 
 static void on_plugged(void *context, bool in)
 {
@@ -106,7 +106,7 @@ OniStatus oniDriverInitialize(sim_oni_device_event *connected, sim_oni_device_ev
 
 OniStatus oniDriverTryDevice(const char *uri)
 {
-    (void)uri; /* a camera that is plugged in has been told of */
+    (void)uri; /* the driver has already reported the camera if it is plugged in */
     return ONI_STATUS_ERROR;
 }
 
@@ -197,7 +197,7 @@ OniBool oniDriverDeviceIsPropertySupported(void *device, int property)
 void oniDriverDeviceSetPropertyChangedCallback(void *device, sim_oni_property_changed *handler,
                                                void *cookie)
 {
-    (void)device; /* nothing changes of its own accord */
+    (void)device; /* no property changes by itself */
     (void)handler;
     (void)cookie;
 }
@@ -263,7 +263,7 @@ OniBool oniDriverStreamIsPropertySupported(void *stream, int property)
 void oniDriverStreamSetPropertyChangedCallback(void *stream, sim_oni_property_changed *handler,
                                                void *cookie)
 {
-    (void)stream; /* nothing changes of its own accord */
+    (void)stream; /* no property changes by itself */
     (void)handler;
     (void)cookie;
 }

@@ -1,5 +1,5 @@
-/* One stream of the virtual camera, as an OpenNI2 driver shows it: depth, or the infrared image of
- * the same sensor. */
+/* One stream of the virtual camera, as an OpenNI2 driver presents it: depth, or the infrared image
+ * of the same sensor. */
 #ifndef SIM_OPENNI2_VIRTUAL_STREAM_H
 #define SIM_OPENNI2_VIRTUAL_STREAM_H
 
@@ -17,7 +17,7 @@ struct sim_virtual_stream {
     OniVideoMode modes[SIM_VIRTUAL_STREAM_MODES];
     int n_modes;
 
-    pthread_mutex_t *lock; /* over what follows, never held while the runtime is called */
+    pthread_mutex_t *lock; /* of the following; never held while the runtime is called */
     bool created, started;
     OniVideoMode mode;
     OniBool mirroring;
@@ -27,8 +27,8 @@ struct sim_virtual_stream {
     void *new_frame_cookie;
 };
 
-/* A stream of the camera in its first state: whole image, mirrored, 1 mm a count. `lock` must
- * outlive the stream. */
+/* Makes a stream of the camera in its initial state: whole image, mirrored, 1 mm a count. `lock`
+ * must exist longer than the stream. */
 void sim_virtual_stream_init(struct sim_virtual_stream *stream, OniSensorType type,
                              const struct iso_recording_meta *meta, pthread_mutex_t *lock);
 
@@ -40,8 +40,8 @@ OniStatus sim_virtual_stream_get(struct sim_virtual_stream *stream, int property
 OniStatus sim_virtual_stream_set(struct sim_virtual_stream *stream, int property, const void *data,
                                  int size);
 
-/* Hands a frame of the camera to the runtime, if the stream is started. Called by the camera's
- * thread only. */
+/* Passes a frame of the camera to the runtime if the stream is started. Only the camera's thread
+ * may call this. */
 void sim_virtual_stream_deliver(struct sim_virtual_stream *stream, const struct iso_frame *frame,
                                 int index, uint64_t t_us);
 
