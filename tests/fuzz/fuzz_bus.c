@@ -201,8 +201,7 @@ static void tear_down(void)
     bus = NULL;
 }
 
-/* The leak sanitizer does not search the memory of keys for pointers, so everything must be freed.
- */
+/* The leak sanitizer does not search the memory of keys for pointers: everything must be freed. */
 static void tear_down_at_exit(void)
 {
     if (rig) {
@@ -285,7 +284,7 @@ static const struct {
 /* Call with the bus locked. */
 static void call(struct input *input)
 {
-    uint64_t number; /* the caller wants no answer if it passes no room for this */
+    uint64_t number; /* without room for this, sd_bus_send() asks for no answer */
     static const char *const clients[] = {":1.7", ":1.8", ":1.9", ""};
     static const char odd_types[] = "subxtdya";
     const size_t method = take(input, 1) % (sizeof methods / sizeof *methods);
