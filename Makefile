@@ -22,6 +22,7 @@
 #   make packages-arm64  cross-builds the packages for arm64 in build/packages-arm64
 #   make install-check  installs the packages, and also runs `make install`, each in a fresh Debian in a container: needs root
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
+#   make docs     makes the reference of the library for programmers, in build/docs: HTML and manual pages
 #   make clean    removes everything that the other commands made
 
 PREFIX ?= /usr/local
@@ -33,7 +34,7 @@ NIGHTLY_FUZZ_SECONDS ?= 300
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check check-clang vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check install clean
+.PHONY: demo check check-clang vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check install docs clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -149,6 +150,10 @@ install:
 	cmake --build --preset release
 	cmake --install build/release
 	cmake/after_install.sh "$(DESTDIR)"
+
+docs:
+	cmake/install_packages.sh docs
+	cmake/docs.sh build/docs
 
 clean:
 	rm -rf build out

@@ -245,6 +245,21 @@ library ''
 sed -i '/iso_a/d' "$copy/board/debian/libisotherm0.symbols"
 refuses "$root/tests/gate/exports.sh" "$copy/lib.so" "$cc" "$copy"
 
+# The reference of the library.
+if command -v doxygen >/dev/null; then
+    library ''
+    cp "$root/core/Doxyfile" "$copy/core/"
+    echo 'project(isotherm VERSION 1.0' >"$copy/CMakeLists.txt"
+    printf '/** @file\n * Text. */\n/** Text.\n *\n * @param a  Text.\n * @return Text. */\nint iso_a(int a);\n' >"$copy/core/include/isotherm/a.h"
+    passes "$root/cmake/docs.sh" "$copy/out" "$copy"
+    what='a public function whose parameter is not described'
+    sed -i '/@param/d' "$copy/core/include/isotherm/a.h"
+    refuses "$root/cmake/docs.sh" "$copy/out" "$copy"
+    what='a public function that is not described'
+    printf '/** @file\n * Text. */\nint iso_a(int a);\n' >"$copy/core/include/isotherm/a.h"
+    refuses "$root/cmake/docs.sh" "$copy/out" "$copy"
+fi
+
 # A diagram and its source.
 diagram() {
     fresh_tree

@@ -1,6 +1,8 @@
-/* What became of a frame: a usable face, or the reason why not, which is also the hint to the
- * person. A numerical outcome, never an error code and never a verdict. Zero is "no face":
- * something is there, and nothing about it is like a face.
+/** @file
+ * What became of a frame: a usable face, or the reason why not.
+ *
+ * The reason is also the hint to the person. It is a result, never an error code and never a
+ * verdict. Zero is "no face": something is there, and nothing about it is like a face.
  *
  * Directions are the SUBJECT's: "move-left" asks the person to step to his or her own left. */
 #ifndef ISOTHERM_CAPTURE_H
@@ -8,47 +10,53 @@
 
 #include <stdbool.h>
 
+/** What became of a frame. */
 enum iso_capture {
-    ISO_CAPTURE_NO_FACE = 0,
-    ISO_CAPTURE_OK,
-    ISO_CAPTURE_TOO_FAR,
-    ISO_CAPTURE_TOO_CLOSE,
-    ISO_CAPTURE_MOVE_LEFT, /* off centre: the face is cut by the image border */
-    ISO_CAPTURE_MOVE_RIGHT,
-    ISO_CAPTURE_MOVE_UP,
-    ISO_CAPTURE_MOVE_DOWN,
-    ISO_CAPTURE_TURN_LEFT, /* not frontal */
-    ISO_CAPTURE_TURN_RIGHT,
-    ISO_CAPTURE_LOOK_UP,
-    ISO_CAPTURE_LOOK_DOWN,
-    ISO_CAPTURE_TOO_FEW_POINTS, /* holes all over: sunlight, dark hair, a smeared lens */
-    ISO_CAPTURE_COVERED_BROW,   /* occluded: something is before that part, or it is a hole */
-    ISO_CAPTURE_COVERED_EYES,
-    ISO_CAPTURE_COVERED_NOSE,
-    ISO_CAPTURE_COVERED_MOUTH,
-    ISO_CAPTURE_COVERED_LEFT, /* the left half of the face */
-    ISO_CAPTURE_COVERED_RIGHT,
-    ISO_CAPTURE_SEVERAL_FACES, /* two about as near: whose door is it? */
-    ISO_CAPTURE_NOT_A_FACE,    /* something is there, it does not fit a head */
-    ISO_CAPTURE_MOVING,
-    ISO_CAPTURE_EXPRESSION, /* too strong for the purpose: an enrolment wants a neutral face */
-    ISO_CAPTURE_NOBODY,     /* the scene is empty, but for what lies behind: a hint to no one */
-    /* Cues of a presentation attack (ISO/IEC 30107-1). */
-    ISO_CAPTURE_FLAT,             /* a flat picture */
-    ISO_CAPTURE_BENT,             /* a bent picture */
-    ISO_CAPTURE_SCREEN,           /* a flat thing with holes where it shines */
-    ISO_CAPTURE_WRONG_SIZE,       /* a face too small or too large for its distance */
-    ISO_CAPTURE_EYES_CUT,         /* a mask with holes for eyes */
-    ISO_CAPTURE_STILL,            /* nothing about it moves, as nobody can hold still */
-    ISO_CAPTURE_NO_FACE_IN_IMAGE, /* depth says face, the infrared or grey image does not */
-    ISO_CAPTURES
+    ISO_CAPTURE_NO_FACE = 0,    /**< Something is there, but nothing like a face. */
+    ISO_CAPTURE_OK,             /**< A usable face. */
+    ISO_CAPTURE_TOO_FAR,        /**< The face is too far from the sensor. */
+    ISO_CAPTURE_TOO_CLOSE,      /**< The face is too close to the sensor. */
+    ISO_CAPTURE_MOVE_LEFT,      /**< Off centre: the border of the image cuts the face. */
+    ISO_CAPTURE_MOVE_RIGHT,     /**< Off centre, the other way. */
+    ISO_CAPTURE_MOVE_UP,        /**< Off centre: the face is too low. */
+    ISO_CAPTURE_MOVE_DOWN,      /**< Off centre: the face is too high. */
+    ISO_CAPTURE_TURN_LEFT,      /**< Not frontal: the head should turn to its left. */
+    ISO_CAPTURE_TURN_RIGHT,     /**< Not frontal: the head should turn to its right. */
+    ISO_CAPTURE_LOOK_UP,        /**< Not frontal: the head should rise. */
+    ISO_CAPTURE_LOOK_DOWN,      /**< Not frontal: the head should sink. */
+    ISO_CAPTURE_TOO_FEW_POINTS, /**< Holes all over: sunlight, dark hair, a smeared lens. */
+    ISO_CAPTURE_COVERED_BROW,   /**< Something is before the brow, or it is a hole. */
+    ISO_CAPTURE_COVERED_EYES,   /**< The same of the eyes. */
+    ISO_CAPTURE_COVERED_NOSE,   /**< The same of the nose. */
+    ISO_CAPTURE_COVERED_MOUTH,  /**< The same of the mouth. */
+    ISO_CAPTURE_COVERED_LEFT,   /**< The same of the left half of the face. */
+    ISO_CAPTURE_COVERED_RIGHT,  /**< The same of the right half of the face. */
+    ISO_CAPTURE_SEVERAL_FACES,  /**< Two faces are about as near. */
+    ISO_CAPTURE_NOT_A_FACE,     /**< Something is there, but it does not fit a head. */
+    ISO_CAPTURE_MOVING,         /**< The face moves too fast. */
+    ISO_CAPTURE_EXPRESSION, /**< The expression is too strong: enrolment wants a neutral face. */
+    ISO_CAPTURE_NOBODY,     /**< The scene is empty, but for what lies behind. */
+    ISO_CAPTURE_FLAT,       /**< Presentation attack (ISO/IEC 30107-1): a flat picture. */
+    ISO_CAPTURE_BENT,       /**< Presentation attack: a bent picture. */
+    ISO_CAPTURE_SCREEN,     /**< Presentation attack: a flat thing with holes where it shines. */
+    ISO_CAPTURE_WRONG_SIZE, /**< Presentation attack: too small or large for its distance. */
+    ISO_CAPTURE_EYES_CUT,   /**< Presentation attack: a mask with holes for eyes. */
+    ISO_CAPTURE_STILL,      /**< Presentation attack: it holds stiller than anybody can. */
+    ISO_CAPTURE_NO_FACE_IN_IMAGE, /**< Depth says face, the infrared or grey image does not. */
+    ISO_CAPTURES                  /**< How many there are. */
 };
 
-/* Whether the outcome is a cue of a presentation attack. */
+/** Whether an outcome is a cue of a presentation attack.
+ *
+ * @param capture  The outcome.
+ * @return True for the outcomes that are marked as presentation attacks, and for
+ *         ISO_CAPTURE_NO_FACE_IN_IMAGE. */
 bool iso_capture_is_attack(enum iso_capture capture);
 
-/* "no-face", "ok", "too-far", ...: the words of the CLI, the bus and scores.csv; NULL outside the
- * range. */
+/** The word of an outcome, such as "no-face", "ok" or "too-far".
+ *
+ * @param capture  The outcome.
+ * @return A constant; NULL outside the range. */
 const char *iso_capture_name(enum iso_capture capture);
 
 #endif

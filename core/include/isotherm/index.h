@@ -1,81 +1,117 @@
-/* The gallery as a 1:N search by the learned metric sees it: one row of numbers a person.
+/** @file
+ * An index of people for 1:N search by the learned metric: one row of numbers a person.
  *
  * With x the probe's vector and y the person's, v and w their variances within a person, b the
  * variance between people, and for each dimension
  *
- *   shrink = b / (b + w),  same = v + b w / (b + w),  any = v + b
+ *     shrink = b / (b + w),  same = v + b w / (b + w),  any = v + b
  *
- * the score (iso_metric_score) multiplies out to
+ * the score (iso_metric_score()) multiplies out to
  *
- *   gain / 2 * (  sum x (2 shrink / same) y           a dot product of two vectors
- *               - sum (shrink^2 / same) y^2           and one of squares
- *               + sum x^2 (1 / any - 1 / same)        of the probe and w alone
- *               + sum log(any / same)  ) + bias       of v and w alone,
+ *     gain / 2 * (  sum x (2 shrink / same) y           a dot product of two vectors
+ *                 - sum (shrink^2 / same) y^2           and one of squares
+ *                 + sum x^2 (1 / any - 1 / same)        of the probe and w alone
+ *                 + sum log(any / same)  ) + bias       of v and w alone,
  *
- * and w takes few values: it is a step of iso_metric_variance. A scan that looks at every person is
- * exact, since the registration of a template needs no partner: it is to the mean curves. There is
- * nothing that a shortlist could lose but what rounding does; principal components with an
- * expansion of the best pose, as unlearned templates need, would only approximate it. The scan
- * works in single precision: for the 150 numbers and the scores of the shipped metric it is off by
- * less than 1e-4, the width of a line of which 1 is a tenfold false match rate. The people that it
- * finds are then scored anew by iso_metric_score, so that scores are the same to the bit as by any
- * other way.
+ * and w takes few values: it is a step of iso_metric_variance(). A scan that looks at every person
+ * is exact, since the registration of a template needs no partner: it is to the mean curves. The
+ * scan works in single precision; with the shipped metric its scores are off by less than 1e-4. The
+ * people that it finds are then scored anew by iso_metric_score(), so that scores are the same to
+ * the bit as by any other way.
  *
  * One thread at a time may use an index, also for a search, which works in memory of the index. The
- * content is biometric: it is wiped when it is moved, removed or freed. A search wipes its working
- * memory at its end. */
+ * content is biometric: the index wipes it when it is moved, removed or freed. */
 #ifndef ISOTHERM_INDEX_H
 #define ISOTHERM_INDEX_H
 
 #include "isotherm/metric.h"
 
 enum {
-    ISO_INDEX_TEMPLATES_MAX = 16, /* of one person */
-    ISO_INDEX_HITS_MAX = 64,      /* of one search */
+    ISO_INDEX_TEMPLATES_MAX = 16, /**< Most templates of one person. */
+    ISO_INDEX_HITS_MAX = 64,      /**< Most hits of one search. */
 };
 
+/** A person whom a search has found. */
 struct iso_search_hit {
-    int64_t person;
-    double distance_mm; /* of the closest template; NaN by metric */
-    double score;       /* higher is more alike */
+    int64_t person;     /**< The caller's number of the person. */
+    double distance_mm; /**< Distance of the closest template, mm; NaN of a search by metric. */
+    double score;       /**< Higher is more alike. */
 };
 
+/** An index of people. */
 struct iso_index;
 
-/* An empty index without room. The metric outlives it. -ENOMEM. */
+/** Makes an empty index, without room for people.
+ *
+ * @param metric  The metric; it is referenced, not copied, and has to outlive the index.
+ * @param out     Receives the index; free it with iso_index_free().
+ * @return 0; -ENOMEM. */
 int iso_index_new(const struct iso_metric *metric, struct iso_index **out)
     __attribute__((warn_unused_result));
+
+/** Wipes and frees an index.
+ *
+ * @param index  The index, or NULL. */
 void iso_index_free(struct iso_index *index);
 
-/* Room for so many people in all, at 4 bytes a dimension (rounded up to 8 dimensions) and 24 more
- * each: no function but this allocates. Grows by doubling, never shrinks. -ENOMEM, then nothing has
- * changed. */
+/** Makes room for people. No other function of the index allocates memory. Room grows by doubling
+ * and never shrinks; a person takes 4 bytes a dimension (rounded up to 8 dimensions) and 24 more.
+ *
+ * @param index     The index.
+ * @param n_people  How many people there shall be room for in all.
+ * @return 0; -ENOMEM, and nothing has changed. */
 int iso_index_reserve(struct iso_index *index, size_t n_people) __attribute__((warn_unused_result));
 
-/* How many people are in it. */
+/** How many people are in an index.
+ *
+ * @param index  The index.
+ * @return The number of people. */
 size_t iso_index_size(const struct iso_index *index);
 
-/* Makes this the person's vector, that of 1..ISO_INDEX_TEMPLATES_MAX templates; a new person comes
- * in. Quickest in the order of rising numbers. -EINVAL for another number of templates or a step
- * that there is not, -ENOSPC if there is no room for a new person. */
+/** Sets the vector of a person, who is added if unknown. Quickest in the order of rising numbers.
+ *
+ * @param index   The index.
+ * @param person  The caller's number of the person.
+ * @param vector  The vector of 1..ISO_INDEX_TEMPLATES_MAX templates; it is copied.
+ * @return 0; -EINVAL for another number of templates or a step out of range; -ENOSPC if there is no
+ *         room for another person. */
 int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metric_vector *vector)
     __attribute__((warn_unused_result));
 
-/* Takes another template of the person in, who is made if need be; errors of iso_index_put. */
+/** Adds a template to a person, who is added if unknown.
+ *
+ * @param index   The index.
+ * @param person  The caller's number of the person.
+ * @param one     The vector of one template; it is copied.
+ * @return As iso_index_put(). */
 int iso_index_add(struct iso_index *index, int64_t person, const struct iso_metric_vector *one)
     __attribute__((warn_unused_result));
 
-/* The person's vector as it was put, to the bit. -ENOENT: nobody has this number. */
+/** The vector of a person.
+ *
+ * @param index   The index.
+ * @param person  The caller's number of the person.
+ * @param out     Receives the vector as it was put, to the bit.
+ * @return 0; -ENOENT if nobody has this number. */
 int iso_index_find(const struct iso_index *index, int64_t person, struct iso_metric_vector *out)
     __attribute__((warn_unused_result));
 
-/* Forgets somebody. -ENOENT. */
+/** Removes a person, whose vector is wiped.
+ *
+ * @param index   The index.
+ * @param person  The caller's number of the person.
+ * @return 0; -ENOENT if nobody has this number. */
 int iso_index_remove(struct iso_index *index, int64_t person) __attribute__((warn_unused_result));
 
-/* The best people for a probe (the vector of one template) by falling score, equal ones by rising
- * number: at most `capacity` are written, and *n_hits says how many. Their distances are NaN.
- * -EINVAL for a vector of another number of templates, or a capacity outside
- * 0..ISO_INDEX_HITS_MAX. */
+/** Finds the people who look most like a probe, by falling score; equal scores by rising number.
+ * The search wipes its working memory.
+ *
+ * @param index     The index.
+ * @param probe     The vector of one template.
+ * @param hits      [capacity]: receives the people; their distances are NaN.
+ * @param capacity  How many people are wanted at most, 0..ISO_INDEX_HITS_MAX.
+ * @param n_hits    Receives how many were found.
+ * @return 0; -EINVAL for a vector of several templates or none, or a capacity out of range. */
 int iso_index_search(const struct iso_index *index, const struct iso_metric_vector *probe,
                      struct iso_search_hit *hits, int capacity, int *n_hits)
     __attribute__((warn_unused_result));

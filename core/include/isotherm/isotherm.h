@@ -1,5 +1,26 @@
-/* The whole of libisotherm, in the order the data flows. Users of the installed library write
- * `#include <isotherm/isotherm.h>`. */
+/** @file
+ * The whole of libisotherm, in the order the data flows:
+ *
+ *  - frames and faces: camera.h, frame.h, capture.h, landmark.h, head_model.h, head_fit.h,
+ * extract.h, template.h, metric.h, index.h;
+ *  - surfaces and heat: mesh.h, triangulate.h, stiffness_mass.h, eigenpairs.h, heat_kernel.h,
+ *    isotherm_curve.h;
+ *  - shapes in general: shape.h, shape_method.h, classifier.h;
+ *  - vectors and rigid motions: vec.h.
+ *
+ * Rules that hold for every function:
+ *
+ *  - A function that can fail returns 0, or a negative number of errno.h.
+ *  - What a function `..._new` or `..._parse` gives belongs to the caller, who frees it with the
+ *    function `..._free` of the same name.
+ *  - Pointers may not be NULL where their description does not allow it.
+ *  - Shapes of arrays stand in square brackets, the slowest index first.
+ *  - Lengths are millimetres, times of heat mm^2, and times of a clock nanoseconds, if a name ends
+ * in _mm, _mm2 or _ns.
+ *  - The library opens no files and no devices, starts no threads, reads no clock, and prints
+ *    nothing. Different objects may be used by different threads at the same time.
+ *
+ * Users of the installed library write `#include <isotherm/isotherm.h>`. */
 #ifndef ISOTHERM_ISOTHERM_H
 #define ISOTHERM_ISOTHERM_H
 

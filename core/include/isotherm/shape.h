@@ -1,9 +1,11 @@
-/* A non-rigid shape, prepared for description: one connected surface with its finite elements and
- * the lower end of its spectrum.
+/** @file
+ * A non-rigid shape made ready for description: one connected surface with its finite elements and
+ * the lower end of its spectrum (Abdelrahman 2013, chapters 3 to 5).
  *
- * Everything of this folder is made of the heat kernel K(x, y, t) = sum_i exp(-lambda_i t)
- * phi_i(x) phi_i(y) of such a shape, t as in isotherm/heat_kernel.h (the dissertation's t is twice
- * ours). A shape may have any unit and any size. These are offline tools: functions allocate. */
+ * All descriptions are made of the heat kernel K(x, y, t) = sum_i exp(-lambda_i t) phi_i(x)
+ * phi_i(y) of such a shape, with t as in heat_kernel.h (the dissertation's t is twice ours). A
+ * shape may have any unit and any size. These are offline tools: functions allocate memory as they
+ * run. */
 #ifndef ISOTHERM_SHAPE_H
 #define ISOTHERM_SHAPE_H
 
@@ -12,47 +14,59 @@
 #include "isotherm/stiffness_mass.h"
 
 enum {
-    ISO_CHANNELS = 3,
-    ISO_SHAPE_PAIRS = 100, /* enough eigenpairs for every method */
-    ISO_SHAPE_WEIGHTED_PAIRS = 64,
-    ISO_SHAPE_VERTICES_MIN = 32,
+    ISO_CHANNELS = 3,              /**< Channels of a colour. */
+    ISO_SHAPE_PAIRS = 100,         /**< Eigenpairs that suffice for every method. */
+    ISO_SHAPE_WEIGHTED_PAIRS = 64, /**< Eigenpairs of each channel of a coloured shape. */
+    ISO_SHAPE_VERTICES_MIN = 32,   /**< Least vertices of a shape. */
 };
 
-/* A colour: red, green, blue, each 0..1. */
+/** A colour. */
 struct iso_colour {
-    float channel[ISO_CHANNELS];
+    float channel[ISO_CHANNELS]; /**< Red, green, blue, each 0..1. */
 };
 
+/** The least density of a weighted manifold: heat could not flow at all where it is 0. */
 #define ISO_SHAPE_DENSITY_MIN 0.05
 
+/** A shape. It owns all it points to. Lengths are in the unit of the mesh that it was made of. */
 struct iso_shape {
-    struct iso_mesh *mesh;     /* the largest part of what was given, unused vertices left out */
-    struct iso_colour *colour; /* [n_vertices], or NULL */
-    double *area;              /* [n_vertices]: a third of the triangles around; in square units */
-    double total_area;
-    uint8_t *near_boundary; /* [n_vertices]: on the boundary, or two edges or less from it */
-    /* Neighbours of vertex v: neighbour[neighbour_start[v] .. neighbour_start[v + 1] - 1]. */
-    int32_t *neighbour_start, *neighbour;
-    struct iso_symmetric *stiffness, *mass;
-    struct iso_eigenpairs *pairs; /* [0] is the trivial one: lambda 0, phi constant */
-    /* Of a shape with colours: ISO_SHAPE_WEIGHTED_PAIRS pairs on the manifold whose density is one
-     * channel of them (Abdelrahman 2013, 5.2), at least ISO_SHAPE_DENSITY_MIN, since heat could not
-     * flow at all where it is 0. */
+    struct iso_mesh *mesh;     /**< The largest component, without unused vertices. */
+    struct iso_colour *colour; /**< [n_vertices], or NULL. */
+    double *area;              /**< [n_vertices]: a third of the triangles around. */
+    double total_area;         /**< Area of the surface. */
+    uint8_t *near_boundary;   /**< [n_vertices]: 1 on the boundary, or two edges or less from it. */
+    int32_t *neighbour_start; /**< [n_vertices + 1]: where a vertex's neighbours begin. */
+    int32_t
+        *neighbour; /**< Neighbours of v: [neighbour_start[v]] to [neighbour_start[v + 1] - 1]. */
+    struct iso_symmetric *stiffness; /**< L of the finite elements. */
+    struct iso_symmetric *mass;      /**< B of the finite elements. */
+    struct iso_eigenpairs *pairs;    /**< [0] is the trivial pair: lambda 0, phi constant. */
+    /** Of a shape with colours: ISO_SHAPE_WEIGHTED_PAIRS pairs on the manifold whose density is one
+     * channel of them (Abdelrahman 2013, 5.2), at least ISO_SHAPE_DENSITY_MIN. */
     struct iso_eigenpairs *weighted[ISO_CHANNELS];
 };
 
-/* Copies what it needs of the mesh, which iso_mesh_check passes, and of a colour for each of its
- * vertices (NULL: none; values outside 0..1 or not finite are -EINVAL). Meshes as they come:
+/** Makes a shape of a mesh, which may be as it comes:
  *
  *  - of several components (triangles joined by vertices) the one of the largest area is the shape;
  *  - vertices of no triangle and triangles without area are left out;
  *  - a boundary is insulated (Neumann); an edge of three or more triangles conducts into all.
  *
- * `n_pairs` eigenpairs are computed, the trivial one among them; 0 means ISO_SHAPE_PAIRS. A shape
- * too small for so many has fewer: half as many as vertices. -EINVAL; -ENODATA if fewer than
- * ISO_SHAPE_VERTICES_MIN vertices are left; errors of iso_eigenpairs_new. Thread-safe. */
+ * Any number of threads may call this at once.
+ *
+ * @param mesh     A mesh that iso_mesh_check() passes; what is needed of it is copied.
+ * @param colour   [n_vertices]: a colour for each vertex of the mesh, or NULL.
+ * @param n_pairs  Eigenpairs, the trivial one among them; 0: ISO_SHAPE_PAIRS. A shape too small for
+ *                 so many has half as many as vertices.
+ * @param out      Receives the shape; free it with iso_shape_free().
+ * @return 0; -EINVAL, also for colours outside 0..1 or not finite; -ENODATA if fewer than
+ *         ISO_SHAPE_VERTICES_MIN vertices are left; errors of iso_eigenpairs_new(). */
 int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
                   struct iso_shape **out) __attribute__((warn_unused_result));
+
+/** Frees a shape.
+ *
+ * @param shape  The shape, or NULL. */
 void iso_shape_free(struct iso_shape *shape);
 
 #endif

@@ -1,12 +1,13 @@
-/* Descriptors of non-rigid shapes by name: the table that an evaluation runs through.
+/** @file
+ * Descriptors of non-rigid shapes by name: the table that an evaluation runs through.
  *
  * A shape becomes a feature vector in two steps, since some methods learn from a corpus (without
  * labels) what a vector means:
  *
  *     shape --describe--> description --code--> feature          (coder: learnt from descriptions)
  *
- * All features of one coder have one layout. Its parts are what RCR codes apart (classifier.h);
- * other classifiers see one vector. */
+ * All features of one coder have one layout. Its parts are what the classifier RCR codes apart
+ * (classifier.h); other classifiers see one vector. */
 #ifndef ISOTHERM_SHAPE_METHOD_H
 #define ISOTHERM_SHAPE_METHOD_H
 
@@ -15,96 +16,131 @@
 #include "isotherm/shape.h"
 
 enum {
-    ISO_SHAPE_PARTS_MAX = 8,
-    ISO_SHAPE_BAGS_MAX = ISO_CHANNELS,
+    ISO_SHAPE_PARTS_MAX = 8,           /**< Most parts of a description or feature. */
+    ISO_SHAPE_BAGS_MAX = ISO_CHANNELS, /**< Most bags of a description. */
 };
 
-/* The description of a shape. All sizes except n_points are the method's, the same for all shapes.
- */
+/** The description of a shape. It owns its arrays. Its sizes, except n_points, belong to the method
+ * and are the same for all shapes. */
 struct iso_shape_description {
-    /* Of methods with bags: a row of n_values for each vertex, in each bag (colour channel). */
-    int32_t n_bags, n_points, n_values;
-    float *local;  /* [n_bags][n_points][n_values] */
-    float *weight; /* [n_points]: share of the area, sum 1 */
-    /* Of the shape as a whole: parts one after another. */
-    int32_t n_parts;
-    int32_t part_size[ISO_SHAPE_PARTS_MAX];
-    float *whole; /* [sum of part_size] */
+    int32_t n_bags;   /**< Of methods with bags: bags (colour channels); else 0. */
+    int32_t n_points; /**< Of methods with bags: vertices of the shape. */
+    int32_t n_values; /**< Of methods with bags: values of a vertex. */
+    float *local;     /**< [n_bags][n_points][n_values]. */
+    float *weight;    /**< [n_points]: share of the area, sum 1. */
+    int32_t n_parts;  /**< Parts of the description of the shape as a whole. */
+    int32_t part_size[ISO_SHAPE_PARTS_MAX]; /**< [n_parts]: values of each part. */
+    float *whole;                           /**< [sum of part_size]: parts one after another. */
 };
 
+/** How a description becomes a feature. */
 enum iso_shape_coding {
-    ISO_CODING_PLAIN,   /* the parts as they are */
-    ISO_CODING_REDUCED, /* the first part by its principal components, others as they are */
-    ISO_CODING_BAGS,    /* words of a vocabulary for each bag, then the parts */
+    ISO_CODING_PLAIN,   /**< The parts as they are. */
+    ISO_CODING_REDUCED, /**< The first part by its principal components, others as they are. */
+    ISO_CODING_BAGS,    /**< Words of a vocabulary for each bag, then the parts. */
 };
 
+/** A norm of differences. */
 enum iso_norm {
-    ISO_NORM_L1,
-    ISO_NORM_L2,
+    ISO_NORM_L1, /**< Sum of magnitudes. */
+    ISO_NORM_L2, /**< Euclidean length. */
 };
 
+/** A method of describing shapes. */
 struct iso_shape_method {
-    const char *name;   /* as on a command line: "cp-hk" */
-    const char *title;  /* as in a table: "CP-HK" */
-    const char *source; /* author, year, section */
-    bool colour;        /* describe() is -ENODATA for a shape without colours */
-    enum iso_shape_coding coding;
-    int32_t size;           /* default: principal components, or words of each vocabulary; or 0 */
-    enum iso_norm norm;     /* the norm that suits its nearest neighbour best */
-    const char *classifier; /* what the dissertation classifies it by: a name of classifier.h */
-    /* Use iso_shape_describe. */
+    const char *name;             /**< As on a command line: "cp-hk". */
+    const char *title;            /**< As in a table: "CP-HK". */
+    const char *source;           /**< Author, year, section. */
+    bool colour;                  /**< It needs a shape with colours. */
+    enum iso_shape_coding coding; /**< How its descriptions become features. */
+    int32_t size;       /**< Default: principal components, or words of each vocabulary; or 0. */
+    enum iso_norm norm; /**< The norm by which nearest neighbours are best looked for. */
+    const char *classifier; /**< What the dissertation classifies it by: a name of classifier.h. */
+    /** Describes a shape; call iso_shape_describe() instead. */
     int (*describe)(const struct iso_shape *shape, struct iso_shape_description *out);
 };
 
-/* All methods; the table ends with NULL:
+/** All methods; the table ends with NULL:
  *
- *   shape-dna     15 normalised eigenvalues
- *   td            temperature distribution: histogram of the heat mean signature
- *   cp-td         heat from critical points: histograms at 100 times, normalised eigenvalues
- *   srcp-td       the same, reduced to 64 principal components
- *   srcp-td-one   the same from one point, the minimum of the heat mean signature
- *   cp-hk         scale-invariant heat from critical points: 6 histograms, how many points there
- *                 are, normalised eigenvalues
- *   cp-hk-plain   cp-hk without the eigenvalues
- *   shape-google  bag of features over SI-HKS
- *   w-hks1        bags of features over scale-invariant weighted signatures of three channels
- *   w-hks2        the same and a histogram of colours
- *   si-hk-colour  bag of features over scale-invariant signatures and a histogram of colours (A2 of
- *                 SHREC'13, what chapter 5 compares itself with) */
+ *     shape-dna     15 normalised eigenvalues
+ *     td            temperature distribution: histogram of the heat mean signature
+ *     cp-td         heat from critical points: histograms at 100 times, normalised eigenvalues
+ *     srcp-td       the same, reduced to 64 principal components
+ *     srcp-td-one   the same from one point, the minimum of the heat mean signature
+ *     cp-hk         scale-invariant heat from critical points: 6 histograms, how many points there
+ *                   are, normalised eigenvalues
+ *     cp-hk-plain   cp-hk without the eigenvalues
+ *     shape-google  bag of features over SI-HKS
+ *     w-hks1        bags of features over scale-invariant weighted signatures of three channels
+ *     w-hks2        the same and a histogram of colours
+ *     si-hk-colour  bag of features over scale-invariant signatures and a histogram of colours (A2
+ * of SHREC'13, what chapter 5 compares itself with)
+ */
 extern const struct iso_shape_method *const iso_shape_methods[];
 
-/* NULL if there is none of that name. */
+/** Finds a method by its name.
+ *
+ * @param name  The name, such as "cp-hk".
+ * @return The method, a constant; NULL if there is none of that name. */
 const struct iso_shape_method *iso_shape_method_find(const char *name);
 
-/* Describes a shape. -ENODATA if the method needs colours and there are none, -ENOMEM.
- * Thread-safe. */
+/** Describes a shape. Any number of threads may call this at once.
+ *
+ * @param method  The method.
+ * @param shape   The shape.
+ * @param out     Receives the description; free it with iso_shape_description_free().
+ * @return 0; -ENODATA if the method needs colours and there are none; -ENOMEM. */
 int iso_shape_describe(const struct iso_shape_method *method, const struct iso_shape *shape,
                        struct iso_shape_description **out) __attribute__((warn_unused_result));
+
+/** Frees a description.
+ *
+ * @param description  The description, or NULL. */
 void iso_shape_description_free(struct iso_shape_description *description);
 
-/* How a feature vector is laid out. */
+/** How a feature vector is laid out. */
 struct iso_feature_layout {
-    int32_t size; /* values of a feature */
-    int32_t n_parts;
-    int32_t part_size[ISO_SHAPE_PARTS_MAX]; /* they follow each other; their sum is size */
+    int32_t size;                           /**< Values of a feature. */
+    int32_t n_parts;                        /**< Parts of a feature. */
+    int32_t part_size[ISO_SHAPE_PARTS_MAX]; /**< [n_parts]: they follow each other; sum: size. */
 };
 
+/** What turns descriptions into features. */
 struct iso_shape_coder;
 
-/* Learns from the descriptions of a corpus by one method. A `size` of 0 stands for the method's
- * default (with ISO_CODING_REDUCED it cannot be above n, and is reduced to that); `seed` starts the
- * vocabularies. -EINVAL for descriptions of different sizes or n < 1, -ENOMEM, -EDOM if principal
- * components cannot be found. */
+/** Learns from the descriptions of a corpus by one method.
+ *
+ * @param method    The method.
+ * @param training  [n]: descriptions of that method; what is needed of them is copied.
+ * @param n         How many descriptions, at least 1.
+ * @param size      Principal components, or words of a vocabulary; 0: the method's default. It is
+ *                  cut to n for ISO_CODING_REDUCED.
+ * @param seed      Starts the vocabularies.
+ * @param out       Receives the coder; free it with iso_shape_coder_free().
+ * @return 0; -EINVAL for descriptions of different sizes or n < 1; -EDOM if principal components
+ *         cannot be found; -ENOMEM. */
 int iso_shape_coder_new(const struct iso_shape_method *method,
                         const struct iso_shape_description *const *training, int32_t n,
                         int32_t size, uint64_t seed, struct iso_shape_coder **out)
     __attribute__((warn_unused_result));
+
+/** Frees a coder.
+ *
+ * @param coder  The coder, or NULL. */
 void iso_shape_coder_free(struct iso_shape_coder *coder);
 
+/** The layout of a coder's features.
+ *
+ * @param coder  The coder.
+ * @return The layout; it belongs to the coder. */
 const struct iso_feature_layout *iso_shape_coder_layout(const struct iso_shape_coder *coder);
 
-/* The feature of one description: layout->size values. -EINVAL for a description of other sizes
- * than those learnt from, -ENOMEM. Thread-safe. */
+/** The feature of one description. Any number of threads may call this at once.
+ *
+ * @param coder        The coder.
+ * @param description  A description of the coder's method.
+ * @param feature      [size of the layout]: receives the feature.
+ * @return 0; -EINVAL for a description of other sizes than those learnt from; -ENOMEM. */
 int iso_shape_code(const struct iso_shape_coder *coder,
                    const struct iso_shape_description *description, float *feature)
     __attribute__((warn_unused_result));

@@ -1,8 +1,10 @@
-/* The template: the isotherms and the upper face of one person, in the face frame, and who made
- * them.
+/** @file
+ * The template: the isotherms and the upper face of one person, in the face frame, and where they
+ * come from.
  *
- * Fixed size, no pointers: it can be copied, compared and wiped as a whole. Points of weight 0 are
- * missing (open isotherm, or surface that was filled in rather than measured). */
+ * A template has a fixed size and no pointers: it can be copied, compared and wiped as a whole. It
+ * is biometric data. Points of weight 0 are missing (the isotherm is open, or the surface was
+ * filled in rather than measured). */
 #ifndef ISOTHERM_TEMPLATE_H
 #define ISOTHERM_TEMPLATE_H
 
@@ -12,82 +14,114 @@
 
 #include "isotherm/landmark.h"
 
+/** Distance of the nodes of the upper face, mm. */
 #define ISO_UPPER_SPACING_MM 3.0
-#define ISO_UPPER_TOP_MM     87.0
+/** Height of the uppermost row of the upper face, mm. */
+#define ISO_UPPER_TOP_MM 87.0
 
 enum {
-    ISO_UPPER_COLUMNS = 49,
-    ISO_UPPER_MIDDLE = 24,
-    ISO_UPPER_ROWS = 37, /* y = 87 to -21 mm */
-    ISO_UPPER_NODES = ISO_UPPER_COLUMNS * ISO_UPPER_ROWS,
-    /* Serialised: for each node two bits, its kind, rounded up to a byte; then for each node with a
-     * surface int16, 1/64 mm. */
+    ISO_UPPER_COLUMNS = 49, /**< Columns of the upper face. */
+    ISO_UPPER_MIDDLE = 24,  /**< The column at x = 0. */
+    ISO_UPPER_ROWS = 37,    /**< Rows of the upper face, from y = 87 to y = -21 mm. */
+    ISO_UPPER_NODES = ISO_UPPER_COLUMNS * ISO_UPPER_ROWS, /**< Nodes of the upper face. */
+    /** Bytes of the kinds of all nodes in a serialised template: two bits a node. */
     ISO_UPPER_KIND_BYTES = (ISO_UPPER_NODES + 3) / 4,
+    /** Most bytes of a serialised upper face: the kinds, then int16, 1/64 mm, for each node with a
+     * surface. */
     ISO_UPPER_BYTES_MAX = ISO_UPPER_KIND_BYTES + 2 * ISO_UPPER_NODES,
 };
 
+/** What a node of the upper face is. */
 enum iso_upper_kind {
-    ISO_UPPER_NONE = 0, /* z_mm is 0 */
-    ISO_UPPER_FILLED,
-    ISO_UPPER_MEASURED,
+    ISO_UPPER_NONE = 0, /**< No surface; its height is 0. */
+    ISO_UPPER_FILLED,   /**< Filled in: it carries the slope of its neighbours. */
+    ISO_UPPER_MEASURED, /**< Measured; only such nodes are compared. */
 };
 
+/** The upper face as heights over a grid in the face frame: what expressions move least (Chang,
+ * Bowyer and Flynn 2006). Column c lies at x = (c - ISO_UPPER_MIDDLE) * ISO_UPPER_SPACING_MM, row r
+ * at y = ISO_UPPER_TOP_MM - r * ISO_UPPER_SPACING_MM. All zero: there is none. */
 struct iso_upper_face {
-    float z_mm[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS];
-    uint8_t kind[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS]; /* enum iso_upper_kind */
+    float z_mm[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS];   /**< Heights, mm. */
+    uint8_t kind[ISO_UPPER_ROWS][ISO_UPPER_COLUMNS]; /**< enum iso_upper_kind. */
 };
 
 enum {
-    ISO_TEMPLATE_VERSION = 2,
-    ISO_TEMPLATE_RADII_MAX = 4,
-    ISO_TEMPLATE_POINTS_MAX = 32,
-    ISO_TEMPLATE_SENSOR_MAX = 16,
-    ISO_TEMPLATE_FRAMES_MAX = 0x7fff,
-    /* Largest serialised template. */
+    ISO_TEMPLATE_VERSION = 2,         /**< Version of the serialised form. */
+    ISO_TEMPLATE_RADII_MAX = 4,       /**< Most isotherms of a landmark. */
+    ISO_TEMPLATE_POINTS_MAX = 32,     /**< Most points of an isotherm. */
+    ISO_TEMPLATE_SENSOR_MAX = 16,     /**< Bytes of the sensor's name, with its end. */
+    ISO_TEMPLATE_FRAMES_MAX = 0x7fff, /**< Most frames of a template. */
+    /** Most bytes of a serialised template. */
     ISO_TEMPLATE_BYTES_MAX = 64 +
                              ISO_TEMPLATE_RADII_MAX * ISO_LANDMARKS * ISO_TEMPLATE_POINTS_MAX * 7 +
                              ISO_UPPER_BYTES_MAX,
 };
 
+/** A template. */
 struct iso_template {
-    uint32_t algorithm; /* hash of everything that shapes the points: model, radii, t, ... */
-    char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* sensor class, NUL-terminated: "astra", "kinect2" */
-    uint16_t n_radii, n_points, n_frames; /* frames fused into it */
-    bool learned;                         /* at a visit, by nobody's order; else by an enrolment */
-    float quality;                        /* 0..1: weighted share of measured points */
-    float radius_mm[ISO_TEMPLATE_RADII_MAX];
+    uint32_t algorithm; /**< Identifies all that shapes the points (iso_extractor_algorithm()). */
+    char sensor[ISO_TEMPLATE_SENSOR_MAX];    /**< Kind of sensor, such as "astra"; ends with NUL. */
+    uint16_t n_radii;                        /**< Isotherms of each landmark. */
+    uint16_t n_points;                       /**< Points of each isotherm. */
+    uint16_t n_frames;                       /**< Frames that it was made of. */
+    bool learned;                            /**< Learned at a visit; else made by an enrolment. */
+    float quality;                           /**< Weighted share of measured points, 0..1. */
+    float radius_mm[ISO_TEMPLATE_RADII_MAX]; /**< [n_radii]: radii of the isotherms, mm. */
+    /** [n_radii][landmark][n_points]: points of the isotherms, face frame, mm. */
     float points_mm[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX][3];
-    float weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX]; /* 0..1 */
-    struct iso_upper_face upper; /* all zero: none */
+    /** [n_radii][landmark][n_points]: weights of the points, 0..1. */
+    float weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS][ISO_TEMPLATE_POINTS_MAX];
+    struct iso_upper_face upper; /**< The upper face; all zero: none. */
 };
 
-/* Serialised, little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16
- * (of which bit 15 says learned), algorithm u32, sensor[16], quality f32, radius f32[n_radii], then
- * per point int16[3] (1/64 mm) and uint8 weight (1/255), u16 bytes of the upper face (0: none) and
- * those (upper_face.h), at the end a CRC-32 of all before it. Some 8 KB with 4 x 16 points. Returns
- * the bytes written; -EINVAL for a template out of range (also a point beyond +-511 mm or not
- * finite), -ENOSPC if they do not fit. */
+/** Writes a template as bytes; some 8 kB with 4 x 16 points.
+ *
+ * Little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16 (of which bit
+ * 15 says learned), algorithm u32, sensor[16], quality f32, radius f32[n_radii], then for each
+ * point int16[3] (1/64 mm) and uint8 weight (1/255), u16 bytes of the upper face (0: none) and
+ * those, at the end a CRC-32 of all before it.
+ *
+ * @param tmpl   The template.
+ * @param bytes  The buffer to write to.
+ * @param size   Its size, bytes; ISO_TEMPLATE_BYTES_MAX is always enough.
+ * @return The bytes written; -EINVAL for a template out of range (also a point beyond +-511 mm or
+ *         not finite); -ENOSPC if they do not fit. */
 int iso_template_serialise(const struct iso_template *tmpl, void *bytes, size_t size)
     __attribute__((warn_unused_result));
 
-/* -EBADMSG truncated or damaged, -EPROTONOSUPPORT another version. Version 1, which had no upper
- * face, is one: its templates were of other algorithms, so that nothing here compares with them. */
+/** Reads what iso_template_serialise() wrote.
+ *
+ * @param bytes  The serialised template.
+ * @param size   Its size, bytes.
+ * @param out    Receives the template.
+ * @return 0; -EBADMSG if it is truncated or damaged; -EPROTONOSUPPORT for another version. (Version
+ *         1 had no upper face. Its templates were of other algorithms, so that nothing here
+ * compares with them.) */
 int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
     __attribute__((warn_unused_result));
 
-/* What a serialised template says of itself. */
+/** What a serialised template says of itself. */
 struct iso_template_facts {
-    uint32_t algorithm;
-    uint16_t n_radii, n_points, n_frames;
-    bool learned;
+    uint32_t algorithm; /**< As in struct iso_template. */
+    uint16_t n_radii;   /**< As in struct iso_template. */
+    uint16_t n_points;  /**< As in struct iso_template. */
+    uint16_t n_frames;  /**< As in struct iso_template. */
+    bool learned;       /**< As in struct iso_template. */
 };
 
-/* Whether iso_template_parse() would read these bytes, with its errors, without a template to read
- * them into. */
+/** Checks whether iso_template_parse() would read these bytes, without memory for a template.
+ *
+ * @param bytes  The serialised template.
+ * @param size   Its size, bytes.
+ * @param out    Receives what the template says of itself.
+ * @return As iso_template_parse(). */
 int iso_template_check(const void *bytes, size_t size, struct iso_template_facts *out)
     __attribute__((warn_unused_result));
 
-/* Overwrites it so that the compiler may not leave it out (biometric data). */
+/** Overwrites a template with zeros in a way that the compiler may not leave out.
+ *
+ * @param tmpl  The template. */
 void iso_template_wipe(struct iso_template *tmpl);
 
 #endif
