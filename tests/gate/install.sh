@@ -66,10 +66,13 @@ done
 $cc -std=c17 $cflags -Wall -Wextra -Werror "$here/user.c" -o user $libs -Wl,-rpath,"$prefix/lib"
 ./user
 
-# The examples are built by what is installed, by the commands of their README.
+# The examples are built by what is installed, by the commands of their READMEs. Other libraries are this machine's.
 cd "$prefix/share/doc/libisotherm-dev/examples"
-sed -n 's/^    \(cc -O2 .*\)/\1/p' README.md >"$root/commands"
-[ "$(wc -l <"$root/commands")" -ge 2 ]
-sed "s#^cc #$cc -Wall -Wextra -Werror -Wl,-rpath,$prefix/lib #" "$root/commands" |
-    PKG_CONFIG_PATH="$PKG_CONFIG_LIBDIR" env -u PKG_CONFIG_LIBDIR sh -eu # libpng is this machine's
+for folder in . bus; do
+    sed -n 's/^    \(cc -O2 .*\)/\1/p' "$folder/README.md" >"$root/commands"
+    [ -s "$root/commands" ]
+    sed "s#^cc #$cc -Wall -Wextra -Werror -Wl,-rpath,$prefix/lib #" "$root/commands" |
+        (cd "$folder" && PKG_CONFIG_PATH="$PKG_CONFIG_LIBDIR" env -u PKG_CONFIG_LIBDIR sh -eu)
+done
+[ -x identify ] && [ -x bus/watch_door ]
 ./heat_on_mesh sphere.off 0 400 40 >/dev/null
