@@ -16,14 +16,14 @@ enum iso_capture {
     ISO_CAPTURE_OK,             /**< A usable face. */
     ISO_CAPTURE_TOO_FAR,        /**< The face is too far from the sensor. */
     ISO_CAPTURE_TOO_CLOSE,      /**< The face is too close to the sensor. */
-    ISO_CAPTURE_MOVE_LEFT,      /**< Off centre: the border of the image cuts the face. */
-    ISO_CAPTURE_MOVE_RIGHT,     /**< Off centre, the other way. */
-    ISO_CAPTURE_MOVE_UP,        /**< Off centre: the face is too low. */
-    ISO_CAPTURE_MOVE_DOWN,      /**< Off centre: the face is too high. */
-    ISO_CAPTURE_TURN_LEFT,      /**< Not frontal: the head should turn to its left. */
-    ISO_CAPTURE_TURN_RIGHT,     /**< Not frontal: the head should turn to its right. */
-    ISO_CAPTURE_LOOK_UP,        /**< Not frontal: the head should rise. */
-    ISO_CAPTURE_LOOK_DOWN,      /**< Not frontal: the head should sink. */
+    ISO_CAPTURE_MOVE_LEFT,      /**< The border of the image cuts the face: move to the left. */
+    ISO_CAPTURE_MOVE_RIGHT,     /**< The same: move to the right. */
+    ISO_CAPTURE_MOVE_UP,        /**< The same: move up. */
+    ISO_CAPTURE_MOVE_DOWN,      /**< The same: move down. */
+    ISO_CAPTURE_TURN_LEFT,      /**< Not frontal: turn the head to the left. */
+    ISO_CAPTURE_TURN_RIGHT,     /**< The same: turn the head to the right. */
+    ISO_CAPTURE_LOOK_UP,        /**< The same: look up. */
+    ISO_CAPTURE_LOOK_DOWN,      /**< The same: look down. */
     ISO_CAPTURE_TOO_FEW_POINTS, /**< Holes all over: sunlight, dark hair, a smeared lens. */
     ISO_CAPTURE_COVERED_BROW,   /**< Something is before the brow, or it is a hole. */
     ISO_CAPTURE_COVERED_EYES,   /**< The same of the eyes. */

@@ -38,7 +38,7 @@ void iso_triangulator_free(struct iso_triangulator *triangulator);
  *
  * @param triangulator  The triangulator.
  * @param frame         A frame that iso_frame_check() passes.
- * @param mesh          The mesh; two triangles and one vertex a pixel always have room.
+ * @param mesh          The mesh; room for one vertex and two triangles a pixel is enough.
  * @return 0; -ENODATA if there is no triangle (the mesh is then empty); -ENOSPC if the frame or the
  *         mesh exceeds its capacity; -ENOMEM (with largest_only, which allocates for a moment). */
 int iso_triangulate(struct iso_triangulator *triangulator, const struct iso_frame *frame,
