@@ -1,4 +1,4 @@
-/* What an extractor holds: the workspaces of all steps. Internal to core/extract. */
+/* The memory of an extractor: the workspaces of all steps. Internal to core/extract. */
 #ifndef ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 #define ISO_CORE_EXTRACT_EXTRACT_WORKSPACE_H
 
@@ -34,9 +34,9 @@ enum {
 #define ISO_EXTRACT_COARSE_AT_MM    600.0
 #define ISO_EXTRACT_CLEAN_PITCH_MM  1.0
 
-/* Where the face of the frame before was. */
+/* Where the face of the previous frame was. */
 struct iso_extract_track {
-    int frames_left; /* that it may be followed before it is looked for again; 0: none */
+    int frames_left; /* in which the face may be followed before it is searched again; 0: none */
     struct iso_rigid camera_from_face;
     int64_t t_ns;
     struct iso_camera camera;
@@ -46,7 +46,7 @@ struct iso_extractor {
     const struct iso_head_model *model;
     struct iso_extract_options options;
     uint32_t algorithm;
-    struct iso_extraction extraction; /* of the frame that is worked on */
+    struct iso_extraction extraction; /* of the present frame */
 
     /* find */
     struct iso_frame coarse;
@@ -84,7 +84,7 @@ struct iso_extractor {
     struct iso_grid_tracer *grid_tracer;
 };
 
-/* extract_judge.c: where no face was found, what else is: a picture that is held up, nobody, or
+/* extract_judge.c: what a frame without a face shows: a picture that is held up, nobody, or
  * `otherwise`. */
 enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
                                           const struct iso_candidate_options *range,
@@ -94,7 +94,8 @@ enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
                                          const struct iso_frame *frame,
                                          const struct iso_pose_fit *fit,
                                          const struct iso_extraction *out);
-/* Whether the head in x->head fits a face, uncovered and alive as far as one frame says. */
+/* Whether the head in x->head fits a face that is uncovered and, as far as one frame shows, alive.
+ */
 enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *frame,
                                         const struct iso_frame *cleaned,

@@ -1,14 +1,14 @@
-/* Whether anything within reach moves. A chair or a door leaf that stands before the camera looks
- * to one frame like a visitor without a face; but people never stand quite still (liveness.h has
+/* Whether anything within reach moves. In a single frame a chair or a door leaf in front of the
+ * camera looks like a visitor without a face. But people never stand quite still (liveness.h has
  * the figures), and furniture does.
  *
  * The frame is divided into a grid of cells. The mean depth of each cell over half a second is
  * compared with that of the half second before. At a silhouette a sway of a few millimetres changes
- * it by some hundred millimetres, because near pixels take the place of far ones. The noise of a
+ * it by some hundred millimetres, because near pixels replace far ones. The noise of a
  * structured-light sensor changes it by more than 100 mm in one or two cells at edges, even from
- * one frame to the next. A change is seen in at least four cells at once. The scene counts as
- * moving from the first change until `quiet_ns` after the last one. Until the first change it
- * counts as still. Pure: the only clock is the frames' time stamps. */
+ * one frame to the next. A change therefore counts only if at least four cells change at once. The
+ * scene counts as moving from the first change until `quiet_ns` after the last one. Until the first
+ * change it counts as still. Pure: the only clock is the time stamps of the frames. */
 #ifndef ISO_CORE_FIND_SCENE_MOTION_H
 #define ISO_CORE_FIND_SCENE_MOTION_H
 

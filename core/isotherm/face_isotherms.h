@@ -18,9 +18,9 @@ struct iso_heated_face {
 };
 
 /* Fills in points_mm, weight and quality of a template whose n_radii, n_points and radius_mm are
- * set. A curve that cannot be found (the isotherm leaves the mesh) leaves its points at weight 0; a
- * point on filled-in surface weighs as little as was measured there. -ENOSPC if the tracer is too
- * small for the mesh. */
+ * set. The points of a curve that cannot be found (the isotherm leaves the mesh) get weight 0. The
+ * weight of a point on a filled-in surface is the share that was measured there. -ENOSPC if the
+ * tracer is too small for the mesh. */
 int iso_face_isotherms(struct iso_tracer *tracer, const struct iso_heated_face *face,
                        struct iso_template *tmpl) __attribute__((warn_unused_result));
 

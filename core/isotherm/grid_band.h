@@ -13,7 +13,7 @@ struct iso__grid_triangle {
     float heat[3]; /* at its corners, in their order */
 };
 
-/* Heat counted in eighths of an octave, as the first 12 bits of a float say it. */
+/* Heat in eighths of an octave: the first 12 bits of a float. */
 enum { ISO__GRID_KEYS = 2048, ISO__GRID_KEY_SHIFT = 20 };
 
 struct iso__grid_band {
@@ -24,7 +24,8 @@ struct iso__grid_band {
     float key_mm2[ISO__GRID_KEYS];       /* zero but while the band is made */
 };
 
-/* Room for all triangles of a grid. -ENOMEM; iso__grid_band_done copes with the half of it. */
+/* Allocates room for all triangles of a grid. -ENOMEM; iso__grid_band_done accepts the rest of a
+ * failed one. */
 int iso__grid_band_init(struct iso__grid_band *band, const struct iso_grid *grid)
     __attribute__((warn_unused_result));
 void iso__grid_band_done(struct iso__grid_band *band);

@@ -1,4 +1,4 @@
-/* What finding a level has in common on meshes and grids. Internal to core/isotherm. */
+/* The common part of finding a level on meshes and on grids. Internal to core/isotherm. */
 #ifndef ISO_CORE_ISOTHERM_LEVEL_SEARCH_H
 #define ISO_CORE_ISOTHERM_LEVEL_SEARCH_H
 
@@ -31,10 +31,10 @@ struct iso__level_search {
     double wanted_mm2;
 };
 
-/* The level with the wanted area above it, to 1e-6 of the area, between low, above which f_low >= 0
- * more than that lies, and high with f_high <= 0. Heat falls off like a Gaussian, so that area is
- * nearly linear in the logarithm of the level: regula falsi there (Illinois variant, Dowell and
- * Jarratt 1971) needs few steps. */
+/* The level with the wanted area above it, to 1e-6 of the area. It lies between `low` and `high`;
+ * the area above `low` exceeds the wanted one by f_low >= 0, that above `high` by f_high <= 0. Heat
+ * decreases like a Gaussian, so that the area is nearly linear in the logarithm of the level, and
+ * regula falsi in that logarithm (Illinois variant, Dowell and Jarratt 1971) needs few steps. */
 double iso__level_between(const struct iso__level_search *search, double low, double f_low,
                           double high, double f_high);
 

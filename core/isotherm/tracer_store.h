@@ -1,10 +1,10 @@
-/* What a tracer holds, for the two that fill it: over a mesh and over a grid. Internal to
+/* The memory of a tracer, for the code that fills it over a mesh and over a grid. Internal to
  * core/isotherm.
  *
- * A vertex counts as hot if its heat is at least the level: with this rule alone every triangle
- * that the level cuts has one edge from hot to cold and one from cold to hot (going around
- * counter-clockwise), whatever vertices lie exactly on the level. The curve enters by the former
- * and leaves by the latter, hot on its left. */
+ * A vertex counts as hot if its heat is at least the level. With this rule alone every triangle
+ * that the level cuts has one edge from hot to cold and one from cold to hot (counter-clockwise),
+ * even if vertices lie exactly on the level. The curve enters by the first edge and leaves by the
+ * second, with the hot side on its left. */
 #ifndef ISO_CORE_ISOTHERM_TRACER_STORE_H
 #define ISO_CORE_ISOTHERM_TRACER_STORE_H
 

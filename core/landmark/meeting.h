@@ -1,5 +1,5 @@
-/* How a point of the head model meets the measurement: projective association, point to plane.
- * Internal to core. */
+/* How a point of the head model compares with the measurement: projective association, point to
+ * plane. Internal to core. */
 #ifndef ISO_CORE_LANDMARK_MEETING_H
 #define ISO_CORE_LANDMARK_MEETING_H
 
@@ -13,8 +13,9 @@ enum iso_meeting {
     ISO_MEETINGS
 };
 
-/* Signed distance of a camera-frame point from the measured surface along its unit normal; written
- * only if measured. Depth is bilinear between pixels that belong together, else the nearest one. */
+/* The signed distance of a camera-frame point from the measured surface along the unit normal of
+ * the point; written only if measured. The depth is bilinear between pixels of one surface,
+ * otherwise that of the nearest pixel. */
 enum iso_meeting iso_meet(const struct iso_frame *frame, struct iso_vec3 point,
                           struct iso_vec3 normal, double *distance_mm);
 

@@ -4,8 +4,8 @@
 
 #include "core/landmark/shape_fit.h"
 
-/* The parts that each vertex of the model's face belongs to, as bits 1 << enum iso_face_part, by
- * its place in the mean face; `parts` has room for all vertices. */
+/* Sets the parts to which each vertex of the model's face belongs, as bits 1 << enum iso_face_part,
+ * from its place in the mean face. `parts` has room for all vertices. */
 void iso_face_parts_of(const struct iso_head_model *model, uint8_t *parts);
 
 struct iso_occlusion iso_occlusion_measure(const struct iso_shape_residuals *head,

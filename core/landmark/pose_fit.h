@@ -1,17 +1,17 @@
 /* Rigid robust registration of the mean face to a depth frame.
  *
  * Point to plane with projective association (Blais and Levine 1995; Chen and Medioni 1992): each
- * front-facing vertex of the mean face is compared with the measured point that is seen where it
- * appears, along the model's own (noise-free) normal. Gauss-Newton on the six degrees of freedom
- * with Tukey's biweight (Beaton and Tukey 1974), whose cut-off falls from step to step. */
+ * front-facing vertex of the mean face is compared with the measured point at the pixel to which it
+ * projects, along the normal of the model, which has no noise. Gauss-Newton on the six degrees of
+ * freedom with Tukey's biweight (Beaton and Tukey 1974), whose cut-off falls from step to step. */
 #ifndef ISO_CORE_LANDMARK_POSE_FIT_H
 #define ISO_CORE_LANDMARK_POSE_FIT_H
 
 #include "isotherm/frame.h"
 #include "isotherm/head_model.h"
 
-/* The vertices of the mean face that are compared: a well spread choice, or all of them; every
- * first few are well spread too. */
+/* The vertices of the mean face that are compared: all of them, or a selection that is spread
+ * evenly. The first few, however many, are also spread evenly. */
 struct iso_pose_vertices {
     int n;
     struct iso_vec3 *point_mm; /* [n], face frame */
@@ -33,7 +33,7 @@ struct iso_pose_options {
     struct iso_vec3 nose_mm;                /* camera frame, where the prior wants it */
 };
 
-/* A residual counts for no more than this in the cost of a fit. */
+/* The limit of a squared residual in the cost of a fit. */
 #define ISO_POSE_COST_LIMIT_MM2 36.0
 
 struct iso_pose_fit {

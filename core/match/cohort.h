@@ -1,13 +1,14 @@
 /* Score normalisation against a fixed cohort: people who are in no gallery.
  *
  *     score = 1 - distance / sqrt(m * 2 mm),   m = mean distance of the probe to the cohort.
+ *     score = 1 - distance / sqrt(m * 2 mm),   m = mean distance of the probe to the cohort.
  *
- * A face far from everybody (or a noisy frame) has larger distances to strangers and to itself; the
- * root takes half of that out. 1 is a perfect match, strangers lie about 0; higher is more alike.
- * Of the usual normalisations, measured side by side on 200 generated probes each of mild and
- * strong expressions, the z- and t-norm (Auckenthaler, Carey and Lloyd-Thomas 2000), which also
- * divide by the spread, were far worse at low FMR: FNMR at FMR 1e-3 19.5 % against 1.0 % (mild),
- * since the spread of 64 distances is itself uncertain. */
+ * A face that is far from everybody (or a noisy frame) has larger distances to strangers and to
+ * itself; the root compensates half of that. 1 is a perfect match, strangers lie about 0; higher is
+ * more alike. Other normalisations were measured on 200 generated probes each of mild and strong
+ * expressions. The z- and t-norm (Auckenthaler, Carey and Lloyd-Thomas 2000), which also divide by
+ * the spread, were far worse at low FMR: FNMR at FMR 1e-3 19.5 % against 1.0 % (mild), because the
+ * spread of 64 distances is itself uncertain. */
 #ifndef ISO_CORE_MATCH_COHORT_H
 #define ISO_CORE_MATCH_COHORT_H
 

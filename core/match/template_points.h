@@ -8,8 +8,8 @@
 #include "core/registration/icp.h"
 #include "isotherm/template.h"
 
-/* One group for each radius, landmark and ISO_TEMPLATE_POINTS_MAX points, in the template's own
- * memory: points beyond n_points have weight 0 and drop out by themselves. */
+/* One group for each radius, landmark and ISO_TEMPLATE_POINTS_MAX points, in the memory of the
+ * template. Points beyond n_points have weight 0, so that they do not count. */
 static inline struct iso_icp_points iso_template_points(const struct iso_template *t)
 {
     return (struct iso_icp_points){

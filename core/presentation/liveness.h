@@ -1,27 +1,28 @@
-/* Whether what is shown moves as the living do, over the frames of a visit.
+/* Whether the face moves as living people do, over the frames of a visit.
  *
  * Nobody stands still: the head of a standing adult travels 368 +- 80 mm a minute, mostly at 0.3 to
  * 0.4 Hz (20 healthy adults, a light on a helmet: "Head movement recording and significance", a
- * study of head movement as a righting reflex), that is 6 mm a second, and the best of a
- * championship of standing still for 7 minutes managed 4.7 mm/s on average (University of Oslo,
- * Nordic Championship of Standstill, 2019). A print on a stand does not move; but its measured pose
- * does, by noise. Noise is not known beforehand, yet differs from sway in that it has no memory:
- * von Neumann's ratio (1941) of the mean square of successive differences, halved, to the variance
- * is 1 +- 1/sqrt(n) for n independent values, and near 0 for slow motion.
+ * study of head movement as a righting reflex). That is 6 mm a second. The best of a championship
+ * of standing still for 7 minutes reached 4.7 mm/s on average (University of Oslo, Nordic
+ * Championship of Standstill, 2019). A print on a stand does not move, but noise moves its measured
+ * pose. The amount of noise is not known beforehand, but unlike sway it has no memory: von
+ * Neumann's ratio (1941) of the mean square of successive differences, halved, to the variance is 1
+ * +- 1/sqrt(n) for n independent values, and near 0 for slow motion.
  *
  *   NOT_YET -> ALIVE      something moved, in one of the six coordinates of the pose
- *   NOT_YET -> STILL      nothing did for `still_ns`; or frames that are the same to the bit
+ *   NOT_YET -> STILL      nothing moved for `still_ns`; or frames are the same to the bit
  *   ALIVE  <-> STILL      the same, judged anew over the last frames
+ *   any    -> NOT_YET     a gap in time, or iso_liveness_init
  *   any    -> NOT_YET     a gap in time, or iso_liveness_init
  *
  * Rendered visits of 1.5 s (seed 34; astra, kinect2, d435, truedepth; sway of a tenth to all of the
- * generator's), with still_ns of 1.2 s: of 48 people 47 were alive and none still, of 48 prints on
- * stands and 48 frozen recordings all were still. The default has become longer since, because a
- * slow sway hardly moves for so long at its turning point.
+ * generator's), with still_ns of 1.2 s: of 48 people 47 were alive and none still; of 48 prints on
+ * stands and 48 frozen recordings all were still. The default has become longer since then, because
+ * a slow sway hardly moves for that long at its turning point.
  *
- * A visit that ends before it could be said stays NOT_YET: it is for the caller's policy whether
- * that is enough. A print in a hand moves: this is no proof of life. Pure: the time is an argument.
- */
+ * A visit that ends before the answer is known stays NOT_YET; the policy of the caller decides
+ * whether that is enough. A print in a hand moves: ALIVE is no proof of life. Pure: the time is an
+ * argument. */
 #ifndef ISO_CORE_PRESENTATION_LIVENESS_H
 #define ISO_CORE_PRESENTATION_LIVENESS_H
 
@@ -38,9 +39,9 @@ enum iso_liveness_answer {
 };
 
 struct iso_liveness_options {
-    int64_t still_ns;  /* for so long nobody stands still */
+    int64_t still_ns;  /* nobody stands still for this time */
     int64_t gap_ns;    /* frames further apart are not of one visit */
-    int frames_min;    /* fewer say nothing, 8..ISO_LIVENESS_FRAMES */
+    int frames_min;    /* the answer needs this many frames, 8..ISO_LIVENESS_FRAMES */
     int frozen_frames; /* so many in a row, the same to the bit, were not measured: >= 2 */
     double moved_mm;   /* standard deviation, noise taken off, that is motion */
     double doubt;      /* how many standard deviations von Neumann's ratio is to be off 1 */
@@ -73,13 +74,12 @@ struct iso_liveness {
 /* A value of its own: copied freely, nothing to be freed. */
 void iso_liveness_init(const struct iso_liveness_options *options, struct iso_liveness *out);
 
-/* Takes the next frame into account and says what is known now. Times must rise; one that does not
- * begins anew. */
+/* Adds the next frame and returns the answer. Times must rise; one that does not starts anew. */
 enum iso_liveness_answer iso_liveness_feed(struct iso_liveness *liveness,
                                            const struct iso_liveness_frame *frame);
 
-/* Checksum of the depths about a face, 80 mm to each side, every fourth row of the frame as it
- * came: a sensor's noise makes two frames of the same scene differ. */
+/* A checksum of the depths about a face, 80 mm to each side, in every fourth row of the original
+ * frame: the noise of a sensor makes two frames of the same scene differ. */
 uint32_t iso_liveness_digest(const struct iso_frame *frame, struct iso_vec3 nose_mm);
 
 #endif

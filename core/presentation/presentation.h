@@ -1,22 +1,24 @@
-/* Cues of a presentation attack (ISO/IEC 30107-1) that one depth frame gives for nothing.
+/* Cues of a presentation attack (ISO/IEC 30107-1) that one depth frame gives without further
+ * effort.
  *
  *   relief   a picture of a face has no nose             -> flat, bent
  *   size     a print that is too small or too large      -> wrong-size
  *   eyes     a print with its eyes cut out               -> eyes-cut
- *   sheet    where no face was found: what was held up   -> flat, bent, screen
+ *   sheet    without a face: a picture that is held up   -> flat, bent, screen
+ *   sheet    without a face: a picture that is held up   -> flat, bent, screen
  *
- * What only several frames show is in liveness.h. A print of true size that somebody wears, its
- * eyes whole, is met by none of them.
+ * liveness.h has the cues that need several frames. A print of true size that somebody wears, with
+ * whole eyes, shows none of these cues.
  *
  * The bounds were chosen on rendered presentations (sim/world/generate, seeds 31 and 33: people of
- * the ICT space, sensors astra and kinect2) and looked at on 374 real frames of Kinect v2. Seed 35
- * of the preset `attacks`, astra, was used for nothing else: of 150 presentations each of
- * photo-flat and photo-bent and 100 each of screen, mask-small and mask-large none was taken for a
- * usable face (95 %: below 2.4 and 3.6 %); of 1000 frames of living people none was refused (below
- * 0.4 %), nor of 600 of strong expressions (seed 4); of 378 real ones none is called an attack. Of
- * 300 print-eyes-cut of seed 91, used for nothing else either, 25 were taken (95 %: 5.5 to 12.1 %),
- * all with a wearer 9 to 19 mm behind, which the sensor's windows level out. About 1 ms a face, 0.8
- * ms a scene without one, on one x86 core. */
+ * the ICT space, sensors astra and kinect2) and checked on 374 real frames of Kinect v2. Seed 35 of
+ * the preset `attacks`, astra, was used for nothing else. Of 150 presentations each of photo-flat
+ * and photo-bent and 100 each of screen, mask-small and mask-large, none was taken for a usable
+ * face (95 %: below 2.4 and 3.6 %). Of 1000 frames of living people none was refused (below 0.4 %),
+ * nor of 600 with strong expressions (seed 4); none of 378 real frames is called an attack. Of 300
+ * print-eyes-cut of seed 91, which was used for nothing else either, 25 were accepted (95 %: 5.5 to
+ * 12.1 %). All of these had a wearer 9 to 19 mm behind the print, which the sensor's windows level
+ * out. About 1 ms a face, 0.8 ms a scene without one, on one x86 core. */
 #ifndef ISO_CORE_PRESENTATION_PRESENTATION_H
 #define ISO_CORE_PRESENTATION_PRESENTATION_H
 
@@ -28,7 +30,7 @@
 #include "core/presentation/size.h"
 #include "isotherm/capture.h"
 
-/* What was measured; a cue that could not be is not there, and counts for nothing. */
+/* The measured values. A cue that could not be measured is absent and does not count. */
 struct iso_presentation_cues {
     bool has_relief, has_size, has_eyes, has_sheet;
     struct iso_relief relief;
@@ -59,15 +61,16 @@ struct iso_presentation_options {
 
 struct iso_presentation_options iso_presentation_options_default(void);
 
-/* A face too large: > 0, too small: < 0, in logarithms of size, roughly: a mean of both measures of
- * scale, that which people's shapes do not explain (size.h) counting twice as much as that of the
- * fitted head. Depends on the head model and on how stiff the fit is: bounds are to be measured
- * anew when either changes. People spread by 5 %: somebody with an unusual head is refused, and a
- * print of 0.8 of a large head is a small one. */
+/* How much too large a face is (> 0), or too small (< 0), roughly as the logarithm of its size. It
+ * is the mean of both measures of scale; the one that the shapes of people do not explain (size.h)
+ * counts twice as much as that of the fitted head. It depends on the head model and on the
+ * stiffness of the fit: the bounds must be measured anew when either changes. The sizes of people
+ * vary by 5 %. A person with an unusual head is therefore refused, and a print of a large head at
+ * 0.8 of its size is the same as a small head. */
 double iso_presentation_oversize(const struct iso_presentation_cues *cues);
 
-/* ISO_CAPTURE_OK if nothing speaks against it, else what does. Of the relief, size and eyes the
- * first in this order; the sheet only if neither of them is there. */
+/* ISO_CAPTURE_OK if no cue is above its bound, else the outcome of that cue: the first of relief,
+ * size and eyes. The sheet is judged only if none of them is present. */
 enum iso_capture iso_presentation_judge(const struct iso_presentation_cues *cues,
                                         const struct iso_presentation_options *options);
 
@@ -80,15 +83,15 @@ int iso_presentation_new(const struct iso_head_model *model, size_t capacity_px,
                          struct iso_presentation **out) __attribute__((warn_unused_result));
 void iso_presentation_free(struct iso_presentation *presentation);
 
-/* Where a head was fitted: relief, size and eyes. `frame` as it came, `cleaned` the part about the
- * face that was fitted to, `fit` and `head` what came of it. */
+/* For a frame with a fitted head: relief, size and eyes. `frame` is the original frame, `cleaned`
+ * its part about the face, to which `fit` and `head` were fitted. */
 void iso_presentation_measure_face(const struct iso_presentation *presentation,
                                    const struct iso_frame *frame, const struct iso_frame *cleaned,
                                    const struct iso_shape_fit *fit,
                                    const struct iso_shape_residuals *head,
                                    struct iso_presentation_cues *out);
 
-/* Where no face was found: the nearest thing between two depths. */
+/* For a frame without a face: the nearest object between two depths. */
 void iso_presentation_measure_scene(struct iso_presentation *presentation,
                                     const struct iso_frame *coarse, double near_mm, double far_mm,
                                     struct iso_presentation_cues *out);

@@ -1,5 +1,6 @@
-/* Whether the middle of a face has the relief of one: cheeks and brow curve both ways, and a nose
- * stands 15 to 30 mm before them. A picture of a face, held flat, bent or creased, has none. */
+/* Whether the middle of a face has the relief of a face: cheeks and brow are curved in both
+ * directions, and a nose stands 15 to 30 mm in front of them. A picture of a face, held flat, bent
+ * or creased, has no such relief. */
 #ifndef ISO_CORE_PRESENTATION_RELIEF_H
 #define ISO_CORE_PRESENTATION_RELIEF_H
 
@@ -13,14 +14,14 @@ struct iso_relief {
                        not measured */
 };
 
-/* A residual counts for no more than this. */
+/* The limit of a residual. */
 #define ISO_RELIEF_LIMIT_MM 4.0
 
-/* Looks at the disc of 48 mm about the face frame's origin. The frame is a cleaned one, or any
- * other without flying pixels. Means over cells take the sensor's noise down to a few tenths of a
- * millimetre. What counts is the share of cells on the best sheet (bent.inlier_share): faces have
- * 0.29 to 0.76 (2800 rendered frames, 370 real ones), pictures that were taken for a face 0.89
- * to 1. -ENODATA if fewer than 60 of some 200 cells are measured. */
+/* Measures the disc of 48 mm about the origin of the face frame. The frame is a cleaned one, or any
+ * other without flying pixels. The means over cells reduce the noise of the sensor to a few tenths
+ * of a millimetre. The share of cells on the best sheet (bent.inlier_share) decides: faces have
+ * 0.29 to 0.76 (2800 rendered frames, 370 real ones), pictures that were taken for a face 0.89 to
+ * 1. -ENODATA if fewer than 60 of some 200 cells are measured. */
 int iso_relief_measure(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
                        struct iso_relief *out) __attribute__((warn_unused_result));
 

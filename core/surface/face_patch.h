@@ -1,15 +1,16 @@
 /* The measured face resampled in its own frame: an orthographic depth grid about the nose tip, the
  * same for every person, pose and sensor, with its holes filled.
  *
- * What is missing (shadows, hair, the far side of a turned head) is filled in on the residual to
- * the mean face, not on the depth itself: the residual is smooth, so that a hole gets the mean
- * face's relief moved to its surroundings. (Filling depth instead leaves a fifth of the isotherms
- * open and costs 20 points of rank-1.) Filled-in places are remembered, so that the matcher gives
- * them no weight.
+ * Missing places (shadows, hair, the far side of a turned head) are filled in on the residual to
+ * the mean face, not on the depth itself. The residual is smooth, so that a hole gets the relief of
+ * the mean face, moved to its surroundings. (Filling the depth instead leaves a fifth of the
+ * isotherms open and costs 20 points of rank-1.) Filled-in places are recorded, so that the matcher
+ * gives them no weight.
  *
  * Grid: an orthographic iso_frame seen from the front: x right = face x, y down = -face y, depth =
- * ISO_FACE_PATCH_ORIGIN_MM - face z. Its domain, where it has values, is where the mean face has a
- * surface within the crop radius that is not too steep: fixed when the patch is created. */
+ * ISO_FACE_PATCH_ORIGIN_MM - face z. Its domain is the set of pixels that have values: those where
+ * the mean face has a surface within the crop radius that is not too steep. It is fixed when the
+ * patch is created. */
 #ifndef ISO_CORE_SURFACE_FACE_PATCH_H
 #define ISO_CORE_SURFACE_FACE_PATCH_H
 
@@ -35,9 +36,9 @@ int iso_face_patch_new(const struct iso_head_model *model,
     __attribute__((warn_unused_result));
 void iso_face_patch_free(struct iso_face_patch *patch);
 
-/* Resamples a measured surface (a camera-frame mesh, whose vertices are moved in place to the
- * patch's frame) given where the face is. Returns the share of the domain that was measured,
- * 0..1. */
+/* Resamples a measured surface, given where the face is. The surface is a camera-frame mesh; its
+ * vertices are moved in place to the frame of the patch. Returns the share of the domain that was
+ * measured, 0..1. */
 double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
                             const struct iso_rigid *camera_from_face);
 

@@ -1,22 +1,21 @@
-/* Scale taken out of a course of heat that is sampled at t = alpha^tau.
+/* Removes the scale from a course of heat that is sampled at t = alpha^tau.
  *
- * A shape scaled by beta has h'(tau) = beta^-2 h(tau - 2 log_alpha beta): shifted and multiplied.
- * Two ways to be rid of both:
+ * A shape scaled by beta has h'(tau) = beta^-2 h(tau - 2 log_alpha beta): h shifted and multiplied.
+ * There are two ways to remove both:
  *
- *  - SI-HK (Abdelrahman 2013, 4.3-4.6): amplitudes of the Fourier transform of h itself, divided by
- *    their sum. Neither logarithm nor derivative, so that noise is not blown up.
  *  - SI-HKS (Bronstein and Kokkinos, CVPR 2010): amplitudes of the Fourier transform of the
  *    derivative of log h.
  *
- * A shift leaves the amplitudes of a finite window as they are only where the course enters and
- * leaves the window as if it came round again: SI-HKS wants a window from where h is level to where
- * it is level again, SI-HK one whose ends are near 0. Elsewhere they hold roughly: a signature
- * three times as large, over the same 14 octaves of absolute time, is off by 10 % (SI-HK) and 5 %
- * (SI-HKS, with its own window); 1 % of noise adds 0.2 % and 60 % to that
- * (tests/core/shape/test_shape_heat.c). Times that are measured by the shape's area do not shift at
- * all when it is scaled.
+ * A shift keeps the amplitudes of a finite window only if the course could be continued
+ * periodically. SI-HKS therefore needs a window from where h is level to where it is level again,
+ * and SI-HK one whose ends are near 0. Otherwise both hold approximately: a signature three times
+ * as large, over the same 14 octaves of absolute time, changes by 10 % (SI-HK) and 5 % (SI-HKS,
+ * with its own window); 1 % of noise adds 0.2 % and 60 % to that
+ * (tests/core/shape/test_shape_heat.c). If times are given in units of the shape's area, scaling
+ * the shape causes no shift.
  *
- * (4.4 has beta^2 h(tau + s) since its beta scales the operator; the amplitudes are the same.) */
+ * (4.4 has beta^2 h(tau + s), because its beta scales the operator; the amplitudes are the same.)
+ */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_SCALE_INVARIANT_H
 #define ISO_CORE_SHAPE_DESCRIBE_SCALE_INVARIANT_H
 
