@@ -26,7 +26,7 @@ void extract_rig_draw(struct extract_rig *rig, double yaw_deg, double pitch_deg,
 /* Runs the extractor on the frame, which must succeed. */
 enum iso_capture extract_rig_run(struct extract_rig *rig);
 
-/* Both. */
+/* Draws the mean head, then runs the extractor. */
 enum iso_capture extract_rig_outcome(struct extract_rig *rig, double yaw_deg, double pitch_deg,
                                      struct iso_vec3 nose_mm);
 

@@ -57,8 +57,8 @@ static void hints_say_where_to_stand(void **state)
     assert_int_equal(extract_rig_outcome(f, 0, 0, iso_vec3(0, 263, 600)), ISO_CAPTURE_MOVE_UP);
 }
 
-/* Who is turned to his or her left should turn to the right, and so on. A half turn is the limit of
- * what is looked for at all, so that the limit is lowered. */
+/* A person who is turned to the left should turn to the right, and so on. The search ends at a half
+ * turn, so that the limit is lowered here. */
 static void hints_say_where_to_look(void **state)
 {
     struct extract_rig *f = *state;
@@ -78,7 +78,8 @@ static void hints_say_where_to_look(void **state)
     assert_true(f->out.pitch_rad < 0.0);
 }
 
-/* The subject's left is the camera's right: said once more without the pose's own convention. */
+/* The left of the subject is the right of the image: checked once more without the convention of
+ * the pose. */
 static void the_subjects_left_is_the_images_right(void **state)
 {
     struct extract_rig *f = *state;
@@ -90,7 +91,7 @@ static void the_subjects_left_is_the_images_right(void **state)
     assert_true(at[ISO_LM_EYE_OUT_L].z > at[ISO_LM_EYE_OUT_R].z + 10.0);
 }
 
-/* Nothing at all, a wall before the camera, and one behind the range of use. */
+/* An empty frame, a wall in front of the camera, and a wall behind the range of use. */
 static void an_empty_scene_is_nobody(void **state)
 {
     struct extract_rig *f = *state;
@@ -124,7 +125,7 @@ static void the_same_frame_gives_the_same_template(void **state)
     struct iso_extraction first = f->out;
     assert_int_equal(extract_rig_run(f), ISO_CAPTURE_OK);
     assert_memory_equal(&first, &f->out, sizeof first);
-    /* Nor does it matter who was there in between, or that it is another extractor. */
+    /* Neither other people in between nor another extractor change the template. */
     assert_int_equal(extract_rig_outcome(f, -20, 0, iso_vec3(60, 0, 900)), ISO_CAPTURE_OK);
     assert_memory_not_equal(&first.tmpl, &f->out.tmpl, sizeof first.tmpl);
     rendered_head_wall(f->frame, 250.0f);
@@ -138,7 +139,7 @@ static void the_same_frame_gives_the_same_template(void **state)
     iso_extractor_free(other);
 }
 
-/* The outcome of every frame of a stored recording, in turn. */
+/* Runs the frames of a stored recording in turn, and returns the outcome of each. */
 static void run_stored(struct extract_rig *f, const char *name, size_t n_frames,
                        enum iso_capture *outcome)
 {
@@ -173,7 +174,7 @@ static void stored_people_are_captured(void **state)
     }
 }
 
-/* Recordings without a usable face: the reason is one that fits. */
+/* Recordings without a usable face: the outcome is one of those that fit. */
 static void what_is_no_usable_face_says_why(void **state)
 {
     struct extract_rig *f = *state;

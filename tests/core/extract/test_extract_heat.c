@@ -10,10 +10,11 @@
 #include "core/match/distance.h"
 #include "tests/core/extract/extract_rig.h"
 
-/* What registrations work in. */
+/* The working memory of registrations. */
 static struct iso_icp_workspace registration;
 
-/* The fixture's frame by another extractor, and how far its template lies from the first one's. */
+/* Runs the frame of the rig by another method. Returns the distance between its template and the
+ * previous one. */
 static double distance_of_method(struct extract_rig *f, enum iso_heat_method method)
 {
     struct iso_template first = f->out.tmpl;
@@ -23,7 +24,7 @@ static double distance_of_method(struct extract_rig *f, enum iso_heat_method met
     assert_int_not_equal(iso_extractor_algorithm(other), first.algorithm);
     assert_int_equal(iso_extractor_run(other, f->frame, &f->out), 0);
     assert_int_equal(f->out.outcome, ISO_CAPTURE_OK);
-    f->out.tmpl.algorithm = first.algorithm; /* they must not be compared but by a test */
+    f->out.tmpl.algorithm = first.algorithm; /* different algorithms are compared only in tests */
     const struct iso_match_options options = iso_match_options_default();
     double distance_mm = INFINITY;
     assert_int_equal(
@@ -45,7 +46,7 @@ static void all_ways_to_the_heat_agree(void **state)
     assert_null(iso_heat_method_name((enum iso_heat_method)3));
 }
 
-/* So fine a grid and so long a time that the expansion is not worth it. */
+/* The grid is so fine and the time so long that the expansion would take too many terms. */
 static void heat_too_stiff_for_the_grid_is_released_on_the_mesh(void **state)
 {
     struct extract_rig *f = *state;
@@ -72,7 +73,8 @@ static void the_mesh_and_its_heat_can_be_shown(void **state)
             hottest = heat[i] > heat[hottest] ? i : hottest;
         }
         struct iso_vec3 at = iso_rigid_apply(&f->out.camera_from_face, mesh->vertices_mm[hottest]);
-        /* A vertex or two away; beside the nose, where the grid is steep, that is far. */
+        /* A vertex or two away; beside the nose, where the grid is steep, that is a long distance.
+         */
         double off_mm = iso_norm(iso_sub(at, f->out.landmark_mm[l]));
         assert_true(off_mm < (l == ISO_LM_ALA_R || l == ISO_LM_ALA_L ? 12.0 : 3.0));
     }

@@ -1,5 +1,5 @@
-/* What the extractor takes: options and frames out of range are refused, and every other size of
- * frame and patch has room. */
+/* The input of the extractor: options and frames out of range are refused, and there is room for
+ * every other size of frame and patch. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -88,7 +88,7 @@ static void bad_frames_are_refused(void **state)
     f->frame = NULL;
 }
 
-/* Whatever camera iso_camera_check passes, up to the largest planes, down to one pixel. */
+/* Every camera that iso_camera_check accepts, up to the largest planes, down to one pixel. */
 static void every_size_of_frame_can_be_run(void **state)
 {
     struct extract_rig *f = *state;

@@ -1,4 +1,5 @@
-/* Candidates and pose search on rendered heads whose pose is known, and on what is no head. */
+/* Candidates and pose search on rendered heads whose pose is known, and on objects that are no
+ * head. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -130,7 +131,7 @@ static void a_nose_tip_is_among_the_candidates(void **state)
     assert_true(closest_mm < 8.0);
 }
 
-/* Draws two heads, the nearer one at the left, and asserts that it is the one that is found. */
+/* Draws two heads, the nearer one at the left, and asserts that the nearer one is found. */
 static void assert_nearer_is_meant(struct fixture *f, const struct iso_vec3 *near_shape,
                                    double near_size, double far_size, double within_mm)
 {
@@ -165,7 +166,7 @@ static void the_farther_is_not_meant_for_fitting_better(void **state)
     assert_non_null(shape);
     for (uint32_t i = 0; i < f->model->n_vertices; i++) {
         struct iso_vec3 p = f->model->mean_mm[i];
-        /* Waves that no mode of the model has; the farther head is the mean itself. */
+        /* Adds waves that no mode of the model has; the farther head is the mean itself. */
         shape[i] = iso_vec3(p.x, p.y, p.z + 2.0 * sin(0.25 * p.x) * cos(0.2 * p.y));
     }
     assert_nearer_is_meant(f, shape, 1.0, 1.0, 5.0);
@@ -253,7 +254,7 @@ static void noise_is_no_face(void **state)
     }
 }
 
-/* Tens of thousands of scraps, each a part of the scene, come before the face. */
+/* Tens of thousands of small pieces, each a part of the scene, come before the face. */
 static void scraps_do_not_hide_a_face(void **state)
 {
     struct fixture *f = *state;
@@ -272,7 +273,8 @@ static void scraps_do_not_hide_a_face(void **state)
     assert_true(f->n_candidates > 0);
 }
 
-/* An orthographic image's depths count from anywhere, so that 0 is in range: still not measured. */
+/* The depths of an orthographic image have no fixed origin, so that 0 is in range; a depth of 0
+ * still means that nothing was measured. */
 static void what_was_not_measured_is_no_part(void **state)
 {
     struct fixture *f = *state;

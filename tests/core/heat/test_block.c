@@ -1,4 +1,4 @@
-/* Blocks of vectors and the matrices that work on them, against one vector after another. */
+/* The operations on blocks of vectors, compared with one vector after another. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -56,7 +56,7 @@ static double *room(const struct scene *s)
     return values;
 }
 
-/* Value i of vector k, without order. */
+/* Value i of vector k: pseudo-random. */
 static double any(int32_t i, int k)
 {
     return sin(1.0 + 0.7 * i + 2.3 * k) + 0.3 * k;
@@ -75,7 +75,7 @@ static double *any_block(const struct scene *s, int width, int first)
     return values;
 }
 
-/* One of them in the order of the mesh. */
+/* One of these vectors in the order of the mesh. */
 static void any_vector(const struct scene *s, int k, double *out)
 {
     for (int32_t i = 0; i < s->n; i++) {
@@ -159,7 +159,8 @@ static void blocks_are_mixed_and_combined(void **state)
     }
 }
 
-/* A vector's bits are the same whatever the width of its block and its company. */
+/* A vector has the same bits whatever the width of its block, and whatever the other vectors are.
+ */
 static void widths_agree_to_the_bit(void **state)
 {
     (void)state;

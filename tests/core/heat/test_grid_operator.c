@@ -195,7 +195,7 @@ static void free_vectors(const struct iso_grid *grid, const struct vectors *v)
     }
 }
 
-/* In one pass or in four, by any processor. */
+/* In one pass or in four, by every implementation. */
 static void a_sweep_is_its_steps_to_the_bit(void **state)
 {
     (void)state;

@@ -126,7 +126,7 @@ static void compare(struct face *f, const char *name, const double *heat, const 
     }
 }
 
-/* The product asks for one time a call. */
+/* The product computes one time a call. */
 static void release_directly(const struct face *f, double *heat)
 {
     size_t n = (size_t)f->mesh->n_vertices;

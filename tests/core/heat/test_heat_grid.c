@@ -60,7 +60,7 @@ static void on_a_plane_heat_is_gaussian(void **state)
             double r = hypot(p.x - x_mm, p.y - y_mm);
             if (r < 22.0) {
                 double exact = exp(-r * r / (4.0 * t_mm2)) / (4.0 * M_PI * t_mm2);
-                /* What a mesh of 2 mm can say of a point source. */
+                /* The accuracy of a mesh of 2 mm for a point source. */
                 assert_true(fabs((double)column.value[i] / exact - 1.0) < 0.03);
             }
         }
@@ -137,7 +137,7 @@ static void what_is_too_stiff_is_declined(void **state)
     assert_int_equal(iso_heat_grid(solver, s.grid, &request), 0);
     request.t_mm2 *= 1.2;
     assert_int_equal(iso_heat_grid(solver, s.grid, &request), -ERANGE);
-    request.t_mm2 = 1e-5; /* hardly any time: the expansion still is one */
+    request.t_mm2 = 1e-5; /* a very short time: the expansion still exists */
     assert_int_equal(iso_heat_grid(solver, s.grid, &request), 0);
     iso_heat_grid_free(solver);
     grid_surface_done(&s);

@@ -73,7 +73,7 @@ static void add(struct error *error, const struct iso_isotherm *exact,
     }
 }
 
-/* Adds the errors of one source's isotherms, solved for as `solver` is told. */
+/* Adds the errors of the isotherms of one source. */
 static void compare_source(const struct grid_surface *s, enum iso_mass mass, int source,
                            struct iso_heat_grid *solver, struct error error[TIMES][RADII])
 {
@@ -149,8 +149,8 @@ static void isotherms_are_those_of_the_lumped_mass(void **state)
 static void isotherms_are_those_of_the_consistent_mass(void **state)
 {
     (void)state;
-    /* What a mesh of 2 mm leaves open, where there is still heat to speak of: the further out and
-     * the earlier, the more. */
+    /* The error of a mesh of 2 mm, where there is still a measurable amount of heat: it grows with
+     * the radius and falls with the time. */
     static const double open_mm[TIMES][RADII] = {
         {0.3, 0.3, INFINITY, INFINITY},
         {0.3, 0.3, 0.6, INFINITY},

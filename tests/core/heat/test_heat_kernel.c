@@ -238,7 +238,7 @@ static void both_ways_converge_to_the_reference(void **state)
     iso_mesh_free(mesh);
 }
 
-/* The space is the whole of a mesh that has fewer vertices than it has dimensions. */
+/* The Krylov space is the whole space of a mesh that has fewer vertices than it has dimensions. */
 static void a_small_mesh_is_exhausted(void **state)
 {
     (void)state;
@@ -259,7 +259,8 @@ static void a_small_mesh_is_exhausted(void **state)
     iso_mesh_free(mesh);
 }
 
-/* One call for several sources and times gives what single calls give, whatever came before. */
+/* One call for several sources and times gives the same as single calls, whatever was computed
+ * before. */
 static void columns_do_not_depend_on_company(void **state)
 {
     (void)state;

@@ -146,7 +146,8 @@ static void linear_functions_are_integrated_exactly(void **state)
     iso_mesh_free(mesh);
 }
 
-/* The pattern as promised: diagonal first, rows rising, one entry an edge, shared by both. */
+/* The pattern that the header promises: diagonal first, rows rising, one entry for each edge, the
+ * same for both matrices. */
 static void columns_are_sorted_and_complete(void **state)
 {
     (void)state;

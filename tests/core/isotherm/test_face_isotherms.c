@@ -61,7 +61,7 @@ static void make_patch(struct fixture *f, double cut_x_mm)
     iso_mesh_free(head);
 }
 
-/* What every test needs once it has a mesh. */
+/* Makes everything that a test needs besides the mesh. */
 static void make_rest(struct fixture *f)
 {
     size_t triangles = (size_t)f->mesh->n_triangles, vertices = (size_t)f->mesh->n_vertices;
@@ -269,7 +269,8 @@ static void on_the_mean_face_they_are_whole_and_about_their_landmark(void **stat
                 double reach = hypot(x, y);
                 assert_true(fabs(x + reach * sin(angle)) < 1e-3);
                 assert_true(fabs(y - reach * cos(angle)) < 1e-3);
-                /* Relief shortens what is seen of a way; it cannot lengthen it by much. */
+                /* Seen from the front, relief makes distances shorter; it cannot make them much
+                 * longer. */
                 assert_true(reach > 0.3 * radius_mm[r] && reach < 1.5 * radius_mm[r]);
             }
         }

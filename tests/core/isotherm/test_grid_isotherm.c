@@ -60,7 +60,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Something like heat about a place, with `bumps` that make several loops of a level. */
+/* A function like heat about a place, with `bumps` that give a level several loops. */
 static void heat_up(struct fixture *f, double x_mm, double y_mm, double t_mm2, double bumps)
 {
     float *value = f->plane + iso_grid_plane_origin(f->surface.grid);
@@ -79,7 +79,7 @@ static void assert_same_curves(struct fixture *f, double radius_mm, int *n_curve
     int n = iso_grid_tracer_run(f->on_grid, s->grid, &f->field, radius_mm, &level);
     assert_int_equal(iso_isotherm_level(s->mesh, heat, radius_mm, &mesh_level), 0);
     assert_true(fabs(level / mesh_level - 1.0) < 1e-5);
-    /* The very level, so that rounding cannot tell the curves apart. */
+    /* Exactly the same level, so that rounding makes no difference between the curves. */
     assert_int_equal(
         iso_tracer_run(f->on_mesh, s->mesh, (const int32_t(*)[3])s->adjacent, heat, level), n);
     for (int i = 0; i < n; i++) {

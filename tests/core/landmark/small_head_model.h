@@ -4,7 +4,7 @@
 
 #include "isotherm/head_model.h"
 
-/* Where things are in the file of the small model, by the layout of head_model.h. */
+/* The offsets in the file of the small model, by the layout of head_model.h. */
 enum {
     N_VERTICES = 5,
     N_TRIANGLES = 3,

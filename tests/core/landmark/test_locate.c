@@ -26,8 +26,8 @@ static enum iso_capture locate(struct extract_rig *f)
     return f->out.outcome;
 }
 
-/* Puts something before the head (a depth), or a hole (0), over a rectangle of the face frame of a
- * head in the middle. */
+/* Puts something in front of the head (a depth), or a hole (0), over a rectangle of the face frame
+ * of a head in the middle. */
 static void cover(struct extract_rig *f, double left_mm, double right_mm, double low_mm,
                   double high_mm, float depth_mm)
 {
@@ -61,7 +61,7 @@ static void what_is_covered_is_named(void **state)
     struct extract_rig *f = *state;
     const float depths[] = {0.0f, 560.0f}; /* a hole; a hand 40 mm before the nose */
     for (size_t i = 0; i < sizeof covers / sizeof *covers; i++) {
-        /* A board before half of the face is the nearest thing there is, and flat. */
+        /* A board in front of half of the face is the nearest object, and flat. */
         bool side = covers[i].part == ISO_PART_LEFT || covers[i].part == ISO_PART_RIGHT;
         for (int k = 0; k < (side ? 1 : 2); k++) {
             rendered_head_clear(f->frame);
@@ -119,7 +119,7 @@ static void landmarks_are_those_of_a_template(void **state)
     }
 }
 
-/* Alternating signs of a fixed size: as rough as noise, and the same on every machine. */
+/* Adds a fixed amount with alternating signs: as rough as noise, and the same on every machine. */
 static void roughen(struct extract_rig *f, float amount_mm)
 {
     for (int i = 0; i < 640 * 480; i++) {
@@ -142,11 +142,11 @@ static void rough_frames_are_less_sure(void **state)
         assert_true(smooth.sigma_mm[l] > 0.0 && smooth.sigma_mm[l] < 2.0);
         assert_true(f->out.sigma_mm[l] > 1.5 * smooth.sigma_mm[l]);
     }
-    /* The nasion is held on all sides; the mouth moves with the expression. */
+    /* The nasion is determined from all sides; the mouth moves with the expression. */
     assert_true(f->out.sigma_mm[ISO_LM_NASION] < f->out.sigma_mm[ISO_LM_MOUTH_R]);
 }
 
-/* A head that drifts from frame to frame, looked for and followed. */
+/* A head that drifts from frame to frame is found once and then followed. */
 static void a_face_is_followed(void **state)
 {
     struct extract_rig *f = *state;

@@ -25,8 +25,8 @@ static const struct iso_shape_fit_options usual = {
     .expression_stiffness_mm2 = 5.0,
 };
 
-/* A weak prior, so that what was rendered comes out hardly shrunken. (With none at all the modes
- * explain each other and the pose away.) */
+/* A weak prior, so that the fitted coefficients are hardly smaller than the rendered ones. (Without
+ * a prior, modes compensate each other and the pose.) */
 static const struct iso_shape_fit_options trusting = {
     .rigid_iterations = 4,
     .iterations = 24,
@@ -113,7 +113,7 @@ static void the_mean_head_comes_back_as_itself(void **state)
     assert_int_equal(iso_shape_fitter_new(f->model, &usual, &f->fitter), 0);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), 0);
     rendered_head_assert_pose(&fit.pose.camera_from_face, &f->truth, 0.4, 0.3);
-    /* What the nose hides of the cheek behind it counts in full. */
+    /* The part of the cheek that the nose hides counts in full. */
     assert_true(fit.pose.cost_mm2 < 3.5);
     assert_true(fit.pose.coverage > 0.99);
     assert_true(fit.pose.in_image == 1.0);
@@ -167,7 +167,7 @@ static void landmarks_are_those_of_the_neutral_head(void **state)
     assert_true(sqrt(squares / ISO_LANDMARKS) < 1.0);
 }
 
-/* One fitter serves one face after another: nothing of the first is in the second. */
+/* One fitter is used for one face after another: nothing of the first remains in the second. */
 static void a_fit_does_not_depend_on_the_one_before(void **state)
 {
     struct fixture *f = *state;
@@ -193,7 +193,8 @@ static void too_little_of_a_face_is_no_data(void **state)
     assert_int_equal(iso_shape_fitter_new(f->model, &usual, &f->fitter), 0);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), -ENODATA);
     assert_memory_equal(&fit, &untouched, sizeof fit);
-    /* Enough of it for that many residuals, but a plane across the sight fixes no pose. */
+    /* Enough measurements for that many residuals, but a plane across the line of sight fixes no
+     * pose. */
     f->start = rendered_head_pose(0.0, 0.0, iso_vec3(0, 0, 520));
     rendered_head_wall(f->frame, 3000.0f);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), -ENODATA);

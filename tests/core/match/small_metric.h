@@ -6,8 +6,8 @@
 
 enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
 
-/* Mean curves that lie in no plane, of landmarks 1 and 4; heights at three nodes of the upper face;
- * axes that look at all of it. */
+/* Mean curves of landmarks 1 and 4 that do not lie in a plane; heights at three nodes of the upper
+ * face; axes that depend on all of these. */
 struct iso_metric *small_metric(void);
 
 #endif

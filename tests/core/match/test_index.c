@@ -1,4 +1,5 @@
-/* The index: its scan finds whom the exhaustive score finds, whatever came, changed and left. */
+/* The index: its scan finds the same people as the exhaustive score, whatever was added, changed
+ * and removed. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -15,7 +16,7 @@
 
 enum { DIMENSIONS = 150, PEOPLE = 3000, SHORTLIST = 10 };
 
-/* What rounding may put in another order. */
+/* Scores that differ by less than this may change places by rounding. */
 static const double rounding = 1e-4;
 
 /* Numbers of mean 0 and variance 1, the same ones every time (twelve uniform ones: close enough).
@@ -30,7 +31,7 @@ static float normal(uint32_t *state)
     return (float)sum;
 }
 
-/* As much between people as the shipped metric has, from much to hardly any. */
+/* The variances between people are like those of the shipped metric, from large to almost 0. */
 static struct iso_metric *new_metric(int n_dimensions)
 {
     const struct iso_metric shape = {
@@ -68,7 +69,7 @@ static struct iso_metric_vector template_of(const struct iso_metric *m,
     for (int d = 0; d < m->n_dimensions; d++) {
         noisy.mean[d] += spread * normal(state);
     }
-    /* Of another weight each: an eighth to eight of an average template. */
+    /* Each template has another weight: an eighth to eight times that of an average one. */
     noisy.weight = exp2f((float)(int)(*state >> 16 & 7) - 3.5f);
     iso_metric_vector_add(m, &noisy, &out); /* which scales it */
     return out;
@@ -126,8 +127,8 @@ static int falling(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* One search against everybody's exact score: nobody who is better than the last one by more than
- * rounding is missing, and who is there has the exact score. */
+/* Compares one search with the exact score of everybody: nobody is missing who is better than the
+ * last hit by more than rounding, and every hit has the exact score. */
 static void expect_exhaustive(const struct crowd *c, int people,
                               const struct iso_metric_vector *probe)
 {
@@ -181,7 +182,7 @@ static void people_come_and_change_and_leave(void **state)
         assert_true(found.scale <= c->all[i].scale && found.scale >= c->all[i].scale);
         assert_memory_equal(found.mean, c->all[i].mean, DIMENSIONS * sizeof(float));
     }
-    /* In the middle, the first and the last leave, and come again in another order. */
+    /* People in the middle, the first and the last one leave, and come again in another order. */
     static const int moved[] = {17, 0, 39, 3};
     for (int k = 0; k < 4; k++) {
         assert_int_equal(iso_index_remove(c->index, number_of(moved[k])), 0);
@@ -193,12 +194,12 @@ static void people_come_and_change_and_leave(void **state)
         assert_int_equal(iso_index_put(c->index, number_of(moved[k]), &c->all[moved[k]]), 0);
     }
     expect_exhaustive(c, FEW, &probe);
-    /* Another one in somebody's place, with another number of templates. */
+    /* Replaces a person by another one, with another number of templates. */
     c->all[8] = c->all[9];
     assert_int_equal(iso_index_put(c->index, number_of(8), &c->all[9]), 0);
     assert_int_equal(iso_index_size(c->index), FEW);
     expect_exhaustive(c, FEW, &probe);
-    /* More room keeps who is there. */
+    /* More room keeps the people who are there. */
     assert_int_equal(iso_index_reserve(c->index, 10 * FEW), 0);
     expect_exhaustive(c, FEW, &probe);
     free_crowd(c);

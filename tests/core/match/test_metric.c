@@ -13,7 +13,7 @@
 #include "core/match/search.h"
 #include "tests/core/match/small_metric.h"
 
-/* What the functions under test work in. */
+/* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
 /* The mean curves turned and shifted, curves of other landmarks that do not matter, and the mean
@@ -57,7 +57,7 @@ static void residuals_do_not_see_how_a_face_is_placed(void **state)
     for (int v = 0; v < m->n_values; v++) {
         assert_true(fabsf(residual_mm[v]) < 1e-4f);
     }
-    /* A point that is not there leaves nothing, however wrong it is, and moves no other. */
+    /* A missing point contributes nothing, however wrong its value is, and moves no other point. */
     t.points_mm[1][4][2][2] += 50.0f;
     t.weight[1][4][2] = 0.0f;
     assert_int_equal(iso_metric_residuals(m, &t, residual_mm), 0);
@@ -89,7 +89,7 @@ static void it_refuses_what_it_cannot_compare(void **state)
     iso_metric_free(m);
 }
 
-/* Squared, in standard deviations of a vector of so many templates. */
+/* The squared length, in standard deviations of a vector of this many templates. */
 static double length_of(const struct iso_metric *m, const struct iso_metric_vector *v)
 {
     double length = 0.0;
@@ -137,7 +137,7 @@ static void heights_count_where_there_are_any(void **state)
     iso_metric_free(m);
 }
 
-/* What is likeliest to have made the numbers, by trying every step. */
+/* The most likely variance of the numbers, found by trying every step. */
 static void a_vector_says_how_noisy_it_is(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void a_score_is_the_likelihood_ratio_of_one_person_and_two(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric();
-    /* Worth 1, 1 and 2: together 4. */
+    /* Weights of 1, 1 and 2: together 4. */
     const struct iso_metric_vector a = {1, 1.0f, 0, 1.0f, {2.0f, -1.0f, 0.5f}},
                                    b = {1, 1.0f, 0, 1.0f, {3.0f, 0.0f, -0.5f}},
                                    c = {1, 2.0f, 2, 1.0f, {2.5f, -0.7f, 0.1f}};
@@ -237,7 +237,7 @@ static void a_score_is_the_likelihood_ratio_of_one_person_and_two(void **state)
     iso_metric_free(m);
 }
 
-/* Person 5 has two templates, 6 one that is as good as empty, 7 one. */
+/* Person 5 has two templates, 6 has one that is almost empty, 7 has one. */
 static void a_search_takes_all_templates_of_a_person_together(void **state)
 {
     (void)state;

@@ -11,7 +11,7 @@
 #include "core/registration/icp.h"
 #include "core/registration/rigid.h"
 
-/* What registrations work in. */
+/* The working memory of registrations. */
 static struct iso_icp_workspace registration;
 
 enum { N = 60 };

@@ -15,7 +15,7 @@
 #include "core/match/search.h"
 #include "core/match/template_fuse.h"
 
-/* What registrations work in. */
+/* The working memory of registrations. */
 static struct iso_icp_workspace registration;
 
 enum { COHORT = 12 };
@@ -107,7 +107,7 @@ static void damaged_template_bytes_are_refused(void **state)
     /* Version 1 had no upper face. */
     bytes[4] = 1;
     assert_int_equal(iso_template_parse(bytes, (size_t)size, &back), -EPROTONOSUPPORT);
-    /* A block that says nothing, under a checksum that is right. */
+    /* An empty block under a correct checksum. */
     bytes[4] = ISO_TEMPLATE_VERSION;
     const size_t block = (size_t)size - 4 - (ISO_UPPER_KIND_BYTES + 2);
     bytes[block] = 3; /* no kind of a node */
@@ -171,7 +171,7 @@ static void distance_refuses_what_cannot_be_compared(void **state)
     assert_int_equal(iso_match_distance(&registration, &a, &a, &options, &distance), -EINVAL);
 }
 
-/* What is left out neither registers nor counts nor is missed. */
+/* A landmark that is left out neither registers, nor counts, nor is missed. */
 static void distance_leaves_landmarks_out(void **state)
 {
     (void)state;

@@ -16,7 +16,7 @@
 #include "core/match/upper_face.h"
 #include "core/match/upper_surface.h"
 
-/* What the functions under test work in. */
+/* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
 /* A vaulted forehead with a nose, brows that are not symmetric, and a wave that depends on who it
@@ -35,7 +35,7 @@ static bool inside(double x, double y)
     return x * x / (64.0 * 64.0) + (y - 30.0) * (y - 30.0) / (54.0 * 54.0) < 1.0;
 }
 
-/* The surface after a motion: where it stands above a node is found by iteration. */
+/* The surface after a motion: its height above a node is found by iteration. */
 static struct iso_upper_face moved_face(int who, const struct iso_rigid *motion)
 {
     const struct iso_rigid back = iso_rigid_inverse(motion);
@@ -143,8 +143,9 @@ static void a_face_fits_itself_however_it_is_moved(void **state)
         const struct iso_upper_face moved = moved_face(2, &motion);
         struct iso_upper_fit fit;
         assert_int_equal(iso_upper_fit(&work.fit, &moved, &surface, &fit), 0);
-        /* Along z nodes come to lie on nodes. Else the surface between them is off by what linear
-         * interpolation is: an eighth of the curvature (up to 0.1 / mm) times 3 mm squared. */
+        /* A motion along z takes nodes to nodes. Otherwise the surface between them has the error
+         * of linear interpolation: an eighth of the curvature (up to 0.1 / mm) times 3 mm squared.
+         */
         assert_true(fit.rms_mm < (i == 0 ? 1e-3 : 0.06));
         assert_true(fit.overlap > 0.75 &&
                     fit.overlap <= 1.0); /* of the rim the slope is not known */
@@ -228,7 +229,7 @@ static void fusing_averages_in_the_frame_of_the_first(void **state)
     assert_memory_equal(&fused, &none, sizeof none);
 }
 
-/* A metric of one landmark and two dimensions; what it sees of these templates differs little. */
+/* A metric of one landmark and two dimensions, for which these templates differ little. */
 static struct iso_metric *new_metric(void)
 {
     const struct iso_metric shape = {
@@ -282,11 +283,11 @@ static void a_fused_score_is_the_weighted_sum(void **state)
     assert_true(own_mm < other_mm && both_mm == own_mm);
     const double score = iso_rerank(&work, m, &probe, person, 2, 3.0);
     assert_true(fabs(score - (0.5 * 3.0 - 2.0 * log(own_mm) + 0.25)) < 1e-9);
-    /* The same surface cannot be told from one that is hardly off. */
+    /* The same surface cannot be distinguished from one that differs very little. */
     assert_int_equal(
         iso_rerank_misfit(&work, &probe, (const struct iso_upper_face *[]){&probe}, 1, &own_mm), 0);
     assert_true(own_mm == ISO_RERANK_RMS_MIN_MM);
-    /* Without surfaces, or without weights, it is the metric's. */
+    /* Without surfaces, or without weights, it is the score of the metric. */
     assert_true(iso_rerank(&work, m, &probe, person, 0, 3.0) == 3.0);
     memset(&probe, 0, sizeof probe);
     assert_int_equal(iso_rerank_misfit(&work, &probe, person, 2, &own_mm), -ENODATA);
@@ -297,7 +298,7 @@ static void a_fused_score_is_the_weighted_sum(void **state)
     iso_metric_free(m);
 }
 
-/* Twelve people whom the metric cannot tell apart but by a little, against the right order. */
+/* Twelve people whom the metric distinguishes only a little, and in the wrong order. */
 static void a_search_looks_again_at_the_best(void **state)
 {
     (void)state;

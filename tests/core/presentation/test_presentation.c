@@ -179,7 +179,7 @@ static void present(struct presented *p, enum kind kind)
     }
 }
 
-/* How many presentations of a kind come to each outcome. */
+/* Counts how many presentations of a kind have each outcome. */
 static void count(struct iso_extractor *x, struct presented *p, enum kind kind, int n,
                   int outcomes[ISO_CAPTURES])
 {
@@ -212,15 +212,17 @@ static void pictures_and_masks_are_refused_and_people_are_not(void **state)
             }
             print_message("%s %s: %d accepted, %d called an attack, of %d\n", sensors[s]->name,
                           names[kind], outcomes[ISO_CAPTURE_OK], attacks, EACH);
-            /* One in a hundred people has an extraordinary head: one is let be, and no other. */
+            /* One in a hundred people has an extraordinary head: one refusal is allowed, and no
+             * other. */
             if (kind == PERSON) {
                 assert_int_equal(outcomes[ISO_CAPTURE_OK] + outcomes[ISO_CAPTURE_WRONG_SIZE], EACH);
                 assert_true(outcomes[ISO_CAPTURE_WRONG_SIZE] <= 1);
                 continue;
             }
-            /* Openings narrower than the sensor's windows are not seen. */
+            /* The sensor does not see openings that are narrower than its windows. */
             assert_true(outcomes[ISO_CAPTURE_OK] <= (kind == EYES_CUT ? EACH / 2 : 0));
-            /* Most masks that are too small are no face at all, as are many too large. */
+            /* Most masks that are too small, and many that are too large, are not taken for a face
+             * at all. */
             assert_true(kind == SMALL || attacks >= (kind == LARGE ? 1 : EACH / 2));
         }
         presented_free(p);
@@ -275,7 +277,7 @@ static void the_size_of_the_mean_face_is_found(void **state)
     iso_presentation_free(NULL);
 }
 
-/* The mean head moved by so many standard deviations of one mode. */
+/* Moves the mean head by this many standard deviations of one mode. */
 static void move(const struct iso_head_model *model, uint32_t mode, double by,
                  struct iso_vec3 *shape)
 {
@@ -302,8 +304,8 @@ static double scale_found(const struct iso_head_model *model, const struct iso_v
     return found.scale;
 }
 
-/* Somebody large in the way people are: the shape says so in part, and less is left to the scale.
- * The mean face, printed as large, has the features of others. */
+/* A person who is large in the way people are: the shape explains that in part, and less is left to
+ * the scale. A mean face that is printed large has the features of other people. */
 static void a_large_person_is_not_a_large_print(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* What features are made with: principal components and vocabularies. */
+/* The tools that make features: principal components and vocabularies. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -48,7 +48,7 @@ static void principal_components_span_what_was_learnt(void **state)
     assert_int_equal(iso_principal_init(row, N, SIZE, 4, &p), -EDOM);
 }
 
-/* Rows about three places are three words; a bag says how much of each there is. */
+/* Rows about three places give three words; a bag holds the share of each. */
 static void words_are_where_rows_are(void **state)
 {
     (void)state;

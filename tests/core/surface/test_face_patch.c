@@ -1,4 +1,4 @@
-/* The face patch on surfaces made from the mean face: what it must be is then known. */
+/* The face patch on surfaces made from the mean face, for which the right patch is known. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -66,8 +66,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* How far the shape of a test stands before the mean face. Harmonic, so that a membrane over a hole
- * in it has its values; slow, so that smoothing leaves it alone. */
+/* The distance of a test's shape in front of the mean face. It is harmonic, so that a membrane over
+ * a hole in it has its values; it changes slowly, so that smoothing does not change it. */
 static double relief_mm(double x_mm, double y_mm)
 {
     return 2.0 + 0.03 * x_mm - 0.02 * y_mm + 0.0004 * (x_mm * x_mm - y_mm * y_mm);
@@ -229,7 +229,8 @@ static void a_hand_before_the_cheek_is_no_face(void **state)
     double column, row;
     iso_face_patch_pixel(f->patch, cheek_x_mm, cheek_y_mm, &column, &row);
     float mean = f->mean[(int)lround(row) * f->side + (int)lround(column)];
-    /* What is between hand and face drags a little; the hand itself does not. */
+    /* The places between hand and face are drawn a little to the hand; the hand itself has no
+     * effect. */
     assert_true(fabsf(depth_at(f, cheek_x_mm, cheek_y_mm) - mean) < 20.0f);
 }
 

@@ -171,7 +171,7 @@ static void triangulating_nothing_is_an_error(void **state)
     iso_mesh_free(mesh);
 }
 
-/* A harmonic function is its own membrane: a hole in it is filled exactly, give or take. */
+/* A harmonic function is its own membrane: a hole in it is filled almost exactly. */
 static void a_hole_is_filled_by_the_membrane(void **state)
 {
     (void)state;

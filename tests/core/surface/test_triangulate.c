@@ -1,4 +1,4 @@
-/* The mesh of a ragged frame: whatever was measured, what is promised about it holds. (Regular
+/* The mesh of a frame with missing pixels: the promises of the header hold for all of it. (Regular
  * frames and errors: test_surface.c.) */
 #include <errno.h>
 #include <math.h>
@@ -85,7 +85,7 @@ static void every_triangle_faces_the_camera_and_crosses_no_jump(void **state)
     tear_down(&f);
 }
 
-/* What the grid knows about neighbours is what the mesh alone tells. */
+/* The neighbours that are read off the grid are those that the mesh alone gives. */
 static void adjacency_is_read_off_the_grid(void **state)
 {
     (void)state;

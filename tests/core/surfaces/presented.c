@@ -201,8 +201,8 @@ struct presented_sheet presented_draw_sheet(struct presented *p, enum presented_
     return sheet;
 }
 
-/* How far the sheet lies behind its middle where it is met after walking `s` along it, and how far
- * to the side. */
+/* How far the sheet lies behind its middle at the distance `s` along it, and how far to the side.
+ */
 static void profile(const struct presented_sheet *sheet, double s, double *t, double *back)
 {
     double r = sheet->radius_mm, fold = 60.0;

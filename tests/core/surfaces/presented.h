@@ -33,7 +33,7 @@ void presented_draw_person(struct presented *p);
 /* Attitude within +-10 degrees, place and distance where people stand before the sensor. */
 struct iso_rigid presented_draw_pose(struct presented *p);
 
-/* Nothing in view, then a wall 1.3 to 2.6 m away. */
+/* Empties the scene, then puts a wall 1.3 to 2.6 m away. */
 void presented_clear(struct presented *p);
 
 enum { PRESENTED_EYES_CUT = 1 };
@@ -42,7 +42,7 @@ enum { PRESENTED_EYES_CUT = 1 };
  * out what lies within the lids, so that what is drawn behind is seen. */
 void presented_head(struct presented *p, const struct iso_rigid *pose, double size, unsigned flags);
 
-/* The wearer behind a mask's eyes: a plain surface so far behind. */
+/* The wearer behind the eyes of a mask: a plane surface at this distance behind it. */
 void presented_behind(struct presented *p, const struct iso_rigid *pose, double behind_mm);
 
 enum presented_bend { PRESENTED_FLAT, PRESENTED_ROLLED, PRESENTED_WAVY, PRESENTED_CREASED };
@@ -60,15 +60,15 @@ struct presented_sheet {
 /* A sheet of random size and bend of that kind. */
 struct presented_sheet presented_draw_sheet(struct presented *p, enum presented_bend bend);
 
-/* Its middle where a pose puts a nose tip, facing as the pose does. */
+/* Draws the sheet with its middle where a pose puts a nose tip, in the direction of the pose. */
 void presented_sheet(struct presented *p, const struct presented_sheet *sheet,
                      const struct iso_rigid *pose);
 
-/* p->frame from what was drawn. */
+/* Makes p->frame from the scene. */
 void presented_measure(struct presented *p);
 
-/* A display of that size: its glass, all but the bezel, loses this share of its measurements in
- * blotches. After presented_measure. */
+/* A display of that size: its glass, except the frame around it, loses this share of its
+ * measurements in blotches. After presented_measure. */
 void presented_blind(struct presented *p, const struct presented_sheet *sheet,
                      const struct iso_rigid *pose, double bezel_mm, double lost_share);
 

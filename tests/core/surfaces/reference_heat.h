@@ -1,4 +1,4 @@
-/* The heat kernel to many digits, by a method that has nothing in common with those under test: the
+/* The heat kernel to many digits, by a method that shares nothing with those under test: the
  * Chebyshev expansion of exp(-t B^-1 L) (Tal-Ezer 1989), B^-1 by conjugate gradients. No
  * factorisation, no Krylov space, no eigenpairs. */
 #ifndef TESTS_CORE_SURFACES_REFERENCE_HEAT_H

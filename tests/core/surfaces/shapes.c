@@ -56,7 +56,7 @@ static int32_t split_edge(struct iso_mesh *mesh, int32_t (*split)[3], int32_t *n
     int32_t low = a < b ? a : b, high = a < b ? b : a;
     for (int32_t i = 0; i < *n_split; i++) {
         if (split[i][0] == low && split[i][1] == high) {
-            /* Each edge has two triangles: the record is done with. */
+            /* Each edge has two triangles: the record is no longer needed. */
             int32_t middle = split[i][2];
             --*n_split;
             for (int k = 0; k < 3; k++) {
