@@ -1,6 +1,6 @@
-/* What an administrator does to an appliance: people renamed, limited in time, copied from door to
- * door; keys rotated; the relay tested. Each is on record before it is done, and again with what
- * came of it. */
+/* What an administrator does to an appliance: renames people, limits their time, copies them from
+ * door to door, rotates keys, tests the relay. Each act is put on record before it is done, and
+ * its result after it. */
 #ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
 #define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
 
@@ -13,10 +13,10 @@
 /* Common to all: -EBUSY an action of a client goes on; an error of the log, when it could not be
  * put on record: then nothing was done. */
 
-/* Unlocks the door for ISO_DOOR_TEST_MS, so that who installs it hears the relay click. Besides the
- * daemon's own identification and the exit button nothing else does. -EBUSY a client has the
- * camera, or the door is not locked; -EPERM lockdown or lock-out; -ENODEV the door has no relay, or
- * its lines do not work. */
+/* Unlocks the door for ISO_DOOR_TEST_MS, so that the installer hears the relay click. Only this,
+ * the identification at the door and the exit button unlock the door. -EBUSY a client has the
+ * camera, or the door is not locked; -EPERM lockdown or lock-out; -ENODEV the door has no relay,
+ * or its lines do not work. */
 int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -35,8 +35,8 @@ struct iso_import_request {
     const struct iso_work_listener *listener;
 };
 
-/* Takes people over; known: those who are known here, and stay as they are. Errors of
- * iso_transfer_read, iso_gallery_import and of reading; then nobody has come. */
+/* Adds people from a file. *known is how many of them were known here already and stay as they
+ * are. Errors of iso_transfer_read, iso_gallery_import and of reading; then nobody was added. */
 int iso_appliance_import(struct iso_appliance *appliance, const struct iso_import_request *request,
                          size_t *added, size_t *known, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -72,12 +72,12 @@ struct iso_appliance_events {
     void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
                                bool done, const char *person, double score, double threshold);
     void (*visit)(void *context, const struct iso_visit *visit);
-    /* WATCH: a hint for who stands at the door. */
+    /* WATCH: a hint for the person at the door. */
     void (*hint)(void *context, enum iso_capture capture);
     /* What the sensor sees; only while iso_appliance_aim is on, some ten times a second. */
     void (*view)(void *context, const struct iso_view *view);
-    /* The frame that iso_appliance_picture asked for; it is valid during the call. NULL: there will
-     * be none, because the camera shows nothing or the claim has ended. */
+    /* The frame that iso_appliance_picture asked for, valid during the call. NULL: there will be no
+     * picture, because the camera shows nothing or the claim has ended. */
     void (*picture)(void *context, const struct iso_frame *frame);
     /* Words of door.h. */
     void (*door_changed)(void *context, const char *state, const char *cause);
@@ -88,8 +88,8 @@ struct iso_appliance_events {
     void *context;
 };
 
-/* What it is made of. Everything is borrowed and must outlive the appliance; nobody else uses
- * pipeline, gallery, audit and door lines meanwhile, but for looking. */
+/* What an appliance is made of. Everything is borrowed and must outlive the appliance. Nobody else
+ * may change pipeline, gallery, audit log and door lines meanwhile. */
 struct iso_appliance_borrowed {
     const struct iso_config *config;
     struct iso_times times;
@@ -117,9 +117,9 @@ int iso_appliance_new(const struct iso_appliance_borrowed *borrowed, struct iso_
     __attribute__((warn_unused_result));
 void iso_appliance_free(struct iso_appliance *appliance);
 
-/* Puts the door to work and then opens the sensor. A sensor that is not there is no failure: it is
- * tried again, and the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a
- * sensor that there cannot be. */
+/* Starts the door, then opens the sensor. A missing sensor is no failure: it is tried again, and
+ * the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a sensor that there
+ * cannot be. */
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -127,8 +127,8 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
  * earlier if a descriptor below is readable, or after any other call. */
 int64_t iso_appliance_step(struct iso_appliance *appliance);
 
-/* Puts the door to where it rests without power, and closes the sensor. What is still to be written
- * into the log is written until iso_appliance_free returns. */
+/* Switches the lines of the door off, and closes the sensor. Records that are still queued are
+ * written before iso_appliance_free returns. */
 void iso_appliance_stop(struct iso_appliance *appliance);
 
 /* Descriptors that poll readable when a step has something to do; negative if there is none now.
@@ -136,8 +136,8 @@ void iso_appliance_stop(struct iso_appliance *appliance);
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance);
 int iso_appliance_door_fd(const struct iso_appliance *appliance);
 
-/* Counts signs of life of the sensor (frames, an idle sensor's answer, a try to open a lost one):
- * the watchdog is fed only when it has risen. */
+/* Counts signs of life of the sensor (frames, answers of an idle sensor, attempts to open a lost
+ * one). The watchdog is fed only when this number has risen. */
 uint64_t iso_appliance_progress(const struct iso_appliance *appliance);
 
 /* ---- what a client can ask for ---- */
@@ -173,8 +173,8 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
 int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Has the door forget failures and attacks, which ends a lock (lockout.h); on record. Errors of the
- * log, and nothing has changed. */
+/* Clears failures and attacks, which ends a lock (lockout.h); on record. Errors of the log, and
+ * nothing has changed. */
 int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -183,8 +183,8 @@ int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_faul
 int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Whether what the sensor sees is to be told; in every mode that looks at frames. Changes nothing
- * else: the door stays in service. */
+/* Turns the event `view` on or off, in every mode that looks at frames. Nothing else changes: the
+ * door stays in service. */
 void iso_appliance_aim(struct iso_appliance *appliance, bool on);
 bool iso_appliance_is_aimed(const struct iso_appliance *appliance);
 
@@ -194,7 +194,7 @@ bool iso_appliance_is_aimed(const struct iso_appliance *appliance);
 int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The log, to be read by whoever holds it (audit_writer.h). */
+/* The log; to read it, hold it (audit_writer.h). */
 struct iso_audit_writer *iso_appliance_log(const struct iso_appliance *appliance);
 
 /* Since the start. */
@@ -227,7 +227,7 @@ struct iso_appliance_status {
     enum iso_fault_code counter_fault_code;
     char sensor_health[64]; /* what its driver says of it; "" while all is well */
     enum iso_fault_code sensor_health_code;
-    size_t people_valid;         /* who may come in at this time */
+    size_t people_valid;         /* people who may come in at this time */
     const char *last_outcome;    /* of a visit: "allow anna", "deny", ""; behind the name
                                     ", door not-unlocked" if that is what it did */
     const char *image_check;     /* "off", "flag", "veto", "absent" (pipeline.h) */

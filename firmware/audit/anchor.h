@@ -1,22 +1,22 @@
-/* An anchor: a number that only rises, sealed, beside the store that it belongs to; with it an old
- * copy of the store that is put back is recognised.
+/* An anchor is a sealed number beside a store. It only rises, so that an old copy of the store
+ * that is put back is recognised.
  *
- * A store counts its changes. It writes a change, and then the anchor: so the store's number is
- * that of the anchor or, after a kill between the two, one more; for the log, which writes groups
- * of records, as many more as a group has. A store that is behind its anchor is an old one. If the
- * anchor cannot be written the store is ahead of it, and has to catch up (iso_anchor_set again)
- * before the next change.
+ * A store counts its changes. It writes a change, and then the anchor. So the number of the store
+ * is that of the anchor, or one more after a kill between the two. The log writes groups of
+ * records: there it is as many more as the group has records. A store that is behind its anchor is
+ * an old one. If the anchor cannot be written the store is ahead of it, and has to catch up
+ * (iso_anchor_set again) before the next change.
  *
  * What an anchor can tell: that its store was exchanged for an older one, or cut short. An anchor
  * that was exchanged with its store is found by what the other stores know (heads.h), and what it
- * knows of them stands in it. That the whole directory is of an earlier time cannot be told by what
- * lies in it, but by a counter in a TPM (state_counter.h). Where there is none, the head of the log
- * goes to the system's journal with every record: a journal that is kept elsewhere, or a note of
- * `isotherm log verify`, shows it.
+ * knows of them stands in it. The files of a directory cannot show that the whole directory is of
+ * an earlier time; a counter in a TPM can (state_counter.h). Where there is none, the head of the
+ * log goes to the journal of the system with every record: a journal that is kept elsewhere, or a
+ * note of what `isotherm log verify` said, shows it.
  *
- * The file has two slots that are written in turn; one that was cut short is as good as none, and
- * the other is one behind. Slot: number of the key u32, then sealed: turn u64, value u64, extra[],
- * heads. Format 1, which is still read, has no heads. */
+ * The file has two slots that are written in turn. A slot that was cut short does not count; the
+ * other one is one behind then. Slot: number of the key u32, then sealed: turn u64, value u64,
+ * extra[], heads. Format 1, which is still read, has no heads. */
 #ifndef ISO_FIRMWARE_AUDIT_ANCHOR_H
 #define ISO_FIRMWARE_AUDIT_ANCHOR_H
 

@@ -4,23 +4,23 @@
  *    "person":"anna","verdict":"allow","reason":"match","score":7.25,"threshold":4,"frames":2}
  *
  * Sequences are 1, 2, ... without a gap. It holds no biometric data: no template, no frame, no
- * landmark. On the disk every record is sealed, for it has names in it, and chained to the one
- * before it (audit_line.h); an anchor (anchor.h) beside it, PATH.anchor, has the last sequence and
- * the head of the chain. So an edit, a gap, a repetition and a missing end are found: at open in
- * the segment that is written, and by iso_audit_verify in all of them. What is not found is said in
- * anchor.h.
+ * landmark. On the disk every record is sealed, because it has names in it, and chained to the
+ * record before it (audit_line.h). An anchor (anchor.h) beside it, PATH.anchor, has the last
+ * sequence and the head of the chain. So an edit, a gap, a repetition and a missing end are found:
+ * in the segment that is written when the log is opened, and in all segments by iso_audit_verify.
+ * anchor.h says what cannot be found.
  *
- * The log is bounded: a segment that is full is closed and renamed to PATH.FIRST, and the oldest
- * go, with their keys; the record that begins a segment ("log-rotated") says so.
+ * The log is bounded: a full segment is closed and renamed to PATH.FIRST, and the oldest segments
+ * are deleted with their keys. The first record of a segment ("log-rotated") says so.
  *
- * A record is written by one write(); with `sync` it is on the disk when append returns, and the
- * anchor, too. Records that are appended as a group are synchronised together: if that fails none
- * of them is written, and a crash meanwhile leaves the first few of them, or none. Without `sync`
- * the anchor only follows at open, close and with each segment, so that it never comes to the disk
- * before what it speaks of; then a missing end is found up to there only. A record that does not
- * fit on the disk leaves nothing behind. A line that was cut short by a crash is taken away at the
- * next open, which is itself put on record (if there is room). One process at a time has the log.
- */
+ * A record is written by one write(); with `sync` the record and the anchor are on the disk when
+ * append returns. Records that are appended as a group are synchronised together: if that fails,
+ * none of them is written; a crash leaves the first few of them, or none. Without `sync` the
+ * anchor is written only at open, at close and with each segment, so that it never reaches the
+ * disk before the records that it counts; then a missing end is found only up to that point. A
+ * record that does not fit on the disk leaves nothing behind. A line that a crash has cut short is
+ * removed at the next open, and a record says so (if there is room). Only one process at a time
+ * can open the log. / */
 #ifndef ISO_FIRMWARE_AUDIT_AUDIT_H
 #define ISO_FIRMWARE_AUDIT_AUDIT_H
 
@@ -33,7 +33,7 @@
 #include "firmware/keys/key_ring.h"
 #include "firmware/keys/state_counter.h"
 
-/* What the caller has to say; members that are NULL, NaN or negative are left out. */
+/* The contents of a record. Members that are NULL, NaN or negative are left out. */
 struct iso_audit_record {
     const char *event; /* REQUIRED: "start", "visit", "door", ... */
     const char *person, *verdict, *reason, *note;
@@ -46,11 +46,11 @@ struct iso_audit_record {
     const char *before, *after; /* what an administrator changed: the old and the new value */
     double score, threshold;
     int frames, attack_frames;
-    /* Which gallery, and its number of changes (iso_gallery_version): those who are put back later
-     * can be told from it. NULL, 0: not said. */
+    /* Which gallery, and its number of changes (iso_gallery_version), by which a gallery that is
+     * put back later is recognised. NULL, 0: not said. */
     const char *gallery;
     uint64_t gallery_changes;
-    /* When it happened, by both times; 0, 0: at the moment at which the record is written. */
+    /* When it happened, by both clocks; 0, 0: when the record is written. */
     int64_t wall_ns, monotonic_ns;
 };
 
@@ -68,8 +68,8 @@ struct iso_audit_options {
     struct iso_key_ring *ring; /* outlives the log */
     /* Outlives the log; its number stands in the anchor. NULL: the number stays what it was. */
     struct iso_state_counter *counter;
-    /* Told of every record after it was written, with the head behind it. Somebody may wait for the
-     * record, and others wait for the log: it must not wait for anything. NULL: nobody. */
+    /* Called for every record after it was written, with the head of the log after it. It must not
+     * wait for anything, because callers wait for the record and for the log. NULL: no call. */
     void (*written)(void *context, const struct iso_audit_record *record, uint64_t sequence,
                     const char *head);
     void *context;
@@ -88,8 +88,8 @@ int iso_audit_open(const struct iso_audit_options *options, const struct iso_tim
     __attribute__((warn_unused_result));
 void iso_audit_close(struct iso_audit *audit);
 
-/* Writes a record. What it stands for must not happen if this fails: -ENOSPC the disk is full, -EIO
- * it cannot be written or synchronised, -ENOMEM, -EINVAL it is too long. */
+/* Writes a record. If this fails, what the record announces must not happen: -ENOSPC the disk is
+ * full, -EIO it cannot be written or synchronised, -ENOMEM, -EINVAL it is too long. */
 int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *record,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 

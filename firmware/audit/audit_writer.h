@@ -1,13 +1,14 @@
-/* Writes the audit log in a thread of its own, so that nobody waits for the disk who need not.
+/* Writes the audit log in a thread of its own, so that only callers wait for the disk that have
+ * to.
  *
  * Records wait in a queue of ISO_AUDIT_WRITER_RECORDS, and are written in the order in which they
  * came; the log gives them their sequences when it writes them, so that the chain has no gap. A
  * record bears the time at which it was queued, unless it has one already. The thread takes all
  * records that are queued as one group and synchronises them together (iso_audit_append_group), so
- * that the speed of the disk bounds the number of groups in a second, and not that of records. Who
- * posts a record goes on at once; who appends one waits until its group is on the disk, but no
- * longer than he said. A record
- * that nobody waits for any more is taken out of the queue if its writing has not begun.
+ * that the speed of the disk bounds the number of groups in a second, and not that of records.
+ * Posting a record returns at once. Appending a record waits until its group is on the disk, but
+ * no longer than the caller says. A record that nobody waits for any more is taken out of the
+ * queue if its writing has not begun.
  *
  * The last two places of the queue are for a record that is appended and for its outcome: posted
  * records, however many, never keep a grant from being queued.

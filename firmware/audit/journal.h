@@ -1,9 +1,10 @@
 /* The system's journal as a second place for what the audit log says: structured fields, for
  * `journalctl ISOTHERM_EVENT=visit`. No name goes there, for the journal is not sealed:
  *
- *   ISOTHERM_EVENT, ISOTHERM_SEQUENCE, ISOTHERM_HEAD and, where they apply, ISOTHERM_VERDICT,
- *   ISOTHERM_DOOR (what the door did after "allow"), ISOTHERM_REASON, ISOTHERM_SCORE,
- * ISOTHERM_THRESHOLD, ISOTHERM_FRAMES, ISOTHERM_ATTACK_FRAMES, ISOTHERM_SENSOR
+ *   ISOTHERM_EVENT, ISOTHERM_SEQUENCE, ISOTHERM_HEAD
+ *   and, where they apply, ISOTHERM_VERDICT, ISOTHERM_DOOR (what the door did after "allow"),
+ *   ISOTHERM_REASON, ISOTHERM_SCORE, ISOTHERM_THRESHOLD, ISOTHERM_FRAMES,
+ *   ISOTHERM_ATTACK_FRAMES, ISOTHERM_SENSOR
  *
  * A thread sends the entries, since the journal may be stuck, and the log must not wait for it:
  * they wait in a queue of ISO_JOURNAL_ENTRIES. An entry that finds no place is not sent; the next

@@ -1,10 +1,10 @@
 /* The D-Bus service of firmware/contract/contract.h: puts calls to the appliance and its events on
  * the bus.
  *
- * One client at a time has the claim, known by its unique name; when that leaves the bus the claim
- * is released. Status signals go to the claimant only. Used by one thread, that of the event loop.
- * Who may call at all is the bus's policy (board/generic/org.isotherm.Isotherm.conf); how often, is
- * call_rate.h. */
+ * One client at a time has the claim. It is known by its unique name; when it leaves the bus the
+ * claim is released. Status signals go to the claimant only. Only the thread of the event loop
+ * uses the bus. The policy of the bus (board/generic/org.isotherm.Isotherm.conf) says who may
+ * call, call_rate.h how often. */
 #ifndef ISO_FIRMWARE_BUS_BUS_H
 #define ISO_FIRMWARE_BUS_BUS_H
 

@@ -1,11 +1,10 @@
-/* How often the clients of the bus may call: pure, time comes as an argument. A door has to be
- * watched while somebody calls without end; so each client has an allowance that fills again with
- * time, and calls beyond it are refused before they are looked at.
+/* Limits how often the clients of the bus may call. Pure: time is an argument. The door must be
+ * watched even while a client calls without end. So each client has an allowance that fills again
+ * with time; further calls are refused before they are read.
  *
- * Clients are told apart by their unique names, which cost nothing: whoever leaves the bus and
- * comes back has another one. A new client therefore takes its allowance out of one that all
- * newcomers share. The last ISO_CALL_RATE_CLIENTS are remembered; of older ones only this shared
- * allowance is. */
+ * Clients are told apart by their unique names. A client that leaves the bus and comes back has a
+ * new name. So new clients take their allowance from one that all newcomers share. The last
+ * ISO_CALL_RATE_CLIENTS are remembered; of older ones only this shared allowance is. */
 #ifndef ISO_FIRMWARE_BUS_CALL_RATE_H
 #define ISO_FIRMWARE_BUS_CALL_RATE_H
 

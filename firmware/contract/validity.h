@@ -9,11 +9,11 @@ struct iso_validity {
     int64_t from_s, until_s; /* since 1970; 0: no limit */
 };
 
-/* What somebody asks for: limits that are not named stay as they are. */
+/* A change of the limits: those that are not named stay as they are. */
 struct iso_validity_change {
     bool names_from, names_until;
     struct iso_validity limits; /* those that are named */
-    bool expired;               /* an end in the past is meant */
+    bool expired;               /* an end in the past is intended */
 };
 
 struct iso_validity iso_validity_after(const struct iso_validity *before,

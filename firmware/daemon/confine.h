@@ -1,6 +1,6 @@
-/* What the daemon gives up by itself, whoever started it: a fault in it that somebody exploits is
- * then not the whole machine. The unit file (board/generic/isothermd.service.in) takes away the
- * same and more from outside; this holds also where there is no such manager.
+/* What the daemon gives up by itself, however it was started, so that an attacker who exploits a
+ * fault of it does not get the whole machine. The unit file (board/generic/isothermd.service.in)
+ * takes away the same and more from outside; this holds also where there is no such manager.
  *
  *   memory   no core file, no debugger of the same user; locked, so that no template is paged out
  *   files    (Landlock) nothing is executed; written are only the directories of gallery, log and
@@ -13,8 +13,8 @@
  *            change mounts, modules or users ends the process.
  *
  * Threads that were there before are not bound by "files" (those that libraries start before
- * main(); the unit file has the linear algebra start none), but by "calls". Builds with a sanitizer
- * or coverage confine nothing: what watches them traces and writes. */
+ * main(); the unit file has the linear algebra start none), but by "calls". Builds with a
+ * sanitizer or coverage confine nothing: what watches them traces and writes. */
 #ifndef ISO_FIRMWARE_DAEMON_CONFINE_H
 #define ISO_FIRMWARE_DAEMON_CONFINE_H
 

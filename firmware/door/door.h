@@ -1,12 +1,12 @@
-/* The door as a state machine: pure, time comes as an argument.
+/* The door as a state machine. Pure: time is an argument.
  *
  * A lock is fail-secure (a strike: power unlocks it) or fail-safe (a magnet: power locks it). In
  * STOPPED and FAULT the relay is without power, as it is when the appliance has none: fail-secure
- * is then locked, fail-safe is unlocked. So whoever can bring a fail-safe door to a fault (by the
- * sensor's cable, say) opens it; that is what fail-safe means.
+ * is then locked, fail-safe is unlocked. So anybody who can cause a fault of a fail-safe door (by
+ * its sensor cable, for example) opens it; that is what fail-safe means.
  *
- * REST below is FAULT while a fault lasts, else LOCKED. Legal transitions; every other event leaves
- * the state as it is:
+ * REST below is FAULT while a fault lasts, else LOCKED. Legal transitions; every other event
+ * leaves the state as it is:
  *
  *   STOPPED    start -> REST     start-open -> OPENED
  *   LOCKED     grant, exit-button -> UNLOCKED     opened -> FORCED     fault -> FAULT
@@ -103,9 +103,9 @@ struct iso_door {
 /* A stopped door. */
 void iso_door_init(struct iso_door *door, const struct iso_door_options *options);
 
-/* Takes an event in; each is one transition at most. What the inputs say comes before the time that
- * has passed since they were last looked at (ISO_DOOR_ON_TIME): who opens the door in the last
- * moment of unlock_ms does not force it. Returns true if the state has changed. */
+/* Takes in an event, which causes one transition at most. Give it the events of the inputs before
+ * the time that has passed since they were last read (ISO_DOOR_ON_TIME): a person who opens the
+ * door in the last moment of unlock_ms does not force it. Returns true if the state has changed. */
 bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t now_ns);
 
 /* When ISO_DOOR_ON_TIME will do something; ISO_NEVER_NS if nothing is due. */

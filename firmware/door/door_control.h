@@ -1,5 +1,5 @@
-/* The door state machine (door.h) on the door's lines (door_io.h): reads the inputs, tells the
- * machine, switches what it asks for.
+/* Connects the state machine of the door (door.h) with the lines of the door (door_io.h): reads
+ * the inputs, gives them to the machine, and switches the outputs that it asks for.
  *
  * A line that cannot be read or switched is a fault of the door, which puts the machine in FAULT
  * until all of them work again. Lines that are lost (their chip is gone, or was not there to begin
@@ -14,7 +14,7 @@
 #include "drivers/door/door_io.h"
 #include "firmware/door/door.h"
 
-/* What the door did when somebody was to be let in, as far as its lines tell. */
+/* What the door did when it was asked to let somebody in, as far as its lines tell. */
 enum iso_door_answer {
     ISO_DOOR_NOT_ASKED = 0, /* nobody was to be let in */
     ISO_DOOR_DID_UNLOCK,    /* the relay was switched, or had been already */
@@ -58,7 +58,7 @@ void iso_door_control_init(struct iso_door_control *control, const struct iso_do
 /* Reads the inputs and starts the machine; with lost lines, it starts at fault. */
 void iso_door_control_start(struct iso_door_control *control, int64_t now_ns);
 
-/* Everything without power. */
+/* Switches every output off. */
 void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns);
 
 /* Lets somebody in. A grant whose relay could not be switched is withdrawn at once: the door does
@@ -71,8 +71,9 @@ void iso_door_control_withdraw(struct iso_door_control *control, int64_t now_ns)
 /* Shows a refusal. */
 void iso_door_control_refuse(struct iso_door_control *control, int64_t now_ns);
 
-/* Has the relay click once. 0 if its line did; -EBUSY the door is not locked, -ENODEV its lines do
- * not work, each with a fault. Then nothing was switched, or the line at fault was. */
+/* Switches the relay for a moment. 0: its line was switched. -EBUSY the door is not locked,
+ * -ENODEV its lines do not work, each with a fault; then nothing was switched, except perhaps the
+ * line at fault. */
 int iso_door_control_test(struct iso_door_control *control, int64_t now_ns, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

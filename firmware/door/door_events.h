@@ -1,12 +1,13 @@
-/* Which changes of the door are told one by one, and which are folded: an input that chatters (a
- * wet contact, a loose wire, somebody who plays with the exit button) makes hundreds of changes in
- * a second. Pure, time comes as an argument.
+/* Decides which changes of the door are reported one by one, and which are only counted. An input
+ * that chatters (a wet contact, a loose wire, somebody who plays with the exit button) makes
+ * hundreds of changes in a second. Pure: time is an argument.
  *
- * Changes by the contact, the tamper switch, the exit button and by faults are limited, each kind
- * for itself (event_limit.h). All others pass: they come from decisions and from times of the door.
+ * Changes caused by the contact, the tamper switch, the exit button and faults are limited, each
+ * kind separately (event_limit.h). All others are reported: they come from decisions and from
+ * times of the door.
  *
- * What is lost of folded changes is when each of them was, and in which state the door was in
- * between. Kept are the first ones, the number, the length, and the state behind them. */
+ * Of changes that are only counted, their times and the states in between are lost. What is kept:
+ * the first changes, the number of the others, how long they took, and the state after them. */
 #ifndef ISO_FIRMWARE_DOOR_DOOR_EVENTS_H
 #define ISO_FIRMWARE_DOOR_DOOR_EVENTS_H
 

@@ -1,6 +1,6 @@
-/* The door's control (door_control.h) in a thread of its own, which waits for nothing but the
- * door's lines and the door's times: relay off, exit button, contact and tamper do not depend on
- * what storage, recognition and bus are doing.
+/* Runs the control of the door (door_control.h) in a thread of its own. The thread waits only for
+ * the lines of the door and for its times, so that relay, exit button, contact and tamper switch
+ * never wait for the disk, for recognition or for the bus.
  *
  * The thread waits for an edge of the inputs, for the next time that is due, or to be woken. Every
  * call from another thread holds the guard's mutex for as long as lines are switched, a few
@@ -9,8 +9,8 @@
  *
  * Each change of the door is handed to `record` at once, by the thread in which it happened and
  * with the mutex held: it must neither wait nor call the guard. The same news then wait in a ring
- * for whoever tells people of them (iso_door_guard_next). A guard can start before there is anybody
- * who keeps records: its changes wait until iso_door_guard_attach.
+ * until the appliance reports them (iso_door_guard_next). A guard can start before the log is
+ * open: its changes wait until iso_door_guard_attach.
  *
  * Tests that inject a clock use the guard without a thread: the caller then steps the door. With a
  * thread the clock must be CLOCK_BOOTTIME, which runs while the machine is suspended: a door that
@@ -58,13 +58,13 @@ size_t iso_door_guard_attach(struct iso_door_guard *guard,
                              void (*record)(void *context, const struct iso_door_news *news),
                              void *context);
 
-/* Whoever keeps records ends; nothing of the guard calls `record` any more. NULL is fine. */
+/* The log is about to close: the guard does not call `record` any more. NULL is fine. */
 void iso_door_guard_detach(struct iso_door_guard *guard);
 
 /* Puts the door to work, and with it its thread. -EAGAIN, -ENOMEM: no thread can be had. */
 int iso_door_guard_start(struct iso_door_guard *guard) __attribute__((warn_unused_result));
 
-/* Everything without power, and it stays so. */
+/* Switches every output off. They stay off. */
 void iso_door_guard_stop(struct iso_door_guard *guard);
 
 /* Lets somebody in, unless it is later than until_ns by the guard's clock: -ESTALE, and the lock
@@ -81,8 +81,9 @@ int iso_door_guard_may_test(struct iso_door_guard *guard, struct iso_fault *faul
     __attribute__((warn_unused_result));
 void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault);
 
-/* Sends the card of who was granted last. As iso_door_io_send_card; moreover -EACCES, without a
- * fault, if the door is not unlocked, and -ESTALE if it is later than that grant's until_ns. */
+/* Sends the card number of the person granted last. Errors as of iso_door_io_send_card, and also
+ * -EACCES, without a fault, if the door is not unlocked, and -ESTALE if it is later than until_ns
+ * of that grant. */
 int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wiegand_card *card,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
 /* Limits how many records one source of events makes: a contact that chatters must not fill the
- * log. Pure, time comes as an argument.
+ * log. Pure: time is an argument.
  *
  *   PASSING  the first ISO_EVENT_LIMIT_BURST events of a second pass, each by itself
  *            one more in that second                                        -> FOLDING

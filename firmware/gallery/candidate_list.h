@@ -1,5 +1,5 @@
-/* Whom a probe is compared with: some templates, or an index of people. Refers to what is
- * elsewhere, which stays as it is as long as this is used. */
+/* The candidates that a probe is compared with: templates, or an index of people. It only refers
+ * to them: they must not change while the list is used. */
 #ifndef ISO_FIRMWARE_GALLERY_CANDIDATE_LIST_H
 #define ISO_FIRMWARE_GALLERY_CANDIDATE_LIST_H
 

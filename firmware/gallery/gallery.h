@@ -1,28 +1,27 @@
-/* The gallery: who is enrolled, with which templates; sealed in an SQLite database. In memory are
- * the people, and what a search looks at: an index of vectors if there is a metric
+/* The gallery: the enrolled people and their templates, sealed in an SQLite database. In memory
+ * are the people, and what a search uses: an index of vectors if there is a metric
  * (isotherm/index.h, 632 bytes a person), else the templates.
  *
  * Every change is one transaction that is on the disk when the call returns: after a kill at any
  * moment the gallery is what it was before the change or after it. A new database is made beside
- * its place and moved there when it is whole. A damaged one is never repaired or replaced: to
- * open it is -EBADMSG, and the fault says what to do. Templates of another algorithm (or template
- * version) are kept and counted, and take no part in searches. One process at a time has the
- * database. What is deleted is overwritten; what a journal or a flash memory still holds of it is
- * sealed, and the next rotation of keys makes it unreadable for ever.
+ * its place and moved there when it is whole. A damaged database is never repaired or replaced:
+ * opening it returns -EBADMSG, and the fault says what to do. Templates of another algorithm (or
+ * template version) are kept and counted, and take no part in searches. One process at a time has
+ * the database. What is deleted is overwritten; what a journal or a flash memory still holds of it
+ * is sealed, and the next rotation of keys makes it unreadable for ever.
  *
  * Without the key ring a database tells how many people there are, how many templates of which
- * algorithm each has, and nothing else. A record that was changed, lies
- * in the place of another, is missing, or is of an earlier time is found when it is opened
- * (-EBADMSG); so is a database as a whole that is of an earlier time (-ESTALE), as far as anchor.h
- * says.
+ * algorithm each has, and nothing else. A record that was changed, lies in the place of another,
+ * is missing, or is of an earlier time is found when it is opened (-EBADMSG); so is a database as
+ * a whole that is of an earlier time (-ESTALE), as far as anchor.h says.
  *
- * A name is given to one person only, without regard to case (person_name.h), and finds that person
- * however it is written; the gallery keeps the spelling of the first enrolment. Two people of a
- * gallery of before whose names differ in case only stay two: each is found by the exact name, and
- * by other spellings the one who was enrolled first.
+ * A name belongs to one person only, whatever its spelling (person_name.h), and every spelling
+ * finds that person; the gallery keeps the spelling of the first enrolment. An old gallery may
+ * have two people whose names differ in case only. They stay two: each is found by the exact name;
+ * any other spelling finds the one who was enrolled first.
  *
- * After an error of the disk the disk is asked what came of the change before anything else is
- * said, so that the memory, the answer and the file always agree (gallery_truth.c).
+ * After an error of the disk, the gallery reads from the disk what came of the change before it
+ * returns, so that memory, result and file always agree (gallery_truth.c).
  *
  * Used by one thread. Everything handed out is valid until the next add, import, remove or close.
  * Templates and vectors are wiped from memory when they are freed. */
@@ -51,7 +50,7 @@ enum {
 struct iso_person {
     int64_t id; /* never used for anybody else */
     char name[ISO_PERSON_NAME_SIZE];
-    struct iso_person_name_key key;                  /* of the name; the gallery sees to it */
+    struct iso_person_name_key key;                  /* of the name; set by the gallery */
     int64_t enrolled_s, valid_from_s, valid_until_s; /* since 1970; limits: 0 is none */
     uint32_t templates, usable;                      /* usable: those of the running algorithm */
 };
@@ -80,12 +79,12 @@ int iso_gallery_open(const struct iso_gallery_options *options, struct iso_galle
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_gallery_close(struct iso_gallery *gallery);
 
-/* Adds a template to the person of this name, who is made if need be; an existing person keeps the
- * date of enrolment and the spelling of the name, and takes the limits of `person`: a caller who
- * does not change them hands in those that are stored. person's id, key and counts are ignored. The
- * template is copied. -EINVAL the name or the template is bad, -EDQUOT the gallery, or this person,
- * is full, -ENOSPC, -EIO, -EROFS, -ENOMEM; then nothing has changed, or the gallery is out of
- * service (iso_gallery_state). */
+/* Adds a template to the person of this name. A new person is added; an existing person keeps the
+ * date of enrolment and the spelling of the name, and gets the limits of `person`: to keep the
+ * limits, the caller passes the stored ones. person's id, key and counts are ignored. The template
+ * is copied. -EINVAL the name or the template is bad, -EDQUOT the gallery, or this person, is
+ * full, -ENOSPC, -EIO, -EROFS, -ENOMEM; then nothing has changed, or the gallery is out of service
+ * (iso_gallery_state). */
 int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person,
                     const struct iso_template *tmpl, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -140,11 +139,11 @@ struct iso_gallery_item {
     } templates[ISO_GALLERY_TEMPLATES_MAX];
 };
 
-/* Takes people over, all of them or none, in one transaction. One whose name is known takes the
- * place of the one here if `replace`, else stays away; *added is how many came. -EINVAL a name,
- * template or repetition that cannot be, -EDQUOT the gallery would be too full; else as
- * iso_gallery_add. The listener is told of people: those who are put in, then everybody, who is
- * read back. */
+/* Adds people, all of them or none, in one transaction. A person whose name is known replaces the
+ * one here if `replace` is set, and is left out otherwise; *added is the number of people added.
+ * -EINVAL a name, template or repetition that cannot be, -EDQUOT the gallery would be too full;
+ * else as iso_gallery_add. The listener is told of people: first of those who are added, then of
+ * everybody, as all are read back. */
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
                        bool replace, const struct iso_work_listener *listener, size_t *added,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -157,9 +156,10 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
                                    struct iso_fault *fault),
                        void *context, struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Deletes all learned templates, in one transaction; *n is how many there were. People who had some
- * get another id; names, dates and enrolled templates stay. People who have nothing else keep them.
- * Errors of iso_gallery_export and iso_gallery_import; then nothing has changed. */
+/* Deletes all learned templates, in one transaction; *n is how many there were. People who had
+ * learned templates get another id; names, dates and enrolled templates stay. People who have only
+ * learned templates keep them. Errors of iso_gallery_export and iso_gallery_import; then nothing
+ * has changed. */
 int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -193,16 +193,16 @@ struct iso_gallery_version iso_gallery_version(const struct iso_gallery *gallery
 /* Everybody, in the order of enrolment. */
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n);
 
-/* How many people had, when it was opened, the name of another but for its case, its encoding or
- * characters that are not seen. */
+/* How many people had the name of another person in another spelling when the gallery was opened.
+ */
 size_t iso_gallery_same_names(const struct iso_gallery *gallery);
 
 /* NULL if there is no such person. */
 const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, const char *name);
 const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, int64_t id);
 
-/* Whom a search looks at: by their usable templates, or with a metric by an index of them. Who has
- * no usable template is not among them. */
+/* The people that a search compares with: by their usable templates or, with a metric, by an
+ * index. People without a usable template are not among them. */
 struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery);
 struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t person);
 

@@ -1,22 +1,22 @@
-/* What the stores of one appliance know of each other, so that files of different times are told
- * apart: gallery, audit log, lock-out file and key ring.
+/* What the stores of one appliance (gallery, audit log, lock-out file, key ring) know of each
+ * other, so that files of different times are recognised.
  *
- * Each store counts its own changes. Whenever it writes, it seals into the same write what the
- * counts of all stores are at that moment: its knowledge. A file therefore states the least that
- * the others must have. When they are opened, each count is compared with what the other files
- * know: a store that has less was taken from an earlier time. The knowledge of the log has the link
- * behind its last record, too, so that a log of another history with as many records is told apart.
+ * Each store counts its own changes. Each time it writes, it seals the counts of all stores at
+ * that moment into the same write: its knowledge. So each file states the least count that the
+ * others must have. When they are opened, each count is compared with what the other files know: a
+ * store that has less was taken from an earlier time. The knowledge of the log has the link behind
+ * its last record, too, so that a log of another history with as many records is told apart.
  *
- * A count enters the knowledge only when its change is on the disk: for gallery and log that is the
- * value of their anchor (anchor.h). So a kill, a power cut or a failed write at any moment leaves
- * files that agree; no difference between two files that an interruption can make is refused. And
- * files that agree are those that lay on the disk together at one moment: what cannot be told apart
- * is a whole directory of an earlier time, which state_counter.h shows (C. J. Fidge, "Timestamps in
- * message-passing systems that preserve the partial ordering", 1988: vector clocks and consistent
- * cuts).
+ * A count enters the knowledge only when its change is on the disk: for gallery and log that is
+ * the value of their anchor (anchor.h). So a kill, a power cut or a failed write at any moment
+ * leaves files that agree; no difference between two files that an interruption can make is
+ * refused. Files that agree were on the disk together at one moment. So only a whole directory of
+ * an earlier time is not recognised here; state_counter.h recognises it (C. J. Fidge, "Timestamps
+ * in message-passing systems that preserve the partial ordering", 1988: vector clocks and
+ * consistent cuts).
  *
- * The board holds these counts in memory. The key ring owns it, since all stores have the ring. Its
- * functions may be called by several threads. */
+ * The board holds these counts in memory. The key ring owns it, since all stores have the ring.
+ * Its functions may be called by several threads. */
 #ifndef ISO_FIRMWARE_KEYS_HEADS_H
 #define ISO_FIRMWARE_KEYS_HEADS_H
 

@@ -1,16 +1,18 @@
 /* The keys of one appliance: numbered keys for its stores in a small file, the ring, which is
  * sealed with one key from outside, the appliance's key.
  *
- * The appliance's key is 32 bytes, from
- *   a credential of the service manager: DIRECTORY/isotherm.key (systemd's
- * LoadCredentialEncrypted=, which can bind it to a TPM). To change it give the new one, and the old
- * one as isotherm.key.old until the next start is over. a file that its owner alone can read, made
- * at the first start. Who takes the disk has the key, too, unless the file lies on another.
+ * The key of the appliance has 32 bytes. It is one of two:
+ *   a credential of the service manager, DIRECTORY/isotherm.key (LoadCredentialEncrypted= of
+ *   systemd can bind it to a TPM). To change it, give the new one, and the old one as
+ *   isotherm.key.old until the next start is over;
+ *   a file that only its owner can read, made at the first start. Anybody who takes the disk has
+ *   this key, too, unless the file is on another disk.
  *
- * A store's keys are rotated by making a new one, sealing everything anew, and dropping the older
- * ones: the ring holds both meanwhile, so that after a kill at any moment every record has its key.
+ * The keys of a store are rotated in three steps: a new key is made, everything is sealed with it,
+ * and the older keys are dropped. The ring holds both meanwhile, so that after a kill at any moment
+ * every record has its key.
  * A ring is written whole (iso_data_file_replace), with a number that rises and what it knows of
- * the other stores (heads.h). One whose key is gone is never made anew.
+ * the other stores (heads.h). A ring whose key is gone is never replaced.
  *
  * Several threads may use one ring as long as the keys of one use belong to one thread at a time:
  * that thread makes and drops them, and looks for them. A key that is in the ring does not move.

@@ -1,5 +1,5 @@
-/* The keys of a ring in memory, each in a slot of its own that it keeps: whoever has found a key
- * can go on reading it while another thread makes or drops keys of another use.
+/* The keys of a ring in memory. Each key keeps its slot, so that a thread can go on reading a key
+ * while another thread makes or drops keys of another use.
  *
  * Only one thread at a time looks for the keys of one use and changes them. Only one thread at a
  * time makes a change; the owner of the slots ensures that. */

@@ -1,9 +1,10 @@
-/* Sealing: nobody reads or changes a record without its key, or takes it for another record.
+/* Sealing: without its key nobody can read or change a record, and no record can stand in the
+ * place of another.
  *
  * XChaCha20-Poly1305 (draft-irtf-cfrg-xchacha-03, with the IETF construction of RFC 8439) by
- * libsodium; a sealed record is nonce[24] | ciphertext | tag[16]. The nonce is random: 192 bits do
- * not meet twice. What the record is (its label) is bound to it and not stored: under another label
- * it does not open. */
+ * libsodium; a sealed record is nonce[24] | ciphertext | tag[16]. The nonce is random: with 192
+ * bits no nonce occurs twice. The label says what the record is. It is bound to the record and not
+ * stored: under another label the record does not open. */
 #ifndef ISO_FIRMWARE_KEYS_SEAL_H
 #define ISO_FIRMWARE_KEYS_SEAL_H
 
@@ -19,13 +20,13 @@ enum {
     ISO_SEAL_LABEL_BYTES = 128,
 };
 
-/* Plain bytes; wiped by who holds it. */
+/* Plain bytes; the owner wipes them. */
 struct iso_seal_key {
     uint8_t bytes[ISO_SEAL_KEY_BYTES];
 };
 
-/* What a record is: a kind, then numbers and bytes of fixed width, so that no two labels of one
- * kind read the same. */
+/* Says what a record is: a kind, then numbers and bytes of fixed width, so that different labels
+ * of one kind never have the same bytes. */
 struct iso_seal_label {
     uint8_t bytes[ISO_SEAL_LABEL_BYTES];
     size_t size;

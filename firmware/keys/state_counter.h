@@ -2,24 +2,24 @@
  * (drivers/counter/counter.h) that nobody can turn back. What the stores know of each other
  * (heads.h) cannot show that, as files that lay on the disk together at one moment agree.
  *
- * The anchor of the log has the counter's number. Since the stores know the log's head, and the log
- * theirs, this one number stands for all of them. To raise it takes two steps, in this order:
+ * The anchor of the log has the counter's number. Since the stores know the log's head, and the
+ * log theirs, this one number stands for all of them. To raise it takes two steps, in this order:
  *
  *   1. the anchor is written with the counter's value + 1, and is on the disk
  *   2. the counter is incremented
  *
- * After a kill between the two the anchor is one ahead of the counter, which is accepted and caught
- * up at the next start. An anchor behind the counter is one of an earlier time. What a copy of the
- * directory may be used for is so limited to the time until the number is raised next.
+ * After a kill between the two the anchor is one ahead of the counter, which is accepted and
+ * caught up at the next start. An anchor behind the counter is one of an earlier time. So a copy
+ * of the directory can be used only until the number is raised the next time.
  *
- * A counter in a TPM can be incremented some 100,000 times, and takes 10 to 100 ms each time. So it
- * is not raised for every record. (A daemon that its watchdog ends every 30 s would use 100,000
+ * A counter in a TPM can be incremented some 100,000 times, and takes 10 to 100 ms each time. So
+ * it is not raised for every record. (A daemon that its watchdog ends every 30 s would use 100,000
  * increments in 35 days.) It is raised
  *   - at the start, before anybody is let in, and at an orderly end
  *   - with a record that says what an administrator has changed: the gallery, the keys, a lockdown,
  *     what was accepted
- *   - with the record of a lock-out, but not sooner than half an hour after the last time: whoever
- *     stands at the door can bring it about again and again, and is not to wear out the TPM
+ *   - with the record of a lock-out, but not sooner than half an hour after the last time: anybody
+ * at the door can cause a lock-out again and again, and must not wear out the TPM
  *   - with any other record when an hour has passed since the last time.
  * The number is raised with the write of the anchor that the record brings anyway, and the counter
  * is incremented by a thread of its own. Neither the door nor a visitor waits for it. While an

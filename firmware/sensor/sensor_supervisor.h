@@ -5,18 +5,18 @@
  *   RUNNING  it fails (-EIO, -ENODEV), or is silent too long  -> AWAY
  *
  * A lost or damaged frame is reported and changes nothing. Silence is counted only for a back end
- * that has no next_due_ns: one that has says itself when there is something to see, and may be idle
- * for good.
+ * without next_due_ns. A back end with next_due_ns says itself when there is something to see, and
+ * may be idle for ever.
  *
- * A camera that hiccups is not opened anew at once, but nobody can be seen meanwhile: `sees` tells
- * that sooner. It falls with the sensor's loss, and pause_ns after the exposure of the last frame
- * that was whole and not late; it rises with the next one, not with the opening of a sensor that
- * has still to show that it works.
+ * A camera that pauses is not opened again at once, but nobody can be seen meanwhile: `sees` says
+ * that sooner. It becomes false when the sensor is lost, and pause_ns after the exposure of the
+ * last frame that was whole and not late. It becomes true with the next such frame, not when the
+ * sensor is opened, which has still to show that it works.
  *
- * Both times count what the sensor has to answer for. While the caller itself is held up, by a slow
- * disk say, nobody looks what the sensor has; the caller says so by iso_sensor_supervisor_excuse,
- * and that time does not count. The rule for frames is another: a late one is of no use, whoever
- * made it late. */
+ * Both times count only what the sensor is responsible for. While the caller itself is held up,
+ * for example by a slow disk, nobody reads the sensor; the caller reports that by
+ * iso_sensor_supervisor_excuse, and that time does not count. A late frame is of no use all the
+ * same, whatever made it late. */
 #ifndef ISO_FIRMWARE_SENSOR_SENSOR_SUPERVISOR_H
 #define ISO_FIRMWARE_SENSOR_SENSOR_SUPERVISOR_H
 
@@ -34,8 +34,8 @@ struct iso_sensor_source {
 
 struct iso_sensor_supervisor_options {
     int64_t silence_ns, retry_ns, retry_max_ns;
-    int64_t pause_ns; /* how old the last frame of use may be until nothing is seen */
-    int64_t stale_ns; /* a frame that comes so long after its exposure is of none */
+    int64_t pause_ns; /* how old the last usable frame may be until `sees` becomes false */
+    int64_t stale_ns; /* a frame that comes so long after its exposure is of no use */
 };
 
 struct iso_sensor_supervisor {
@@ -53,31 +53,32 @@ struct iso_sensor_supervisor {
     char model[32];                       /* of the sensor; "" while unknown */
     char calibration[96];                 /* the same */
     enum iso_fault_code calibration_code; /* iso_sensor_description.calibration_code */
-    bool repeats;           /* its frames may count again: iso_sensor_description.repeats */
-    int error;              /* the last one, negative errno; 0 if there was none */
-    struct iso_fault fault; /* what it was */
+    bool repeats;                         /* iso_sensor_description.repeats */
+    int error;                            /* the last one, negative errno; 0 if there was none */
+    struct iso_fault fault;               /* what it was */
 };
 
 enum iso_sensor_news {
     ISO_SENSOR_QUIET, /* nothing happened */
     ISO_SENSOR_FRAME, /* *frame is there */
-    ISO_SENSOR_FLAW,  /* a frame was lost or damaged, or another try has failed; see ->fault */
+    ISO_SENSOR_FLAW,  /* a frame was lost or damaged, or the sensor could not be opened again; see
+                         ->fault */
     ISO_SENSOR_BACK,  /* it runs, from now on */
     ISO_SENSOR_GONE,  /* it does not, from now on; see ->fault */
 };
 
-/* AWAY, to be tried at once; the first sensor to be opened is believed to see. */
+/* Begins in AWAY; the sensor is opened with the first look. `sees` is true at first. */
 void iso_sensor_supervisor_init(struct iso_sensor_supervisor *supervisor,
                                 const struct iso_sensor_supervisor_options *options,
                                 const struct iso_sensor_source *source, int64_t now_ns);
 
-/* Looks what the sensor has, without waiting for it. *frame belongs to the sensor, until the next
- * call. */
+/* Reads what the sensor has, without waiting. *frame belongs to the sensor and is valid until the
+ * next call. */
 enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *supervisor,
                                                 int64_t now_ns, const struct iso_frame **frame);
 
-/* Before the next look: the caller was held up for the last held_up_ns and did not look, although
- * it should have. A sensor that is dead is found as many milliseconds later, and no more. */
+/* To be called before the next look if the caller was held up for the last held_up_ns and could
+ * not look. A dead sensor is found later by this time, and by no more. */
 void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
                                   int64_t now_ns);
 

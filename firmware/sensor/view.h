@@ -1,6 +1,6 @@
-/* What the sensor sees, in words and numbers, for who installs or aims it. Of a face it says where
- * it is and how well it was measured, and nothing that tells one face from another: no template, no
- * landmark, no shape. */
+/* What the sensor sees, in words and numbers, for the person who installs or aims it. It says
+ * where a face is and how well it was measured, and nothing that tells one face from another: no
+ * template, no landmark, no shape. */
 #ifndef ISO_FIRMWARE_SENSOR_VIEW_H
 #define ISO_FIRMWARE_SENSOR_VIEW_H
 
@@ -27,8 +27,8 @@ struct iso_view {
     double mm_s, rad_s; /* speed */
 };
 
-/* The view of a frame. `capture` is what became of it after all, `motion` what track.h says of it
- * (all zero if it has no fitted face). */
+/* The view of a frame. `capture` is the final word for the frame; `motion` is what track.h says of
+ * it (all zero without a fitted face). */
 struct iso_view iso_view_of(const struct iso_extraction *extraction, enum iso_capture capture,
                             const struct iso_track_motion *motion);
 

@@ -1,5 +1,5 @@
-/* The frames that show cues of a presentation attack, gathered into attempts: what is written into
- * the audit log is one record an attempt, not one a frame. Pure: time comes as an argument.
+/* The frames that show cues of a presentation attack, gathered into attempts. The audit log gets
+ * one record for each attempt, not one for each frame. Pure: time is an argument.
  *
  *   QUIET    a frame with a cue                           -> ATTEMPT
  *   ATTEMPT  a frame with a cue                           -> ATTEMPT, counted
@@ -17,7 +17,8 @@
 #include "isotherm/capture.h"
 
 struct iso_attack_attempt {
-    enum iso_capture cue; /* that most of its frames have; of two, the one that had as many first */
+    enum iso_capture cue; /* the one that most of its frames have; of two equal ones, the one that
+                             reached this number first */
     int frames;           /* with any cue */
     int64_t duration_ns;  /* from the first to the last of them */
 };
@@ -32,15 +33,15 @@ struct iso_attack_tally {
 
 void iso_attack_tally_init(struct iso_attack_tally *tally, int64_t quiet_ns, int64_t longest_ns);
 
-/* Takes a frame with a cue in; iso_attack_tally_time with its t_ns comes first. */
+/* Takes in a frame with a cue. Call iso_attack_tally_time with the time of the frame before. */
 void iso_attack_tally_frame(struct iso_attack_tally *tally, enum iso_capture cue, int64_t t_ns);
 
-/* Takes in that until t_ns no more were there than were told of. True if that ends an attempt;
- * *attempt is that one then, else untouched. */
+/* Says that there were no other such frames until t_ns. Returns true if that ends an attempt;
+ * *attempt is that attempt then, else it is untouched. */
 bool iso_attack_tally_time(struct iso_attack_tally *tally, int64_t t_ns,
                            struct iso_attack_attempt *attempt);
 
-/* Ends an attempt that goes on, if one does. */
+/* Ends the attempt that goes on, if there is one. Returns as iso_attack_tally_time. */
 bool iso_attack_tally_end(struct iso_attack_tally *tally, struct iso_attack_attempt *attempt);
 
 /* When iso_attack_tally_time will do something; ISO_NEVER_NS if nothing is due. */

@@ -15,14 +15,14 @@
  *   every  reset                                       IDLE         none */
 /* clang-format on */
 /* A usable face is a frame that gave a template. It counts for the best person of the gallery if
- * that one's score reaches the threshold and leads the second person's by the margin. All frames
- * that agree are of one track (track.h): two faces cannot agree with each other's help. The oldest
- * of them is at most stale_ns older than the newest.
+ * the score of that person reaches the threshold and is higher than the score of the second person
+ * by the margin. Only frames of one track (track.h) can agree: frames of two faces never do. The
+ * oldest of them is at most stale_ns older than the newest.
  *
  * An attack frame is one with a cue of a presentation attack instead of a template. It is evidence
- * against whatever is before the camera, so that a change of track does not forget it. A single one
- * may be a mistake: it delays nobody, and alone it is no visit. In SPENT it only says that somebody
- * is still there. */
+ * against whatever is before the camera, so it still counts when the track changes. A single one
+ * may be a mistake: it delays nobody, and it is no visit by itself. In SPENT it only shows that
+ * somebody is still there. */
 #ifndef ISO_FIRMWARE_VISIT_DECISION_H
 #define ISO_FIRMWARE_VISIT_DECISION_H
 
@@ -41,12 +41,12 @@ enum iso_reason {
     ISO_REASON_NOT_VALID, /* known, but not at this time */
     ISO_REASON_UNLOGGED,  /* the audit log cannot be written */
     ISO_REASON_ATTACK,    /* a picture, a screen, a mask */
-    /* Of the lock-out (lockout.h), which goes before the decision. */
+    /* Reasons of the lock-out (lockout.h), which is asked before the decision. */
     ISO_REASON_LOCKED_OUT,
     ISO_REASON_LOCKDOWN,
     ISO_REASON_NO_GALLERY, /* the gallery is out of service (gallery.h) */
     ISO_REASON_NO_LOCKOUT, /* the lock-out file cannot be read yet */
-    /* Of the door, behind the decision. */
+    /* Reasons of the door, after the decision. */
     ISO_REASON_NOT_ON_RECORD, /* the record did not get to the disk in time */
     ISO_REASON_STALE,         /* its frames were too old when the lock was to be switched */
     ISO_REASONS
@@ -60,12 +60,12 @@ const char *iso_reason_name(enum iso_reason reason);
 struct iso_verdict {
     bool allow;
     enum iso_reason reason;
-    int64_t person;   /* whose face it is; 0 if nobody's is sure enough */
-    double score;     /* the best one of that person, else of anybody; NaN without any */
+    int64_t person;   /* the person recognised; 0: nobody, with enough certainty */
+    double score;     /* the best score of that person, else of anybody; NaN: there is none */
     int frames;       /* usable ones */
     int64_t since_ns; /* allowed: time of the oldest of the frames that agree */
     int attack_frames;
-    enum iso_capture cue; /* of most of them; ISO_CAPTURE_OK: there were none */
+    enum iso_capture cue; /* the cue of most attack frames; ISO_CAPTURE_OK: there were none */
 };
 
 struct iso_decision_options {
@@ -73,14 +73,15 @@ struct iso_decision_options {
     int agree, max_frames; /* 1 <= agree <= max_frames <= ISO_DECISION_FRAMES_MAX */
     int attack_frames;     /* 1 or more */
     int64_t gap_ns, refractory_ns;
-    int64_t stale_ns; /* a frame agrees with none that is older than it by more than that */
+    int64_t stale_ns; /* frames further apart than this do not agree */
 };
 
 /* A usable face. */
 struct iso_decision_frame {
-    int64_t t_ns;        /* of the frame; does not fall */
-    int64_t person;      /* the best one, from 1; 0 if the gallery is empty */
-    double score;        /* of that one; ignored without. Not finite: counts for nobody */
+    int64_t t_ns;   /* of the frame; does not fall */
+    int64_t person; /* the best one, from 1; 0 if the gallery is empty */
+    double score;   /* the score of that person, if there is one. Not finite: the frame counts for
+                       nobody */
     double second_score; /* of the next person; -INFINITY if there is none */
     bool valid;          /* that person may enter now */
     uint64_t track;      /* of the face, from 1 */
@@ -111,28 +112,29 @@ struct iso_decision {
 
 void iso_decision_init(struct iso_decision *decision, const struct iso_decision_options *options);
 
-/* The threshold for the frames from now on; those before have been judged. */
+/* Sets the threshold for the frames from now on. Earlier frames are not judged again. */
 void iso_decision_set_threshold(struct iso_decision *decision, double threshold);
 
-/* Nobody is there; a visit that has begun is forgotten. */
+/* Goes back to IDLE. A visit that has begun is forgotten. */
 void iso_decision_reset(struct iso_decision *decision);
 
-/* The four below return true and fill in *verdict if there is one; else *verdict is untouched. */
+/* The four functions below return true and fill in *verdict if there is a verdict. Else *verdict
+ * is untouched. */
 
-/* Takes in that the face seen from now on is of this track; before iso_decision_face with it. */
+/* Says that the face seen from now on has this track. Call it before iso_decision_face. */
 bool iso_decision_track(struct iso_decision *decision, uint64_t track, struct iso_verdict *verdict);
 
-/* Takes a usable face in; iso_decision_time with its t_ns and iso_decision_track with its track
- * come first. */
+/* Takes in a usable face. Call iso_decision_time with its t_ns, and iso_decision_track with its
+ * track, before. */
 bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_frame *frame,
                        struct iso_verdict *verdict);
 
-/* Takes an attack frame in: a frame of time t_ns with this cue (iso_capture_is_attack).
- * iso_decision_time comes first. */
+/* Takes in an attack frame of time t_ns with this cue (iso_capture_is_attack). Call
+ * iso_decision_time before. */
 bool iso_decision_attack(struct iso_decision *decision, enum iso_capture cue, int64_t t_ns,
                          struct iso_verdict *verdict);
 
-/* Takes in that until t_ns no more of both were there than were told of. */
+/* Says that there were no other frames of either kind until t_ns. */
 bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_verdict *verdict);
 
 /* When iso_decision_time will do something; ISO_NEVER_NS if nothing is due. */

@@ -1,13 +1,14 @@
-/* Which hint is given, and when: frames come thirty times a second and each has a word of its own;
- * a person can follow one hint at a time, and only one that holds. Pure: time comes as an argument.
+/* Decides which hint is given, and when. Thirty frames come in a second, and each has a word of
+ * its own; a person can follow one hint at a time, and only if it lasts. Pure: time is an
+ * argument.
  *
- * The words of the last frames vote. The one that most of them have (of two with as many, the one
- * that came last) is given as a hint if at least `hold` frames have it and the newest one is among
- * them: a fault that is mended by now is not told any more. Between two hints there is at least
- * interval_ns, also if they are the same: a hint that goes on is repeated.
+ * The words of the last frames vote. The word that most frames have (of two equal ones, the newer)
+ * becomes the hint if at least `hold` frames have it and the newest frame is one of them. So a
+ * fault that is over is not told any more. At least interval_ns passes between two hints. A hint
+ * that still applies is repeated.
  *
- * A usable frame votes too, for no hint: while frames can be used now and then, things go on.
- * Frames that are older than ISO_HINT_AGE_NS do not vote any more. */
+ * A usable frame votes for no hint: as long as some frames can be used, the visit makes progress.
+ * Frames older than ISO_HINT_AGE_NS do not vote. */
 #ifndef ISO_FIRMWARE_VISIT_HINT_FILTER_H
 #define ISO_FIRMWARE_VISIT_HINT_FILTER_H
 
@@ -19,7 +20,7 @@
 
 enum { ISO_HINT_FRAMES = 8 };
 
-/* Half of a slow machine's eight frames; a fast one's are younger. */
+/* A slow machine takes four seconds for eight frames; those of a fast one are younger. */
 #define ISO_HINT_AGE_NS (2 * ISO_NS_PER_S)
 
 struct iso_hint_options {
@@ -40,14 +41,16 @@ struct iso_hint_filter {
 
 void iso_hint_filter_init(struct iso_hint_filter *filter, const struct iso_hint_options *options);
 
-/* Something new begins: no frame votes, and the first hint need not wait. */
+/* Something new begins: no earlier frame votes, and the first hint does not wait for the interval.
+ */
 void iso_hint_filter_reset(struct iso_hint_filter *filter);
 
-/* What was asked for has been done (a stage of an enrolment): no frame votes, but the interval to
- * the last hint still holds. */
+/* The person has done what a hint asked for (a stage of an enrolment has passed): no earlier frame
+ * votes, but the interval after the last hint still applies. */
 void iso_hint_filter_forget(struct iso_hint_filter *filter);
 
-/* Takes the word of a frame in; t_ns does not fall. The hint to be given now, or ISO_CAPTURE_OK. */
+/* Takes in the word of a frame; t_ns never decreases. Returns the hint to be given now, or
+ * ISO_CAPTURE_OK. */
 enum iso_capture iso_hint_filter_frame(struct iso_hint_filter *filter, enum iso_capture capture,
                                        int64_t t_ns);
 

@@ -1,4 +1,5 @@
-/* Who fails again and again is not looked at for a while: pure, time comes as an argument.
+/* After repeated failures and attacks, the door locks everybody out for a while. Pure: time is an
+ * argument.
  *
  *   OPEN      a failure, when it is number `failures` since the last admission  -> LOCKED
  *             an attack, when it is number `attacks` since the last lock        -> LOCKED
@@ -8,15 +9,15 @@
  *             clear                            -> OPEN, all is forgotten
  *
  * The first lock lasts first_ns, each later one twice as long as the one before, to longest_ns.
- * While it lasts nobody is let in, whoever it is, and nobody is told whether a face is known: the
- * search does not take place. What happens before the sensor meanwhile is not counted, so that who
- * waits is not punished for it.
+ * While it lasts nobody at all is let in, and nobody learns whether a face is known, because no
+ * search takes place. Failures during a lock are not counted, so that waiting people do not make
+ * it longer.
  *
- * LOCKDOWN stands beside all this: nobody is let in until an administrator ends it.
+ * LOCKDOWN is independent of these states: nobody is let in until an administrator ends it.
  *
- * The lock is the door's, not a person's: who is refused has no name. Whoever wants to can thereby
- * keep others out for longest_ns at a time, by failing before the door again and again; the exit
- * button and keys are not touched by it. */
+ * The lock concerns the door, not one person, because a person who is refused is not known. So
+ * anybody can keep others out for longest_ns at a time, by failing again and again. The exit
+ * button and mechanical keys work all the same. */
 #ifndef ISO_FIRMWARE_VISIT_LOCKOUT_H
 #define ISO_FIRMWARE_VISIT_LOCKOUT_H
 
@@ -31,8 +32,9 @@ struct iso_lockout_options {
     int64_t forget_ns;            /* 1 or more */
 };
 
-/* What outlasts a restart. Times are lengths, as no clock can be trusted to go on meanwhile: a lock
- * that a restart interrupts begins anew with what was left of it when this was written down. */
+/* What is kept over a restart. Times are durations, because no clock is sure to go on meanwhile: a
+ * lock that a restart interrupts goes on with the time that was left when the record was written.
+ */
 struct iso_lockout_record {
     int failures, attacks, locks;
     int64_t remaining_ns; /* of the lock; 0: OPEN */
@@ -51,29 +53,30 @@ struct iso_lockout {
 /* OPEN, and nothing has happened. */
 void iso_lockout_init(struct iso_lockout *lockout, const struct iso_lockout_options *options);
 
-/* As it was when the record was taken; numbers out of range are taken for the worst in it. */
+/* Restores the state of a record. A number out of range becomes the strictest one in the range. */
 void iso_lockout_restore(struct iso_lockout *lockout, const struct iso_lockout_record *record,
                          int64_t now_ns);
 struct iso_lockout_record iso_lockout_record_of(const struct iso_lockout *lockout, int64_t now_ns);
 
-/* Takes a verdict in that was given in OPEN; of those that stand for a failure (iso_lockout_counts)
- * and of admissions. True: it has locked the door. iso_lockout_time with its now_ns comes first. */
+/* Takes in a verdict that was given in OPEN. Failures (iso_lockout_counts) and admissions matter,
+ * others are ignored. Returns true if the door is locked now. Call iso_lockout_time with the same
+ * now_ns before. */
 bool iso_lockout_verdict(struct iso_lockout *lockout, const struct iso_verdict *verdict, int agree,
                          int64_t now_ns);
 
-/* Whether a verdict counts: an attack, or somebody who could have been recognised and was not. Who
- * left after fewer than `agree` frames could not; who is known but comes at the wrong time is no
- * stranger. */
+/* Whether a verdict counts as a failure: an attack, or a person who could have been recognised and
+ * was not. A person who left after fewer than `agree` frames could not have been recognised; a
+ * known person who comes at the wrong time is no stranger. Neither counts. */
 bool iso_lockout_counts(const struct iso_verdict *verdict, int agree);
 
-/* Takes in that it is now_ns. True if something has changed: a lock is over, or all is forgotten.
- */
+/* Says that it is now_ns. Returns true if something has changed: a lock is over, or all failures
+ * are forgotten. / */
 bool iso_lockout_time(struct iso_lockout *lockout, int64_t now_ns);
 
 /* When iso_lockout_time will do something; ISO_NEVER_NS if nothing is due. */
 int64_t iso_lockout_due_ns(const struct iso_lockout *lockout);
 
-/* An administrator ends a lock, and has all failures forgotten. A lockdown stays. */
+/* An administrator ends the lock and clears all failures. A lockdown stays. */
 void iso_lockout_clear(struct iso_lockout *lockout);
 
 /* Why nobody is let in: ISO_REASON_LOCKDOWN, ISO_REASON_LOCKED_OUT, or ISO_REASON_NONE. */

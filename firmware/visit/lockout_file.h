@@ -1,12 +1,12 @@
-/* The lock-out's memory in a file, so that pulling the plug does not make it forget.
+/* Keeps the state of the lock-out in a file, so that a power cut does not clear it.
  *
  *   ISOLOCK2 | number of the key u32 | sealed: number of the file u64, failures u32, attacks u32,
  *   locks u32, remaining_ms u64, lockdown u8, heads (heads.h)
  *
  * Sealed with the anchors' key, so that nobody without the key ring writes one, and numbered: each
- * write has the next number, which the other stores know. So an older file is refused, and so is
- * none where there was one. Written beside its place and moved there: after a power cut the file is
- * the old one or the new one.
+ * write has the next number, which the other stores know. So an older file is refused, and so is a
+ * missing one where there was one. The file is written beside its place and then moved there:
+ * after a power cut it is the old one or the new one.
  *
  * Format 1 was a line of text with a CRC-32, which anyone could write. It is read as long as no
  * store knows of a sealed file; the next write replaces it. */

@@ -1,12 +1,13 @@
-/* How long a grant needs, and how long its frames may be old: whoever is let in was seen at most
- * stale_ms ago when the lock is switched. Pure.
+/* Compares how long a grant needs with how old its frames may be: when the lock is switched, the
+ * person was seen at most stale_ms ago. Pure.
  *
  *   needed = frames that agree x period of the sensor
  *            + the wait for the record of the grant, at most
  *            + working time of a frame, from its exposure to the end of the work on it
  *
- * If that comes near stale_ms, a busy moment makes a grant a refusal ("stale"). The working time is
- * a mean of usable frames in which a new one counts for a sixteenth; 0 until there is one. */
+ * If that comes near stale_ms, a grant can become a refusal ("stale") in a busy moment. The
+ * working time is a mean of usable frames in which a new one counts for a sixteenth; 0 until there
+ * is one. */
 #ifndef ISO_FIRMWARE_VISIT_STALE_BUDGET_H
 #define ISO_FIRMWARE_VISIT_STALE_BUDGET_H
 

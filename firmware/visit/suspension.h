@@ -1,8 +1,9 @@
-/* How long the machine has been suspended, from two clocks of which one counts meanwhile.
+/* Finds out how long the machine has been suspended, from two clocks of which only one goes on
+ * during a suspension.
  *
- * Frames bear the time of the monotonic clock, which stands still during a suspension: a frame that
- * was exposed before it looks fresh after it. Whoever looks here before each frame learns that the
- * machine was suspended, and from which moment on frames are of the time behind it. */
+ * Frames bear the time of the monotonic clock, which stands still during a suspension: a frame
+ * that was exposed before it looks fresh after it. A look at the clocks before each frame shows
+ * that the machine was suspended, and from which moment on frames are new. */
 #ifndef ISO_FIRMWARE_VISIT_SUSPENSION_H
 #define ISO_FIRMWARE_VISIT_SUSPENSION_H
 
@@ -12,7 +13,7 @@
 #include "drivers/base/times.h"
 
 struct iso_suspension {
-    int64_t asleep_ns; /* in all: boot time is monotonic time and that */
+    int64_t asleep_ns; /* in total: boot time minus monotonic time */
     int64_t awake_ns;  /* frames exposed before this monotonic time may be from before the last
                           suspension */
 };
