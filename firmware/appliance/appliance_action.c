@@ -232,7 +232,8 @@ void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now
         return;
     }
     if (appliance->mode == ISO_APPLIANCE_CLAIMED) {
-        iso__appliance_say(appliance, LOG_NOTICE, "a client held the camera and did nothing");
+        iso__appliance_say(appliance, LOG_NOTICE,
+                           "a client claimed the camera and did nothing: the claim has ended");
         iso_appliance_release(appliance);
         appliance->borrowed.events.claim_lost(appliance->borrowed.events.context);
     } else if (appliance->mode == ISO_APPLIANCE_ENROLL) {

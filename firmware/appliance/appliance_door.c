@@ -108,7 +108,7 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
     flush_folded(appliance, false);
     while (iso_door_guard_next(appliance->door, &news, &missed)) {
         if (missed > 0) {
-            iso__appliance_say(appliance, LOG_WARNING, "%zu changes of the door were not told",
+            iso__appliance_say(appliance, LOG_WARNING, "%zu changes of the door were not reported",
                                missed);
         }
         if (iso_door_events_take(&appliance->door_news.reported, &news,

@@ -71,7 +71,7 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
     const int error = iso_gallery_add(gallery, &person, learned, &fault);
     learned->learned = false;
     if (error) {
-        iso__appliance_say(appliance, LOG_ERR, "what was learned could not be stored");
+        iso__appliance_say(appliance, LOG_ERR, "a learned template could not be stored");
         record.note = fault.text;
         record.reason = "not-stored";
         (void)iso__appliance_record(appliance, &record);
@@ -101,7 +101,7 @@ void iso__appliance_unlearn(struct iso_appliance *appliance)
         return;
     }
     if (iso_gallery_forget_learned(appliance->borrowed.gallery, &n, &fault)) {
-        iso__appliance_say(appliance, LOG_ERR, "what was learned could not be forgotten: %s",
+        iso__appliance_say(appliance, LOG_ERR, "learned templates could not be deleted: %s",
                            fault.text);
     } else if (n > 0) {
         struct iso_audit_record record = iso_audit_record_of("forget");

@@ -16,7 +16,7 @@ static int may_ask(const struct iso_appliance *appliance, struct iso_fault *faul
                              iso_appliance_mode_name(appliance->mode));
     }
     if (appliance->picture.due) {
-        return iso_fault_set(fault, -EBUSY, "the picture asked for before has still to come");
+        return iso_fault_set(fault, -EBUSY, "the picture asked for before has not come yet");
     }
     return iso__appliance_has_sensor(appliance, fault);
 }

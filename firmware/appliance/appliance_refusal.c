@@ -107,7 +107,7 @@ static int load_file(const struct iso_appliance *appliance, struct iso_lockout_f
     }
     if (!error && file.number == 0 && !borrowed->config->seal.migrate) {
         return iso_fault_set_code(fault, ISO_FAULT_STORE_UNSEALED, -ESTALE,
-                                  "%s: not sealed, which [seal] migrate = no does not take",
+                                  "%s: not sealed, which [seal] migrate = no does not accept",
                                   borrowed->lockout_path);
     }
     *out = file;

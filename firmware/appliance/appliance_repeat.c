@@ -28,7 +28,7 @@ static void tell_stuck(struct iso_appliance *appliance)
 {
     struct iso_fault fault;
     (void)iso_fault_set_code(&fault, ISO_FAULT_SENSOR_REPEATS, -EBADMSG,
-                             "sensor %s: its frames repeat earlier ones, they count for nothing",
+                             "sensor %s: its frames repeat earlier ones and are ignored",
                              appliance->sensor.supervisor.model);
     iso__appliance_blame_sensor(appliance, &fault);
     record_sensor(appliance, "repeats", fault.text);

@@ -152,7 +152,7 @@ int iso__audit_check_closed(const struct iso_audit *audit, bool closed, struct i
     const uint16_t found = count_closed(audit, audit->first, segment);
     return found == n ? 0
                       : iso_fault_set_code(fault, ISO_FAULT_LOG_OLD, -ESTALE,
-                                           "%s: %u closed segments, there have to be %u; put back "
+                                           "%s: %u closed segments instead of %u; put back "
                                            "what is missing",
                                            audit->path, found, n);
 }

@@ -28,7 +28,7 @@ static int may_migrate(const struct iso_audit *audit, struct iso_fault *fault)
     return iso_fault_set_code(fault, ISO_FAULT_STORE_UNSEALED, -ESTALE,
                               "%s: a log in plain text, %s", audit->path,
                               audit->options.migrate ? "where there was a sealed one"
-                                                     : "which [seal] migrate = no does not take");
+                                                     : "which [seal] migrate = no does not accept");
 }
 
 static int set_anchor(struct iso_audit *audit, struct iso_fault *fault)

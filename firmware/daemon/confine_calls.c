@@ -332,7 +332,7 @@ int iso_confine_calls(struct iso_fault *fault)
 {
 #ifdef ISOTHERM_INSTRUMENTED
     return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -ENOTSUP,
-                              "this build is watched, and confines nothing");
+                              "this build is instrumented and confines nothing");
 #endif
     scmp_filter_ctx filter = has_room() ? seccomp_init(SCMP_ACT_ERRNO(EPERM)) : NULL;
     if (!filter) {

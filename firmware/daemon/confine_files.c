@@ -190,7 +190,7 @@ int iso_confine_files(const struct iso_config *config, struct iso_fault *fault)
 #ifdef ISOTHERM_INSTRUMENTED
     (void)config;
     return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -ENOTSUP,
-                              "this build is watched, and confines nothing");
+                              "this build is instrumented and confines nothing");
 #endif
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)) {
         return iso_fault_set_code(fault, ISO_FAULT_NOT_CONFINED, -errno, "new privileges: %m");

@@ -155,7 +155,7 @@ static int find_key(const uint8_t *bytes, const struct iso_key_ring *ring,
         return 0;
     }
     if (bytes[ISO_CONTRACT_PEOPLE_LOCK_AT] != ISO_CONTRACT_PEOPLE_APPLIANCE) {
-        return iso_fault_set(fault, -EBADMSG, "import: it is not known who can open this file");
+        return iso_fault_set(fault, -EBADMSG, "import: the file does not say who can open it");
     }
     struct iso__transfer_pair receive = iso__transfer_receiving_pair(ring);
     const int wrong = crypto_box_seal_open(key->bytes, bytes + ISO__TRANSFER_KEY_AT,

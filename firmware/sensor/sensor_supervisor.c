@@ -35,7 +35,7 @@ static void note_fault(struct iso_sensor_supervisor *supervisor, int error,
     supervisor->fault = *fault;
     if (!fault->text[0]) {
         (void)iso_fault_set_code(&supervisor->fault, ISO_FAULT_SENSOR_FAILED, error,
-                                 "sensor: failed without a reason");
+                                 "sensor: failed and gave no reason");
     }
 }
 

@@ -330,7 +330,7 @@ static void an_unsealed_gallery_is_not_taken_against_the_configuration(void **st
     make_version_1(*state);
     options.migrate = false;
     assert_int_equal(iso_gallery_open(&options, &gallery, &fault), -ESTALE);
-    assert_non_null(strstr(fault.text, "which [seal] migrate = no does not take"));
+    assert_non_null(strstr(fault.text, "which [seal] migrate = no does not accept"));
     iso_gallery_close(gallery_rig_open(*state));
 }
 
