@@ -20,7 +20,7 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
                : 0;
 }
 
-/* What will be done; it is not done if this fails. */
+/* Puts on record what will be done. If this fails, it must not be done. */
 static int announce_event(struct iso_appliance *appliance, const char *event, const char *note,
                           struct iso_fault *fault)
 {
@@ -30,7 +30,7 @@ static int announce_event(struct iso_appliance *appliance, const char *event, co
     return error ? error : iso__appliance_record_first(appliance, &record, fault);
 }
 
-/* What came of it. The system's log, which is not sealed, is not told whom it was about. */
+/* Puts on record what came of it. The system's log is not sealed, so names do not go there. */
 static void conclude_event(struct iso_appliance *appliance, const char *event, int error,
                            const struct iso_fault *fault, const char *note)
 {
@@ -189,8 +189,8 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
     return 0;
 }
 
-/* A change of one person: on record before it is made, and again if it could not be made. Names go
- * into the sealed log only. */
+/* A change of one person is put on record before it is made, and again if it could not be made.
+ * Names go only into the sealed log. */
 static int record_change(struct iso_appliance *appliance, const struct iso_audit_record *record,
                          struct iso_fault *fault)
 {

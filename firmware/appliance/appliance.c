@@ -53,7 +53,7 @@ void iso_appliance_free(struct iso_appliance *appliance)
     }
 }
 
-/* Nobody is named: that goes to a log which is not sealed. */
+/* Names nobody, because the system's log is not sealed. */
 static void tell_unusable(struct iso_appliance *appliance)
 {
     size_t n = 0, unusable = 0;
@@ -69,7 +69,7 @@ static void tell_unusable(struct iso_appliance *appliance)
     }
 }
 
-/* Nobody is named here, either. */
+/* Names nobody, either. */
 static void tell_same_names(struct iso_appliance *appliance)
 {
     const size_t n = iso_gallery_same_names(appliance->borrowed.gallery);
@@ -116,7 +116,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     return error;
 }
 
-/* Who was there before the machine was suspended is not there any more. */
+/* The person before the camera may have changed during a suspension. */
 static void follow_suspension(struct iso_appliance *appliance)
 {
     if (iso_suspension_look(&appliance->suspension, &appliance->borrowed.times)) {
@@ -124,7 +124,7 @@ static void follow_suspension(struct iso_appliance *appliance)
     }
 }
 
-/* By the clock that the steps go by; the door has the one that counts during a suspension. */
+/* By the clock of the steps. The door has another clock, which goes on during a suspension. */
 static int64_t door_due_ns(const struct iso_appliance *appliance)
 {
     const int64_t due_ns = iso_door_guard_due_ns(appliance->door);

@@ -20,7 +20,7 @@ static bool is_action(enum iso_appliance_mode mode)
 
 /* ---- claim ---- */
 
-/* CLAIMED, with the whole time of a claim again. */
+/* Goes to CLAIMED; the time of the claim begins anew. */
 static void rest_claimed(struct iso_appliance *appliance)
 {
     iso__appliance_decide_anew(appliance);
@@ -65,7 +65,7 @@ int iso__appliance_may_act(const struct iso_appliance *appliance, struct iso_fau
     return error ? error : iso_gallery_state(appliance->borrowed.gallery, fault);
 }
 
-/* Whoever is locked out of the door learns nothing in another way. */
+/* During a lock-out nobody learns on the bus, either, whether a face is known. */
 static int may_recognise(const struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const enum iso_reason refusal = iso__appliance_lock_reason(appliance);
@@ -82,7 +82,7 @@ void iso__appliance_begin_action(struct iso_appliance *appliance, enum iso_appli
 {
     iso__appliance_decide_anew(appliance);
     iso__appliance_reset_hints(appliance);
-    iso__appliance_picture_drop(appliance); /* who is enrolled now is not shown */
+    iso__appliance_picture_drop(appliance); /* the person who is enrolled now is not shown */
     appliance->mode = mode;
     appliance->claim.ended = ISO_APPLIANCE_CLAIMED;
     appliance->claim.deadline_ns = iso__appliance_now_ns(appliance) + duration_ms * ISO_NS_PER_MS;

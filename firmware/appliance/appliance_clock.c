@@ -1,5 +1,5 @@
-/* A clock that was set back behind the newest record of the log: what it says of anybody's limits
- * is not to be believed. */
+/* A clock that shows an earlier time than the newest record of the log. The limits of people are
+ * not judged by it. */
 #include <errno.h>
 #include <stdio.h>
 #include <syslog.h>
@@ -7,7 +7,7 @@
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/contract/validity.h"
 
-/* A clock that is kept right by the network is corrected by less. */
+/* Corrections by the network are smaller. */
 static const int64_t tolerance_s = 60;
 
 static int64_t wall_s(const struct iso_appliance *appliance)
@@ -27,7 +27,7 @@ int64_t iso__appliance_date_s(const struct iso_appliance *appliance)
     return now_s < latest_s && !iso__appliance_clock_is_behind(appliance) ? latest_s : now_s;
 }
 
-/* `first`: what it announces happens only if it is on the disk. */
+/* `first`: waits for the disk, because what the record announces must not happen without it. */
 static bool record(struct iso_appliance *appliance, const char *reason, int64_t before_s,
                    bool first)
 {
@@ -60,7 +60,7 @@ static void tell_right(struct iso_appliance *appliance)
     (void)record(appliance, "right", iso_audit_latest_s(appliance->borrowed.audit), false);
 }
 
-/* A clock that is not set keeps nobody out, but those with time limits. */
+/* A clock that is not set keeps out only people with time limits. */
 enum iso_fault_code iso__appliance_clock_code(const struct iso_appliance *appliance)
 {
     if (appliance->clock_fault.text[0]) {

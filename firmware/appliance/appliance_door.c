@@ -1,5 +1,4 @@
-/* The door as the appliance sees it: put to work by the configuration, its changes on record and
- * told. */
+/* Starts the door as the configuration says, and records and reports its changes. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -28,7 +27,7 @@ static void post(struct iso_appliance *appliance, const char *reason, const char
     (void)!iso_audit_writer_post(appliance->log, &record, NULL);
 }
 
-/* On record what was folded; the mutex is held. */
+/* Records changes that were only counted; the mutex is held. */
 static void record_folded(struct iso_appliance *appliance, bool ending)
 {
     struct iso_door_burst burst;
@@ -38,9 +37,10 @@ static void record_folded(struct iso_appliance *appliance, bool ending)
     }
 }
 
-/* On record what the door does; it does so whether there is room for the record or not. Called by
- * the door's thread, too: a record that cannot be queued is counted by the writer, which tells. The
- * record bears the time of the change, which may have waited for a log. */
+/* Records a change of the door. It does not wait for room in the queue of the log, because the
+ * thread of the door calls it, too: the writer counts records that found no room, and reports
+ * them. The record has the time of the change, which may be long ago if the log was not open yet.
+ */
 static void record_change(void *context, const struct iso_door_news *news)
 {
     struct iso_appliance *appliance = context;
@@ -66,7 +66,7 @@ static void tell_change(struct iso_appliance *appliance, const struct iso_door_n
     events->door_changed(events->context, state, cause);
 }
 
-/* Tells of changes that were folded: the door's state now is what clients need. */
+/* Reports changes that were only counted. Clients need the present state of the door. */
 static void tell_folded(struct iso_appliance *appliance, bool ending)
 {
     const struct iso_appliance_events *events = &appliance->borrowed.events;
@@ -139,7 +139,7 @@ void iso__appliance_free_door(struct iso_appliance *appliance)
     (void)pthread_mutex_destroy(&appliance->door_news.mutex);
 }
 
-/* Changes that happened before the log was open, more than could be kept. */
+/* Records how many changes before the log was open could not be kept. */
 static void record_missing(struct iso_appliance *appliance, size_t n)
 {
     char note[64];

@@ -9,7 +9,7 @@
 #include "firmware/appliance/enroll_gate.h"
 #include "firmware/contract/contract.h"
 
-/* Limits as they are stored; nobody has none. */
+/* The stored limits of a person; NULL: no limits. */
 static struct iso_validity validity_of(const struct iso_person *person)
 {
     return person ? (struct iso_validity){person->valid_from_s, person->valid_until_s}
@@ -98,15 +98,15 @@ static int record_enrolment(struct iso_appliance *appliance, const char *reason,
     return iso__appliance_record(appliance, &record);
 }
 
-/* That it is complete, and which limits it changes. The person takes the limits that follow: those
- * that were not named stay as the gallery has them. */
+/* Records that the enrolment is complete, and which limits it changes. Limits that were not named
+ * stay as the gallery has them. */
 static int record_completion(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);
     const struct iso_person *known = iso_gallery_find_id(appliance->borrowed.gallery,
                                                          appliance->enrolling.person.id);
     if (appliance->enrolling.person.id != 0 && !known) {
-        /* Removed meanwhile: limits that were not named are not known any more. */
+        /* The person was removed meanwhile, and with the person the limits that were not named. */
         return iso_fault_set(fault, -ENOENT, "%s: no such person",
                              appliance->enrolling.person.name);
     }
@@ -135,7 +135,8 @@ static int add_person(struct iso_appliance *appliance, struct iso_fault *fault)
     return error;
 }
 
-/* Puts the template into the gallery. What cannot be logged is not done. */
+/* Puts the template into the gallery, after the record of it. Without a record nothing is stored.
+ */
 static int keep_enrolment(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     appliance->enrolling.person.enrolled_s = iso_times_wall_ns(&appliance->borrowed.times) /

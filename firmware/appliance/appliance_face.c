@@ -5,7 +5,7 @@
 
 #include "firmware/appliance/appliance_calls.h"
 
-/* What is not to be looked at needs more than is ever held. */
+/* A check that is turned off gets a limit that is never reached. */
 static void init_liveness(struct iso_appliance *appliance)
 {
     const struct iso_config_motion *motion = &appliance->borrowed.config->motion;
@@ -67,8 +67,8 @@ int iso__appliance_extract(struct iso_appliance *appliance, const struct iso_fra
     return error;
 }
 
-/* Whether a face that was fitted moves as the living do; one that has not been seen for long enough
- * is given the benefit of the doubt. */
+/* Whether a fitted face does not move as living ones do. A face that has not been seen for long
+ * enough counts as living. */
 static bool is_lifeless(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
     const struct iso_extraction *extraction = &appliance->face.extraction;
@@ -140,8 +140,8 @@ bool iso__appliance_is_stale(struct iso_appliance *appliance, const struct iso_f
     return true;
 }
 
-/* A frame that is the one before it again, to the bit, is no second opinion of the face in it: it
- * must not agree with itself. (Some more of them are an attack, see is_lifeless.) */
+/* Whether a frame is identical to the one before it. Such a frame must not agree with itself.
+ * (Some more of them are an attack, see is_lifeless.) */
 static bool is_echo(const struct iso_appliance *appliance)
 {
     return appliance->borrowed.config->motion.frozen_frames > 0 &&

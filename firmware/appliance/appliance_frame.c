@@ -8,7 +8,7 @@
 #include "drivers/terminal/words.h"
 #include "firmware/appliance/appliance_calls.h"
 
-/* An attempt is over when nobody could still be in the middle of it. */
+/* The longest attempt that is one record. */
 static const int64_t attack_longest_ns = 60 * ISO_NS_PER_S;
 
 void iso__appliance_init_visit(struct iso_appliance *appliance)
@@ -50,7 +50,7 @@ static void finish_verdict(struct iso_appliance *appliance, struct iso_verdict *
     iso__appliance_count_verdict(appliance, verdict);
 }
 
-/* One record an attempt: what it looked like, in how many frames, for how long. */
+/* Writes one record for an attempt: its cue, its number of frames, its duration. */
 static void record_attack(struct iso_appliance *appliance, const struct iso_attack_attempt *attempt)
 {
     char note[64];
@@ -86,7 +86,8 @@ void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns)
     }
 }
 
-/* The gallery's opinion of the template just extracted: 0, -ENODATA, or an error of the search. */
+/* Compares the template just extracted with the gallery. -ENODATA the template cannot be compared,
+ * or another error of the search. */
 static int compare_face(const struct iso_appliance *appliance, struct iso_decision_frame *out)
 {
     const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
@@ -110,8 +111,8 @@ static int compare_face(const struct iso_appliance *appliance, struct iso_decisi
     return 0;
 }
 
-/* Another face than before. At the door the one before has left; a client's action goes on with
- * the new one. */
+/* Tells the decision which face is seen now. At the door, another face means that the person
+ * before has left; an action of a client goes on with the new face. */
 static void follow_track(struct iso_appliance *appliance)
 {
     struct iso_verdict verdict;
@@ -121,7 +122,7 @@ static void follow_track(struct iso_appliance *appliance)
     }
 }
 
-/* Takes a usable face in. OK, or why it is none after all. */
+/* Takes in a usable face. Returns OK, or why the face cannot be used after all. */
 static enum iso_capture recognise_face(struct iso_appliance *appliance, int64_t t_ns,
                                        int64_t arrival_ns)
 {
@@ -161,7 +162,7 @@ static enum iso_capture take_face(struct iso_appliance *appliance, int64_t t_ns,
     return recognise_face(appliance, t_ns, arrival_ns);
 }
 
-/* Takes a frame in that shows a picture, a screen or a mask. */
+/* Takes in a frame that shows a picture, a screen or a mask. */
 static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, int64_t t_ns,
                         int64_t arrival_ns)
 {
@@ -194,7 +195,8 @@ static bool may_hint(const struct iso_appliance *appliance, enum iso_capture cap
     return capture != ISO_CAPTURE_NO_FACE && appliance->visit.decision.state != ISO_DECISION_SPENT;
 }
 
-/* The interval between hints is the person's time, not the frames', of which some are late. */
+/* The interval between hints is measured when they are given: the times of late frames do not
+ * matter to the person. */
 static void give_hint(struct iso_appliance *appliance, enum iso_capture capture)
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);

@@ -1,4 +1,4 @@
-/* WATCH: what is learned at a visit, and forgotten again. */
+/* WATCH: learns a template at a visit, and deletes learned templates. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "firmware/recognise/learning.h"
 #include "isotherm/capture.h"
 
-/* Whether the template in hand is as like the enrolled ones among these as has to be. */
+/* Whether the present template is similar enough to the enrolled ones among these. */
 static bool is_like(const struct iso_appliance *appliance,
                     const struct iso_learning_options *options, int64_t person,
                     const struct iso_template *own, int n)
@@ -29,8 +29,8 @@ static bool is_like(const struct iso_appliance *appliance,
     return !error && n_hits == 1 && hit.score >= options->score;
 }
 
-/* Whether there is room for one more learned template of this person, and the template in hand is
- * like the enrolled ones, as they are on the disk. */
+/* Whether there is room for one more learned template of this person, and the present template is
+ * similar to the enrolled ones on the disk. */
 static bool may_learn(const struct iso_appliance *appliance,
                       const struct iso_learning_options *options, int64_t person)
 {
@@ -50,7 +50,7 @@ static bool may_learn(const struct iso_appliance *appliance,
     return like;
 }
 
-/* What cannot be logged is not done. */
+/* Stores the template, after the record of it. Without a record nothing is stored. */
 static void keep(struct iso_appliance *appliance, const struct iso_verdict *verdict)
 {
     struct iso_gallery *gallery = appliance->borrowed.gallery;

@@ -35,7 +35,7 @@ int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fau
     return error;
 }
 
-/* Answers who waits, if somebody does. */
+/* Answers the client that waits, if there is one. */
 static void answer(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
     const struct iso_appliance_events *events = &appliance->borrowed.events;

@@ -1,4 +1,4 @@
-/* Who is refused whatever the face: the lock-out, and the lockdown. */
+/* Lock-out and lockdown: everybody is refused, whatever the face. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +30,8 @@ int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_faul
                : 0;
 }
 
-/* What cannot be kept is still true until the next restart, and tried again until it can. */
+/* Writes the file. If that fails, the state holds until the next restart, and writing is tried
+ * again. */
 static int save_lockout(struct iso_appliance *appliance, struct iso_fault *out)
 {
     const bool said = appliance->lockout.save_ns != ISO_NEVER_NS;
@@ -48,7 +49,7 @@ static int save_lockout(struct iso_appliance *appliance, struct iso_fault *out)
     return iso_fault_set_code(out, fault.code, error, "%s", fault.text);
 }
 
-/* Whether the file has come to say what is to be kept, although the disk reported an error. */
+/* Whether the file has the present state although the disk reported an error. */
 static bool is_kept(const struct iso_appliance *appliance)
 {
     const struct iso_lockout_record wanted = iso_lockout_record_of(
@@ -64,8 +65,8 @@ static bool is_kept(const struct iso_appliance *appliance)
            found.remaining_ns == wanted.remaining_ns;
 }
 
-/* Keeps what opens the door to people again. If the disk does not keep it, all is as before: a
- * restart would shut the door again. */
+/* Writes a state that lets people in again. If the disk does not keep it, the state before holds,
+ * because a restart would bring it back anyway. */
 static int save_or_undo(struct iso_appliance *appliance, const struct iso_lockout *before,
                         struct iso_fault *fault)
 {
@@ -77,8 +78,8 @@ static int save_or_undo(struct iso_appliance *appliance, const struct iso_lockou
     return 0;
 }
 
-/* What was remembered cannot be read, is gone or is old: it may have been the worst. The file stays
- * as it is until an administrator ends the lockdown. */
+/* The file cannot be read, is gone or is old. It may have had a lockdown, so a lockdown begins.
+ * The file stays as it is until an administrator ends the lockdown. */
 static void suspect_file(struct iso_appliance *appliance, int error, const struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of("lockdown");
@@ -91,7 +92,7 @@ static void suspect_file(struct iso_appliance *appliance, int error, const struc
     (void)iso__appliance_record(appliance, &record);
 }
 
-/* What the file says, all zero if there has never been one. */
+/* Reads the file; all zero if there has never been one. */
 static int load_file(const struct iso_appliance *appliance, struct iso_lockout_file *out,
                      struct iso_fault *fault)
 {
@@ -114,7 +115,7 @@ static int load_file(const struct iso_appliance *appliance, struct iso_lockout_f
     return 0;
 }
 
-/* Takes what the file says. A lockdown that began before it could be read goes on. */
+/* Takes over the state of the file. A lockdown that began before the file could be read goes on. */
 static void take_file(struct iso_appliance *appliance, const struct iso_lockout_file *file)
 {
     const bool lockdown = appliance->lockout.state.lockdown;
@@ -130,7 +131,7 @@ static void take_file(struct iso_appliance *appliance, const struct iso_lockout_
     }
 }
 
-/* Errors that say nothing of what is in the file. */
+/* Errors that may pass, and do not depend on the contents of the file. */
 static bool may_pass(int error)
 {
     return iso_storage_is_refusal(error) || error == -ENOMEM || error == -ENFILE ||
@@ -261,7 +262,7 @@ void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
     (void)!save_lockout(appliance, NULL);
 }
 
-/* On record that it has locked, and for how long. */
+/* Records that the door is locked, and for how long. */
 static void record_lock(struct iso_appliance *appliance)
 {
     char note[64];
@@ -351,7 +352,7 @@ static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fau
     return iso_fault_set_code(fault, own.code, unkept, "%s", own.text);
 }
 
-/* This replaces a file that cannot be read, too. */
+/* This also replaces a file that cannot be read. */
 static int end_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_lockout before = appliance->lockout.state;

@@ -1,4 +1,4 @@
-/* The sensor as the appliance sees it: opened, looked at, and at fault when it shows nothing. */
+/* Opens the sensor, reads it, and puts the door at fault when the sensor shows nothing. */
 #include <errno.h>
 #include <syslog.h>
 
@@ -52,8 +52,8 @@ static void on_sensor_back(struct iso_appliance *appliance)
     iso__appliance_stale_sensor(appliance);
 }
 
-/* The safe state and its end: whoever was before the camera may be another by now, and what was
- * decided of the one before is forgotten. A client's action goes on if the camera does. */
+/* Begins and ends the safe state. Another person may be before the camera by now, so the visit is
+ * forgotten. An action of a client goes on if the camera does. */
 static void follow_sight(struct iso_appliance *appliance)
 {
     const struct iso_sensor_supervisor *supervisor = &appliance->sensor.supervisor;
@@ -95,8 +95,8 @@ int iso__appliance_open_sensor(struct iso_appliance *appliance, int64_t now_ns,
     return 0;
 }
 
-/* A step that comes so much later than it was due was held up by something else than the sensor: by
- * the disk, by a frame that took long, or by other work of the machine. */
+/* A step that is late by so much was held up by the disk, by a frame that took long, or by other
+ * work of the machine, and not by the sensor. */
 static const int64_t stall_ns = 50 * ISO_NS_PER_MS;
 
 static void excuse_stall(struct iso_appliance *appliance, int64_t now_ns)
@@ -107,7 +107,7 @@ static void excuse_stall(struct iso_appliance *appliance, int64_t now_ns)
     }
 }
 
-/* The time that a driver takes in the look itself is the sensor's. */
+/* Called after the look: the time that the driver takes in it counts for the sensor. */
 static void note_next_look(struct iso_appliance *appliance)
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
@@ -128,7 +128,7 @@ void iso__appliance_look_at_sensor(struct iso_appliance *appliance, int64_t now_
         iso__appliance_frame(appliance, frame, now_ns);
         break;
     case ISO_SENSOR_QUIET:
-        /* Nothing has been seen until now: who was there has left, perhaps. */
+        /* Nothing has been seen until now: the person may have left. */
         iso__appliance_time(appliance, now_ns);
         break;
     case ISO_SENSOR_FLAW:

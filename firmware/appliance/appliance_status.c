@@ -53,7 +53,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
 
 /* ---- the view of the sensor, for whoever aims it ---- */
 
-/* As often as somebody who turns a camera can follow. */
+/* A person who turns a camera cannot follow more. */
 static const int64_t view_interval_ns = 100 * ISO_NS_PER_MS;
 
 void iso_appliance_aim(struct iso_appliance *appliance, bool on)

@@ -77,7 +77,7 @@ void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)
 
 /* ---- the counter of the state directory ---- */
 
-/* Longer than the log takes for a record: the number is due for a moment with each of them. */
+/* Longer than the log needs for a record: with each record the number is due for a moment. */
 static const int64_t counter_patience_ns = 2 * ISO_NS_PER_S;
 
 static void take_counter_news(struct iso_appliance *appliance)
@@ -99,7 +99,7 @@ static void take_counter_news(struct iso_appliance *appliance)
     }
 }
 
-/* A record brings a write of the anchor, and with it the number. It is asked for once. */
+/* A record makes the log write its anchor, and the number with it. One such record is enough. */
 static void follow_counter(struct iso_appliance *appliance, int64_t now_ns)
 {
     if (!iso_state_counter_is_due(appliance->borrowed.counter)) {

@@ -93,7 +93,7 @@ static void deny_verdict(struct iso_verdict *verdict, enum iso_reason reason)
     verdict->reason = reason;
 }
 
-/* What a record that was not written means for a verdict: it was late, or the log refused it. */
+/* The reason of a refusal for want of a record: the record was late, or the log refused it. */
 static enum iso_reason reason_of(int error)
 {
     return error == -ETIMEDOUT || error == -ENOBUFS ? ISO_REASON_NOT_ON_RECORD
@@ -112,7 +112,7 @@ static void refuse_visit(struct iso_appliance *appliance, struct iso_visit *visi
     }
 }
 
-/* The door that did not unlock has a fault, or is at fault for another reason. */
+/* Notes why a door did not unlock: a fault of its lines, or a fault from outside. */
 static void note_answer(struct iso_appliance *appliance, struct iso_visit *visit)
 {
     appliance->outcome.door_look = iso_door_guard_look(appliance->door);
@@ -123,8 +123,9 @@ static void note_answer(struct iso_appliance *appliance, struct iso_visit *visit
     }
 }
 
-/* The card of the person who is let in, whatever spelling of the name the file has. Of an old
- * gallery with two spellings of one name, the file's spelling says who of the two is meant. */
+/* The card of the admitted person, whatever spelling of the name the file has. If an old gallery
+ * has two people under two spellings of one name, the spelling in the file decides whose card it
+ * is. */
 static const struct iso_card *card_of(const struct iso_appliance *appliance, const char *person)
 {
     const struct iso_card *card = iso_cards_find(appliance->borrowed.cards, person);
@@ -134,8 +135,8 @@ static const struct iso_card *card_of(const struct iso_appliance *appliance, con
     return owner && strcmp(owner->name, person) == 0 ? card : NULL;
 }
 
-/* The controller has locks of its own. What it cannot be told does not change what this door's lock
- * does; a door without a lock of its own did not unlock then. */
+/* Sends the card number. The controller has locks of its own, so a failure does not change what
+ * the lock of this door does. A door without a lock of its own did not unlock then. */
 static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
 {
     struct iso_fault *fault = &appliance->outcome.card_fault;
@@ -163,7 +164,8 @@ static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
     }
 }
 
-/* Asks the door, once the grant is on record. 0, or why nobody is let in after all. */
+/* Asks the door to unlock, once the grant is on record. Returns ISO_REASON_NONE, or why nobody is
+ * let in after all. */
 static enum iso_reason open_door(struct iso_appliance *appliance, struct iso_visit *visit)
 {
     if (iso__appliance_grant_at_door(appliance, visit->verdict.since_ns, &visit->door)) {

@@ -66,7 +66,8 @@ static void note_lines(struct iso_door_control *control, const struct iso_fault 
     }
 }
 
-/* Switches what differs. After a failure no line is certain, and all are switched the next time. */
+/* Switches the lines that differ. After a failure no line is known, and all are switched the next
+ * time. */
 static bool switch_outputs(struct iso_door_control *control, struct iso_fault *fault)
 {
     const struct iso_door_outputs wanted = iso_door_outputs_of(&control->door);
@@ -99,7 +100,8 @@ static void tell_inputs(struct iso_door_control *control, const struct iso_door_
 {
     const bool *now = inputs->active, *before = control->inputs.active;
     if (now[ISO_DOOR_EXIT_BUTTON] && !before[ISO_DOOR_EXIT_BUTTON]) {
-        tell_change(control, ISO_DOOR_ON_EXIT_BUTTON, now_ns); /* first: who opens has pressed it */
+        tell_change(control, ISO_DOOR_ON_EXIT_BUTTON,
+                    now_ns); /* first: the person who opens the door has pressed it */
     }
     if (now[ISO_DOOR_CONTACT] != before[ISO_DOOR_CONTACT]) {
         tell_change(control, now[ISO_DOOR_CONTACT] ? ISO_DOOR_ON_OPENED : ISO_DOOR_ON_CLOSED,
@@ -168,7 +170,8 @@ static void apply_outputs(struct iso_door_control *control, int64_t now_ns)
     }
 }
 
-/* Reads and switches; any failure is a fault of the door, and the end of all of them ends it. */
+/* Reads and switches. Any failure is a fault of the door, which ends when everything works again.
+ */
 static void exercise_lines(struct iso_door_control *control, int64_t now_ns)
 {
     struct iso_fault fault = {.text = ""};
@@ -224,9 +227,9 @@ static enum iso_door_answer answer_of(const struct iso_door_control *control)
     }
 }
 
-/* Unlocks by an event. The lock is switched first, and what is told of it is then what it did. If
- * the relay did not follow, or its line is gone, the event is withdrawn: the lock does not unlock
- * later, when the line is back. */
+/* Unlocks the door because of an event. The lock is switched first, so that what is reported is
+ * what it did. If the relay did not follow, or its line is gone, the event is withdrawn: the lock
+ * does not unlock later, when the line is back. */
 static enum iso_door_answer unlock_by(struct iso_door_control *control, enum iso_door_event event,
                                       int64_t now_ns)
 {

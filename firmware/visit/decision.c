@@ -40,8 +40,8 @@ void iso_decision_reset(struct iso_decision *decision)
     forget_face(decision);
 }
 
-/* Whom a frame counts for, or 0. A score that is no number, or an infinite one, counts for nobody:
- * no comparison of faces says that. */
+/* Whom a frame counts for, or 0. A score that is not finite counts for nobody: no comparison gives
+ * one. */
 static int64_t counted_person(const struct iso_decision_options *options,
                               const struct iso_decision_frame *frame)
 {
@@ -77,15 +77,15 @@ static void spend_visit(struct iso_decision *decision, int64_t t_ns)
     decision->verdict_ns = t_ns;
 }
 
-/* So many frames have to agree: those that are asked for, and half of the visit's usable ones. Else
- * every further frame of a stranger were one more chance. */
+/* How many frames have to agree: `agree`, and at least half of the usable frames of the visit.
+ * Otherwise each further frame would be one more chance for a stranger. */
 static int frames_needed(const struct iso_decision *decision)
 {
     const int half = (decision->n_frames + 1) / 2;
     return half > decision->options.agree ? half : decision->options.agree;
 }
 
-/* Somebody is there; false if that is of no interest for the time being. */
+/* Notes that somebody is there. Returns false in SPENT, where frames do not count. */
 static bool enter_visit(struct iso_decision *decision, int64_t t_ns)
 {
     decision->seen_ns = t_ns;
@@ -107,7 +107,7 @@ static enum iso_capture main_cue(const struct iso_decision *decision)
     return cue;
 }
 
-/* What the visit was, for a reason; DENY as all verdicts are until somebody allows them. */
+/* The verdict on the visit, with this reason; DENY, as every verdict until it is allowed. */
 static struct iso_verdict verdict_for(const struct iso_decision *decision, enum iso_reason reason)
 {
     return (struct iso_verdict){
@@ -152,7 +152,7 @@ bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_
         return false;
     }
     if (decision->n_frames > 0 && decision->track != frame->track) {
-        forget_face(decision); /* who forgot to tell of the track gets no agreement out of it */
+        forget_face(decision); /* a caller that did not tell the track gets no agreement */
     }
     decision->track = frame->track;
     note_frame(decision, frame);

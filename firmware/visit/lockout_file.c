@@ -23,7 +23,7 @@ enum {
     FILE_MAX_BYTES = 4096,
 };
 
-/* Rounded up: a lock of which anything is left is still one. */
+/* Rounded up, so that a lock that is almost over is still a lock. */
 static int64_t remaining_ms(const struct iso_lockout_record *record)
 {
     return record->remaining_ns > INT64_MAX - ISO_NS_PER_MS
@@ -55,7 +55,7 @@ int iso_lockout_parse(const char *text, size_t size, struct iso_lockout_record *
     }
     record.lockdown = strcmp(word, "lockdown") == 0;
     record.remaining_ns = left_ms * ISO_NS_PER_MS;
-    /* There is one way to write a record: what is not written so was not written by us. */
+    /* A record is written in one way only: any other text was not written by this program. */
     const size_t length = print_record(&record, again);
     if (left_ms < 0 || length != size || memcmp(text, again, size) != 0) {
         return -EBADMSG;

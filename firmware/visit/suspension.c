@@ -2,8 +2,8 @@
 
 static const int64_t least_ns = 10 * ISO_NS_PER_MS;
 
-/* Boot time is read first: if the thread loses its processor between the two readings, the time
- * asleep is underestimated, and nobody is taken for suspended who was not. *now_ns: the monotonic
+/* Boot time is read first. If the thread loses its processor between the two readings, the time
+ * asleep is underestimated, and no suspension is seen where there was none. *now_ns: the monotonic
  * time. */
 static int64_t measure(const struct iso_times *times, int64_t *now_ns)
 {
