@@ -55,7 +55,7 @@ int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *
     return 0;
 }
 
-/* There is nothing in PATH: the log begins, or goes on where its newest closed segment ends. */
+/* PATH is empty: the log begins here, or after its newest closed segment. */
 static int begin_log(struct iso_audit *audit, struct iso_fault *fault)
 {
     size_t torn = 0;
@@ -91,7 +91,8 @@ static int go_on(struct iso_audit *audit, size_t *torn, struct iso_fault *fault)
     return error ? error : iso__audit_check_end(audit, false, fault);
 }
 
-/* Takes away what a crash left of a record, and says so on record if there is room. */
+/* Removes the part of a record that a crash has left, and writes a record of that if there is
+ * room. */
 static int mend_end(struct iso_audit *audit, size_t torn, struct iso_fault *fault)
 {
     char note[80];

@@ -130,7 +130,7 @@ int iso__audit_sync(const struct iso_audit *audit, int fd)
     return audit->options.sync && iso_disk_wait_fdatasync(fd) ? -errno : 0;
 }
 
-/* Takes away what stands behind the last record, so that the next one begins a line. */
+/* Removes what is after the last record, so that the next one begins a line. */
 static int take_back(struct iso_audit *audit, struct iso_fault *fault)
 {
     audit->torn = ftruncate(audit->fd, audit->size) != 0;
@@ -154,15 +154,15 @@ int iso__audit_catch_up(struct iso_audit *audit, struct iso_fault *fault)
                  : iso__audit_write_anchor(audit, fault);
 }
 
-/* Whether the next record belongs into a segment of its own. */
+/* Whether the next record begins a new segment. */
 static bool is_full(const struct iso_audit *audit)
 {
     const uint64_t limit = audit->options.segment_bytes;
     return limit > 0 && (uint64_t)audit->size >= limit && audit->last >= audit->segment_first;
 }
 
-/* What has to be in order before a group can be written: files that are as they are known, an
- * anchor that is no more behind, a segment with room. */
+/* Prepares for a group: the files are as expected, the anchor has caught up, the segment has room.
+ */
 static int prepare_files(struct iso_audit *audit, struct iso_fault *fault)
 {
     int error = iso__audit_settle(audit, fault);
@@ -174,7 +174,7 @@ static int prepare_files(struct iso_audit *audit, struct iso_fault *fault)
 
 /* ---- groups ---- */
 
-/* What a group changes, to be put back if the disk does not take it. */
+/* The state that a group changes, to be restored if the disk refuses the group. */
 struct end {
     uint64_t last;
     struct iso_audit_link link;
@@ -236,7 +236,8 @@ static void note_gallery(struct iso_audit *audit, const struct iso_audit_record 
     }
 }
 
-/* What the record tells of. The gallery changes by an administrator, or as it learns. */
+/* The kind of change that a record stands for. The gallery is changed by an administrator or by
+ * learning. */
 static enum iso_state_change change_of(const struct iso_audit *audit,
                                        const struct iso_audit_record *record)
 {
@@ -298,8 +299,8 @@ static void write_entry(struct iso_audit *audit, struct iso_audit_entry *entry)
                          sizeof audit->link.bytes);
 }
 
-/* Synchronises what was written behind `before`. If that fails none of it counts, since nobody
- * knows which part of it is on the disk: it is taken away again. */
+/* Synchronises what was written behind `before`. If that fails the whole group is removed again,
+ * because it is not known which part of it is on the disk. */
 static void commit_group(struct iso_audit *audit, const struct end *before,
                          struct iso_audit_entry *entries, size_t n)
 {
@@ -324,7 +325,7 @@ static void commit_group(struct iso_audit *audit, const struct end *before,
     }
 }
 
-/* Writes as many of the entries as go into one group, one at least. Returns how many. */
+/* Writes as many entries as fit into one group, at least one. Returns how many. */
 static size_t append_some(struct iso_audit *audit, struct iso_audit_entry *entries, size_t n)
 {
     struct iso_fault fault = {.text = ""};

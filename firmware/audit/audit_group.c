@@ -74,8 +74,9 @@ static void note_awaited(struct iso_audit_writer *writer, const struct iso__audi
     writer->awaited.fault = entry ? entry->fault : (struct iso_fault){.text = ""};
 }
 
-/* Takes a record into the group. One that was cancelled is not written; an outcome of one that was
- * queued before it knows that by now: the two are never in one group, unless that was cancelled. */
+/* Takes a record into the group. A cancelled record is not written. An outcome and the record that
+ * it belongs to are never in one group, unless that record was cancelled: so the outcome knows
+ * what became of it. */
 static void begin_slot(struct iso_audit_writer *writer, struct iso__audit_slot *slot)
 {
     if (slot->outcome_of) {
@@ -89,8 +90,8 @@ static void begin_slot(struct iso_audit_writer *writer, struct iso__audit_slot *
     }
 }
 
-/* Takes everything that is queued; but losses that have to be admitted between two records end the
- * group there. */
+/* Takes everything that is queued. If losses have to be recorded between two records, the group
+ * ends there. */
 static void begin_group(struct iso_audit_writer *writer)
 {
     writer->n_entries = 0;
@@ -108,7 +109,7 @@ static void begin_group(struct iso_audit_writer *writer)
     }
 }
 
-/* Takes the first record out of the queue; entry is NULL for one that was cancelled. */
+/* Takes the first record out of the queue; entry is NULL if the record was cancelled. */
 static void end_slot(struct iso_audit_writer *writer, const struct iso_audit_entry *entry)
 {
     struct iso__audit_slot *slot = iso__audit_writer_slot(writer, 0);

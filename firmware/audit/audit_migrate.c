@@ -1,9 +1,9 @@
 /* Sealing a log of the version before: the same records, one JSON object a line, in plain text.
  *
- * It is done once, when nothing of this appliance's log was sealed yet. Sequences are kept; what
- * the lines were worth before is said by a record behind them. The anchor says that sealing goes on
- * before anything else is done: a kill leaves the old file, of which one then begins again, or the
- * new one. */
+ * It is done once, while no part of the log of this appliance was sealed. Sequences are kept; a
+ * record after them says that these lines were not sealed before. First of all the anchor says
+ * that sealing goes on: a kill leaves the old file, with which sealing begins again, or the new
+ * one. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>

@@ -30,7 +30,7 @@ static int segment_path(const struct iso_audit *audit, size_t i, char path[PATH_
     return 0;
 }
 
-/* Goes to a record: in the present segment from the mark before it. */
+/* Goes to a record; in the present segment it starts at the mark before the record. */
 static int seek_record(const struct iso_audit *audit, size_t i, struct iso_audit_reader *reader,
                        uint64_t from)
 {

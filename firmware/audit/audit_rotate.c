@@ -57,8 +57,8 @@ static int remove_segment(const struct iso_audit *audit, uint64_t first, struct 
     return error;
 }
 
-/* The anchor says first where the log begins from now on, so that a kill leaves a file too many and
- * never one too few. */
+/* The anchor is written first, with the new beginning of the log. So a kill leaves one file too
+ * many, and never one too few. */
 int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
 {
     const size_t keep = audit->options.segments > 0 ? (size_t)audit->options.segments : 0;
@@ -105,7 +105,7 @@ static int exchange(struct iso_audit *audit, const char *beside, uint64_t first,
     return iso_directory_sync(audit->path, fault);
 }
 
-/* What a segment is, to be put back when the next one cannot begin. */
+/* The state of a segment, to be restored if the next one cannot begin. */
 struct segment {
     struct iso_audit_seal seal;
     uint64_t first;

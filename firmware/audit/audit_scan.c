@@ -54,7 +54,7 @@ static void note_proof(struct iso_audit *audit)
     audit->known.count[ISO_HEAD_LOG] = 0; /* it is no claim of another store */
 }
 
-/* Takes a record in that the reader has just read. */
+/* Takes in the record that the reader has just read. */
 static int take_record(struct iso_audit *audit, const struct iso_audit_reader *reader,
                        struct iso_fault *fault)
 {

@@ -1,13 +1,12 @@
-/* What the disk holds of the log after an exchange of its files whose outcome is not known: which
- * file has which name is asked of the disk, by opening the log again. Until that is possible
- * nothing is written. */
+/* After an exchange of files whose outcome is not known, the log is opened again to find out which
+ * file has which name. Until that is possible nothing is written. */
 #include <errno.h>
 #include <sodium.h>
 #include <unistd.h>
 
 #include "firmware/audit/audit_state.h"
 
-/* Our own lock must not stand in the way. */
+/* The lock of this process would keep it from opening the file again. */
 static void close_segment(struct iso_audit *audit)
 {
     if (audit->fd >= 0) {

@@ -110,7 +110,7 @@ static void *run(void *context)
     return NULL;
 }
 
-/* Without a thread: whoever has queued a record writes it. */
+/* Without a thread, the caller that has queued a record writes it. */
 static int write_now(struct iso_audit_writer *writer, struct iso_fault *fault)
 {
     iso__audit_writer_write(writer);

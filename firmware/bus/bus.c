@@ -45,7 +45,7 @@ static int on_disconnected(sd_bus_message *signal, void *context, sd_bus_error *
     return 0;
 }
 
-/* Everything that hangs on the connection, and who had something through it. */
+/* Gives up the connection, with the claim and the listeners that it had. */
 static void drop_connection(struct iso_bus *bus)
 {
     if (bus->claimant[0]) {
@@ -143,7 +143,8 @@ static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out
     return r < 0 ? r : 1;
 }
 
-/* Has the object and the limit on the connection, within the event loop. */
+/* Puts the object and the limit of calls on the connection, and the connection into the event
+ * loop. */
 static int attach_object(struct iso_bus *bus)
 {
     int r = sd_bus_attach_event(bus->bus, bus->event, SD_EVENT_PRIORITY_NORMAL);

@@ -1,5 +1,5 @@
-/* The methods that change a person besides the templates, and what EnrollStart says of a name that
- * is in use. */
+/* The methods that list people, delete one, and change what a person has besides the templates; and
+ * what EnrollStart answers for a name that is in use. */
 #include <errno.h>
 #include <string.h>
 
@@ -101,7 +101,7 @@ int iso__bus_rename(sd_bus_message *call, void *context, sd_bus_error *out)
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, "s", remark);
 }
 
-/* ---- everybody; somebody less ---- */
+/* ---- the list, and deleting ---- */
 
 static int append_people(sd_bus_message *reply, const struct iso_gallery *gallery)
 {

@@ -65,8 +65,8 @@ static void list_device(const struct iso_sensor_device *device, void *context)
     list->code = list->code == ISO_FAULT_NONE ? device->code : list->code;
 }
 
-/* What the sensor's driver sees. While the sensor is lost, only of a driver that looks in a moment:
- * others would keep the door waiting, and the fault then says what there is. */
+/* The devices that the driver of the sensor sees. While the sensor is lost, only drivers that look
+ * at once are asked: others would keep the door waiting, and the fault names the devices then. */
 static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool sensor_runs)
 {
     struct device_list list = {.code = ISO_FAULT_NONE};

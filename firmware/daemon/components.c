@@ -50,8 +50,8 @@ static int open_pipeline(struct iso_components *components, struct iso_fault *fa
     return iso_pipeline_open(&options, &components->pipeline, fault);
 }
 
-/* What may be different later: the chip is plugged in, udev has set the permissions, another
- * process has let the line go. */
+/* Whether an error may pass: a chip is plugged in later, udev sets the permissions, another
+ * process releases the line. */
 static bool is_passing_error(int error)
 {
     return error == -ENODEV || error == -EBUSY || error == -EACCES || error == -EIO;
@@ -71,7 +71,7 @@ static int check_door(const struct iso_config *config, struct iso_fault *fault)
     return iso_door_io_check(config->door.backend, options, n, fault);
 }
 
-/* Everything that needs neither a device nor a store. */
+/* Opens everything that needs neither a device nor a store. */
 static int open_files(struct iso_components *components, struct iso_fault *fault)
 {
     const struct iso_config *config = &components->config;
@@ -101,7 +101,7 @@ static int new_door(const struct iso_config *config, const struct iso_times *tim
 
 static const struct iso_door_outputs unpowered;
 
-/* Lines that are not there yet are no reason not to start: the door is at fault until they are. */
+/* Missing lines do not keep the daemon from starting: the door is at fault until they appear. */
 static int open_door(struct iso_components *components, struct iso_fault *fault)
 {
     int error = new_door(&components->config, &components->times, &components->door_io, fault);

@@ -15,7 +15,8 @@ static int record(struct iso_components *components, const char *why, struct iso
     return iso_audit_append(components->audit, &record, fault);
 }
 
-/* What cannot be read may have been the worst: the door stays shut until `lockdown off`. */
+/* A file that cannot be read may have had a lockdown: the door stays locked until `lockdown off`.
+ */
 static int renew_lockout(const struct iso_components *components, struct iso_fault *fault)
 {
     struct iso_lockout_file file;

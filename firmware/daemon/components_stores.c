@@ -24,7 +24,7 @@ static bool in_state_directory(const char *path)
     return directory_length(path) == length && strncmp(path, standard.gallery.path, length) == 0;
 }
 
-/* The directory of a file that the daemon makes if need be. */
+/* Checks the directory of a file that the daemon creates if it does not exist. */
 static int check_place(const char *key, const char *path, struct iso_fault *fault)
 {
     char directory[ISO_CONFIG_TEXT_SIZE + 8];
@@ -113,7 +113,7 @@ static int open_gallery(struct iso_components *components, struct iso_fault *fau
     return iso_gallery_open(&options, &components->gallery, fault);
 }
 
-/* The lock-out's memory is beside the audit log, if it has no place of its own. */
+/* The lock-out file is next to the audit log, if the configuration names no path for it. */
 static void place_lockout(struct iso_components *components)
 {
     static const char name[] = "lockout";
@@ -128,8 +128,8 @@ static void place_lockout(struct iso_components *components)
     }
 }
 
-/* What the lock-out file knows of the other stores is compared with theirs. Whether it can be used
- * is for the appliance to say, which shuts the door if not. */
+/* Reads what the lock-out file knows of the other stores, for the comparison. The appliance
+ * decides whether the file can be used, and lets nobody in if not. */
 static void look_at_lockout(const struct iso_components *components)
 {
     struct iso_lockout_file file;
@@ -137,7 +137,7 @@ static void look_at_lockout(const struct iso_components *components)
     (void)!iso_lockout_load(components->lockout_path, components->ring, &file, &fault);
 }
 
-/* A gallery that is put back with its anchor is behind what the log says of it. */
+/* If a gallery is put back together with its anchor, the log knows more changes of it. */
 int iso_components_compare_stores(const struct iso_components *components, struct iso_fault *fault)
 {
     const int error = iso_heads_check(iso_key_ring_board(components->ring), fault);

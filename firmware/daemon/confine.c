@@ -6,8 +6,8 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
-/* Whether everything can be locked that will ever be there: if not, an allocation would fail later
- * for want of a right, which no test of it would have seen. */
+/* Whether all memory can be locked that will ever be allocated. If not, an allocation could fail
+ * later, because locked memory is limited. */
 static bool may_lock_all(void)
 {
     struct rlimit limit;

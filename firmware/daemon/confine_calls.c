@@ -250,7 +250,7 @@ static const char *const allowed[] = {
     "waitpid",
 };
 
-/* Nothing of ours or of a library calls these: whoever does has taken over. */
+/* Neither the daemon nor a library makes these calls: an attacker does. */
 static const char *const fatal[] = {
     "execve",
     "execveat",

@@ -119,8 +119,8 @@ static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
                  : iso_appliance_start(daemon->appliance, fault);
 }
 
-/* A kernel without the means is told of when the daemon is ready, and no reason to keep the door
- * shut. */
+/* A kernel that cannot confine does not keep the daemon from starting; the daemon warns of it when
+ * it is ready. */
 static int take_confinement(struct daemon *daemon, int error, const struct iso_fault *why,
                             struct iso_fault *fault)
 {
@@ -238,7 +238,7 @@ static void tell_service_manager(struct daemon *daemon, int64_t now_ns)
     }
 }
 
-/* The door needs no bus: it is looked after while the bus comes back, or does not. Returns when to
+/* Connects again if the bus is lost. The door needs no bus and works meanwhile. Returns when to
  * look again. */
 static int64_t mend_bus(struct daemon *daemon, int64_t now_ns)
 {

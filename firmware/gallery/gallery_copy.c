@@ -8,14 +8,15 @@
 
 /* ---- the names of those who come ---- */
 
-/* A person who is here under just this name keeps it. */
+/* Whether a person has exactly this name here. Such a name may stay, even if it would be refused
+ * now. */
 static bool has_exactly(const struct iso_gallery *gallery, const char *name)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     return person && strcmp(person->name, name) == 0;
 }
 
-/* A name that comes, with its key. */
+/* A name of the import, with its key. */
 struct coming {
     const char *name;
     struct iso_person_name_key key;
@@ -28,8 +29,8 @@ static int by_key(const void *a, const void *b)
     return order ? order : strcmp(one->name, other->name);
 }
 
-/* Two spellings of one name may come only to replace two people who are here under just these: a
- * gallery of before may hold both. */
+/* An import may have two spellings of one name only if both people are here under exactly these
+ * names: an old gallery may have both. */
 static int check_pair(const struct iso_gallery *gallery, const struct coming *one,
                       const struct coming *other, struct iso_fault *fault)
 {
@@ -142,8 +143,8 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
     return error;
 }
 
-/* What the database holds now, read back before the transaction ends. Two of one name are found
- * here, when they have come with one import. */
+/* Reads the database back before the transaction ends. This also finds two people of one name in
+ * one import. */
 static int reread_people(const struct iso_gallery *gallery, struct importing *importing,
                          struct iso_gallery_memory *out, struct iso_fault *fault)
 {
@@ -200,7 +201,7 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
 
 /* ---- export ---- */
 
-/* Gathers the templates of one person, and hands them on when the next one's begin. */
+/* Collects the templates of one person, and passes them on when those of the next person begin. */
 struct exporting {
     const struct iso_gallery *gallery;
     const struct iso_person *only; /* NULL: all */

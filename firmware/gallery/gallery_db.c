@@ -66,8 +66,8 @@ int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault
     return iso__gallery_anchor_is_sealing(db) ? write_anchor(db, fault) : 0;
 }
 
-/* What gallery and anchor know of the others, and what the others have to know of them. If one is
- * behind, it is the anchor. */
+/* Tells the board what gallery and anchor know of the other stores, and the count that the others
+ * may know. If one of the two is behind, it is the anchor. */
 static void tell_heads(const struct iso_gallery_db *db)
 {
     struct iso_heads_board *board = iso_key_ring_board(db->ring);
@@ -189,8 +189,8 @@ static int check_database(struct iso_gallery_db *db, int *version, struct iso_fa
 
 /* ---- opening ---- */
 
-/* A gallery of version 1 is sealed once, when nothing of this appliance was sealed yet: later it
- * would be one that somebody has put there. */
+/* A gallery of version 1 is sealed only while nothing of this appliance is sealed: later somebody
+ * may have put it there. */
 static int may_migrate(const struct iso_gallery_db *db, bool wanted, struct iso_fault *fault)
 {
     const bool first = !db->anchor && iso_key_ring_newest(db->ring, ISO_KEY_GALLERY) == 0;

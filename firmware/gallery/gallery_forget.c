@@ -1,4 +1,4 @@
-/* The way back from what the appliance has learned: the gallery as it was enrolled. */
+/* Deletes the learned templates: the gallery is again as it was enrolled. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Who is in the gallery, and what a probe is compared with. */
+/* Finds people in the gallery, and the candidates that a probe is compared with. */
 #include <errno.h>
 #include <sodium.h>
 #include <string.h>

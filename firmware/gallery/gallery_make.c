@@ -35,7 +35,7 @@ static const char schema[] = "BEGIN EXCLUSIVE;"
 _Static_assert(ISO_GALLERY_APPLICATION_ID == 0x49534f54 && ISO_GALLERY_SCHEMA == 2,
                "the schema's text has to say the same");
 
-/* An empty file of our own, for SQLite to fill in: it would make one that all may read. */
+/* Makes an empty private file for SQLite, which itself would make one that everybody can read. */
 static int make_file(const char *path, struct iso_fault *fault)
 {
     if (unlink(path) && errno != ENOENT) {

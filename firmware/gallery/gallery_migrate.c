@@ -3,9 +3,9 @@
  *   person    id, name, enrolled_s, valid_from_s, valid_until_s
  *   template  id, person_id, algorithm, bytes
  *
- * The anchor says that sealing goes on before anything else is done, so that a kill at any moment
- * leaves the old database, of which one then begins again, or the new one. Every number is kept.
- * The old file is overwritten; what a flash memory keeps of it elsewhere is out of reach. */
+ * First of all the anchor says that sealing goes on. So a kill at any moment leaves the old
+ * database, with which sealing begins again, or the new one. Every number is kept. The old file is
+ * overwritten; what a flash memory keeps of it elsewhere is out of reach. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>

@@ -12,7 +12,7 @@
 
 enum { BUSY_MS = 1000 }; /* somebody may be making a copy */
 
-/* More than 400,000 people need: what is longer is no gallery of ours. */
+/* More than 400,000 people need: a longer file is no gallery. */
 static const uint64_t bytes_max = (uint64_t)1 << 32;
 
 /* The journal goes when a change is complete; EXTRA synchronises the directory then, too. Exclusive
@@ -132,7 +132,7 @@ int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *ans
     return error;
 }
 
-/* SQLite opens the database, and what lies beside it, by itself: it would wait for a FIFO. */
+/* SQLite opens the database and its journal itself, and would wait for a FIFO in their place. */
 static int check_files(const char *path, struct iso_fault *fault)
 {
     static const char *const suffixes[] = {"", "-journal", "-wal"};

@@ -66,7 +66,7 @@ int iso__transfer_parse_address(const char *address, uint8_t halves[2][ISO__TRAN
 
 /* ---- writing ---- */
 
-/* A buffer that grows, and is wiped where it was; it takes n people up to now, of n_people. */
+/* A buffer that grows; its old memory is wiped. It has n of n_people. */
 struct buffer {
     uint8_t *bytes;
     size_t size, capacity, n, n_people;

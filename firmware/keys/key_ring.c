@@ -57,7 +57,7 @@ static int take_place(struct iso_key_ring *ring, struct iso_fault *fault)
     return error;
 }
 
-/* The second choice opened it: a change of the appliance's key was not over. */
+/* The second key opened the ring: a change of the key was not complete. Completes it. */
 static int end_change(struct iso_key_ring *ring, const struct iso_master_keys *masters,
                       struct iso_fault *fault)
 {
@@ -251,8 +251,8 @@ int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t 
     return error;
 }
 
-/* Nothing may be left of a change before: the key in FILE.new may be the one that the ring on the
- * disk is sealed with, and is replaced now. */
+/* Completes an earlier change of the key: FILE.new may hold the key that the ring on the disk is
+ * sealed with, and is about to be replaced. */
 static int end_change_before(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     int error = 0;
@@ -271,8 +271,8 @@ int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
     return error;
 }
 
-/* The new key stands beside the old one before the ring is sealed with it, and takes its place
- * afterwards: the ring always has its key. */
+/* The new key is written beside the old one before the ring is sealed with it, and takes the place
+ * of the old one afterwards. So the ring always has its key. */
 static int change_key(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     char beside[PATH_MAX + 8];

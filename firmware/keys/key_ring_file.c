@@ -68,9 +68,9 @@ static int get_keys(const uint8_t *plain, size_t size, char format, struct iso_k
     return 0;
 }
 
-/* After `error` of writing the ring: the new one may be in its place nevertheless, and is then to
- * stay there. The old one may be there too, or it may not be known: then the old one holds, which
- * is a part of both or is written again before it matters. */
+/* Called after `error` of writing the ring. The new ring may be in its place all the same; then it
+ * holds. Otherwise the old ring holds in memory: its keys are part of both, or it is written again
+ * before that matters. */
 static int settle(struct iso_key_ring *ring, const struct iso_seal_key *master, uint64_t number,
                   const void *bytes, size_t size, int error, struct iso_fault *fault)
 {

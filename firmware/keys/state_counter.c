@@ -73,7 +73,7 @@ void iso_state_counter_found(struct iso_state_counter *counter, uint32_t number)
     (void)pthread_mutex_unlock(&counter->mutex);
 }
 
-/* 0 with *there false if the device has not the counter. */
+/* Reads the counter. Returns 0 with *there false if the device does not have it. */
 static int ask_device(struct iso_state_counter *counter, bool *there, uint64_t *value,
                       struct iso_fault *fault)
 {
@@ -178,8 +178,8 @@ static void note_result(struct iso_state_counter *counter, int error, const stru
     }
 }
 
-/* Somebody else has counted, too: the number in the anchor is behind, and a start would be refused
- * until it is raised. */
+/* The device is ahead of the anchor, because somebody else has counted: a start would be refused
+ * until the number in the anchor is raised. */
 static void take_value(struct iso_state_counter *counter, uint64_t value)
 {
     counter->value = value;
@@ -188,8 +188,9 @@ static void take_value(struct iso_state_counter *counter, uint64_t value)
     }
 }
 
-/* Has the device reach the number that the anchor has. It may be there already: if it has counted
- * before, and only its answer got lost. To count once more would leave the anchor behind. */
+/* Increments the device up to the number in the anchor. The device may have that number already,
+ * if it has counted and only its answer got lost; another increment would leave the anchor behind.
+ */
 static int reach_number(const struct iso_counter *device, uint32_t number, uint64_t *value,
                         struct iso_fault *fault)
 {
