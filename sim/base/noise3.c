@@ -23,9 +23,9 @@ double sim_noise3(uint64_t key, struct iso_vec3 p)
     int64_t at[3] = {(int64_t)corner[0], (int64_t)corner[1], (int64_t)corner[2]};
     double sum = 0.0;
     for (int i = 0; i < 8; i++) {
-        int dx = i & 1, dy = (i >> 1) & 1, dz = i >> 2;
-        double weight = (dx ? w[0] : 1.0 - w[0]) * (dy ? w[1] : 1.0 - w[1]) *
-                        (dz ? w[2] : 1.0 - w[2]);
+        const int dx = i & 1, dy = (i >> 1) & 1, dz = i >> 2;
+        const double weight = (dx ? w[0] : 1.0 - w[0]) * (dy ? w[1] : 1.0 - w[1]) *
+                              (dz ? w[2] : 1.0 - w[2]);
         sum += weight * lattice(key, at[0] + dx, at[1] + dy, at[2] + dz);
     }
     return sum;

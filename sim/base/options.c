@@ -148,7 +148,7 @@ enum sim_options_outcome sim_options_parse(int argc, char **argv, const struct s
             return refuse(fault, word, "not an option");
         }
         char *target = NULL;
-        size_t length = strcspn(word + 2, "=");
+        const size_t length = strcspn(word + 2, "=");
         const struct sim_option *option = find(sets, n_sets, word + 2, length, &target);
         if (!option) {
             const struct all_sets all = {sets, n_sets};
@@ -166,7 +166,8 @@ void sim_options_help(const struct sim_option_set *sets, size_t n_sets, FILE *ou
     for (size_t s = 0; s < n_sets; s++) {
         for (size_t i = 0; i < sets[s].n_options; i++) {
             const struct sim_option *option = &sets[s].options[i];
-            int width = fprintf(out, "  --%s %s", option->name, option->value ? option->value : "");
+            const int width = fprintf(out, "  --%s %s", option->name,
+                                      option->value ? option->value : "");
             fprintf(out, "%*s%s\n", width < 30 ? 30 - width : 1, "", option->help);
         }
     }

@@ -39,7 +39,7 @@ static uint64_t rotated(uint64_t x, int k)
 uint64_t sim_random_u64(struct sim_random *random)
 {
     uint64_t *s = random->state;
-    uint64_t result = rotated(s[1] * 5, 7) * 9, t = s[1] << 17;
+    const uint64_t result = rotated(s[1] * 5, 7) * 9, t = s[1] << 17;
     s[2] ^= s[0];
     s[3] ^= s[1];
     s[1] ^= s[2];
@@ -71,7 +71,7 @@ double sim_random_normal(struct sim_random *random)
         y = sim_random_between(random, -1.0, 1.0);
         r2 = x * x + y * y;
     } while (r2 >= 1.0 || r2 <= 0.0);
-    double scale = sqrt(-2.0 * log(r2) / r2);
+    const double scale = sqrt(-2.0 * log(r2) / r2);
     random->spare = y * scale;
     random->has_spare = true;
     return x * scale;

@@ -65,7 +65,8 @@ static int write_picture(const char *directory, int eye, size_t number,
                          const struct iso_image *image, struct iso_fault *fault)
 {
     char path[PATH_MAX];
-    int length = snprintf(path, sizeof path, "%s/%s/%03zu.png", directory, eye_names[eye], number);
+    const int length = snprintf(path, sizeof path, "%s/%s/%03zu.png", directory, eye_names[eye],
+                                number);
     if (length < 0 || (size_t)length >= sizeof path) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", directory);
     }
@@ -75,7 +76,7 @@ static int write_picture(const char *directory, int eye, size_t number,
 static int make_subdirectory(const char *parent, const char *name, struct iso_fault *fault)
 {
     char path[PATH_MAX];
-    int error = iso_path_join(parent, name, path, fault);
+    const int error = iso_path_join(parent, name, path, fault);
     if (error) {
         return error;
     }
@@ -146,7 +147,7 @@ static int render_pairs(const struct arguments *a, struct iso_fault *fault)
 
 static int is_picture(const struct dirent *entry)
 {
-    size_t length = strlen(entry->d_name);
+    const size_t length = strlen(entry->d_name);
     return length > 4 && strcmp(entry->d_name + length - 4, ".png") == 0;
 }
 
@@ -203,7 +204,7 @@ static int read_views(const struct arguments *a, struct iso_board_views **views,
     if (error) {
         return error;
     }
-    int n = scandir(left, &entries, is_picture, alphasort);
+    const int n = scandir(left, &entries, is_picture, alphasort);
     if (n < 0) {
         return iso_fault_set(fault, -errno, "%s: %m", left);
     }
@@ -312,8 +313,8 @@ int sim_cmd_calibrate(int argc, char **argv)
     case SIM_OPTIONS_READ:
         break;
     }
-    bool usable = arguments.render ? !arguments.pictures && arguments.pairs <= PICTURES_MAX
-                                   : arguments.pictures && arguments.out;
+    const bool usable = arguments.render ? !arguments.pictures && arguments.pairs <= PICTURES_MAX
+                                         : arguments.pictures && arguments.out;
     if (!usable) {
         fputs("isotherm-sim calibrate: --pictures and --out are needed, or --render (at most 1000 "
               "pairs)\n",

@@ -73,7 +73,7 @@ static int run(void *target, struct iso_fault *fault)
     if (!(import->database_options.level_mm > 0.0)) {
         return iso_fault_set(fault, -EINVAL, "--level: must be above 0");
     }
-    int error = sim_import(import, &report, fault);
+    const int error = sim_import(import, &report, fault);
     if (!error) {
         printf("%zu scans of %zu people, %zu refused\n", report.scans, report.people,
                report.refused);

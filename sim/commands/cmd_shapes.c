@@ -109,7 +109,7 @@ static int run_generate(void *target, struct iso_fault *fault)
         return iso_fault_set(fault, -EINVAL, "--out is needed");
     }
     arguments->generate.threads = arguments->threads;
-    int error = sim_shapes_generate(&arguments->generate, &n, fault);
+    const int error = sim_shapes_generate(&arguments->generate, &n, fault);
     if (!error) {
         printf("%d %s in %s\n", n, iso_plural((uint64_t)n, "shape", "shapes"),
                arguments->generate.out);
@@ -146,7 +146,7 @@ static int run_crops(void *target, struct iso_fault *fault)
     if (!arguments->crops.out) {
         return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
     }
-    int error = sim_crops_write(&arguments->crops, &n, &n_empty, fault);
+    const int error = sim_crops_write(&arguments->crops, &n, &n_empty, fault);
     if (!error) {
         printf("%d shapes in %s; %d %s with too little in them\n", n, arguments->crops.out, n_empty,
                iso_plural((uint64_t)n_empty, "frame", "frames"));

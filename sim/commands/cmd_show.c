@@ -66,9 +66,9 @@ static bool is_known(const char *what)
 static int path_of(const struct arguments *arguments, const char *name, char *path, size_t size,
                    struct iso_fault *fault)
 {
-    bool all = strcmp(arguments->what, "all") == 0;
-    int length = all ? snprintf(path, size, "%s/%s.png", arguments->out, name)
-                     : snprintf(path, size, "%s", arguments->out);
+    const bool all = strcmp(arguments->what, "all") == 0;
+    const int length = all ? snprintf(path, size, "%s/%s.png", arguments->out, name)
+                           : snprintf(path, size, "%s", arguments->out);
     return length >= 0 && (size_t)length < size
                ? 0
                : iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", arguments->out);
@@ -78,7 +78,7 @@ static int draw_depth(const struct arguments *arguments, const struct iso_frame 
                       struct iso_fault *fault)
 {
     char path[4096];
-    int error = path_of(arguments, "depth", path, sizeof path, fault);
+    const int error = path_of(arguments, "depth", path, sizeof path, fault);
     if (error) {
         return error;
     }
@@ -217,7 +217,7 @@ int sim_cmd_show(int argc, char **argv)
         {own_options, sizeof own_options / sizeof *own_options, &arguments},
         sim_extract_option_set(&arguments.extract),
     };
-    size_t n_sets = sizeof sets / sizeof *sets;
+    const size_t n_sets = sizeof sets / sizeof *sets;
     struct iso_fault fault = {.text = ""};
     switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
     case SIM_OPTIONS_HELP:
@@ -239,7 +239,7 @@ int sim_cmd_show(int argc, char **argv)
         (void)iso_fault_set(&fault, 0, "--what: '%s' is unknown", arguments.what);
         return report_fault(&fault, SIM_EXIT_USAGE);
     }
-    int error = show_frame(&arguments, &fault);
+    const int error = show_frame(&arguments, &fault);
     if (!error) {
         return SIM_EXIT_OK;
     }

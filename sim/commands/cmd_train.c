@@ -162,7 +162,7 @@ static int find_sensors(const char *names, struct sim_train_cohort_options *opti
     options->n_sensors = 0;
     for (const char *at = names;; at++) {
         char name[ISO_TEMPLATE_SENSOR_MAX];
-        size_t length = strcspn(at, ",");
+        const size_t length = strcspn(at, ",");
         (void)snprintf(name, sizeof name, "%.*s", (int)length, at);
         const struct sim_sensor *sensor = length < sizeof name ? sim_sensor_find(name) : NULL;
         if (!sensor) {

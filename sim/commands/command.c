@@ -49,7 +49,7 @@ int sim_command_run(const struct sim_command *command, const struct sim_option_s
     case SIM_OPTIONS_READ:
         break;
     }
-    int error = command->run(sets[0].target, &fault);
+    const int error = command->run(sets[0].target, &fault);
     if (!error) {
         return SIM_EXIT_OK;
     }
@@ -84,7 +84,7 @@ int sim_subcommand_run(const char *group, const struct sim_subcommand *list, siz
             return sim_command_run(&list[i].command, &set, 1, argc - 1, argv + 1);
         }
     }
-    bool help = strcmp(word, "--help") == 0;
+    const bool help = strcmp(word, "--help") == 0;
     FILE *out = help ? stdout : stderr;
     fprintf(out, "Usage: isotherm-sim %s ", group);
     for (size_t i = 0; i < n; i++) {

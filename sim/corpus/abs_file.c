@@ -17,7 +17,7 @@ struct reader {
 static int read_number(struct reader *reader, const char *what, double *out)
 {
     char *end;
-    double value = strtod(reader->at, &end);
+    const double value = strtod(reader->at, &end);
     if (end == reader->at || !isfinite(value)) {
         return iso_fault_set(reader->fault, -EBADMSG, "%s: ends, or has no number, in its %s",
                              reader->name, what);
@@ -30,12 +30,12 @@ static int read_number(struct reader *reader, const char *what, double *out)
 /* "480 rows" */
 static int read_size(struct reader *reader, const char *word, double *out)
 {
-    int error = read_number(reader, word, out);
+    const int error = read_number(reader, word, out);
     if (error) {
         return error;
     }
     reader->at += strspn(reader->at, " \t");
-    size_t length = strlen(word);
+    const size_t length = strlen(word);
     if (strncmp(reader->at, word, length) != 0) {
         return iso_fault_set(reader->fault, -EBADMSG, "%s: does not say how many %s", reader->name,
                              word);
@@ -60,7 +60,7 @@ static int skip_title(struct reader *reader)
 static int read_planes(struct reader *reader, struct sim_scan_grid *grid)
 {
     static const char *const planes[] = {"flags", "x", "y", "z"};
-    size_t n = (size_t)grid->rows * (size_t)grid->columns;
+    const size_t n = (size_t)grid->rows * (size_t)grid->columns;
     int error = 0;
     for (int plane = 0; plane < 4; plane++) {
         for (size_t i = 0; i < n && !error; i++) {

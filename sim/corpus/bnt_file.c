@@ -38,12 +38,12 @@ static double real(const uint8_t *bytes)
 
 static void read_points(const uint8_t *values, double missing, struct sim_scan_grid *grid)
 {
-    size_t n = (size_t)grid->rows * (size_t)grid->columns;
+    const size_t n = (size_t)grid->rows * (size_t)grid->columns;
     for (size_t i = 0; i < n; i++) {
         struct iso_vec3 p = {real(values + 8 * i), real(values + 8 * (n + i)),
                              real(values + 8 * (2 * n + i))};
-        bool measured = p.z != missing && fabs(p.x) < coordinate_max_mm &&
-                        fabs(p.y) < coordinate_max_mm && fabs(p.z) < coordinate_max_mm;
+        const bool measured = p.z != missing && fabs(p.x) < coordinate_max_mm &&
+                              fabs(p.y) < coordinate_max_mm && fabs(p.z) < coordinate_max_mm;
         grid->point_mm[i] = measured ? p : iso_vec3(NAN, 0.0, 0.0);
     }
 }
@@ -59,12 +59,12 @@ int sim_scan_parse_bnt(const char *name, const char *bytes, size_t size, struct 
     if (!count) {
         return iso_fault_set(fault, -EBADMSG, "%s: truncated", name);
     }
-    double rows = iso_get_u16(head), columns = iso_get_u16(head + 2);
+    const double rows = iso_get_u16(head), columns = iso_get_u16(head + 2);
     int error = sim_scan_grid_new(name, rows, columns, &grid, fault);
     if (error) {
         return error;
     }
-    size_t n = PLANES * (size_t)grid.rows * (size_t)grid.columns;
+    const size_t n = PLANES * (size_t)grid.rows * (size_t)grid.columns;
     const uint8_t *values = iso_get_u32(count) == n ? take(&reader, 8 * n) : NULL;
     if (values && reader.left == 0) {
         read_points(values, real(head + 4), &grid);

@@ -123,7 +123,7 @@ static int compare_subjects(const void *a, const void *b)
 {
     const struct sim_corpus_row *p = ((const struct line *)a)->row;
     const struct sim_corpus_row *q = ((const struct line *)b)->row;
-    int order = strcmp(p->subject, q->subject);
+    const int order = strcmp(p->subject, q->subject);
     return order ? order : (int)p->role - (int)q->role;
 }
 
@@ -167,12 +167,12 @@ static int parse_rows(const char *name, char *text, struct sim_corpus *corpus, s
     }
     while ((line = iso_text_next_line(&walk))) {
         struct sim_corpus_row *row = &corpus->rows[corpus->n_rows];
-        size_t fields = iso_text_split(line, ',', field, COLUMNS);
+        const size_t fields = iso_text_split(line, ',', field, COLUMNS);
         if (fields != COLUMNS) {
             return iso_fault_set(fault, -EBADMSG, "%s:%u: %zu fields instead of %d", name,
                                  walk.number, fields, COLUMNS);
         }
-        int column = fill_row(field, row);
+        const int column = fill_row(field, row);
         if (column >= 0) {
             return iso_fault_set(fault, -EBADMSG, "%s:%u: bad %s '%s'", name, walk.number,
                                  column_names[column], field[column]);
@@ -198,7 +198,7 @@ static struct sim_corpus *new_corpus(size_t capacity)
 int sim_corpus_parse(const char *name, const char *text, struct sim_corpus **out,
                      struct iso_fault *fault)
 {
-    size_t capacity = iso_text_line_count(text);
+    const size_t capacity = iso_text_line_count(text);
     char *copy = strdup(text);
     struct line *lines = calloc(capacity, sizeof *lines);
     struct sim_corpus *corpus = new_corpus(capacity);
@@ -270,7 +270,7 @@ static int check_ranges(const char *directory, const char *manifest,
         const struct sim_corpus_row *row = &corpus->rows[i];
         struct iso_fault reason = {.text = ""};
         if (!counted || strcmp(counted, row->recording) != 0) {
-            int error = count_frames(directory, row->recording, &frames, &reason);
+            const int error = count_frames(directory, row->recording, &frames, &reason);
             if (error) {
                 return iso_fault_set(fault, error == -ENOMEM ? error : -EBADMSG, "%s:%zu: %s",
                                      manifest, i + 2, reason.text);
@@ -319,7 +319,7 @@ static int check_writable(const char *path, const struct sim_corpus_row *rows, s
     }
     for (size_t i = 0; i < n_rows && !error; i++) {
         lines[i] = (struct line){&rows[i], (unsigned)i + 2};
-        int column = unsound_column(&rows[i]);
+        const int column = unsound_column(&rows[i]);
         if (column >= 0) {
             error = iso_fault_set(fault, -EINVAL, "%s:%zu: bad %s", path, i + 2,
                                   column_names[column]);

@@ -69,12 +69,12 @@ static int read_portrait(const char *range, struct iso_image *portrait, bool *fo
 {
     static const char word[] = "Range.png";
     char path[4096];
-    int stem = (int)(strlen(range) - (sizeof word - 1));
+    const int stem = (int)(strlen(range) - (sizeof word - 1));
     *found = false;
     if (snprintf(path, sizeof path, "%.*sPortrait.png", stem, range) >= (int)sizeof path) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", range);
     }
-    int error = iso_png_read(path, NULL, portrait, fault);
+    const int error = iso_png_read(path, NULL, portrait, fault);
     *found = error == 0;
     return error == -ENOENT ? 0 : error;
 }
@@ -106,7 +106,7 @@ static bool describe_texas(const char *file, struct sim_corpus_row *row, bool *n
 {
     char person[16], session[16];
     int at = 0;
-    int n = sscanf(file, "%*[A-Za-z]_%15[0-9]_%15[0-9]_%*[0-9]_%n", person, session, &at);
+    const int n = sscanf(file, "%*[A-Za-z]_%15[0-9]_%15[0-9]_%*[0-9]_%n", person, session, &at);
     if (!whole_name(file, n, 2, at, "Range.png")) {
         return false;
     }
@@ -121,7 +121,7 @@ static bool describe_frgc(const char *file, struct sim_corpus_row *row, bool *ne
 {
     char person[16], session[16];
     int at = 0;
-    int n = sscanf(file, "%15[0-9]d%15[0-9]%n", person, session, &at);
+    const int n = sscanf(file, "%15[0-9]d%15[0-9]%n", person, session, &at);
     if (!whole_name(file, n, 2, at, ".abs")) {
         return false;
     }
@@ -137,12 +137,13 @@ static bool describe_bosphorus(const char *file, struct sim_corpus_row *row, boo
 {
     char person[16], kind[8], which[24], number[8], what[48];
     int at = 0;
-    int n = sscanf(file, "bs%15[0-9]_%7[A-Z]_%23[A-Za-z0-9]_%7[0-9]%n", person, kind, which, number,
-                   &at);
+    const int n = sscanf(file, "bs%15[0-9]_%7[A-Z]_%23[A-Za-z0-9]_%7[0-9]%n", person, kind, which,
+                         number, &at);
     if (!whole_name(file, n, 4, at, ".bnt")) {
         return false;
     }
-    bool turned = strcmp(kind, "YR") == 0 || strcmp(kind, "PR") == 0 || strcmp(kind, "CR") == 0;
+    const bool turned = strcmp(kind, "YR") == 0 || strcmp(kind, "PR") == 0 ||
+                        strcmp(kind, "CR") == 0;
     *neutral = strcmp(kind, "N") == 0;
     (void)snprintf(what, sizeof what, "%s-%s", kind, which);
     set_field(row->subject, "bs", person);
@@ -157,8 +158,8 @@ static bool describe_bu3dfe(const char *file, struct sim_corpus_row *row, bool *
 {
     char sex[2], person[16], emotion[3], level[3], what[8];
     int at = 0;
-    int n = sscanf(file, "%1[FM]%15[0-9]_%2[A-Z]%2[0-9]%*2[A-Z]_%n", sex, person, emotion, level,
-                   &at);
+    const int n = sscanf(file, "%1[FM]%15[0-9]_%2[A-Z]%2[0-9]%*2[A-Z]_%n", sex, person, emotion,
+                         level, &at);
     if (!whole_name(file, n, 4, at, "F3D.wrl")) {
         return false;
     }
@@ -175,12 +176,12 @@ static bool describe_gavab(const char *file, struct sim_corpus_row *row, bool *n
 {
     char person[16], what[32];
     int at = 0;
-    int n = sscanf(file, "cara%15[0-9]_%31[A-Za-z0-9]%n", person, what, &at);
+    const int n = sscanf(file, "cara%15[0-9]_%31[A-Za-z0-9]%n", person, what, &at);
     if (!whole_name(file, n, 2, at, ".wrl")) {
         return false;
     }
-    bool face = strncmp(what, "risa", 4) == 0 || strncmp(what, "sonrisa", 7) == 0 ||
-                strncmp(what, "gesto", 5) == 0;
+    const bool face = strncmp(what, "risa", 4) == 0 || strncmp(what, "sonrisa", 7) == 0 ||
+                      strncmp(what, "gesto", 5) == 0;
     *neutral = strncmp(what, "frontal", 7) == 0;
     set_field(row->subject, "g", person);
     set_field(row->session, "", what);
@@ -193,7 +194,7 @@ static bool describe_casia(const char *file, struct sim_corpus_row *row, bool *n
 {
     char person[16], session[16];
     int at = 0;
-    int n = sscanf(file, "%15[0-9]-%15[0-9]%n", person, session, &at);
+    const int n = sscanf(file, "%15[0-9]-%15[0-9]%n", person, session, &at);
     if (!whole_name(file, n, 2, at, ".wrl")) {
         return false;
     }

@@ -37,7 +37,7 @@ static void scans_done(struct scans *scans)
 static int add_scan(struct scans *scans, const char *path, const struct scan *found)
 {
     if (scans->n == scans->capacity) {
-        size_t capacity = 2 * scans->capacity + 256;
+        const size_t capacity = 2 * scans->capacity + 256;
         struct scan *items = realloc(scans->items, capacity * sizeof *items);
         if (!items) {
             return -ENOMEM;
@@ -61,7 +61,7 @@ static int add_scan(struct scans *scans, const char *path, const struct scan *fo
 static bool name_recording(const char *file, char name[SIM_CORPUS_NAME_MAX])
 {
     const char *dot = strrchr(file, '.');
-    int length = dot ? (int)(dot - file) : (int)strlen(file);
+    const int length = dot ? (int)(dot - file) : (int)strlen(file);
     return snprintf(name, SIM_CORPUS_NAME_MAX, "%.*s", length, file) < SIM_CORPUS_NAME_MAX;
 }
 
@@ -93,7 +93,7 @@ static int find_scans(const struct sim_import_options *o, struct scans *scans,
 static int by_person_and_file(const void *a, const void *b)
 {
     const struct scan *x = a, *y = b;
-    int order = strcmp(x->row.subject, y->row.subject);
+    const int order = strcmp(x->row.subject, y->row.subject);
     return order ? order : strcmp(x->file, y->file);
 }
 
@@ -199,17 +199,17 @@ static int write_manifest(const struct sim_import_options *o, struct scan *scans
     }
     size_t person = 0;
     for (size_t first = 0; first < n; person++) {
-        size_t end = person_ends(scans, n, first);
+        const size_t end = person_ends(scans, n, first);
         give_roles(&scans[first], end - first, person + o->n_strangers >= report->people);
         first = end;
     }
     for (size_t i = 0; i < n; i++) {
         rows[i] = scans[i].row;
     }
-    int error = report->people > o->n_strangers
-                    ? sim_corpus_write(o->to, rows, n, fault)
-                    : iso_fault_set(fault, -EINVAL, "%s: %zu people, none left to enrol", o->from,
-                                    report->people);
+    const int error = report->people > o->n_strangers
+                          ? sim_corpus_write(o->to, rows, n, fault)
+                          : iso_fault_set(fault, -EINVAL, "%s: %zu people, none left to enrol",
+                                          o->from, report->people);
     free(rows);
     return error;
 }

@@ -10,9 +10,9 @@ static const double edge_max_mm = 12.0;
 int sim_scan_grid_new(const char *name, double rows, double columns, struct sim_scan_grid *out,
                       struct iso_fault *fault)
 {
-    bool sane = rows >= 2.0 && rows <= SIM_SCAN_SIDE_MAX && columns >= 2.0 &&
-                columns <= SIM_SCAN_SIDE_MAX && rows * columns <= SIM_SCAN_POINTS_MAX &&
-                rows == floor(rows) && columns == floor(columns);
+    const bool sane = rows >= 2.0 && rows <= SIM_SCAN_SIDE_MAX && columns >= 2.0 &&
+                      columns <= SIM_SCAN_SIDE_MAX && rows * columns <= SIM_SCAN_POINTS_MAX &&
+                      rows == floor(rows) && columns == floor(columns);
     if (!sane) {
         return iso_fault_set(fault, -EBADMSG, "%s: %g rows of %g points", name, rows, columns);
     }
@@ -59,7 +59,7 @@ static void join(const struct sim_scan_grid *grid, int32_t *vertex, struct iso_m
     }
     for (int row = 0; row + 1 < grid->rows; row++) {
         for (int column = 0; column + 1 < grid->columns; column++) {
-            int a = row * grid->columns + column, b = a + 1, c = a + grid->columns, d = c + 1;
+            const int a = row * grid->columns + column, b = a + 1, c = a + grid->columns, d = c + 1;
             add_triangle(grid, vertex, a, c, b, mesh);
             add_triangle(grid, vertex, b, c, d, mesh);
         }
@@ -69,7 +69,7 @@ static void join(const struct sim_scan_grid *grid, int32_t *vertex, struct iso_m
 int sim_scan_grid_mesh(const char *name, const struct sim_scan_grid *grid, struct iso_mesh **out,
                        struct iso_fault *fault)
 {
-    int32_t n = grid->rows * grid->columns;
+    const int32_t n = grid->rows * grid->columns;
     struct iso_mesh *mesh = NULL;
     int32_t *vertex = calloc((size_t)n, sizeof *vertex);
     if (!vertex || iso_mesh_new(n, 2 * n, &mesh)) {

@@ -22,7 +22,7 @@ const struct iso_camera sim_scan_camera = {
 /* Puts the scan before the camera: y down, z away, and a shift. */
 static int place(struct iso_mesh *scan)
 {
-    size_t n = (size_t)scan->n_vertices;
+    const size_t n = (size_t)scan->n_vertices;
     double *values = calloc(n, sizeof *values);
     if (!values) {
         return -ENOMEM;
@@ -84,11 +84,11 @@ static float brightness(const struct iso_image *portrait, size_t i)
 int sim_scan_of_range(const struct iso_image *range, const struct iso_image *portrait,
                       double level_mm, struct iso_frame **out)
 {
-    bool fits = range->pixel == ISO_PIXEL_GREY8 && level_mm > 0.0 &&
-                (!portrait ||
-                 ((portrait->pixel == ISO_PIXEL_GREY8 || portrait->pixel == ISO_PIXEL_RGB8) &&
-                  portrait->width_px == range->width_px &&
-                  portrait->height_px == range->height_px));
+    const bool fits = range->pixel == ISO_PIXEL_GREY8 && level_mm > 0.0 &&
+                      (!portrait ||
+                       ((portrait->pixel == ISO_PIXEL_GREY8 || portrait->pixel == ISO_PIXEL_RGB8) &&
+                        portrait->width_px == range->width_px &&
+                        portrait->height_px == range->height_px));
     if (!fits) {
         return -EINVAL;
     }
@@ -101,9 +101,10 @@ int sim_scan_of_range(const struct iso_image *range, const struct iso_image *por
         .cy_px = (range->height_px - 1) / 2.0,
     };
     struct iso_frame *frame = NULL;
-    int error = iso_frame_new(&camera, range->width_px, range->height_px, portrait != NULL, &frame);
+    const int error = iso_frame_new(&camera, range->width_px, range->height_px, portrait != NULL,
+                                    &frame);
     const uint8_t *levels = range->samples;
-    size_t n = (size_t)range->width_px * (size_t)range->height_px;
+    const size_t n = (size_t)range->width_px * (size_t)range->height_px;
     for (size_t i = 0; i < n && !error; i++) {
         frame->depth_mm[i] = levels[i] > 0 ? (float)(nearest_mm + level_mm * (255 - levels[i]))
                                            : 0.0f;

@@ -25,7 +25,7 @@ static int parse_options(char *rest, struct sim_sensor_word *word, struct iso_fa
                                  option);
         }
         *value++ = '\0';
-        int error = sim_sensor_word_add(word, option, value, fault);
+        const int error = sim_sensor_word_add(word, option, value, fault);
         if (error) {
             return error;
         }

@@ -24,7 +24,7 @@ struct parser {
 static void *list_add(struct list *list)
 {
     if (list->n == list->capacity) {
-        size_t capacity = 2 * list->capacity + 256;
+        const size_t capacity = 2 * list->capacity + 256;
         void *items = realloc(list->items, capacity * list->item_bytes);
         if (!items) {
             return NULL;
@@ -66,7 +66,7 @@ static bool next_token(struct parser *p, const char **begin, size_t *length)
         return false;
     }
     if (*p->at == '"') {
-        size_t n = 1 + strcspn(p->at + 1, "\"");
+        const size_t n = 1 + strcspn(p->at + 1, "\"");
         p->at += p->at[n] == '"' ? n + 1 : n;
     } else if (strchr("{}[]", *p->at)) {
         p->at++;
@@ -158,7 +158,7 @@ static int read_faces(struct parser *p)
             n = 0;
             continue;
         }
-        double index = (double)p->first_point + value;
+        const double index = (double)p->first_point + value;
         if (value != floor(value) || value < 0.0 || index >= (double)p->points.n) {
             return refuse_file(p, "a face has a corner that is not among the points");
         }
@@ -181,8 +181,8 @@ static int parse_nodes(struct parser *p)
     size_t length, last_length = 0, node_length = 0;
     int error = 0;
     while (!error && next_token(p, &word, &length)) {
-        bool coordinate = is_word(node, node_length, "Coordinate") ||
-                          is_word(node, node_length, "Coordinate3");
+        const bool coordinate = is_word(node, node_length, "Coordinate") ||
+                                is_word(node, node_length, "Coordinate3");
         if (is_word(word, length, "{")) {
             node = last;
             node_length = last_length;

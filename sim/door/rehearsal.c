@@ -108,7 +108,7 @@ static int clear_doors(struct rehearsal *r)
 {
     const int64_t start_ns = r->clock.now_ns;
     const int64_t quiet_ns = 2 * (int64_t)r->doors[0].config.decision.gap_ms * ISO_NS_PER_MS;
-    int error = sim_slot_clear(r->slot, r->fault);
+    const int error = sim_slot_clear(r->slot, r->fault);
     while (!error) {
         const int64_t spent_ns = r->clock.now_ns - start_ns;
         if (spent_ns >= quiet_ns && all_locked(r)) {

@@ -110,8 +110,8 @@ static int make_config(const struct sim_rehearsal_setup *setup, struct iso_confi
     };
     *c = iso_config_default();
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
-        int n = snprintf(paths[i].to, ISO_CONFIG_TEXT_SIZE, "%s%s", paths[i].directory,
-                         paths[i].name);
+        const int n = snprintf(paths[i].to, ISO_CONFIG_TEXT_SIZE, "%s%s", paths[i].directory,
+                               paths[i].name);
         if (n < 0 || n >= ISO_CONFIG_TEXT_SIZE) {
             return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", paths[i].directory);
         }

@@ -27,8 +27,8 @@ static int keep(struct sim_shared_extraction *shared, const struct iso_frame *fr
     const bool fits = kept && kept->width_px == frame->width_px &&
                       kept->height_px == frame->height_px && !kept->intensity == !frame->intensity;
     if (!fits) {
-        int error = iso_frame_new(&frame->camera, frame->width_px, frame->height_px,
-                                  frame->intensity != NULL, &kept);
+        const int error = iso_frame_new(&frame->camera, frame->width_px, frame->height_px,
+                                        frame->intensity != NULL, &kept);
         if (error) {
             return error;
         }

@@ -22,7 +22,7 @@ static double off_diagonal(const double *a, uint32_t n)
 static void rotate_rows(double *m, uint32_t n, uint32_t p, uint32_t q, double c, double s)
 {
     for (uint32_t k = 0; k < n; k++) {
-        double x = m[p * n + k], y = m[q * n + k];
+        const double x = m[p * n + k], y = m[q * n + k];
         m[p * n + k] = c * x - s * y;
         m[q * n + k] = s * x + c * y;
     }
@@ -31,7 +31,7 @@ static void rotate_rows(double *m, uint32_t n, uint32_t p, uint32_t q, double c,
 static void rotate_columns(double *m, uint32_t n, uint32_t p, uint32_t q, double c, double s)
 {
     for (uint32_t k = 0; k < n; k++) {
-        double x = m[k * n + p], y = m[k * n + q];
+        const double x = m[k * n + p], y = m[k * n + q];
         m[k * n + p] = c * x - s * y;
         m[k * n + q] = s * x + c * y;
     }
@@ -73,9 +73,9 @@ void sim_symmetric_eigen(double *a, uint32_t n, double *value, double *vector)
                 if (a[p * n + q] == 0.0) {
                     continue;
                 }
-                double tau = (a[q * n + q] - a[p * n + p]) / (2.0 * a[p * n + q]);
-                double t = copysign(1.0, tau) / (fabs(tau) + sqrt(1.0 + tau * tau));
-                double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
+                const double tau = (a[q * n + q] - a[p * n + p]) / (2.0 * a[p * n + q]);
+                const double t = copysign(1.0, tau) / (fabs(tau) + sqrt(1.0 + tau * tau));
+                const double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
                 rotate_columns(a, n, p, q, c, s);
                 rotate_rows(a, n, p, q, c, s);
                 rotate_rows(vector, n, p, q, c, s);
@@ -112,7 +112,7 @@ int sim_remove_rigid(const struct iso_vec3 *mean_mm, uint32_t n_vertices, const 
             normal[r] += weight[i] * dot_of_three(motion[r / 6], motion[r % 6]);
         }
     }
-    int error = iso_cholesky_factorise(normal, 6);
+    const int error = iso_cholesky_factorise(normal, 6);
     if (error) {
         return error;
     }
@@ -160,7 +160,7 @@ static void combine_fields(const float *fields, uint32_t n_fields, size_t n_valu
 static void weighted_gram(const float *fields, uint32_t n_fields, uint32_t n_vertices,
                           const double *weight, double *gram)
 {
-    size_t n_values = 3 * (size_t)n_vertices;
+    const size_t n_values = 3 * (size_t)n_vertices;
     for (uint32_t i = 0; i < n_fields; i++) {
         for (uint32_t j = 0; j <= i; j++) {
             const float *a = fields + i * n_values, *b = fields + j * n_values;
@@ -194,7 +194,7 @@ static void fix_sign(float *component, size_t n_values)
     for (size_t j = 1; j < n_values; j++) {
         largest = fabsf(component[j]) > fabsf(component[largest]) ? j : largest;
     }
-    float sign = component[largest] < 0.0f ? -1.0f : 1.0f;
+    const float sign = component[largest] < 0.0f ? -1.0f : 1.0f;
     for (size_t j = 0; j < n_values; j++) {
         component[j] *= sign;
     }
@@ -207,10 +207,10 @@ int sim_principal(const float *fields_mm, uint32_t n_fields, uint32_t n_vertices
     if (n_fields > SIM_FIELDS_MAX || n_keep > n_fields) {
         return -EINVAL;
     }
-    size_t n_values = 3 * (size_t)n_vertices, n_square = (size_t)n_fields * n_fields;
+    const size_t n_values = 3 * (size_t)n_vertices, n_square = (size_t)n_fields * n_fields;
     double *gram = calloc(n_square, sizeof *gram), *vector = calloc(n_square, sizeof *vector);
     float *independent = calloc(n_fields * n_values, sizeof *independent);
-    int error = gram && vector && independent ? 0 : -ENOMEM;
+    const int error = gram && vector && independent ? 0 : -ENOMEM;
     if (!error) {
         const float *fields = fields_mm;
         if (moment) {

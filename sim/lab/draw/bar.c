@@ -11,7 +11,7 @@ void sim_picture_set_colour(cairo_t *cr, struct sim_colour colour)
 void sim_picture_bar(cairo_t *cr, const struct sim_bar *bar, double x, double top, double bottom)
 {
     for (double y = top; y < bottom; y += 1.0) {
-        double down = (y - top) / (bottom - top);
+        const double down = (y - top) / (bottom - top);
         sim_picture_set_colour(cr, bar->colour(bar->falling ? down : 1.0 - down));
         cairo_rectangle(cr, x, y, 18.0, 1.0);
         cairo_fill(cr);
@@ -20,10 +20,10 @@ void sim_picture_bar(cairo_t *cr, const struct sim_bar *bar, double x, double to
     cairo_set_font_size(cr, 13.0);
     sim_picture_text(cr, bar->axis.label, x, top - 16.0, 0.0);
     struct sim_tick ticks[SIM_TICKS_MAX];
-    size_t n = sim_axis_ticks(&bar->axis, ticks);
+    const size_t n = sim_axis_ticks(&bar->axis, ticks);
     for (size_t i = 0; i < n; i++) {
-        double share = sim_axis_place(&bar->axis, ticks[i].value);
-        double y = top + (bottom - top) * (bar->falling ? share : 1.0 - share);
+        const double share = sim_axis_place(&bar->axis, ticks[i].value);
+        const double y = top + (bottom - top) * (bar->falling ? share : 1.0 - share);
         sim_picture_text(cr, ticks[i].label, x + 26.0, y + 5.0, 0.0);
     }
 }

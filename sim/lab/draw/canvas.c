@@ -7,10 +7,10 @@ static void paint_background(struct sim_canvas *canvas, struct sim_colour top,
                              struct sim_colour bottom)
 {
     for (int y = 0; y < canvas->height; y++) {
-        float v = ((float)y + 0.5f) / (float)canvas->height;
+        const float v = ((float)y + 0.5f) / (float)canvas->height;
         for (int x = 0; x < canvas->width; x++) {
-            float u = ((float)x + 0.5f) / (float)canvas->width;
-            float off = (u - 0.5f) * (u - 0.5f) + (v - 0.5f) * (v - 0.5f); /* 0..0.5 */
+            const float u = ((float)x + 0.5f) / (float)canvas->width;
+            const float off = (u - 0.5f) * (u - 0.5f) + (v - 0.5f) * (v - 0.5f); /* 0..0.5 */
             canvas->sample[(long)y * canvas->width + x] = sim_colour_scale(
                 1.0f - 0.6f * off, sim_colour_mix(top, bottom, v));
         }
@@ -53,7 +53,7 @@ static uint32_t pixel_of(const struct sim_canvas *canvas, int column, int row)
     struct sim_colour sum = {0.0f, 0.0f, 0.0f};
     for (int j = 0; j < SIM_CANVAS_SUPERSAMPLING; j++) {
         for (int i = 0; i < SIM_CANVAS_SUPERSAMPLING; i++) {
-            long y = (long)row * SIM_CANVAS_SUPERSAMPLING + j;
+            const long y = (long)row * SIM_CANVAS_SUPERSAMPLING + j;
             const struct sim_colour *s =
                 &canvas->sample[y * canvas->width + (long)column * SIM_CANVAS_SUPERSAMPLING + i];
             sum.r += s->r;
@@ -69,15 +69,15 @@ static uint32_t pixel_of(const struct sim_canvas *canvas, int column, int row)
 
 cairo_surface_t *sim_canvas_surface(const struct sim_canvas *canvas)
 {
-    int width_px = canvas->width / SIM_CANVAS_SUPERSAMPLING;
-    int height_px = canvas->height / SIM_CANVAS_SUPERSAMPLING;
+    const int width_px = canvas->width / SIM_CANVAS_SUPERSAMPLING;
+    const int height_px = canvas->height / SIM_CANVAS_SUPERSAMPLING;
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, height_px);
     if (cairo_surface_status(surface) != CAIRO_STATUS_SUCCESS) {
         return surface;
     }
     cairo_surface_flush(surface);
     unsigned char *bytes = cairo_image_surface_get_data(surface);
-    int stride = cairo_image_surface_get_stride(surface);
+    const int stride = cairo_image_surface_get_stride(surface);
     for (int row = 0; row < height_px; row++) {
         uint32_t *pixels = (uint32_t *)(void *)(bytes + (long)row * stride);
         for (int column = 0; column < width_px; column++) {

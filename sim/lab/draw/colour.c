@@ -5,7 +5,7 @@
 
 static float linear_of(uint32_t byte)
 {
-    double s = (double)byte / 255.0;
+    const double s = (double)byte / 255.0;
     return (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
 }
 
@@ -17,16 +17,16 @@ struct sim_colour sim_colour_hex(uint32_t rgb)
 
 uint8_t sim_colour_byte(float linear)
 {
-    double x = fmin(fmax((double)linear, 0.0), 1.0);
-    double s = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
+    const double x = fmin(fmax((double)linear, 0.0), 1.0);
+    const double s = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
     return (uint8_t)lrint(255.0 * s);
 }
 
 /* Between colours at equal steps. */
 static struct sim_colour interpolate(const uint32_t *stops, size_t n, double value)
 {
-    double at = fmin(fmax(value, 0.0), 1.0) * (double)(n - 1);
-    size_t i = at < (double)(n - 1) ? (size_t)at : n - 2;
+    const double at = fmin(fmax(value, 0.0), 1.0) * (double)(n - 1);
+    const size_t i = at < (double)(n - 1) ? (size_t)at : n - 2;
     return sim_colour_mix(sim_colour_hex(stops[i]), sim_colour_hex(stops[i + 1]),
                           (float)(at - (double)i));
 }

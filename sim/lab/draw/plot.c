@@ -52,7 +52,7 @@ static void draw_ticks(cairo_t *cr, const struct sim_plot *plot)
     cairo_set_font_size(cr, 14.0);
     size_t n = sim_axis_ticks(&plot->x, ticks);
     for (size_t i = 0; i < n; i++) {
-        double x = floor(place_x(plot, ticks[i].value)) + 0.5;
+        const double x = floor(place_x(plot, ticks[i].value)) + 0.5;
         set_colour(cr, grid, 1.0);
         draw_line(cr, x, top_px, x, bottom_px);
         set_colour(cr, faint, 1.0);
@@ -60,7 +60,7 @@ static void draw_ticks(cairo_t *cr, const struct sim_plot *plot)
     }
     n = sim_axis_ticks(&plot->y, ticks);
     for (size_t i = 0; i < n; i++) {
-        double y = floor(place_y(plot, ticks[i].value)) + 0.5;
+        const double y = floor(place_y(plot, ticks[i].value)) + 0.5;
         set_colour(cr, grid, 1.0);
         draw_line(cr, left_px, y, right_px, y);
         set_colour(cr, faint, 1.0);
@@ -115,7 +115,7 @@ static void draw_series(cairo_t *cr, const struct sim_plot *plot, const struct s
         cairo_fill(cr);
     }
     const double dash[] = {5.0, 5.0};
-    bool dashed = series->style == SIM_SERIES_DASHED;
+    const bool dashed = series->style == SIM_SERIES_DASHED;
     set_colour(cr, dashed ? faint : colour, 1.0);
     cairo_set_line_width(cr, dashed ? 1.0 : 2.5);
     cairo_set_dash(cr, dash, dashed ? 2 : 0, 0.0);
@@ -144,7 +144,7 @@ static void draw_legend(cairo_t *cr, const struct sim_plot *plot)
         x -= extents.x_advance;
         set_colour(cr, ink, 1.0);
         sim_picture_text(cr, series->label, x, 62.0, 0.0);
-        size_t n_colours = sizeof series_colours / sizeof *series_colours;
+        const size_t n_colours = sizeof series_colours / sizeof *series_colours;
         set_colour(cr, series_colours[i % n_colours], 1.0);
         cairo_set_line_width(cr, 4.0);
         draw_line(cr, x - 30.0, 57.0, x - 8.0, 57.0);
@@ -160,7 +160,7 @@ static void draw_legend_lines(cairo_t *cr, const struct sim_plot *plot)
     for (size_t i = 0; i < plot->n_series; i++) {
         n_lines += plot->series[i].label != NULL;
     }
-    double height = LINE_PX * (double)n_lines, x = right_px - WIDTH;
+    const double height = LINE_PX * (double)n_lines, x = right_px - WIDTH;
     double y = plot->legend == SIM_LEGEND_UPPER ? top_px + 12.0 : bottom_px - 12.0 - height;
     cairo_set_source_rgba(cr, 1.0, 1.0, 1.0, 0.85);
     cairo_rectangle(cr, x - 8.0, y - 4.0, WIDTH, height + 8.0);
@@ -187,7 +187,7 @@ int sim_plot_write(const struct sim_plot *plot, const char *path, struct iso_fau
     cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
     cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     draw_ticks(cr, plot);
-    size_t n_colours = sizeof series_colours / sizeof *series_colours;
+    const size_t n_colours = sizeof series_colours / sizeof *series_colours;
     for (size_t i = 0; i < plot->n_series; i++) {
         draw_series(cr, plot, &plot->series[i], series_colours[i % n_colours]);
     }

@@ -99,7 +99,7 @@ static struct sim_interval wider_interval(struct sim_interval a, struct sim_inte
 /* What the counts alone allow for a rate of the mated comparisons. */
 static struct sim_interval interval_of_counts(const struct sim_verification *v, double rate)
 {
-    size_t n = v->scores.n_mated;
+    const size_t n = v->scores.n_mated;
     return sim_rate_interval((struct sim_rate){(size_t)lround(rate * (double)n), n});
 }
 
@@ -108,8 +108,8 @@ static struct sim_interval interval_of_counts(const struct sim_verification *v, 
 static int verify_intervals(struct sim_verification *v, uint32_t n_subjects)
 {
     struct sim_interval eer, fnmr[SIM_FMR_TARGETS];
-    int error = sim_det_bootstrap(&v->scores, n_subjects, sim_fmr_targets, SIM_FMR_TARGETS, &eer,
-                                  fnmr);
+    const int error = sim_det_bootstrap(&v->scores, n_subjects, sim_fmr_targets, SIM_FMR_TARGETS,
+                                        &eer, fnmr);
     if (error == -ENOMEM) {
         return error;
     }
@@ -141,7 +141,7 @@ static int verify_probes(const struct analysing *w)
     for (size_t k = 0; k < SIM_FMR_TARGETS; k++) {
         struct sim_operating_point *point = &v->at_fmr[k];
         point->at = sim_det_at_fmr(v->det, v->n_det, sim_fmr_targets[k]);
-        size_t failed = (size_t)lround(point->at.fnmr * (double)v->scores.n_mated);
+        const size_t failed = (size_t)lround(point->at.fnmr * (double)v->scores.n_mated);
         point->gfnmr = (struct sim_rate){failed + v->n_lost, v->scores.n_mated + v->n_lost};
         point->supported = sim_rate_smallest(v->scores.n_non_mated) <= sim_fmr_targets[k];
     }
@@ -150,7 +150,7 @@ static int verify_probes(const struct analysing *w)
 
 static struct sim_mated_search search_of(const struct analysing *w, size_t probe)
 {
-    size_t mate = w->analysis->mate[probe];
+    const size_t mate = w->analysis->mate[probe];
     if (!is_comparable(w, probe, mate)) {
         return (struct sim_mated_search){0, 0.0};
     }
@@ -205,7 +205,7 @@ static void condition_figures(const struct analysing *w, size_t column_offset,
         }
         (void)add_comparisons(w, i, scores);
         if (w->analysis->kind[i] == SIM_PROBE_MATED) {
-            size_t rank = search_of(w, i).rank;
+            const size_t rank = search_of(w, i).rank;
             condition->not_acquired.events += !sample_of(w, i)->acquired;
             condition->not_acquired.trials++;
             condition->rank_1.events += rank == 1;
@@ -215,7 +215,7 @@ static void condition_figures(const struct analysing *w, size_t column_offset,
         }
     }
     sim_scores_sort(scores);
-    size_t n = sim_det_points(scores, NULL, det);
+    const size_t n = sim_det_points(scores, NULL, det);
     condition->eer = sim_det_eer(det, n);
 }
 
@@ -225,7 +225,7 @@ static void break_down(const struct analysing *w, const char *column, size_t col
                        struct sim_scores *scores, struct sim_det_point *det)
 {
     struct sim_analysis *a = w->analysis;
-    size_t first = a->n_conditions;
+    const size_t first = a->n_conditions;
     for (size_t i = 0; i < w->matches->n_probes; i++) {
         const char *value = (const char *)row_of(w, i) + column_offset;
         size_t c = first;
@@ -248,7 +248,7 @@ static int break_down_all(const struct analysing *w)
         .non_mated = calloc(all->n_non_mated + 1, sizeof *scores.non_mated),
     };
     struct sim_det_point *det = calloc(all->n_mated + all->n_non_mated + 1, sizeof *det);
-    int error = scores.mated && scores.non_mated && det ? 0 : -ENOMEM;
+    const int error = scores.mated && scores.non_mated && det ? 0 : -ENOMEM;
     if (!error) {
         break_down(w, "pose", offsetof(struct sim_corpus_row, pose), &scores, det);
         break_down(w, "expression", offsetof(struct sim_corpus_row, expression), &scores, det);
@@ -330,7 +330,7 @@ static struct sim_analysis *new_analysis(size_t n_probes, size_t n_people)
     }
     struct sim_verification *v = &a->verification;
     struct sim_identification *id = &a->identification;
-    size_t n_pairs = n_probes * n_people;
+    const size_t n_pairs = n_probes * n_people;
     a->kind = calloc(n_probes + 1, sizeof *a->kind);
     a->mate = calloc(n_probes + 1, sizeof *a->mate);
     a->person = calloc(n_probes + 1, sizeof *a->person);

@@ -80,13 +80,13 @@ struct search {
 
 static int by_value(const void *a, const void *b)
 {
-    double x = ((const struct search *)a)->value, y = ((const struct search *)b)->value;
+    const double x = ((const struct search *)a)->value, y = ((const struct search *)b)->value;
     return (x > y) - (x < y);
 }
 
 static void add_to(struct sim_curve_bin *bin, const struct search *search)
 {
-    size_t n = bin->non_match.trials;
+    const size_t n = bin->non_match.trials;
     bin->low = n == 0 ? search->value : bin->low;
     bin->high = search->value;
     bin->mean += (search->value - bin->mean) / (double)(n + 1);
@@ -100,8 +100,8 @@ static struct sim_curve cut(const struct search *searches, size_t n)
 {
     struct sim_curve curve = {0};
     for (size_t i = 0; i < n; i++) {
-        size_t due = i * SIM_CURVE_BINS / n; /* the bin if values did not matter */
-        bool fresh = i == 0 || searches[i].value > searches[i - 1].value;
+        const size_t due = i * SIM_CURVE_BINS / n; /* the bin if values did not matter */
+        const bool fresh = i == 0 || searches[i].value > searches[i - 1].value;
         if (i == 0 || (fresh && due >= curve.n_bins)) {
             curve.n_bins++;
         }

@@ -103,7 +103,7 @@ static int acquire_samples(struct sim_eval *eval, struct iso_fault *fault)
         .threads = eval->options.threads,
     };
     const char *directory = eval->options.corpus;
-    bool faces = wants_faces(eval);
+    const bool faces = wants_faces(eval);
     int error = faces ? sim_scans_new(eval->corpus, &eval->faces) : 0;
     if (error) {
         return iso_fault_set(fault, error, "%s: out of memory", directory);
@@ -179,7 +179,7 @@ static int search_gallery(struct sim_eval *eval, struct sim_eval_method *m, stru
 
 static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct iso_fault *fault)
 {
-    int64_t begin_ns = sim_wall_ns(NULL);
+    const int64_t begin_ns = sim_wall_ns(NULL);
     int error = search_gallery(eval, m, &m->fault);
     if (error == -EINVAL && eval->options.lenient && sim_method_pairwise(m->method)) {
         return 0; /* left out */
@@ -255,7 +255,7 @@ static int measure_landmarks(struct sim_eval *eval, double *error_mm, struct iso
         error = sim_landmark_errors(eval->corpus, deviations, n, offset_mm, eval->landmarks);
     }
     for (size_t i = 0, k = 0; !error && i < a->n_captures; i++) {
-        bool usable = a->captures[i].extraction.outcome == ISO_CAPTURE_OK;
+        const bool usable = a->captures[i].extraction.outcome == ISO_CAPTURE_OK;
         error_mm[i] = usable ? mean_error(&deviations[k], offset_mm) : NAN;
         k += usable;
     }
@@ -271,8 +271,9 @@ static int draw_curves(struct sim_eval *eval, const double *error_mm)
         return -ENOMEM;
     }
     sim_factors_measure(eval->corpus, eval->acquisition, eval->matches, error_mm, factor);
-    int error = sim_curves_of(eval->analysis, eval->matches, (const double(*)[SIM_FACTORS])factor,
-                              eval->analysis->verification.at_fmr[2].at.threshold, eval->curves);
+    const int error = sim_curves_of(
+        eval->analysis, eval->matches, (const double(*)[SIM_FACTORS])factor,
+        eval->analysis->verification.at_fmr[2].at.threshold, eval->curves);
     free(factor);
     return error;
 }
@@ -333,7 +334,7 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
     }
     eval->options = *options;
     choose_methods(eval);
-    int64_t begin_ns = sim_wall_ns(NULL);
+    const int64_t begin_ns = sim_wall_ns(NULL);
     error = load_files(eval, fault);
     if (!error && options->training) {
         error = sim_training_set_check(options->training, options->corpus, eval->corpus,

@@ -30,7 +30,7 @@ static size_t count_from(const double *score, size_t n, double threshold)
 {
     size_t low = 0, high = n;
     while (low < high) {
-        size_t middle = (low + high) / 2;
+        const size_t middle = (low + high) / 2;
         if (score[middle] >= threshold) {
             high = middle;
         } else {
@@ -44,7 +44,7 @@ static double fpir_of(const struct growing *g, size_t n_people, double threshold
 {
     double sum = 0.0;
     for (size_t s = 0; s < g->n_strangers; s++) {
-        size_t k = count_from(&g->stranger[s * g->n_enrolled], g->n_enrolled, threshold);
+        const size_t k = count_from(&g->stranger[s * g->n_enrolled], g->n_enrolled, threshold);
         sum += 1.0 - sim_growth_missed(g->n_enrolled, k, n_people);
     }
     return sum / (double)g->n_strangers;
@@ -66,8 +66,8 @@ static double threshold_for(const struct growing *g, size_t n_people, double tar
 {
     size_t low = 0, high = g->n_strangers * g->n_enrolled - 1;
     while (low < high) {
-        size_t middle = (low + high) / 2;
-        double threshold = nextafter(g->candidates[middle], INFINITY);
+        const size_t middle = (low + high) / 2;
+        const double threshold = nextafter(g->candidates[middle], INFINITY);
         if (fpir_of(g, n_people, threshold) <= target + 1e-12) {
             high = middle;
         } else {
@@ -105,14 +105,14 @@ static void collect(const struct sim_gallery *gallery, const struct sim_matches 
             g->n_before[g->n_mated++] = search->rank > 0 ? search->rank - 1 : 0;
         }
     }
-    size_t n = g->n_strangers * g->n_enrolled;
+    const size_t n = g->n_strangers * g->n_enrolled;
     memcpy(g->candidates, g->stranger, n * sizeof *g->candidates);
     sim_sort(g->candidates, n);
 }
 
 static void add_point(const struct growing *g, size_t n_people, struct sim_growth *growth)
 {
-    double own = threshold_for(g, n_people, growth->target_fpir);
+    const double own = threshold_for(g, n_people, growth->target_fpir);
     growth->points[growth->n++] = (struct sim_growth_point){
         .n_people = n_people,
         .fpir = fpir_of(g, n_people, growth->threshold),
@@ -127,7 +127,7 @@ static void grow(const struct growing *g, struct sim_growth *growth)
     growth->threshold = threshold_for(g, g->n_enrolled, growth->target_fpir);
     for (size_t decade = 10; decade < g->n_enrolled; decade *= 10) {
         for (size_t k = 0; k < 3; k++) {
-            size_t n = steps[k] * decade;
+            const size_t n = steps[k] * decade;
             if (n < g->n_enrolled && growth->n + 1 < SIM_GROWTH_MAX) {
                 add_point(g, n, growth);
             }
@@ -149,12 +149,12 @@ int sim_growth_of(const struct sim_gallery *gallery, const struct sim_matches *m
         *out = growth;
         return 0;
     }
-    size_t n = g.n_strangers * g.n_enrolled;
+    const size_t n = g.n_strangers * g.n_enrolled;
     g.stranger = calloc(n, sizeof *g.stranger);
     g.candidates = calloc(n, sizeof *g.candidates);
     g.mate_score = calloc(id->n_searches, sizeof *g.mate_score);
     g.n_before = calloc(id->n_searches, sizeof *g.n_before);
-    int error = g.stranger && g.candidates && g.mate_score && g.n_before ? 0 : -ENOMEM;
+    const int error = g.stranger && g.candidates && g.mate_score && g.n_before ? 0 : -ENOMEM;
     if (!error) {
         collect(gallery, matches, analysis, &g);
         grow(&g, &growth);

@@ -73,7 +73,7 @@ int sim_landmark_offsets(const struct sim_deviation *deviations, size_t n,
 static void add_length(struct lengths *lengths, struct iso_vec3 v)
 {
     if (lengths->n == lengths->capacity && !lengths->failed) {
-        size_t capacity = 2 * lengths->capacity + 1024;
+        const size_t capacity = 2 * lengths->capacity + 1024;
         double *larger = realloc(lengths->mm, capacity * sizeof *larger);
         lengths->failed = !larger;
         if (larger) {
@@ -125,7 +125,7 @@ static void measure_person(struct work *work, const struct entry *e, size_t n, i
     enum { PAIRS_PER_FRAME = 64 };
     const size_t step = 1 + (n - 1) / PAIRS_PER_FRAME;
     struct iso_vec3 mean;
-    size_t sessions = person_mean(e, n, landmark, &mean);
+    const size_t sessions = person_mean(e, n, landmark, &mean);
     for (size_t i = 0; i < n; i++) {
         const struct sim_deviation *a = e[i].deviation;
         if (!a->known[landmark]) {
@@ -154,7 +154,7 @@ static void measure_landmark(struct work *work, int landmark, struct iso_vec3 of
         }
     }
     for (size_t i = 0; i < work->n_entries;) {
-        size_t n = person_size(&work->entries[i], work->n_entries - i);
+        const size_t n = person_size(&work->entries[i], work->n_entries - i);
         measure_person(work, &work->entries[i], n, landmark);
         i += n;
     }

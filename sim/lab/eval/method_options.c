@@ -31,7 +31,7 @@ int sim_option_methods(const char *text, void *field)
     if ((size_t)snprintf(copy, sizeof copy, "%s", text) >= sizeof copy) {
         return -EINVAL;
     }
-    size_t n = iso_text_split(copy, ',', words, SIM_METHODS);
+    const size_t n = iso_text_split(copy, ',', words, SIM_METHODS);
     for (size_t i = 0; i < n && n <= SIM_METHODS; i++) {
         const struct sim_method *method = sim_method_find(words[i]);
         if (!method || contains(&choice, method)) {

@@ -18,7 +18,7 @@ static int supported_fmr(const struct sim_verification *v)
 static void mark_errors(const struct sim_analysis *a, int fmr, uint8_t *rank, uint8_t *match)
 {
     const struct sim_identification *id = &a->identification;
-    double threshold = a->verification.at_fmr[fmr].at.threshold;
+    const double threshold = a->verification.at_fmr[fmr].at.threshold;
     for (size_t i = 0; i < id->n_searches; i++) {
         rank[i] = id->searches[i].rank != 1;
         match[i] = id->searches[i].rank == 0 || id->searches[i].mate_score < threshold;
@@ -39,7 +39,7 @@ static void list_people(const struct sim_analysis *a, size_t n_probes, uint32_t 
 static int compare(const struct sim_eval *eval, const struct sim_analysis *a, int fmr,
                    struct sim_verdict *verdict)
 {
-    size_t n = a->identification.n_searches;
+    const size_t n = a->identification.n_searches;
     uint8_t *errors = calloc(4 * n + 1, 1);
     uint32_t *person = calloc(n + 1, sizeof *person);
     int error = errors && person ? 0 : -ENOMEM;
@@ -64,7 +64,7 @@ int sim_verdict_of(const struct sim_eval *eval, size_t index, struct sim_verdict
     const struct sim_analysis *a = eval->methods[index].analysis;
     const struct sim_identification *id = &a->identification;
     const struct sim_verification *v = &a->verification;
-    int fmr = supported_fmr(&eval->analysis->verification);
+    const int fmr = supported_fmr(&eval->analysis->verification);
     struct sim_verdict verdict = {
         .method = eval->methods[index].method,
         .wall_ns = eval->methods[index].wall_ns,
@@ -77,7 +77,7 @@ int sim_verdict_of(const struct sim_eval *eval, size_t index, struct sim_verdict
         .at = v->at_fmr[fmr],
         .at_coarse = v->at_fmr[SIM_VERDICT_COARSE_FMR],
     };
-    int error = compare(eval, a, fmr, &verdict);
+    const int error = compare(eval, a, fmr, &verdict);
     if (!error) {
         *out = verdict;
     }

@@ -73,7 +73,7 @@ static bool is_of(const struct work *w, const struct sim_measured_frame *f,
     if (strcmp(condition->column, "expression") == 0) {
         return strcmp(row_of(w, f)->expression, condition->value) == 0;
     }
-    double degrees = f->true_angle_rad * 180.0 / M_PI;
+    const double degrees = f->true_angle_rad * 180.0 / M_PI;
     for (size_t b = 0; b < sizeof bands / sizeof *bands; b++) {
         if (strcmp(bands[b].name, condition->value) == 0) {
             return degrees > bands[b].above_degrees && degrees <= bands[b].limit_degrees;
@@ -92,7 +92,7 @@ static void count_failures(const struct sim_measured_frame *f, struct sim_condit
 {
     for (int r = 0; r < SIM_FAILURE_RULES; r++) {
         struct sim_failures *failures = &c->failures[r];
-        bool fails = sim_frame_fails(f, (enum sim_failure_rule)r);
+        const bool fails = sim_frame_fails(f, (enum sim_failure_rule)r);
         count_event(&failures->before, fails);
         if (is_accepted(f)) {
             count_event(&failures->after, fails);
@@ -219,10 +219,10 @@ static void count_rows(const struct work *w)
     const struct sim_measured_frame *frames = w->frames;
     for (size_t r = 0; r < w->corpus->n_rows; r++) {
         const struct sim_corpus_row *row = &w->corpus->rows[r];
-        bool person = sim_row_kind_of(row) == SIM_ROW_BONA_FIDE;
+        const bool person = sim_row_kind_of(row) == SIM_ROW_BONA_FIDE;
         struct sim_kind_figures *kind = person ? NULL : kind_figures(a, row);
         struct sim_rate *response = person ? a->bona_fide : kind->response;
-        enum sim_response answer = sim_response_to(frames, row->count);
+        const enum sim_response answer = sim_response_to(frames, row->count);
         for (int k = 0; k < SIM_RESPONSES; k++) {
             count_event(&response[k], k == (int)answer);
         }
@@ -244,7 +244,8 @@ static struct sim_latency latency_of(const struct work *w, int stage)
 {
     size_t n = 0;
     for (size_t i = 0; i < w->n_frames; i++) {
-        int64_t time_ns = stage < ISO_STAGES ? w->frames[i].stage_ns[stage] : w->frames[i].cpu_ns;
+        const int64_t time_ns = stage < ISO_STAGES ? w->frames[i].stage_ns[stage]
+                                                   : w->frames[i].cpu_ns;
         if (time_ns > 0) {
             w->times_ns[n++] = time_ns;
         }

@@ -47,8 +47,8 @@ void sim_measure_frame_errors(const struct iso_vec3 offset_mm[ISO_LANDMARKS],
     frame->error_max_mm = frame->centred_max_mm = 0.0;
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         if (frame->deviation.known[l]) {
-            double error = iso_norm(frame->deviation.error_mm[l]);
-            double centred = iso_norm(iso_sub(frame->deviation.error_mm[l], offset_mm[l]));
+            const double error = iso_norm(frame->deviation.error_mm[l]);
+            const double centred = iso_norm(iso_sub(frame->deviation.error_mm[l], offset_mm[l]));
             sum += error;
             centred_sum += centred;
             frame->error_max_mm = fmax(frame->error_max_mm, error);
@@ -73,7 +73,7 @@ int sim_measure_offsets(const struct sim_corpus *corpus, const struct sim_measur
             deviations[n++] = frames[i].deviation;
         }
     }
-    int error = sim_landmark_offsets(deviations, n, offset_mm);
+    const int error = sim_landmark_offsets(deviations, n, offset_mm);
     free(deviations);
     return error;
 }

@@ -5,7 +5,7 @@
 
 static bool begins_with_word(const char *text, const char *word)
 {
-    size_t length = strlen(word);
+    const size_t length = strlen(word);
     return strncmp(text, word, length) == 0 && !isalpha((unsigned char)text[length]);
 }
 

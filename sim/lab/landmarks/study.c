@@ -34,7 +34,7 @@ int sim_study_run(const struct sim_study_options *options, struct sim_study **ou
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     study->options = *options;
-    int64_t begin_ns = sim_wall_ns(NULL);
+    const int64_t begin_ns = sim_wall_ns(NULL);
     error = sim_head_model_load(options->model, &study->model, fault);
     if (!error) {
         error = sim_corpus_read(options->corpus, &study->corpus, fault);

@@ -83,7 +83,7 @@ static void write_frames(const void *context, FILE *out)
 
 int sim_study_csv(const struct sim_study *study, const char *directory, struct iso_fault *fault)
 {
-    int error = sim_result_file(directory, "landmarks.csv", write_landmarks, study, fault);
+    const int error = sim_result_file(directory, "landmarks.csv", write_landmarks, study, fault);
     if (error) {
         return error;
     }

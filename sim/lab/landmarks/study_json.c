@@ -100,7 +100,7 @@ int sim_study_json(const struct sim_study *study, const char *directory, struct 
 {
     const struct sim_landmark_analysis *a = study->analysis;
     char path[PATH_MAX];
-    int error = iso_path_join(directory, "summary.json", path, fault);
+    const int error = iso_path_join(directory, "summary.json", path, fault);
     if (error) {
         return error;
     }

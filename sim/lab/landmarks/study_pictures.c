@@ -19,7 +19,7 @@ struct ranked {
 static int by_falling_error(const void *a, const void *b)
 {
     const struct ranked *p = a, *q = b;
-    int order = (p->error_mm < q->error_mm) - (p->error_mm > q->error_mm);
+    const int order = (p->error_mm < q->error_mm) - (p->error_mm > q->error_mm);
     return order ? order : (p->number > q->number) - (p->number < q->number);
 }
 
@@ -28,7 +28,7 @@ static bool alike(const struct sim_corpus *corpus, const struct sim_measured_fra
                   const struct sim_measured_frame *b)
 {
     const struct sim_corpus_row *p = &corpus->rows[a->row], *q = &corpus->rows[b->row];
-    bool person = sim_row_kind_of(p) == SIM_ROW_BONA_FIDE;
+    const bool person = sim_row_kind_of(p) == SIM_ROW_BONA_FIDE;
     return a->reason == b->reason && person == (sim_row_kind_of(q) == SIM_ROW_BONA_FIDE) &&
            (person || strcmp(p->note, q->note) == 0);
 }
@@ -94,7 +94,7 @@ static int path_of(const struct drawing *d, struct sim_chosen_frame chosen, char
 {
     const struct sim_measured_frame *f = &d->study->measurement->frames[chosen.number];
     const struct sim_corpus_row *row = &d->study->corpus->rows[f->row];
-    bool person = sim_row_kind_of(row) == SIM_ROW_BONA_FIDE;
+    const bool person = sim_row_kind_of(row) == SIM_ROW_BONA_FIDE;
     char name[4 * SIM_CORPUS_NAME_MAX];
     if (chosen.rank > 0) {
         (void)snprintf(name, sizeof name, "worst-%02zu-%s-%zu.png", chosen.rank, row->recording,

@@ -41,6 +41,6 @@ static double angle_of_word(const char *pose)
 double sim_true_angle(const struct iso_head_model *model, const struct sim_truth *truth,
                       const char *pose)
 {
-    double angle = angle_of_landmarks(model, truth);
+    const double angle = angle_of_landmarks(model, truth);
     return isnan(angle) ? angle_of_word(pose) : angle;
 }

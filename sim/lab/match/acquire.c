@@ -42,7 +42,7 @@ static int make_sample(const struct sim_capture *captures, struct sim_sample *sa
 
 static size_t group_size(const struct sim_corpus_row *row, size_t fuse)
 {
-    size_t size = fuse > 0 && fuse < row->count ? fuse : row->count;
+    const size_t size = fuse > 0 && fuse < row->count ? fuse : row->count;
     return size < SIM_SAMPLE_CAPTURES_MAX ? size : SIM_SAMPLE_CAPTURES_MAX;
 }
 
@@ -51,8 +51,8 @@ static int make_samples(const struct sim_corpus *corpus, size_t fuse, struct sim
 {
     size_t first_of_row = 0;
     for (size_t row = 0; row < corpus->n_rows; row++) {
-        size_t count = corpus->rows[row].count;
-        size_t size = group_size(&corpus->rows[row], fuse);
+        const size_t count = corpus->rows[row].count;
+        const size_t size = group_size(&corpus->rows[row], fuse);
         for (size_t first = 0; first < count; first += size) {
             struct sim_sample *sample = &a->samples[a->n_samples++];
             *sample = (struct sim_sample){
@@ -60,7 +60,7 @@ static int make_samples(const struct sim_corpus *corpus, size_t fuse, struct sim
                 .first_capture = first_of_row + first,
                 .n_captures = count - first < size ? count - first : size,
             };
-            int error = make_sample(a->captures, sample);
+            const int error = make_sample(a->captures, sample);
             if (error) {
                 return iso_fault_set(fault, error, "%s: frames cannot be fused: %s",
                                      corpus->rows[row].recording, strerror(-error));
@@ -81,7 +81,7 @@ static int new_acquisition(const struct sim_corpus *corpus, size_t fuse,
     }
     size_t n_samples = 0;
     for (size_t row = 0; row < corpus->n_rows; row++) {
-        size_t size = group_size(&corpus->rows[row], fuse);
+        const size_t size = group_size(&corpus->rows[row], fuse);
         n_samples += (corpus->rows[row].count + size - 1) / size;
     }
     a->n_captures = sim_corpus_frames(corpus);

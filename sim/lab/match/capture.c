@@ -44,7 +44,7 @@ int sim_recording_open(const char *directory, const char *name, struct iso_recor
                        struct iso_fault *fault)
 {
     char path[PATH_MAX];
-    int error = iso_path_join(directory, name, path, fault);
+    const int error = iso_path_join(directory, name, path, fault);
     if (error) {
         return error;
     }
@@ -60,8 +60,8 @@ static int capture_frame(const struct capturing *work, int worker, struct iso_re
         return 0;
     }
     capture->readable = true;
-    int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
-    int error = iso_extractor_run(work->extractors[worker], frame, &capture->extraction);
+    const int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
+    const int error = iso_extractor_run(work->extractors[worker], frame, &capture->extraction);
     capture->cpu_ns = sim_thread_cpu_ns(NULL) - cpu_ns;
     capture->wall_ns = sim_wall_ns(NULL) - wall_ns;
     return error ? iso_fault_set(&work->faults[worker], error, "frame %zu: %s", capture->frame,
@@ -153,7 +153,7 @@ int sim_capture_all(const char *directory, const struct sim_corpus *corpus,
                     const struct sim_capture_options *options, sim_capture_visitor *visit,
                     void *context, struct sim_capture_origin *origin, struct iso_fault *fault)
 {
-    size_t threads = (size_t)options->threads;
+    const size_t threads = (size_t)options->threads;
     struct capturing work = {directory, corpus, options, visit, context, NULL, NULL, NULL};
     struct sim_capture_origin found = {0};
     work.first_number = calloc(corpus->n_rows, sizeof *work.first_number);

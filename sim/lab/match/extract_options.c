@@ -19,7 +19,7 @@ static int parse_radii(const char *text, void *field)
     if ((size_t)snprintf(copy, sizeof copy, "%s", text) >= sizeof copy) {
         return -EINVAL;
     }
-    size_t n = iso_text_split(copy, ',', words, ISO_TEMPLATE_RADII_MAX);
+    const size_t n = iso_text_split(copy, ',', words, ISO_TEMPLATE_RADII_MAX);
     if (n > ISO_TEMPLATE_RADII_MAX) {
         return -EINVAL;
     }
@@ -119,7 +119,7 @@ int sim_option_threads(const char *text, void *field)
 
 int sim_threads_default(enum iso_heat_method heat)
 {
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     if (heat == ISO_HEAT_SPECTRAL || processors < 1) {
         return 1;
     }

@@ -28,7 +28,7 @@ static size_t add_person(struct sim_gallery *gallery, const char *name, size_t l
 int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                     size_t limit, struct sim_gallery **out)
 {
-    size_t n = acquisition->n_samples;
+    const size_t n = acquisition->n_samples;
     struct sim_gallery *g = calloc(1, sizeof *g);
     if (!g) {
         return -ENOMEM;
@@ -48,7 +48,7 @@ int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisitio
         if (row->role != SIM_ROLE_GALLERY) {
             continue;
         }
-        size_t person = add_person(g, row->subject, limit > 0 ? limit : n);
+        const size_t person = add_person(g, row->subject, limit > 0 ? limit : n);
         if (person != SIM_NOBODY && sample->acquired) {
             g->templates[g->n_templates] = &sample->tmpl;
             g->sample[g->n_templates] = i;

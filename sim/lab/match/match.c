@@ -25,8 +25,8 @@ static int measure_distances(const struct matching *work, int worker,
     const struct sim_gallery *gallery = work->gallery;
     for (size_t i = 0; i < gallery->n_templates; i++) {
         double d;
-        int error = iso_match_distance(&work->registration[worker], probe, gallery->templates[i],
-                                       &work->scoring->match, &d);
+        const int error = iso_match_distance(&work->registration[worker], probe,
+                                             gallery->templates[i], &work->scoring->match, &d);
         if (error == -ENODATA) {
             continue; /* too few points in common: as far away as can be */
         }
@@ -46,7 +46,7 @@ static int enrol_vectors(const struct matching *work)
     const struct iso_metric *metric = work->scoring->metric;
     for (size_t i = 0; metric && i < gallery->n_templates; i++) {
         struct iso_metric_vector one;
-        int error = iso_metric_project(metric, gallery->templates[i], &one);
+        const int error = iso_metric_project(metric, gallery->templates[i], &one);
         if (error && error != -ENODATA) {
             return error;
         }
@@ -127,7 +127,7 @@ static int search_by_metric(const struct matching *work, int worker, struct sim_
 {
     const struct iso_metric *metric = work->scoring->metric;
     struct iso_metric_vector probe;
-    int error = iso_metric_project(metric, &sample->tmpl, &probe);
+    const int error = iso_metric_project(metric, &sample->tmpl, &probe);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
         score[p] = iso_metric_score(metric, &work->enrolled[p], &probe);
         distance_mm[p] = NAN;
@@ -150,7 +150,7 @@ static int search_sample(const struct matching *work, int worker, struct sim_sam
             return give_up(sample, error);
         }
     }
-    int error = measure_distances(work, worker, &sample->tmpl, distance_mm);
+    const int error = measure_distances(work, worker, &sample->tmpl, distance_mm);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
         score[p] = cohort ? iso_cohort_score(norm, distance_mm[p]) : -distance_mm[p];
     }
@@ -167,9 +167,10 @@ static int match_probe(void *context, int worker, size_t probe)
     if (!sample->acquired) {
         return 0;
     }
-    int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
-    int error = work->scoring->metric ? search_by_metric(work, worker, sample, distance_mm, score)
-                                      : search_sample(work, worker, sample, distance_mm, score);
+    const int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
+    const int error = work->scoring->metric
+                          ? search_by_metric(work, worker, sample, distance_mm, score)
+                          : search_sample(work, worker, sample, distance_mm, score);
     m->cpu_ns[probe] = sim_thread_cpu_ns(NULL) - cpu_ns;
     m->wall_ns[probe] = sim_wall_ns(NULL) - wall_ns;
     return error;
@@ -178,7 +179,7 @@ static int match_probe(void *context, int worker, size_t probe)
 int sim_matches_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                     size_t n_people, struct sim_matches **out)
 {
-    size_t n_samples = acquisition->n_samples;
+    const size_t n_samples = acquisition->n_samples;
     struct sim_matches *m = calloc(1, sizeof *m);
     if (!m) {
         return -ENOMEM;

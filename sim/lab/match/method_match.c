@@ -24,7 +24,7 @@ static int describe(void *context, int worker, size_t sample)
     if (!face) {
         return 0;
     }
-    int error = work->method->describe(work->knowledge, face, &work->descriptions[sample]);
+    const int error = work->method->describe(work->knowledge, face, &work->descriptions[sample]);
     return error == -ENODATA ? 0 : error;
 }
 
@@ -36,16 +36,17 @@ static int search(void *context, int worker, size_t probe)
     struct sim_matches *m = work->matches;
     const void *description = work->descriptions[m->sample[probe]];
     double *nearest = m->distance_mm + probe * m->n_people;
-    int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
+    const int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
     for (size_t i = 0; description && i < gallery->n_templates; i++) {
         const void *enrolled = work->descriptions[gallery->sample[i]];
         double d;
-        int error = enrolled ? work->method->distance(work->knowledge, description, enrolled, &d)
-                             : -ENODATA;
+        const int error = enrolled
+                              ? work->method->distance(work->knowledge, description, enrolled, &d)
+                              : -ENODATA;
         if (error && error != -ENODATA) {
             return error;
         }
-        size_t person = gallery->person[i];
+        const size_t person = gallery->person[i];
         nearest[person] = error ? nearest[person] : fmin(nearest[person], d);
     }
     for (size_t p = 0; p < m->n_people; p++) {

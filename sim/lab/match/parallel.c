@@ -30,11 +30,11 @@ static void *work_on(void *argument)
     const struct worker *worker = argument;
     struct work *work = worker->work;
     while (atomic_load(&work->error) == 0) {
-        size_t job = atomic_fetch_add(&work->next, 1);
+        const size_t job = atomic_fetch_add(&work->next, 1);
         if (job >= work->n_jobs) {
             break;
         }
-        int error = work->job(work->context, worker->number, job);
+        const int error = work->job(work->context, worker->number, job);
         if (error) {
             atomic_store(&work->error, error);
         }

@@ -59,11 +59,11 @@ static int mark_row(const char *directory, const struct sim_corpus_row *row, siz
         error = error == -ENOENT ? 0 : error; /* nobody marked it */
     }
     for (size_t i = 0; !error && i < n_marks; i++) {
-        int mark = sim_mark_find(marks[i].name);
+        const int mark = sim_mark_find(marks[i].name);
         if (mark < 0 || marks[i].frame < row->first || marks[i].frame - row->first >= row->count) {
             continue;
         }
-        size_t capture = number + marks[i].frame - row->first;
+        const size_t capture = number + marks[i].frame - row->first;
         struct sim_scan *face = faces->of_capture[capture];
         if (face) {
             struct iso_rigid face_from_camera = iso_rigid_inverse(
@@ -87,7 +87,7 @@ static int fuse_sample(const struct sim_sample *sample, struct sim_scans *faces,
             usable[n++] = faces->of_capture[sample->first_capture + i];
         }
     }
-    int error = sample->acquired ? sim_scan_fuse(usable, n, out) : 0;
+    const int error = sample->acquired ? sim_scan_fuse(usable, n, out) : 0;
     for (size_t i = 0; !error && i < sample->n_captures; i++) {
         sim_scan_free(faces->of_capture[sample->first_capture + i]);
         faces->of_capture[sample->first_capture + i] = NULL;

@@ -175,7 +175,7 @@ int sim_training_set_teach(struct sim_training_set *set, const struct sim_method
     }
     if (method->train && !lesson->knowledge) {
         const struct sim_training training = {set->n, set->face, set->person, set->n_people, known};
-        int error = method->train(&training, &lesson->knowledge, fault);
+        const int error = method->train(&training, &lesson->knowledge, fault);
         if (error) {
             return error;
         }

@@ -30,13 +30,13 @@ int sim_truth_of_recording(const struct iso_recording *recording, struct sim_tru
     if (!frames) {
         return iso_fault_set(fault, -ENOMEM, "landmarks: out of memory");
     }
-    int error = iso_recording_landmarks(recording, &rows, &n_rows, fault);
+    const int error = iso_recording_landmarks(recording, &rows, &n_rows, fault);
     if (error && error != -ENOENT) {
         free(frames);
         return error;
     }
     for (size_t i = 0; i < n_rows; i++) {
-        int l = landmark_of(rows[i].name);
+        const int l = landmark_of(rows[i].name);
         if (l < ISO_LANDMARKS) {
             frames[rows[i].frame].known[l] = true;
             frames[rows[i].frame].point_mm[l] = rows[i].point_mm;

@@ -8,7 +8,7 @@
 
 static int by_score(const void *a, const void *b)
 {
-    double x = ((const struct sim_score *)a)->score, y = ((const struct sim_score *)b)->score;
+    const double x = ((const struct sim_score *)a)->score, y = ((const struct sim_score *)b)->score;
     return (x > y) - (x < y);
 }
 
@@ -46,16 +46,16 @@ static uint64_t take(const struct sim_score *scores, size_t n, size_t *i, double
 size_t sim_det_points(const struct sim_scores *s, const uint32_t *copies,
                       struct sim_det_point *points)
 {
-    uint64_t mated = total(s->mated, s->n_mated, copies);
-    uint64_t non_mated = total(s->non_mated, s->n_non_mated, copies);
+    const uint64_t mated = total(s->mated, s->n_mated, copies);
+    const uint64_t non_mated = total(s->non_mated, s->n_non_mated, copies);
     if (mated == 0 || non_mated == 0) {
         return 0;
     }
     uint64_t mated_below = 0, non_mated_below = 0;
     size_t n = 0, i = 0, j = 0;
     while (i < s->n_mated || j < s->n_non_mated) {
-        double threshold = fmin(i < s->n_mated ? s->mated[i].score : INFINITY,
-                                j < s->n_non_mated ? s->non_mated[j].score : INFINITY);
+        const double threshold = fmin(i < s->n_mated ? s->mated[i].score : INFINITY,
+                                      j < s->n_non_mated ? s->non_mated[j].score : INFINITY);
         points[n++] = (struct sim_det_point){
             .threshold = threshold,
             .fmr = (double)(non_mated - non_mated_below) / (double)non_mated,
@@ -72,10 +72,10 @@ double sim_det_eer(const struct sim_det_point *points, size_t n)
 {
     for (size_t i = 1; i < n; i++) {
         /* FNMR - FMR rises from -1 at the first point to 1 at the last. */
-        double before = points[i - 1].fnmr - points[i - 1].fmr;
-        double after = points[i].fnmr - points[i].fmr;
+        const double before = points[i - 1].fnmr - points[i - 1].fmr;
+        const double after = points[i].fnmr - points[i].fmr;
         if (after >= 0.0) {
-            double share = before < after ? -before / (after - before) : 0.0;
+            const double share = before < after ? -before / (after - before) : 0.0;
             return points[i - 1].fmr + share * (points[i].fmr - points[i - 1].fmr);
         }
     }
@@ -87,7 +87,7 @@ struct sim_det_point sim_det_at_fmr(const struct sim_det_point *points, size_t n
     /* FMR falls with the index: the first point that is low enough, by bisection. */
     size_t low = 0, high = n - 1;
     while (low < high) {
-        size_t middle = (low + high) / 2;
+        const size_t middle = (low + high) / 2;
         if (points[middle].fmr <= fmr * (1.0 + 1e-12)) {
             high = middle;
         } else {
@@ -99,14 +99,14 @@ struct sim_det_point sim_det_at_fmr(const struct sim_det_point *points, size_t n
 
 static int by_value(const void *a, const void *b)
 {
-    double x = *(const double *)a, y = *(const double *)b;
+    const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
 static struct sim_interval percentiles(double *values, size_t n)
 {
     qsort(values, n, sizeof *values, by_value);
-    double last = (double)(n - 1);
+    const double last = (double)(n - 1);
     return (struct sim_interval){values[(size_t)floor(0.025 * last)],
                                  values[(size_t)ceil(0.975 * last)]};
 }
@@ -123,7 +123,7 @@ int sim_det_bootstrap(const struct sim_scores *scores, uint32_t n_people, const 
     uint32_t *copies = calloc(n_people, sizeof *copies);
     struct sim_det_point *points = calloc(scores->n_mated + scores->n_non_mated + 1,
                                           sizeof *points);
-    int error = drawn && copies && points ? 0 : -ENOMEM;
+    const int error = drawn && copies && points ? 0 : -ENOMEM;
     struct sim_random random = sim_random_seeded(1, sim_random_hash("bootstrap"), 0);
     for (size_t i = 0; !error && i < RESAMPLES;) {
         for (uint32_t p = 0; p < n_people; p++) {
@@ -132,7 +132,7 @@ int sim_det_bootstrap(const struct sim_scores *scores, uint32_t n_people, const 
         for (uint32_t p = 0; p < n_people; p++) {
             copies[sim_random_below(&random, n_people)]++;
         }
-        size_t n = sim_det_points(scores, copies, points);
+        const size_t n = sim_det_points(scores, copies, points);
         if (n == 0) {
             continue; /* nobody drawn who has a mate: draw again */
         }

@@ -23,7 +23,7 @@ struct sim_rate sim_rank_rate(const struct sim_mated_search *searches, size_t n,
 
 static int by_falling_value(const void *a, const void *b)
 {
-    double x = *(const double *)a, y = *(const double *)b;
+    const double x = *(const double *)a, y = *(const double *)b;
     return (x < y) - (x > y);
 }
 
@@ -31,9 +31,9 @@ struct sim_open_set_point sim_open_set_at_fpir(const struct sim_mated_search *se
                                                double *top_score, size_t n_top, double fpir)
 {
     qsort(top_score, n_top, sizeof *top_score, by_falling_value);
-    size_t allowed = (size_t)floor(fpir * (double)n_top + 1e-9);
+    const size_t allowed = (size_t)floor(fpir * (double)n_top + 1e-9);
     /* Just above the best of those that must not pass. */
-    double threshold = allowed < n_top ? nextafter(top_score[allowed], INFINITY) : -INFINITY;
+    const double threshold = allowed < n_top ? nextafter(top_score[allowed], INFINITY) : -INFINITY;
     struct sim_open_set_point point = {threshold, {0, n_top}, {0, n}};
     while (point.fpir.events < n_top && top_score[point.fpir.events] >= threshold) {
         point.fpir.events++;

@@ -13,9 +13,9 @@ struct sim_interval sim_rate_interval(struct sim_rate rate)
         return (struct sim_interval){0.0, 1.0};
     }
     const double z = 1.959963984540054; /* 97.5% quantile of the normal distribution */
-    double n = (double)rate.trials, p = sim_rate_value(rate);
-    double middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
-    double half = z / (1.0 + z * z / n) * sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
+    const double n = (double)rate.trials, p = sim_rate_value(rate);
+    const double middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
+    const double half = z / (1.0 + z * z / n) * sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
     /* At the ends the formula gives 0 and 1 but for rounding. */
     return (struct sim_interval){rate.events == 0 ? 0.0 : middle - half,
                                  rate.events == rate.trials ? 1.0 : middle + half};
@@ -28,8 +28,8 @@ static double beta_fraction(double a, double b, double x)
     const double tiny = 1e-300;
     double c = 1.0, d = 1.0 / fmax(1.0 - (a + b) * x / (a + 1.0), tiny), f = d;
     for (int m = 1; m < 10000; m++) {
-        double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-        double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+        const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
+        const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
         d = 1.0 / fmax(1.0 + even * d, tiny);
         c = fmax(1.0 + even / c, tiny);
         f *= c * d;
@@ -52,7 +52,8 @@ static double log_gamma(double x)
 /* The distribution function of the beta distribution, 0 < x < 1. */
 static double beta_share(double a, double b, double x)
 {
-    double front = exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * log(x) + b * log1p(-x));
+    const double front = exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * log(x) +
+                             b * log1p(-x));
     return x < (a + 1.0) / (a + b + 2.0) ? front * beta_fraction(a, b, x) / a
                                          : 1.0 - front * beta_fraction(b, a, 1.0 - x) / b;
 }
@@ -61,7 +62,7 @@ static double beta_quantile(double a, double b, double share)
 {
     double low = 0.0, high = 1.0;
     for (int i = 0; i < 60; i++) {
-        double middle = 0.5 * (low + high);
+        const double middle = 0.5 * (low + high);
         if (beta_share(a, b, middle) < share) {
             low = middle;
         } else {
@@ -73,7 +74,7 @@ static double beta_quantile(double a, double b, double share)
 
 struct sim_interval sim_rate_exact_interval(struct sim_rate rate)
 {
-    double events = (double)rate.events, others = (double)(rate.trials - rate.events);
+    const double events = (double)rate.events, others = (double)(rate.trials - rate.events);
     return (struct sim_interval){
         rate.events == 0 ? 0.0 : beta_quantile(events, others + 1.0, 0.025),
         rate.events == rate.trials ? 1.0 : beta_quantile(events + 1.0, others, 0.975),

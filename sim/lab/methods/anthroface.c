@@ -99,7 +99,7 @@ static int measure_features(const struct knowledge *k, const struct sim_scan *fa
     size_t n = 0, n_pairs = (size_t)(n_points * (n_points - 1) / 2);
     for (int i = 0; !error && i + 1 < n_points; i++) {
         double way_mm[POINTS_MAX];
-        int n_others = n_points - i - 1;
+        const int n_others = n_points - i - 1;
         error = sim_geodesic_from(geodesic, face, points[i], &points[i + 1], n_others, way_mm);
         for (int j = 0; !error && j < n_others; j++, n++) {
             feature[n] = (float)iso_norm(iso_sub(points[i + 1 + j], points[i]));
@@ -115,11 +115,11 @@ static void standardise_features(const float *samples, size_t n, struct knowledg
     for (size_t i = 0; i < k->n_features; i++) {
         double sum = 0.0, squares = 0.0;
         for (size_t s = 0; s < n; s++) {
-            double x = (double)samples[s * k->n_features + i];
+            const double x = (double)samples[s * k->n_features + i];
             sum += x;
             squares += x * x;
         }
-        double variance = squares / (double)n - sum * sum / ((double)n * (double)n);
+        const double variance = squares / (double)n - sum * sum / ((double)n * (double)n);
         k->scale[i] = variance > 1e-9 ? (float)(1.0 / sqrt(variance)) : 0.0f;
     }
 }
@@ -183,7 +183,7 @@ static int train_on(const struct sim_training *training, bool marked, void **kno
                              n_points, POINTS_MIN);
     }
     k->n_features = n_points * (n_points - 1);
-    int error = learn_subspace(training, k);
+    const int error = learn_subspace(training, k);
     if (error) {
         forget_knowledge(k);
         return iso_fault_set(fault, error, "%s: %zu faces of %u %s cannot teach it: %s", name,
@@ -211,7 +211,7 @@ static int describe_face(const void *knowledge, const struct sim_scan *face, voi
 {
     const struct knowledge *k = knowledge;
     float feature[FEATURES_MAX] = {0.0f};
-    int error = measure_features(k, face, feature);
+    const int error = measure_features(k, face, feature);
     if (error) {
         return error;
     }

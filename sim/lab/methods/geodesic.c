@@ -31,7 +31,7 @@ int sim_geodesic_new(const struct sim_scan *face, struct sim_geodesic **out)
     if (!g) {
         return -ENOMEM;
     }
-    size_t pixels = sim_scan_pixels(face);
+    const size_t pixels = sim_scan_pixels(face);
     g->side = face->side;
     g->spacing_mm = face->spacing_mm;
     g->distance_mm = calloc(pixels, sizeof *g->distance_mm);
@@ -43,7 +43,7 @@ int sim_geodesic_new(const struct sim_scan *face, struct sim_geodesic **out)
     }
     for (int q = 0; q < 4; q++) {
         for (int k = 0; k < 8; k++) {
-            int x = quadrant[k][0], y = quadrant[k][1];
+            const int x = quadrant[k][0], y = quadrant[k][1];
             int *step = g->step[8 * q + k];
             const int turned[4][2] = {{x, y}, {-y, x}, {-x, -y}, {y, -x}};
             step[0] = turned[q][0];
@@ -103,15 +103,15 @@ static void offer(struct sim_geodesic *g, int pixel, double distance_mm)
 
 static void spread(struct sim_geodesic *g, const struct sim_scan *face, struct entry at)
 {
-    int u = at.pixel % g->side, v = at.pixel / g->side;
-    double z = (double)face->z_mm[at.pixel];
+    const int u = at.pixel % g->side, v = at.pixel / g->side;
+    const double z = (double)face->z_mm[at.pixel];
     for (int k = 0; k < NEIGHBOURS; k++) {
-        int column = u + g->step[k][0], row = v + g->step[k][1];
+        const int column = u + g->step[k][0], row = v + g->step[k][1];
         if (column < 0 || row < 0 || column >= g->side || row >= g->side) {
             continue;
         }
-        int pixel = row * g->side + column;
-        double rise = (double)face->z_mm[pixel] - z;
+        const int pixel = row * g->side + column;
+        const double rise = (double)face->z_mm[pixel] - z;
         if (g->final[pixel] || isnan(rise)) {
             continue;
         }
@@ -127,11 +127,11 @@ static int corners(const struct sim_scan *face, struct iso_vec3 place, int pixel
     if (!sim_scan_height(face, place.x, place.y, &z, NULL)) {
         return 0;
     }
-    int u = (int)floor(sim_scan_column(face, place.x));
-    int v = (int)floor(sim_scan_row(face, place.y));
+    const int u = (int)floor(sim_scan_column(face, place.x));
+    const int v = (int)floor(sim_scan_row(face, place.y));
     place.z = z;
     for (int k = 0; k < 4; k++) {
-        int column = u + (k & 1), row = v + (k >> 1);
+        const int column = u + (k & 1), row = v + (k >> 1);
         pixel[k] = row * face->side + column;
         distance_mm[k] = iso_norm(iso_sub(sim_scan_point(face, column, row), place));
     }
@@ -168,7 +168,7 @@ int sim_geodesic_from(struct sim_geodesic *g, const struct sim_scan *face, struc
     flood(g, face);
     for (int i = 0; i < n; i++) {
         double shortest = INFINITY;
-        int count = corners(face, to[i], pixel, near_mm);
+        const int count = corners(face, to[i], pixel, near_mm);
         for (int k = 0; k < count; k++) {
             shortest = fmin(shortest, g->distance_mm[pixel[k]] + near_mm[k]);
         }

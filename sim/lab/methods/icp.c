@@ -58,11 +58,11 @@ static void discard_face(void *description)
 
 static void fill_cells(const struct sim_scan *face, double lowest_mm, struct surface *s)
 {
-    int side = face->side;
-    float pitch = 2.0f * (float)face->spacing_mm;
+    const int side = face->side;
+    const float pitch = 2.0f * (float)face->spacing_mm;
     for (int v = 0; v < side; v++) {
         for (int u = 0; u < side; u++) {
-            int i = v * side + u;
+            const int i = v * side + u;
             struct cell *cell = &s->cells[i];
             *cell = (struct cell){NAN, 0.0f, 0.0f, 0.0f};
             if (u == 0 || v == 0 || u + 1 == side || v + 1 == side) {
@@ -71,11 +71,11 @@ static void fill_cells(const struct sim_scan *face, double lowest_mm, struct sur
             const float *z = &face->z_mm[i];
             cell->slope_x = (z[1] - z[-1]) / pitch;
             cell->slope_y = (z[-side] - z[side]) / pitch;
-            bool known = !isnan(cell->slope_x) && !isnan(cell->slope_y);
+            const bool known = !isnan(cell->slope_x) && !isnan(cell->slope_y);
             struct iso_vec3 p = sim_scan_point(face, u, v);
             cell->z_mm = known && p.y >= lowest_mm ? z[0] : NAN;
             cell->measured = face->measured[i];
-            bool sampled = u % STEP_PX == 0 && v % STEP_PX == 0 && face->measured[i];
+            const bool sampled = u % STEP_PX == 0 && v % STEP_PX == 0 && face->measured[i];
             if (sampled && !isnan(cell->z_mm)) {
                 s->points_mm[s->n_points++] = p;
             }
@@ -121,24 +121,26 @@ static int describe_upper(const void *knowledge, const struct sim_scan *face, vo
 /* The plane of the height field under a point; false where it was not measured. */
 static bool pair_up(const struct surface *s, struct iso_vec3 p, struct pair *pair)
 {
-    double middle = (s->side - 1) / 2.0;
-    double column = middle + p.x / s->spacing_mm, row = middle - p.y / s->spacing_mm;
-    int u = (int)column, v = (int)row;
+    const double middle = (s->side - 1) / 2.0;
+    const double column = middle + p.x / s->spacing_mm, row = middle - p.y / s->spacing_mm;
+    const int u = (int)column, v = (int)row;
     if (!(column >= 0.0) || !(row >= 0.0) || u + 1 >= s->side || v + 1 >= s->side) {
         return false;
     }
-    float a = (float)(column - u), b = (float)(row - v);
+    const float a = (float)(column - u), b = (float)(row - v);
     const struct cell *c = &s->cells[v * s->side + u], *d = c + s->side;
     float w[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
-    float measured = w[0] * c[0].measured + w[1] * c[1].measured + w[2] * d[0].measured +
-                     w[3] * d[1].measured;
-    float z = w[0] * c[0].z_mm + w[1] * c[1].z_mm + w[2] * d[0].z_mm + w[3] * d[1].z_mm;
+    const float measured = w[0] * c[0].measured + w[1] * c[1].measured + w[2] * d[0].measured +
+                           w[3] * d[1].measured;
+    const float z = w[0] * c[0].z_mm + w[1] * c[1].z_mm + w[2] * d[0].z_mm + w[3] * d[1].z_mm;
     if (!(measured > 0.5f) || isnan(z)) {
         return false;
     }
-    float x = w[0] * c[0].slope_x + w[1] * c[1].slope_x + w[2] * d[0].slope_x + w[3] * d[1].slope_x;
-    float y = w[0] * c[0].slope_y + w[1] * c[1].slope_y + w[2] * d[0].slope_y + w[3] * d[1].slope_y;
-    double scale = 1.0 / sqrt(1.0 + (double)(x * x + y * y));
+    const float x = w[0] * c[0].slope_x + w[1] * c[1].slope_x + w[2] * d[0].slope_x +
+                    w[3] * d[1].slope_x;
+    const float y = w[0] * c[0].slope_y + w[1] * c[1].slope_y + w[2] * d[0].slope_y +
+                    w[3] * d[1].slope_y;
+    const double scale = 1.0 / sqrt(1.0 + (double)(x * x + y * y));
     pair->at_mm = p;
     pair->normal = iso_vec3(-(double)x * scale, -(double)y * scale, scale);
     pair->residual_mm = (p.z - (double)z) * scale;
@@ -188,7 +190,7 @@ static int solve_step(const struct pair *pairs, size_t n, double limit_mm, doubl
             b[r] -= j[r] * p->residual_mm;
         }
     }
-    int error = iso_cholesky_factorise(a, 6);
+    const int error = iso_cholesky_factorise(a, 6);
     if (!error) {
         iso_cholesky_solve(a, 6, b);
         memcpy(x, b, sizeof b);
@@ -215,7 +217,7 @@ static int register_pair(const struct surface *probe, const struct surface *gall
 {
     struct iso_rigid gallery_from_probe = iso_rigid_identity();
     for (int i = 0;; i++) {
-        size_t n = pair_all(probe, gallery, &gallery_from_probe, pairs);
+        const size_t n = pair_all(probe, gallery, &gallery_from_probe, pairs);
         if (n < PAIRS_MIN || (double)n < overlap_min * (double)probe->n_points) {
             return -ENODATA;
         }
@@ -243,7 +245,7 @@ static int distance_between(const void *knowledge, const void *probe, const void
         return -ENOMEM;
     }
     double rms_mm;
-    int error = register_pair(p, g, pairs, &rms_mm);
+    const int error = register_pair(p, g, pairs, &rms_mm);
     free(pairs);
     if (!error) {
         *out = rms_mm;

@@ -46,7 +46,7 @@ static void work_done(struct work *w)
 static int release_heat(struct work *w)
 {
     const struct iso_mesh *mesh = w->face->mesh;
-    int32_t n = mesh->n_vertices, nnz = n + 3 * mesh->n_triangles;
+    const int32_t n = mesh->n_vertices, nnz = n + 3 * mesh->n_triangles;
     struct iso_eigenpairs *pairs = NULL;
     int error = iso_symmetric_new(n, nnz, &w->stiffness);
     if (!error) {
@@ -84,9 +84,9 @@ static int trace_contours(struct work *w, struct contours *contours)
     for (int l = 0; l < ISO_LANDMARKS && !error; l++) {
         const double *heat = &w->heat[(size_t)l * (size_t)mesh->n_vertices];
         struct iso_vec3 at = iso_mesh_point_at(mesh, w->face->sources[l]);
-        int n = iso_tracer_run(w->tracer, mesh, (const int32_t(*)[3])w->face->adjacent, heat,
-                               contour_level());
-        int index = n < 0 ? n : iso_tracer_enclosing(w->tracer, at);
+        const int n = iso_tracer_run(w->tracer, mesh, (const int32_t(*)[3])w->face->adjacent, heat,
+                                     contour_level());
+        const int index = n < 0 ? n : iso_tracer_enclosing(w->tracer, at);
         struct iso_isotherm sampled;
         if (n < 0) {
             error = n;
@@ -168,7 +168,7 @@ static int distance(const void *knowledge, const void *probe, const void *galler
     };
     struct iso_icp_result result;
     struct iso_icp_workspace *work = malloc(sizeof *work);
-    int error = work ? iso_icp(work, &source, &target, &options, &result) : -ENOMEM;
+    const int error = work ? iso_icp(work, &source, &target, &options, &result) : -ENOMEM;
     free(work);
     if (!error) {
         *out = l2_norm(p, g, &result.target_from_source);

@@ -30,7 +30,7 @@ static bool normal_at(const struct sim_scan *face, int column, int row, struct i
     struct iso_vec3 up = iso_sub(sim_scan_point(face, column, row - 1),
                                  sim_scan_point(face, column, row + 1));
     struct iso_vec3 normal = iso_cross(across, up);
-    double length = iso_norm(normal);
+    const double length = iso_norm(normal);
     if (!(length > 0.0)) {
         return false; /* also for NaN */
     }
@@ -47,11 +47,11 @@ static double seen(const struct iso_frame *frame, struct iso_vec3 at, double spa
     }
     u -= frame->crop_x_px;
     v -= frame->crop_y_px;
-    double half = fmax(0.5, 0.5 * spacing_mm / iso_camera_pixel_mm(&frame->camera, at.z));
+    const double half = fmax(0.5, 0.5 * spacing_mm / iso_camera_pixel_mm(&frame->camera, at.z));
     int n = 0, left = (int)fmax(0.0, ceil(u - half)), top = (int)fmax(0.0, ceil(v - half));
     for (int row = top; row <= v + half && row < frame->height_px; row++) {
         for (int column = left; column <= u + half && column < frame->width_px; column++) {
-            size_t i = (size_t)row * (size_t)frame->width_px + (size_t)column;
+            const size_t i = (size_t)row * (size_t)frame->width_px + (size_t)column;
             if (fabs((double)frame->depth_mm[i] - at.z) <= same_surface_mm) {
                 sum += (double)frame->intensity[i];
                 n++;
@@ -70,10 +70,10 @@ static double unlit(const struct iso_frame *frame, const struct iso_rigid *camer
         return NAN;
     }
     struct iso_vec3 at = iso_rigid_apply(camera_from_face, sim_scan_point(face, column, row));
-    bool pinhole = frame->camera.projection == ISO_PINHOLE;
-    double range = iso_norm(at);
+    const bool pinhole = frame->camera.projection == ISO_PINHOLE;
+    const double range = iso_norm(at);
     struct iso_vec3 sight = pinhole ? iso_scale(-1.0 / range, at) : iso_vec3(0.0, 0.0, -1.0);
-    double cosine = iso_dot(iso_mat3_apply(&camera_from_face->rotation, normal), sight);
+    const double cosine = iso_dot(iso_mat3_apply(&camera_from_face->rotation, normal), sight);
     if (cosine < cosine_min) {
         return NAN;
     }
@@ -99,7 +99,7 @@ static struct kernel gaussian(double sigma_px)
 static void blur_lines(const struct plane *p, const double *from, double *to,
                        const struct kernel *kernel, int stride, int across)
 {
-    int reach = kernel->reach;
+    const int reach = kernel->reach;
     for (int line = 0; line < p->side; line++) {
         for (int k = 0; k < p->side; k++) {
             double sum = 0.0;
@@ -117,7 +117,7 @@ static void blur_lines(const struct plane *p, const double *from, double *to,
  * Westin 1993); 0 where there is nothing. */
 static void mean_around(const struct plane *p, double sigma_px, double *out)
 {
-    size_t n = (size_t)p->side * (size_t)p->side;
+    const size_t n = (size_t)p->side * (size_t)p->side;
     double *line = p->scratch, *weight = p->scratch + n;
     const struct kernel kernel = gaussian(sigma_px);
     blur_lines(p, p->weight, line, &kernel, 1, p->side);
@@ -132,16 +132,17 @@ static void mean_around(const struct plane *p, double sigma_px, double *out)
 static void fill(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
                  struct sim_scan *face, const struct plane *p, double *fine, double *around)
 {
-    size_t n = sim_scan_pixels(face);
+    const size_t n = sim_scan_pixels(face);
     for (size_t i = 0; i < n; i++) {
-        double r = unlit(frame, camera_from_face, face, (int)i % face->side, (int)i / face->side);
+        const double r = unlit(frame, camera_from_face, face, (int)i % face->side,
+                               (int)i / face->side);
         p->weight[i] = isnan(r) ? 0.0 : 1.0;
         p->value[i] = isnan(r) ? 0.0 : r;
     }
     mean_around(p, fine_mm / face->spacing_mm, fine);
     mean_around(p, around_mm / face->spacing_mm, around);
     for (size_t i = 0; i < n; i++) {
-        bool known = p->weight[i] > 0.0 && around[i] > 0.0;
+        const bool known = p->weight[i] > 0.0 && around[i] > 0.0;
         face->reflectance[i] = known ? (float)fmin(fmax(fine[i] / around[i], least), most) : 1.0f;
     }
 }
@@ -152,7 +153,7 @@ int sim_reflectance_measure(const struct iso_frame *frame, const struct iso_rigi
     if (!frame->intensity) {
         return 0;
     }
-    size_t n = sim_scan_pixels(face);
+    const size_t n = sim_scan_pixels(face);
     double *planes = calloc(6 * n, sizeof *planes);
     float *reflectance = calloc(n, sizeof *reflectance);
     if (!planes || !reflectance) {

@@ -62,7 +62,7 @@ int sim_scan_of(const struct iso_extractor *extractor, const struct iso_frame *f
     }
     for (int row = 0; row < face->side; row++) {
         for (int column = 0; column < face->side; column++) {
-            int i = row * face->side + column;
+            const int i = row * face->side + column;
             if (grid->depth_mm[i] > 0.0f) {
                 face->z_mm[i] = (float)ISO_FACE_PATCH_ORIGIN_MM - grid->depth_mm[i];
                 struct iso_vec3 p = sim_scan_point(face, column, row);
@@ -95,14 +95,14 @@ static void fuse_pixel(const struct sim_scan *const *faces, size_t n, size_t i,
             count[faces[k]->measured[i]]++;
         }
     }
-    int kind = count[1] > 0;
+    const int kind = count[1] > 0;
     out->measured[i] = (uint8_t)kind;
     out->z_mm[i] = count[kind] > 0 ? (float)(sum[kind] / count[kind]) : NAN;
 }
 
 static void fuse_points(const struct sim_scan *const *faces, size_t n, struct sim_scan *out)
 {
-    double share = 1.0 / (double)n;
+    const double share = 1.0 / (double)n;
     int known[SIM_MARKS] = {0};
     for (size_t k = 0; k < n; k++) {
         for (int l = 0; l < ISO_LANDMARKS; l++) {
@@ -169,17 +169,17 @@ int sim_scan_fuse(const struct sim_scan *const *faces, size_t n, struct sim_scan
 bool sim_scan_height(const struct sim_scan *face, double x_mm, double y_mm, double *z_mm,
                      double *share)
 {
-    double column = sim_scan_column(face, x_mm), row = sim_scan_row(face, y_mm);
-    int u = (int)floor(column), v = (int)floor(row), side = face->side;
+    const double column = sim_scan_column(face, x_mm), row = sim_scan_row(face, y_mm);
+    const int u = (int)floor(column), v = (int)floor(row), side = face->side;
     if (!(column >= 0.0) || !(row >= 0.0) || u + 1 >= side || v + 1 >= side) {
         return false;
     }
-    double s = column - u, t = row - v;
+    const double s = column - u, t = row - v;
     const float *z = &face->z_mm[v * side + u];
     const uint8_t *m = &face->measured[v * side + u];
-    double top = (1 - s) * (double)z[0] + s * (double)z[1];
-    double bottom = (1 - s) * (double)z[side] + s * (double)z[side + 1];
-    double height = (1 - t) * top + t * bottom;
+    const double top = (1 - s) * (double)z[0] + s * (double)z[1];
+    const double bottom = (1 - s) * (double)z[side] + s * (double)z[side + 1];
+    const double height = (1 - t) * top + t * bottom;
     if (isnan(height)) {
         return false;
     }

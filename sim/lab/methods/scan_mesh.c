@@ -32,10 +32,10 @@ static int make_frame(struct making *m)
         .cx_px = (m->side - 1) / 2.0,
         .cy_px = (m->side - 1) / 2.0,
     };
-    int error = iso_frame_new(&camera, m->side, m->side, false, &m->frame);
+    const int error = iso_frame_new(&camera, m->side, m->side, false, &m->frame);
     for (int row = 0; !error && row < m->side; row++) {
         for (int column = 0; column < m->side; column++) {
-            float z = m->face->z_mm[pixel_of(m, column, row)];
+            const float z = m->face->z_mm[pixel_of(m, column, row)];
             if (!isnan(z)) {
                 m->frame->depth_mm[row * m->side + column] = (float)ISO_FACE_PATCH_ORIGIN_MM - z;
             }
@@ -49,9 +49,9 @@ static void place(const struct making *m, struct sim_scan_mesh *out)
 {
     for (int32_t i = 0; i < out->mesh->n_vertices; i++) {
         struct iso_vec3 *p = &out->mesh->vertices_mm[i];
-        double pitch_mm = m->face->spacing_mm * m->step, middle = (m->side - 1) / 2.0;
-        int column = (int)lround(middle + p->x / pitch_mm);
-        int row = (int)lround(middle + p->y / pitch_mm);
+        const double pitch_mm = m->face->spacing_mm * m->step, middle = (m->side - 1) / 2.0;
+        const int column = (int)lround(middle + p->x / pitch_mm);
+        const int row = (int)lround(middle + p->y / pitch_mm);
         out->pixel[i] = (int32_t)pixel_of(m, column, row);
         *p = iso_face_from_patch(*p);
     }
@@ -71,7 +71,7 @@ static int locate(const struct making *m, struct sim_scan_mesh *out)
 static int make(struct making *m, struct sim_scan_mesh *out)
 {
     const struct iso_triangulate_options options = {.jump_mm = ISO_FACE_PATCH_ORIGIN_MM};
-    int32_t pixels = m->side * m->side, triangles = 2 * pixels;
+    const int32_t pixels = m->side * m->side, triangles = 2 * pixels;
     int error = make_frame(m);
     if (!error) {
         error = iso_triangulator_new((size_t)pixels, &options, &m->triangulator);
@@ -100,11 +100,11 @@ int sim_scan_mesh_new(const struct sim_scan *face, int step, struct sim_scan_mes
     if (step < 1 || step > 8) {
         return -EINVAL;
     }
-    int half = (face->side - 1) / 2 / step;
+    const int half = (face->side - 1) / 2 / step;
     struct making m = {.face = face, .step = step, .side = 2 * half + 1};
     m.first = (face->side - 1) / 2 - half * step;
     struct sim_scan_mesh *mesh = calloc(1, sizeof *mesh);
-    int error = mesh ? make(&m, mesh) : -ENOMEM;
+    const int error = mesh ? make(&m, mesh) : -ENOMEM;
     if (m.frame) { /* biometric data */
         explicit_bzero(m.frame->depth_mm, (size_t)m.side * (size_t)m.side * sizeof(float));
     }

@@ -116,10 +116,10 @@ static void fill_basis(const double *vector, const double *value, const float *c
 {
     for (size_t k = 0; k < s->n_out; k++) {
         const double *v = &vector[(n - 1 - k) * n];
-        double scale = sqrt((double)n - 1.0) / value[n - 1 - k];
+        const double scale = sqrt((double)n - 1.0) / value[n - 1 - k];
         float *basis = &s->basis[k * s->n_in];
         for (size_t m = 0; m < n; m++) {
-            float factor = (float)(scale * v[m]);
+            const float factor = (float)(scale * v[m]);
             for (size_t i = 0; i < s->n_in; i++) {
                 basis[i] += factor * centred[m * s->n_in + i];
             }
@@ -143,7 +143,7 @@ int sim_subspace_principal(const float *samples, size_t n, size_t n_in, double e
         error = solve_eigen(gram, n, value);
     }
     if (!error) {
-        size_t n_out = value[n - 1] > 0.0 ? count_components(value, n, energy, n_most) : 0;
+        const size_t n_out = value[n - 1] > 0.0 ? count_components(value, n, energy, n_most) : 0;
         error = n_out > 0 ? new_subspace(n_in, n_out, &s) : -EINVAL;
     }
     if (!error) {
@@ -200,7 +200,7 @@ static void add_outer(double *matrix, const double *x, size_t d, double weight)
 static void sum_scatter(const float *samples, const uint32_t *person, size_t n, uint32_t n_people,
                         double *difference, struct scatter *s)
 {
-    size_t d = s->d;
+    const size_t d = s->d;
     for (size_t k = 0; k < n; k++) {
         s->count[person[k]]++;
         for (size_t i = 0; i < d; i++) {
@@ -230,7 +230,8 @@ static int measure_scatter(const float *samples, const uint32_t *person, size_t 
     s->person_mean = calloc(n_people * d, sizeof *s->person_mean);
     s->count = calloc(n_people, sizeof *s->count);
     double *difference = calloc(d, sizeof *difference);
-    int error = s->within && s->between && s->person_mean && s->count && difference ? 0 : -ENOMEM;
+    const int error = s->within && s->between && s->person_mean && s->count && difference ? 0
+                                                                                          : -ENOMEM;
     if (!error) {
         sum_scatter(samples, person, n, n_people, difference, s);
     }
@@ -256,7 +257,7 @@ static void shrink_matrix(double *matrix, size_t d, double shrinkage)
  * between v = ratio within v, v' within v = 1. Overwrites the scatter. */
 static int find_discriminant(struct scatter *s, size_t n_out, double *direction)
 {
-    size_t d = s->d;
+    const size_t d = s->d;
     double *ratio = calloc(d, sizeof *ratio);
     if (!ratio) {
         return -ENOMEM;
@@ -278,14 +279,14 @@ static int compose_subspace(const struct sim_subspace *inner, const double *dire
                             struct sim_subspace **out)
 {
     struct sim_subspace *s = NULL;
-    int error = new_subspace(inner->n_in, n_out, &s);
+    const int error = new_subspace(inner->n_in, n_out, &s);
     if (error) {
         return error;
     }
     memcpy(s->mean, inner->mean, inner->n_in * sizeof *s->mean);
     for (size_t k = 0; k < n_out; k++) {
         for (size_t j = 0; j < inner->n_out; j++) {
-            float factor = (float)direction[k * inner->n_out + j];
+            const float factor = (float)direction[k * inner->n_out + j];
             for (size_t i = 0; i < inner->n_in; i++) {
                 s->basis[k * s->n_in + i] += factor * inner->basis[j * inner->n_in + i];
             }
@@ -326,7 +327,7 @@ int sim_subspace_discriminant(const float *samples, const uint32_t *person, size
     if (error) {
         return error;
     }
-    size_t d = inner->n_out, n_out = d < n_people - 1 ? d : n_people - 1;
+    const size_t d = inner->n_out, n_out = d < n_people - 1 ? d : n_people - 1;
     inside = calloc(n * d, sizeof *inside);
     direction = calloc(n_out * d, sizeof *direction);
     error = inside && direction ? 0 : -ENOMEM;

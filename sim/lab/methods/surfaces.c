@@ -56,13 +56,13 @@ static size_t choose_pixels(const struct sim_training *training, uint32_t *pixel
 
 static int learn(const struct sim_training *training, bool fisher, struct knowledge *k)
 {
-    size_t n = training->n;
+    const size_t n = training->n;
     k->n_pixels = sim_scan_pixels(training->faces[0]);
     k->pixel = calloc(k->n_pixels, sizeof *k->pixel);
     if (!k->pixel) {
         return -ENOMEM;
     }
-    size_t n_in = choose_pixels(training, k->pixel);
+    const size_t n_in = choose_pixels(training, k->pixel);
     float *samples = calloc(n * n_in + 1, sizeof *samples);
     if (!samples) {
         return -ENOMEM;
@@ -70,10 +70,10 @@ static int learn(const struct sim_training *training, bool fisher, struct knowle
     for (size_t i = 0; i < n; i++) {
         read_pixels(training->faces[i], k->pixel, n_in, &samples[i * n_in]);
     }
-    int error = fisher
-                    ? sim_subspace_discriminant(samples, training->person, n, n_in,
-                                                training->n_people, energy, shrinkage, &k->subspace)
-                    : sim_subspace_principal(samples, n, n_in, energy, n, &k->subspace);
+    const int error = fisher ? sim_subspace_discriminant(samples, training->person, n, n_in,
+                                                         training->n_people, energy, shrinkage,
+                                                         &k->subspace)
+                             : sim_subspace_principal(samples, n, n_in, energy, n, &k->subspace);
     free(samples);
     return error;
 }
@@ -112,7 +112,7 @@ static int train_discriminant(const struct sim_training *training, void **knowle
 static int describe(const void *knowledge, const struct sim_scan *face, void **description)
 {
     const struct knowledge *k = knowledge;
-    size_t n_in = k->subspace->n_in;
+    const size_t n_in = k->subspace->n_in;
     if (sim_scan_pixels(face) != k->n_pixels) {
         return -ENODATA;
     }

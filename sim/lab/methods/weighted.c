@@ -40,7 +40,7 @@ static void work_done(struct work *w)
 
 static int make_room(struct work *w)
 {
-    int32_t n = w->face->mesh->n_vertices, nnz = n + 3 * w->face->mesh->n_triangles;
+    const int32_t n = w->face->mesh->n_vertices, nnz = n + 3 * w->face->mesh->n_triangles;
     const struct iso_heat_direct_options direct = {.n_capacity = n, .nnz_capacity = nnz};
     int error = iso_symmetric_new(n, nnz, &w->stiffness);
     if (!error) {
@@ -64,8 +64,8 @@ static int release_heat(const float *reflectance, double t_mm2, struct work *w)
     for (int32_t i = 0; i < mesh->n_vertices; i++) {
         w->density[i] = reflectance ? (double)reflectance[w->face->pixel[i]] : 1.0;
     }
-    int error = iso_stiffness_mass_weighted(mesh, ISO_MASS_CONSISTENT, w->density, w->stiffness,
-                                            w->mass);
+    const int error = iso_stiffness_mass_weighted(mesh, ISO_MASS_CONSISTENT, w->density,
+                                                  w->stiffness, w->mass);
     if (error) {
         return error;
     }
@@ -77,8 +77,8 @@ static int release_heat(const float *reflectance, double t_mm2, struct work *w)
 static void weigh(const struct sim_scan *face, struct iso_template *tmpl)
 {
     for (int i = 0; i < tmpl->n_radii * ISO_LANDMARKS * tmpl->n_points; i++) {
-        int k = i % tmpl->n_points, l = i / tmpl->n_points % ISO_LANDMARKS;
-        int r = i / tmpl->n_points / ISO_LANDMARKS;
+        const int k = i % tmpl->n_points, l = i / tmpl->n_points % ISO_LANDMARKS;
+        const int r = i / tmpl->n_points / ISO_LANDMARKS;
         const float *p = tmpl->points_mm[r][l][k];
         double z, share = 0.0;
         (void)sim_scan_height(face, (double)p[0], (double)p[1], &z, &share);
@@ -103,7 +103,7 @@ static int trace(const struct iso_extract_options *options, const struct sim_sca
     for (int r = 0; r < options->n_radii; r++) {
         tmpl->radius_mm[r] = (float)options->radius_mm[r];
     }
-    int error = iso_face_isotherms(w->tracer, &heated, tmpl);
+    const int error = iso_face_isotherms(w->tracer, &heated, tmpl);
     if (!error) {
         weigh(face, tmpl);
     }

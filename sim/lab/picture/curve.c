@@ -25,14 +25,14 @@ static struct spot project(const struct sim_scene *scene, struct iso_vec3 point_
 
 static bool visible(const struct sim_scene *scene, int x, int y, double z_mm)
 {
-    double depth = (double)scene->raster.depth_mm[(long)y * scene->raster.width_px + x];
+    const double depth = (double)scene->raster.depth_mm[(long)y * scene->raster.width_px + x];
     return depth == 0.0 || z_mm < depth + on_surface_mm;
 }
 
 /* Whether the middle of a spot can be seen. */
 static bool spot_visible(const struct sim_scene *scene, struct spot s)
 {
-    int x = (int)lrint(s.x), y = (int)lrint(s.y);
+    const int x = (int)lrint(s.x), y = (int)lrint(s.y);
     return x >= 0 && y >= 0 && x < scene->raster.width_px && y < scene->raster.height_px &&
            visible(scene, x, y, s.z_mm);
 }
@@ -41,16 +41,16 @@ static bool spot_visible(const struct sim_scene *scene, struct spot s)
 static void paint_segment(const struct sim_scene *scene, struct spot a, struct spot b,
                           double radius, struct sim_colour colour)
 {
-    int x0 = (int)fmax(0.0, ceil(fmin(a.x, b.x) - radius));
-    int y0 = (int)fmax(0.0, ceil(fmin(a.y, b.y) - radius));
-    int x1 = (int)fmin(scene->raster.width_px - 1, floor(fmax(a.x, b.x) + radius));
-    int y1 = (int)fmin(scene->raster.height_px - 1, floor(fmax(a.y, b.y) + radius));
-    double dx = b.x - a.x, dy = b.y - a.y, squared = dx * dx + dy * dy;
+    const int x0 = (int)fmax(0.0, ceil(fmin(a.x, b.x) - radius));
+    const int y0 = (int)fmax(0.0, ceil(fmin(a.y, b.y) - radius));
+    const int x1 = (int)fmin(scene->raster.width_px - 1, floor(fmax(a.x, b.x) + radius));
+    const int y1 = (int)fmin(scene->raster.height_px - 1, floor(fmax(a.y, b.y) + radius));
+    const double dx = b.x - a.x, dy = b.y - a.y, squared = dx * dx + dy * dy;
     for (int y = y0; y <= y1; y++) {
         for (int x = x0; x <= x1; x++) {
             double t = squared > 0.0 ? ((x - a.x) * dx + (y - a.y) * dy) / squared : 0.0;
             t = fmin(fmax(t, 0.0), 1.0);
-            double distance = hypot(x - a.x - t * dx, y - a.y - t * dy);
+            const double distance = hypot(x - a.x - t * dx, y - a.y - t * dy);
             if (distance <= radius) {
                 sim_canvas_blend(scene->canvas, x, y, colour, 1.0f);
             }
@@ -60,7 +60,7 @@ static void paint_segment(const struct sim_scene *scene, struct spot a, struct s
 
 static struct iso_vec3 catmull_rom(const struct iso_vec3 p[4], double t)
 {
-    double t2 = t * t, t3 = t2 * t;
+    const double t2 = t * t, t3 = t2 * t;
     struct iso_vec3 sum = iso_scale(-0.5 * t3 + t2 - 0.5 * t, p[0]);
     sum = iso_madd(sum, 1.5 * t3 - 2.5 * t2 + 1.0, p[1]);
     sum = iso_madd(sum, -1.5 * t3 + 2.0 * t2 + 0.5 * t, p[2]);

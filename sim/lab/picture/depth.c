@@ -15,7 +15,7 @@ struct range {
 
 static int by_value(const void *a, const void *b)
 {
-    float x = *(const float *)a, y = *(const float *)b;
+    const float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
 }
 
@@ -45,9 +45,9 @@ static void draw_pixels(cairo_t *cr, const struct iso_frame *frame, struct range
 {
     for (int row = 0; row < frame->height_px; row++) {
         for (int column = 0; column < frame->width_px; column++) {
-            double depth = (double)iso_frame_depth_at(frame, column, row);
+            const double depth = (double)iso_frame_depth_at(frame, column, row);
             if (depth > 0.0) {
-                double share = (range.far_mm - depth) / (range.far_mm - range.near_mm);
+                const double share = (range.far_mm - depth) / (range.far_mm - range.near_mm);
                 sim_picture_set_colour(cr, sim_colour_scale(sim_relief(frame, column, row, 1),
                                                             sim_colour_depth(share)));
                 cairo_rectangle(cr, column * zoom, row * zoom, zoom, zoom);
@@ -70,7 +70,7 @@ int sim_picture_depth(const struct iso_frame *frame, const char *path, struct is
     if (depth_range(frame, &range)) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
     }
-    int zoom = frame->height_px < SMALL_PX ? SMALL_PX / frame->height_px : 1;
+    const int zoom = frame->height_px < SMALL_PX ? SMALL_PX / frame->height_px : 1;
     int width = frame->width_px * zoom, height = frame->height_px * zoom;
     height = height > 160 ? height : 160; /* room for the bar */
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width + BAR_PX,

@@ -43,9 +43,9 @@ static struct sim_view view_of(const struct iso_mesh *mesh, struct sim_face_angl
 /* Replaces each value by the mean over the triangles around its vertex, so many times. */
 static int smooth_over(const struct iso_mesh *mesh, int passes, double *value)
 {
-    size_t n = (size_t)mesh->n_vertices;
+    const size_t n = (size_t)mesh->n_vertices;
     double *sum = calloc(n, sizeof *sum), *count = calloc(n, sizeof *count);
-    int error = sum && count ? 0 : -ENOMEM;
+    const int error = sum && count ? 0 : -ENOMEM;
     for (int pass = 0; !error && pass < passes; pass++) {
         memset(sum, 0, n * sizeof *sum);
         memset(count, 0, n * sizeof *count);
@@ -70,7 +70,7 @@ static int smooth_over(const struct iso_mesh *mesh, int passes, double *value)
 static int trim_border(const struct iso_mesh *mesh, float *opacity)
 {
     const double reach_mm = 24.0, clear_mm = 6.0, opaque_mm = 6.4;
-    size_t n = (size_t)mesh->n_vertices;
+    const size_t n = (size_t)mesh->n_vertices;
     uint8_t *on_border = calloc(n, sizeof *on_border);
     int32_t(*adjacent)[3] = calloc((size_t)mesh->n_triangles, sizeof *adjacent);
     double *distance_mm = calloc(n, sizeof *distance_mm);
@@ -103,8 +103,8 @@ static int new_scene(const struct sim_face *face, struct sim_face_angle angle, i
                      int height_px, struct sim_canvas **canvas, struct sim_scene **scene)
 {
     struct sim_view view = view_of(face->mesh, angle);
-    int error = sim_canvas_new(width_px, height_px, sim_colour_hex(0x2b303a),
-                               sim_colour_hex(0x14161b), canvas);
+    const int error = sim_canvas_new(width_px, height_px, sim_colour_hex(0x2b303a),
+                                     sim_colour_hex(0x14161b), canvas);
     if (error) {
         return error;
     }
@@ -188,8 +188,8 @@ static void heat_colours(const double *heat, int32_t n, struct sim_colour *out)
         hottest = fmax(hottest, heat[v]);
     }
     for (int32_t v = 0; v < n; v++) {
-        double share = 1.0 + log10(fmax(heat[v] / hottest, 1e-12)) / decades;
-        float opaque = (float)fmin(fmax(4.0 * share, 0.0), 1.0);
+        const double share = 1.0 + log10(fmax(heat[v] / hottest, 1e-12)) / decades;
+        const float opaque = (float)fmin(fmax(4.0 * share, 0.0), 1.0);
         out[v] = sim_colour_mix(cold, sim_colour_heat(share), opaque);
     }
 }
@@ -209,8 +209,8 @@ static int draw_heat_panel(cairo_t *cr, const struct sim_face *face, struct sim_
         error = sim_scene_shade(scene, &style);
     }
     if (!error) {
-        int x = landmark % PANEL_COLUMNS * PANEL_WIDTH_PX;
-        int y = landmark / PANEL_COLUMNS * PANEL_HEIGHT_PX;
+        const int x = landmark % PANEL_COLUMNS * PANEL_WIDTH_PX;
+        const int y = landmark / PANEL_COLUMNS * PANEL_HEIGHT_PX;
         cairo_surface_t *surface = sim_canvas_surface(canvas);
         cairo_set_source_surface(cr, surface, x, y);
         cairo_paint(cr);

@@ -31,7 +31,7 @@ static bool window_about(const struct iso_frame *frame, const struct iso_vec3 *p
     if (!(high[0] >= low[0])) {
         return false;
     }
-    double side = fmax(factor * fmax(high[0] - low[0], high[1] - low[1]), 16.0);
+    const double side = fmax(factor * fmax(high[0] - low[0], high[1] - low[1]), 16.0);
     *out = (struct sim_fit_window){0.5 * (low[0] + high[0] - side), 0.5 * (low[1] + high[1] - side),
                                    side};
     return true;
@@ -39,7 +39,7 @@ static bool window_about(const struct iso_frame *frame, const struct iso_vec3 *p
 
 static struct sim_fit_window whole_window(const struct iso_frame *frame)
 {
-    double side = fmax(frame->width_px, frame->height_px);
+    const double side = fmax(frame->width_px, frame->height_px);
     return (struct sim_fit_window){0.5 * (frame->width_px - side), 0.5 * (frame->height_px - side),
                                    side};
 }
@@ -100,9 +100,9 @@ static void draw_landmarks(const struct picture *p)
     const struct sim_fit_view *v = p->view;
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         double x[2], y[2];
-        bool found = v->found_mm && sim_relief_place(v->frame, v->found_mm[l], &x[0], &y[0]);
-        bool known = v->true_mm && v->true_known[l] &&
-                     sim_relief_place(v->frame, v->true_mm[l], &x[1], &y[1]);
+        const bool found = v->found_mm && sim_relief_place(v->frame, v->found_mm[l], &x[0], &y[0]);
+        const bool known = v->true_mm && v->true_known[l] &&
+                           sim_relief_place(v->frame, v->true_mm[l], &x[1], &y[1]);
         for (int k = 0; k < 2; k++) {
             if (k == 0 ? found : known) {
                 x[k] = (x[k] - p->window.x) * SIM_FIT_PANEL_PX / p->window.side;
@@ -136,7 +136,7 @@ static void draw_landmarks(const struct picture *p)
 static void draw_marks(const struct picture *p, enum panel panel)
 {
     const struct sim_fit_window all = whole_window(p->view->frame);
-    bool head = p->view->n_vertices > 0;
+    const bool head = p->view->n_vertices > 0;
     switch (panel) {
     case PANEL_FRAME:
         sim_picture_set_colour(p->cr, sim_colour_hex(found_hex));
@@ -166,7 +166,8 @@ static int draw_panel(const struct picture *p, enum panel panel)
 {
     struct sim_canvas *canvas = NULL;
     const struct sim_colour background = sim_colour_hex(background_hex);
-    int error = sim_canvas_new(SIM_FIT_PANEL_PX, SIM_FIT_PANEL_PX, background, background, &canvas);
+    const int error = sim_canvas_new(SIM_FIT_PANEL_PX, SIM_FIT_PANEL_PX, background, background,
+                                     &canvas);
     if (error) {
         return error;
     }

@@ -9,13 +9,14 @@
 struct sim_colour *sim_fit_grey_new(const struct iso_frame *frame)
 {
     const double fade_mm = 900.0; /* from the nearest point to where it is darkest */
-    size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
+    const size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
     struct sim_colour *grey = calloc(n, sizeof *grey);
     const struct sim_colour hole = sim_colour_hex(0x0c1a33);
     const double nearest_mm = sim_relief_nearest_mm(frame);
     for (size_t i = 0; grey && i < n; i++) {
-        int column = (int)(i % (size_t)frame->width_px), row = (int)(i / (size_t)frame->width_px);
-        double depth = (double)frame->depth_mm[i];
+        const int column = (int)(i % (size_t)frame->width_px),
+                  row = (int)(i / (size_t)frame->width_px);
+        const double depth = (double)frame->depth_mm[i];
         if (depth <= 0.0) {
             grey[i] = hole;
             continue;
@@ -32,9 +33,9 @@ void sim_fit_paint_frame(struct sim_canvas *canvas, const struct iso_frame *fram
                          const struct sim_colour *grey, struct sim_fit_window window)
 {
     for (int y = 0; y < canvas->height; y++) {
-        int row = (int)floor(window.y + (y + 0.5) * window.side / canvas->height);
+        const int row = (int)floor(window.y + (y + 0.5) * window.side / canvas->height);
         for (int x = 0; x < canvas->width; x++) {
-            int column = (int)floor(window.x + (x + 0.5) * window.side / canvas->width);
+            const int column = (int)floor(window.x + (x + 0.5) * window.side / canvas->width);
             if (row >= 0 && row < frame->height_px && column >= 0 && column < frame->width_px) {
                 sim_canvas_blend(canvas, x, y, grey[(long)row * frame->width_px + column], 1.0f);
             }
@@ -45,7 +46,7 @@ void sim_fit_paint_frame(struct sim_canvas *canvas, const struct iso_frame *fram
 /* The frame's camera, so that the window fills so many samples. */
 static struct iso_camera camera_of(const struct iso_frame *frame, struct sim_fit_window window)
 {
-    double zoom = SIM_FIT_SAMPLES / window.side;
+    const double zoom = SIM_FIT_SAMPLES / window.side;
     struct iso_camera camera = frame->camera;
     camera.width_px = camera.height_px = SIM_FIT_SAMPLES;
     camera.fx_px *= zoom;
@@ -60,7 +61,7 @@ int sim_fit_head_new(const struct sim_fit_view *view, struct sim_fit_window wind
                      struct sim_fit_head *out)
 {
     enum { PLANES = 4 }; /* depth, triangle, two weights */
-    size_t n = (size_t)SIM_FIT_SAMPLES * SIM_FIT_SAMPLES;
+    const size_t n = (size_t)SIM_FIT_SAMPLES * SIM_FIT_SAMPLES;
     out->storage = calloc(PLANES * n, sizeof *out->storage);
     if (!out->storage) {
         return -ENOMEM;
@@ -94,13 +95,13 @@ void sim_fit_paint_mesh(struct sim_canvas *canvas, const struct sim_fit_view *vi
 {
     const struct sim_colour base = sim_colour_hex(0x8fb8ff), edge = sim_colour_hex(0x10306b);
     for (long i = 0; i < (long)SIM_FIT_SAMPLES * SIM_FIT_SAMPLES; i++) {
-        int32_t triangle = head->raster.triangle[i];
+        const int32_t triangle = head->raster.triangle[i];
         if (triangle >= 0) {
             const float *w = head->raster.weight[i];
-            float nearest = fminf(fminf(w[0], w[1]), 1.0f - w[0] - w[1]);
-            bool on_edge = nearest < 0.05f;
+            const float nearest = fminf(fminf(w[0], w[1]), 1.0f - w[0] - w[1]);
+            const bool on_edge = nearest < 0.05f;
             struct sim_colour colour = sim_colour_scale(triangle_light(view, triangle), base);
-            int x = (int)(i % SIM_FIT_SAMPLES), y = (int)(i / SIM_FIT_SAMPLES);
+            const int x = (int)(i % SIM_FIT_SAMPLES), y = (int)(i / SIM_FIT_SAMPLES);
             sim_canvas_blend(canvas, x, y, on_edge ? edge : colour, 0.6f);
         }
     }
@@ -114,7 +115,7 @@ static struct sim_colour residual_colour(const struct sim_fit_view *view, int32_
     const float share[3] = {1.0f - weight[0] - weight[1], weight[0], weight[1]};
     float sum_mm = 0.0f, measured = 0.0f;
     for (int k = 0; k < 3; k++) {
-        uint32_t corner = view->triangles[triangle][k];
+        const uint32_t corner = view->triangles[triangle][k];
         if (view->measured[corner]) {
             sum_mm += share[k] * view->residual_mm[corner];
             measured += share[k];
@@ -123,7 +124,7 @@ static struct sim_colour residual_colour(const struct sim_fit_view *view, int32_
     if (measured <= 0.0f) {
         return unknown;
     }
-    double value = 0.5 + 0.5 * (double)(sum_mm / measured) / SIM_FIT_RESIDUAL_LIMIT_MM;
+    const double value = 0.5 + 0.5 * (double)(sum_mm / measured) / SIM_FIT_RESIDUAL_LIMIT_MM;
     return sim_colour_mix(unknown, sim_colour_difference(value), measured);
 }
 
@@ -131,9 +132,9 @@ void sim_fit_paint_residuals(struct sim_canvas *canvas, const struct sim_fit_vie
                              const struct sim_fit_head *head)
 {
     for (long i = 0; i < (long)SIM_FIT_SAMPLES * SIM_FIT_SAMPLES; i++) {
-        int32_t triangle = head->raster.triangle[i];
+        const int32_t triangle = head->raster.triangle[i];
         if (triangle >= 0) {
-            float light = 0.65f + 0.35f * triangle_light(view, triangle);
+            const float light = 0.65f + 0.35f * triangle_light(view, triangle);
             struct sim_colour colour = residual_colour(view, triangle, head->raster.weight[i]);
             sim_canvas_blend(canvas, (int)(i % SIM_FIT_SAMPLES), (int)(i / SIM_FIT_SAMPLES),
                              sim_colour_scale(light, colour), 1.0f);

@@ -47,14 +47,14 @@ static double horizon_of(const struct sim_scene *scene, const struct coarse *coa
     enum { STEPS = 5 };
     double horizon = 0.0;
     for (int s = 1; s <= STEPS; s++) {
-        int i = x + (int)lrint(s * step_x), j = y + (int)lrint(s * step_y);
+        const int i = x + (int)lrint(s * step_x), j = y + (int)lrint(s * step_y);
         if (i < 0 || j < 0 || i >= coarse->width || j >= coarse->height) {
             break;
         }
-        double z_mm = (double)coarse->depth_mm[(long)j * coarse->width + i];
+        const double z_mm = (double)coarse->depth_mm[(long)j * coarse->width + i];
         if (z_mm > 0.0 && (i != x || j != y)) {
             struct iso_vec3 to = iso_sub(coarse_point(scene, i, j, z_mm), p);
-            double length = iso_norm(to), fade = fmax(0.0, 1.0 - length / occlusion_fade_mm);
+            const double length = iso_norm(to), fade = fmax(0.0, 1.0 - length / occlusion_fade_mm);
             horizon = fmax(horizon, fade * iso_dot(to, n) / length);
         }
     }
@@ -65,14 +65,14 @@ static double openness(const struct sim_scene *scene, const struct coarse *coars
 {
     enum { S = SIM_CANVAS_SUPERSAMPLING, DIRECTIONS = 16 };
     const struct iso_raster *r = &scene->raster;
-    long sample = (long)(S * y + S / 2) * r->width_px + S * x + S / 2;
+    const long sample = (long)(S * y + S / 2) * r->width_px + S * x + S / 2;
     struct iso_vec3 p = coarse_point(scene, x, y, (double)r->depth_mm[sample]);
     struct iso_vec3 n = iso_unit(
         sim_scene_interpolate(scene, sample, r->triangle[sample], scene->normals));
     double step_px = occlusion_step_mm * r->camera.fx_px / p.z / S, hidden = 0.0;
     for (int d = 0; d < DIRECTIONS; d++) {
         /* Turned from pixel to pixel by a fixed pattern, so that no direction shows. */
-        double angle = 2.0 * M_PI * (d + 0.25 * ((x + 2 * y) % 4)) / DIRECTIONS;
+        const double angle = 2.0 * M_PI * (d + 0.25 * ((x + 2 * y) % 4)) / DIRECTIONS;
         hidden += horizon_of(scene, coarse, x, y, p, n, step_px * cos(angle),
                              step_px * sin(angle)) /
                   DIRECTIONS;
@@ -103,14 +103,14 @@ int sim_occlusion_compute(const struct sim_scene *scene, struct sim_occlusion *o
         return error;
     }
     struct sim_occlusion raw = {coarse.width, coarse.height, NULL}, smooth = raw;
-    size_t n_pixels = (size_t)raw.width * (size_t)raw.height;
+    const size_t n_pixels = (size_t)raw.width * (size_t)raw.height;
     raw.open = calloc(n_pixels, sizeof *raw.open);
     smooth.open = calloc(n_pixels, sizeof *smooth.open);
     error = raw.open && smooth.open ? 0 : -ENOMEM;
     for (int y = 0; !error && y < raw.height; y++) {
         for (int x = 0; x < raw.width; x++) {
-            long pixel = (long)y * raw.width + x;
-            bool seen = coarse.depth_mm[pixel] > 0.0f;
+            const long pixel = (long)y * raw.width + x;
+            const bool seen = coarse.depth_mm[pixel] > 0.0f;
             raw.open[pixel] = seen ? (float)openness(scene, &coarse, x, y) : 1.0f;
         }
     }

@@ -10,15 +10,15 @@ struct moments {
 static struct moments moments_about(const struct iso_frame *frame, int column, int row, int reach)
 {
     const double jump_mm = 30.0;
-    double middle = (double)iso_frame_depth_at(frame, column, row);
+    const double middle = (double)iso_frame_depth_at(frame, column, row);
     struct moments m = {0};
     for (int dy = -reach; dy <= reach; dy++) {
         for (int dx = -reach; dx <= reach; dx++) {
-            int c = column + dx, r = row + dy;
-            bool inside = c >= 0 && r >= 0 && c < frame->width_px && r < frame->height_px;
-            double depth = inside ? (double)iso_frame_depth_at(frame, c, r) : 0.0;
+            const int c = column + dx, r = row + dy;
+            const bool inside = c >= 0 && r >= 0 && c < frame->width_px && r < frame->height_px;
+            const double depth = inside ? (double)iso_frame_depth_at(frame, c, r) : 0.0;
             if (depth > 0.0 && fabs(depth - middle) < jump_mm) {
-                double z = depth - middle;
+                const double z = depth - middle;
                 m.n += 1.0;
                 m.x += dx;
                 m.y += dy;
@@ -38,18 +38,19 @@ float sim_relief(const struct iso_frame *frame, int column, int row, int reach_p
 {
     const double flat = 0.75;
     struct moments m = moments_about(frame, column, row, reach_px);
-    double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
-    double xz = m.xz - m.x * m.z / m.n, yz = m.yz - m.y * m.z / m.n;
+    const double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n,
+                 yy = m.yy - m.y * m.y / m.n;
+    const double xz = m.xz - m.x * m.z / m.n, yz = m.yz - m.y * m.z / m.n;
     double determinant = xx * yy - xy * xy, slope_x = 0.0, slope_y = 0.0;
     if (determinant > 1e-6) {
-        double pixel_mm = iso_camera_pixel_mm(&frame->camera,
-                                              (double)iso_frame_depth_at(frame, column, row));
+        const double pixel_mm = iso_camera_pixel_mm(&frame->camera,
+                                                    (double)iso_frame_depth_at(frame, column, row));
         slope_x = (xz * yy - yz * xy) / determinant / pixel_mm;
         slope_y = (yz * xx - xz * xy) / determinant / pixel_mm;
     }
     /* The normal (slope_x, slope_y, -1) and the light (-1, -1, -2) / sqrt 6. */
-    double lambert = (2.0 - slope_x - slope_y) /
-                     sqrt(6.0 * (1.0 + slope_x * slope_x + slope_y * slope_y));
+    const double lambert = (2.0 - slope_x - slope_y) /
+                           sqrt(6.0 * (1.0 + slope_x * slope_x + slope_y * slope_y));
     return (float)fmin(fmax(0.15 + lambert * flat / 0.8165 * 0.85, 0.1), 1.0);
 }
 

@@ -20,7 +20,7 @@ static struct iso_rigid camera_of(const struct sim_view *view)
 
 static struct iso_camera lens_of(const struct sim_view *view, int width, int height)
 {
-    double focal = (double)height * view->distance_mm / view->height_mm;
+    const double focal = (double)height * view->distance_mm / view->height_mm;
     return (struct iso_camera){
         .projection = ISO_PINHOLE,
         .width_px = width,
@@ -59,7 +59,7 @@ int sim_scene_new(const struct iso_mesh *mesh, const struct sim_view *view,
     if (!scene) {
         return -ENOMEM;
     }
-    size_t n_samples = (size_t)canvas->width * (size_t)canvas->height;
+    const size_t n_samples = (size_t)canvas->width * (size_t)canvas->height;
     scene->mesh = mesh;
     scene->canvas = canvas;
     scene->camera_from_face = camera_of(view);
@@ -107,8 +107,8 @@ struct iso_vec3 sim_scene_interpolate(const struct sim_scene *scene, long sample
                                       const struct iso_vec3 *values)
 {
     const int32_t *c = scene->mesh->triangles[triangle];
-    double w1 = (double)scene->raster.weight[sample][0];
-    double w2 = (double)scene->raster.weight[sample][1];
+    const double w1 = (double)scene->raster.weight[sample][0];
+    const double w2 = (double)scene->raster.weight[sample][1];
     return iso_madd(iso_madd(iso_scale(1.0 - w1 - w2, values[c[0]]), w1, values[c[1]]), w2,
                     values[c[2]]);
 }

@@ -11,7 +11,7 @@ static void write_scores(const void *context, FILE *out)
     for (size_t i = 0; i < m->n_probes; i++) {
         const struct sim_sample *sample = &eval->acquisition->samples[m->sample[i]];
         const struct sim_corpus_row *row = &eval->corpus->rows[sample->row];
-        size_t frame = eval->acquisition->captures[sample->first_capture].frame;
+        const size_t frame = eval->acquisition->captures[sample->first_capture].frame;
         if (!sample->acquired) {
             fprintf(out, "%s,%zu,%s,,,,fta:%s\n", row->recording, frame, row->subject,
                     sim_reason_name(sample->reason));

@@ -41,9 +41,9 @@ static json_t *acquisition_json(const struct sim_eval *eval)
 {
     const struct sim_analysis *a = eval->analysis;
     const size_t(*probe)[SIM_REASONS] = a->probe_reason;
-    size_t n_faces = a->n_kind[SIM_PROBE_MATED] + a->n_kind[SIM_PROBE_STRANGER];
-    size_t acquired = probe[SIM_PROBE_MATED][ISO_CAPTURE_OK] +
-                      probe[SIM_PROBE_STRANGER][ISO_CAPTURE_OK];
+    const size_t n_faces = a->n_kind[SIM_PROBE_MATED] + a->n_kind[SIM_PROBE_STRANGER];
+    const size_t acquired = probe[SIM_PROBE_MATED][ISO_CAPTURE_OK] +
+                            probe[SIM_PROBE_STRANGER][ISO_CAPTURE_OK];
     struct sim_rate enrol = {a->n_people_not_enrolled, eval->gallery->n_people};
     struct sim_rate acquire = {n_faces - acquired, n_faces};
     return json_pack("{s:I, s:I, s:o, s:o, s:{s:o, s:o, s:o, s:o}}", "frames",
@@ -169,7 +169,7 @@ int sim_report_json(const struct sim_eval *eval, const char *directory, struct i
 {
     const struct sim_analysis *a = eval->analysis;
     char path[PATH_MAX];
-    int error = iso_path_join(directory, "summary.json", path, fault);
+    const int error = iso_path_join(directory, "summary.json", path, fault);
     if (error) {
         return error;
     }

@@ -29,7 +29,7 @@ int sim_contest_of(const struct sim_eval *eval, struct sim_contest *out)
     name_corpus(eval->options.corpus, contest.corpus);
     for (size_t i = 0; i < eval->n_methods; i++) {
         if (eval->methods[i].analysis) {
-            int error = sim_verdict_of(eval, i, &contest.verdicts[contest.n_verdicts++]);
+            const int error = sim_verdict_of(eval, i, &contest.verdicts[contest.n_verdicts++]);
             if (error) {
                 return error;
             }

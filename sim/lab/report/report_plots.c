@@ -9,7 +9,7 @@ static int write_plot(const struct sim_plot *plot, const char *directory, const 
                       struct iso_fault *fault)
 {
     char path[4096];
-    int length = snprintf(path, sizeof path, "%s/%s", directory, name);
+    const int length = snprintf(path, sizeof path, "%s/%s", directory, name);
     if (length < 0 || (size_t)length >= sizeof path) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", name);
     }
@@ -45,9 +45,9 @@ static const char *label_of(const struct sim_eval_method *method, size_t n_metho
 static int plot_cmc(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
 {
     const struct sim_eval_method *methods[CURVES_MAX];
-    size_t n_methods = list_methods(eval, methods);
-    size_t n = eval->gallery->n_people < RANKS_MAX ? eval->gallery->n_people : RANKS_MAX;
-    size_t n_searches = eval->analysis->identification.n_searches;
+    const size_t n_methods = list_methods(eval, methods);
+    const size_t n = eval->gallery->n_people < RANKS_MAX ? eval->gallery->n_people : RANKS_MAX;
+    const size_t n_searches = eval->analysis->identification.n_searches;
     double rank[RANKS_MAX], rate[CURVES_MAX][RANKS_MAX], worst = 100.0;
     struct sim_series series[CURVES_MAX];
     if (n_searches == 0 || n < 2) {
@@ -101,8 +101,8 @@ static int draw_det(const struct sim_eval *eval, const struct sim_series *series
 {
     const struct sim_verification *v = &eval->analysis->verification;
     char subtitle[128];
-    int length = snprintf(subtitle, sizeof subtitle, "%zu mated, %zu non-mated comparisons",
-                          v->scores.n_mated, v->scores.n_non_mated);
+    const int length = snprintf(subtitle, sizeof subtitle, "%zu mated, %zu non-mated comparisons",
+                                v->scores.n_mated, v->scores.n_non_mated);
     if (n_series == 2) { /* of one method, and the diagonal */
         (void)snprintf(subtitle + length, sizeof subtitle - (size_t)length, "; EER %.2f %%",
                        100.0 * v->eer);
@@ -141,7 +141,7 @@ static int plot_det(const struct sim_eval *eval, const char *directory, struct i
     }
     const double ends[] = {det_lowest, det_highest};
     series[n_methods] = (struct sim_series){NULL, SIM_SERIES_DASHED, 2, ends, ends};
-    int error = draw_det(eval, series, n_methods + 1, directory, fault);
+    const int error = draw_det(eval, series, n_methods + 1, directory, fault);
     free(x);
     return error;
 }
@@ -154,7 +154,7 @@ static double histogram_outline(const struct sim_score *scores, size_t n, double
 {
     double share[BINS] = {0.0}, highest = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double bin = floor((scores[i].score - from) / (to - from) * BINS);
+        const double bin = floor((scores[i].score - from) / (to - from) * BINS);
         share[(size_t)fmin(fmax(bin, 0.0), BINS - 1)] += 1.0 / (double)n;
     }
     for (size_t b = 0; b < BINS; b++) {
@@ -195,15 +195,16 @@ static int plot_scores(const struct sim_eval *eval, const char *directory, struc
     if (v->n_det == 0) {
         return 0;
     }
-    double from = fmin(lowest_finite(s->mated, s->n_mated),
-                       lowest_finite(s->non_mated, s->n_non_mated));
-    double to = fmax(s->mated[s->n_mated - 1].score, s->non_mated[s->n_non_mated - 1].score);
+    const double from = fmin(lowest_finite(s->mated, s->n_mated),
+                             lowest_finite(s->non_mated, s->n_non_mated));
+    const double to = fmax(s->mated[s->n_mated - 1].score, s->non_mated[s->n_non_mated - 1].score);
     if (!isfinite(from) || !isfinite(to) || !(from < to)) {
         return 0; /* nothing to be seen in it */
     }
     double x[2][2 * BINS], y[2][2 * BINS];
-    double highest = fmax(histogram_outline(s->mated, s->n_mated, from, to, x[0], y[0]),
-                          histogram_outline(s->non_mated, s->n_non_mated, from, to, x[1], y[1]));
+    const double highest = fmax(
+        histogram_outline(s->mated, s->n_mated, from, to, x[0], y[0]),
+        histogram_outline(s->non_mated, s->n_non_mated, from, to, x[1], y[1]));
     const double threshold = fmin(v->at_fmr[2].at.threshold, to);
     const double threshold_x[] = {threshold, threshold}, threshold_y[] = {0.0, highest};
     const struct sim_series series[] = {

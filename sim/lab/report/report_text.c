@@ -23,9 +23,9 @@ static void print_reasons(FILE *out, const char *of, const size_t reason[SIM_REA
 static void print_acquisition(const struct sim_eval *eval, FILE *out)
 {
     const struct sim_analysis *a = eval->analysis;
-    size_t n_faces = a->n_kind[SIM_PROBE_MATED] + a->n_kind[SIM_PROBE_STRANGER];
-    size_t acquired = a->probe_reason[SIM_PROBE_MATED][ISO_CAPTURE_OK] +
-                      a->probe_reason[SIM_PROBE_STRANGER][ISO_CAPTURE_OK];
+    const size_t n_faces = a->n_kind[SIM_PROBE_MATED] + a->n_kind[SIM_PROBE_STRANGER];
+    const size_t acquired = a->probe_reason[SIM_PROBE_MATED][ISO_CAPTURE_OK] +
+                            a->probe_reason[SIM_PROBE_STRANGER][ISO_CAPTURE_OK];
     fprintf(out, "Acquisition: %zu of %zu frames usable\n", a->n_usable_captures,
             eval->acquisition->n_captures);
     print_rate(out, "failure to enrol",

@@ -17,8 +17,8 @@ static int train(const struct iso_labelled *training, void **model)
         return -ENOMEM;
     }
     m->n_classes = training->n_classes;
-    int error = iso_tree_new(training->feature, training->label, training->n,
-                             training->layout->size, &m->tree);
+    const int error = iso_tree_new(training->feature, training->label, training->n,
+                                   training->layout->size, &m->tree);
     if (error) {
         free(m);
         return error;
@@ -39,7 +39,7 @@ static int score(const void *model, const float *feature, double *score)
 {
     const struct machine *m = model;
     int32_t told = 0;
-    int error = iso_tree_tell(m->tree, feature, &told);
+    const int error = iso_tree_tell(m->tree, feature, &told);
     for (int32_t c = 0; !error && c < m->n_classes; c++) {
         score[c] = c == told ? 1.0 : 0.0;
     }

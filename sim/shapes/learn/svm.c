@@ -65,7 +65,7 @@ static void find_scale(const struct iso_labelled *t, struct machine *m)
     for (int32_t k = 0; k < m->size; k++) {
         double least = INFINITY, most = -INFINITY;
         for (int32_t i = 0; i < m->n; i++) {
-            double value = (double)t->feature[(size_t)i * (size_t)m->size + (size_t)k];
+            const double value = (double)t->feature[(size_t)i * (size_t)m->size + (size_t)k];
             least = fmin(least, value);
             most = fmax(most, value);
         }
@@ -116,11 +116,11 @@ static int train(const struct iso_labelled *training, void **model)
 static int score(const void *model, const float *feature, double *score)
 {
     const struct machine *m = model;
-    int classes = svm_get_nr_class(m->model);
+    const int classes = svm_get_nr_class(m->model);
     struct svm_node *row = calloc((size_t)m->size + 1, sizeof *row);
     double *decision = calloc((size_t)classes * (size_t)classes + 1, sizeof *decision);
     int *label = calloc((size_t)classes, sizeof *label);
-    int error = row && decision && label ? 0 : -ENOMEM;
+    const int error = row && decision && label ? 0 : -ENOMEM;
     if (!error) {
         fill_row(m, feature, row);
         svm_get_labels(m->model, label);

@@ -24,7 +24,8 @@ static struct sim_field_grid grid_about(const struct sim_skeleton *skeleton, dou
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int b = 0; b < skeleton->n_bones; b++) {
         const struct sim_bone *bone = &skeleton->bone[b];
-        double r = sim_flesh_reach * fmax(bone->radius_from_mm, bone->radius_to_mm) + pitch_mm;
+        const double r = sim_flesh_reach * fmax(bone->radius_from_mm, bone->radius_to_mm) +
+                         pitch_mm;
         const double p[3] = {bone->from_mm.x, bone->from_mm.y, bone->from_mm.z};
         const double q[3] = {bone->to_mm.x, bone->to_mm.y, bone->to_mm.z};
         for (int k = 0; k < 3; k++) {
@@ -45,17 +46,17 @@ static struct sim_field_grid grid_about(const struct sim_skeleton *skeleton, dou
 static void reach_along(double from, double to, double r, double origin, double pitch, int n,
                         int *first, int *last)
 {
-    int a = (int)floor((fmin(from, to) - r - origin) / pitch);
-    int b = (int)ceil((fmax(from, to) + r - origin) / pitch);
+    const int a = (int)floor((fmin(from, to) - r - origin) / pitch);
+    const int b = (int)ceil((fmax(from, to) + r - origin) / pitch);
     *first = a > 0 ? a : 0;
     *last = b < n - 1 ? b : n - 1;
 }
 
 static void add_bone(const struct sim_bone *bone, struct sim_field_grid *grid)
 {
-    double r = sim_flesh_reach * fmax(bone->radius_from_mm, bone->radius_to_mm);
+    const double r = sim_flesh_reach * fmax(bone->radius_from_mm, bone->radius_to_mm);
     struct iso_vec3 p = bone->from_mm, q = bone->to_mm, o = grid->origin_mm;
-    double pitch = grid->pitch_mm;
+    const double pitch = grid->pitch_mm;
     int i0, i1, j0, j1, k0, k1;
     reach_along(p.x, q.x, r, o.x, pitch, grid->nx, &i0, &i1);
     reach_along(p.y, q.y, r, o.y, pitch, grid->ny, &j0, &j1);
@@ -82,7 +83,7 @@ static int polygonise_at(const struct sim_skeleton *skeleton, double pitch_mm,
     for (int b = 0; b < skeleton->n_bones; b++) {
         add_bone(&skeleton->bone[b], &grid);
     }
-    int error = sim_polygonise(&grid, sim_flesh_level, out);
+    const int error = sim_polygonise(&grid, sim_flesh_level, out);
     free(grid.value);
     return error;
 }
@@ -115,11 +116,11 @@ static int polygonise_skeleton(const struct sim_skeleton *skeleton, int32_t n_ve
 /* The largest of several surfaces: a speck of flesh that hangs together with nothing goes. */
 static int keep_largest(struct iso_mesh *mesh)
 {
-    size_t n = (size_t)mesh->n_triangles;
+    const size_t n = (size_t)mesh->n_triangles;
     int32_t(*adjacent)[3] = calloc(n, sizeof *adjacent), *component = calloc(n, sizeof *component);
     int error = adjacent && component ? iso_mesh_adjacency(mesh, adjacent) : -ENOMEM;
     if (!error) {
-        int32_t found = iso_mesh_components(mesh, (const int32_t(*)[3])adjacent, component);
+        const int32_t found = iso_mesh_components(mesh, (const int32_t(*)[3])adjacent, component);
         error = found < 0 ? found : 0;
     }
     int32_t kept = 0;
@@ -136,7 +137,7 @@ static int keep_largest(struct iso_mesh *mesh)
 
 static int thin_mesh(struct iso_mesh *mesh, int32_t n_vertices)
 {
-    int error = keep_largest(mesh);
+    const int error = keep_largest(mesh);
     if (error) {
         return error;
     }
@@ -148,12 +149,12 @@ static struct iso_vec3 onto_surface(const struct sim_skeleton *skeleton, struct 
 {
     for (int i = 0; i < 3; i++) {
         struct iso_vec3 g = sim_flesh_gradient(skeleton, p);
-        double slope2 = iso_dot(g, g);
+        const double slope2 = iso_dot(g, g);
         if (slope2 < 1e-12) {
             break;
         }
-        double step = (sim_flesh_level - sim_flesh_field(skeleton, p)) / slope2;
-        double length = fabs(step) * sqrt(slope2);
+        const double step = (sim_flesh_level - sim_flesh_field(skeleton, p)) / slope2;
+        const double length = fabs(step) * sqrt(slope2);
         p = iso_madd(p, length > 1.0 ? step / length : step, g);
     }
     return p;
@@ -163,7 +164,7 @@ static struct iso_vec3 onto_surface(const struct sim_skeleton *skeleton, struct 
  * the areas of the triangles between, and back onto the surface. */
 static int relax_mesh(const struct sim_skeleton *skeleton, struct iso_mesh *mesh)
 {
-    size_t n = (size_t)mesh->n_vertices;
+    const size_t n = (size_t)mesh->n_vertices;
     struct iso_vec3 *sum = calloc(n, sizeof *sum);
     double *weight = calloc(n, sizeof *weight);
     for (int step = 0; sum && weight && step < RELAX_STEPS; step++) {
@@ -171,7 +172,7 @@ static int relax_mesh(const struct sim_skeleton *skeleton, struct iso_mesh *mesh
         memset(weight, 0, n * sizeof *weight);
         for (int32_t t = 0; t < mesh->n_triangles; t++) {
             const int32_t *c = mesh->triangles[t];
-            double area = iso_mesh_triangle_area(mesh, t);
+            const double area = iso_mesh_triangle_area(mesh, t);
             struct iso_vec3 middle = iso_scale(
                 1.0 / 3.0, iso_add(iso_add(mesh->vertices_mm[c[0]], mesh->vertices_mm[c[1]]),
                                    mesh->vertices_mm[c[2]]));
@@ -188,7 +189,7 @@ static int relax_mesh(const struct sim_skeleton *skeleton, struct iso_mesh *mesh
             }
         }
     }
-    int error = sum && weight ? 0 : -ENOMEM;
+    const int error = sum && weight ? 0 : -ENOMEM;
     free(sum);
     free(weight);
     return error;
@@ -202,7 +203,7 @@ static struct iso_vec3 posed_point(const struct sim_skeleton *skeleton,
     struct iso_vec3 sum = {0, 0, 0};
     double total = 0.0;
     for (int b = 0; b < skeleton->n_bones; b++) {
-        double share = sim_flesh_bone(&skeleton->bone[b], p);
+        const double share = sim_flesh_bone(&skeleton->bone[b], p);
         if (share > 0.0) {
             sum = iso_madd(sum, share, iso_rigid_apply(&posed_from_rest[b], p));
             total += share;
@@ -257,7 +258,7 @@ int sim_creature_new(const struct sim_skeleton *skeleton,
     int error = creature ? mesh_at_rest(skeleton, options->n_vertices, grid, &creature->mesh)
                          : -ENOMEM;
     if (!error) {
-        size_t n = (size_t)creature->mesh->n_vertices;
+        const size_t n = (size_t)creature->mesh->n_vertices;
         creature->rest_mm = calloc(n, sizeof *creature->rest_mm);
         error = creature->rest_mm ? 0 : -ENOMEM;
     }

@@ -55,7 +55,7 @@ static bool find_centre(struct cutter *cutter, const struct iso_frame *frame, st
     double front_mm = foremost_mm(cutter, frame), n = 0.0;
     struct iso_vec3 sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < frame->width_px * frame->height_px; i++) {
-        double z = (double)frame->depth_mm[i];
+        const double z = (double)frame->depth_mm[i];
         if (z > 0.0 && z <= front_mm + slab_mm) {
             sum = iso_add(sum, iso_frame_point_at(frame, i % frame->width_px, i / frame->width_px));
             n += 1.0;
@@ -99,15 +99,15 @@ static int keep_crop(struct cutter *cutter, size_t corpus, const struct sim_corp
 {
     char path[PATH_MAX];
     struct sim_shape_row *row = &cutter->rows[cutter->n];
-    int named = snprintf(row->file, sizeof row->file, "%zu-%s-%zu.off", corpus, from->recording,
-                         from->first);
+    const int named = snprintf(row->file, sizeof row->file, "%zu-%s-%zu.off", corpus,
+                               from->recording, from->first);
     (void)snprintf(row->class_name, sizeof row->class_name, "%s",
                    strcmp(from->subject, "none") == 0 ? "not-face" : "face");
-    int length = snprintf(path, sizeof path, "%s/%s", cutter->options->out, row->file);
+    const int length = snprintf(path, sizeof path, "%s/%s", cutter->options->out, row->file);
     if ((size_t)named >= sizeof row->file || (size_t)length >= sizeof path) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", from->recording);
     }
-    int error = sim_mesh_write(path, &cutter->crop, fault);
+    const int error = sim_mesh_write(path, &cutter->crop, fault);
     cutter->n += error == 0;
     return error;
 }

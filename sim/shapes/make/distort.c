@@ -32,7 +32,7 @@ int sim_distortion_parse(const char *text, void *field)
 {
     const char *colon = strchr(text, ':');
     for (int k = 0; colon && k < SIM_DISTORTIONS; k++) {
-        size_t length = strlen(distortions[k].name);
+        const size_t length = strlen(distortions[k].name);
         if ((size_t)(colon - text) == length && memcmp(text, distortions[k].name, length) == 0 &&
             colon[1] >= '1' && colon[1] <= '0' + SIM_DISTORTION_LEVELS && colon[2] == '\0') {
             *(struct sim_distortion *)field = (struct sim_distortion){(enum sim_distortion_kind)k,
@@ -67,7 +67,7 @@ static double spread_of(const struct iso_mesh *mesh, struct iso_vec3 mean)
 
 static struct iso_vec3 random_normal3(struct sim_random *random)
 {
-    double x = sim_random_normal(random), y = sim_random_normal(random);
+    const double x = sim_random_normal(random), y = sim_random_normal(random);
     return iso_vec3(x, y, sim_random_normal(random));
 }
 
@@ -95,7 +95,7 @@ static void scale_mesh(struct iso_mesh *mesh, double factor, struct sim_random *
 static void stretch_mesh(struct iso_mesh *mesh, double factor, struct sim_random *random)
 {
     struct iso_vec3 axis = iso_unit(random_normal3(random)), mean = mean_place(mesh);
-    double across = 1.0 / sqrt(factor);
+    const double across = 1.0 / sqrt(factor);
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
         struct iso_vec3 d = iso_sub(mesh->vertices_mm[v], mean);
         d = iso_madd(iso_scale(across, d), (factor - across) * iso_dot(d, axis), axis);
@@ -127,15 +127,15 @@ static int vertex_normals(const struct iso_mesh *mesh, struct iso_vec3 **out)
 static int bulge_mesh(struct iso_mesh *mesh, double share, struct sim_random *random)
 {
     struct iso_vec3 *normal = NULL;
-    int error = vertex_normals(mesh, &normal);
+    const int error = vertex_normals(mesh, &normal);
     if (error) {
         return error;
     }
-    double size_mm = spread_of(mesh, mean_place(mesh));
-    uint64_t key = sim_random_u64(random);
+    const double size_mm = spread_of(mesh, mean_place(mesh));
+    const uint64_t key = sim_random_u64(random);
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
         struct iso_vec3 *p = &mesh->vertices_mm[v];
-        double height = sim_noise3(key, iso_scale(2.0 / size_mm, *p)) / sqrt(0.1);
+        const double height = sim_noise3(key, iso_scale(2.0 / size_mm, *p)) / sqrt(0.1);
         *p = iso_madd(*p, share * size_mm * height, iso_unit(normal[v]));
     }
     free(normal);
@@ -160,7 +160,7 @@ static int compare_far(const void *a, const void *b)
  * triangles stay: whoever makes a shape of the mesh leaves them out. */
 static int cut_mesh(struct iso_mesh *mesh, double share, struct sim_random *random)
 {
-    size_t n = (size_t)mesh->n_triangles;
+    const size_t n = (size_t)mesh->n_triangles;
     struct far_triangle *order = calloc(n, sizeof *order);
     uint8_t *gone = calloc(n, 1);
     if (!order || !gone) {
@@ -202,8 +202,8 @@ int sim_distort(struct sim_distortion distortion, struct sim_random *random,
         distortion.level > SIM_DISTORTION_LEVELS || mesh->n_vertices < 4) {
         return -EINVAL;
     }
-    double strength = sim_distortion_strength(distortion);
-    double signal_mm = spread_of(mesh, mean_place(mesh));
+    const double strength = sim_distortion_strength(distortion);
+    const double signal_mm = spread_of(mesh, mean_place(mesh));
     switch (distortion.kind) {
     case SIM_DISTORTION_WHITE:
         add_noise(mesh, signal_mm * sqrt(strength), 1, random);

@@ -11,9 +11,9 @@ const double sim_flesh_level = 0.2748;
 /* Integral of (a - u^2)^3 from `from` to `to`, in units of R. */
 static double line_integral(double a, double from, double to)
 {
-    double f2 = from * from, t2 = to * to;
-    double at_to = to * (a * a * a + t2 * (-a * a + t2 * (0.6 * a - t2 / 7.0)));
-    double at_from = from * (a * a * a + f2 * (-a * a + f2 * (0.6 * a - f2 / 7.0)));
+    const double f2 = from * from, t2 = to * to;
+    const double at_to = to * (a * a * a + t2 * (-a * a + t2 * (0.6 * a - t2 / 7.0)));
+    const double at_from = from * (a * a * a + f2 * (-a * a + f2 * (0.6 * a - f2 / 7.0)));
     return at_to - at_from;
 }
 
@@ -33,24 +33,25 @@ static bool beyond(double x, double from, double to, double reach)
 
 double sim_flesh_bone(const struct sim_bone *bone, struct iso_vec3 p_mm)
 {
-    double most = sim_flesh_reach * fmax(bone->radius_from_mm, bone->radius_to_mm);
+    const double most = sim_flesh_reach * fmax(bone->radius_from_mm, bone->radius_to_mm);
     if (beyond(p_mm.x, bone->from_mm.x, bone->to_mm.x, most) ||
         beyond(p_mm.y, bone->from_mm.y, bone->to_mm.y, most) ||
         beyond(p_mm.z, bone->from_mm.z, bone->to_mm.z, most)) {
         return 0.0; /* which it would be below too: most points are far from most bones */
     }
     struct iso_vec3 axis = iso_sub(bone->to_mm, bone->from_mm), d = iso_sub(p_mm, bone->from_mm);
-    double length = iso_norm(axis), along = iso_dot(d, axis) / length;
-    double share = clamped(along / length, 0.0, 1.0);
-    double radius = bone->radius_from_mm + share * (bone->radius_to_mm - bone->radius_from_mm);
-    double reach = sim_flesh_reach * radius;
-    double a = 1.0 - (iso_dot(d, d) - along * along) / (reach * reach);
+    const double length = iso_norm(axis), along = iso_dot(d, axis) / length;
+    const double share = clamped(along / length, 0.0, 1.0);
+    const double radius = bone->radius_from_mm +
+                          share * (bone->radius_to_mm - bone->radius_from_mm);
+    const double reach = sim_flesh_reach * radius;
+    const double a = 1.0 - (iso_dot(d, d) - along * along) / (reach * reach);
     if (a <= 0.0) {
         return 0.0;
     }
-    double half = sqrt(a); /* the kernel reaches so far along the axis, in units of R */
-    double from = clamped(-along / reach, -half, half);
-    double to = clamped((length - along) / reach, -half, half);
+    const double half = sqrt(a); /* the kernel reaches so far along the axis, in units of R */
+    const double from = clamped(-along / reach, -half, half);
+    const double to = clamped((length - along) / reach, -half, half);
     return line_integral(a, from, to) * (35.0 / 32.0); /* an endless line on its axis: 1 */
 }
 

@@ -56,7 +56,7 @@ struct shape_maker {
 static void class_name(size_t number, char *out, size_t size)
 {
     const char *species = sim_species[number % SIM_SPECIES].name;
-    size_t variant = number / SIM_SPECIES;
+    const size_t variant = number / SIM_SPECIES;
     if (variant == 0) {
         (void)snprintf(out, size, "%s", species);
     } else {
@@ -67,7 +67,7 @@ static void class_name(size_t number, char *out, size_t size)
 static void plan_plain(const struct sim_shapes_options *options, struct shape_maker *maker)
 {
     for (int32_t i = 0; i < maker->n; i++) {
-        size_t c = (size_t)i % options->classes, pose = (size_t)i / options->classes;
+        const size_t c = (size_t)i % options->classes, pose = (size_t)i / options->classes;
         struct shape_plan *plan = &maker->plan[i];
         char class_text[CLASS_NAME_MAX];
         class_name(c, class_text, sizeof class_text);
@@ -100,11 +100,11 @@ static void plan_textured(const struct sim_shapes_options *options, struct shape
 {
     static const char *const names[TRANSFORMATIONS] = {"pose", "stretch", "bulge", "noise"};
     for (int32_t i = 0; i < maker->n; i++) {
-        size_t c = (size_t)i / TEXTURED_EACH;
-        int within = i % TEXTURED_EACH, kind = within % TRANSFORMATIONS;
-        int coat = within / TRANSFORMATIONS % COATS_EACH;
-        int body = within / TRANSFORMATIONS / COATS_EACH;
-        int level = 1 + (coat + body + kind + (int)c) % SIM_DISTORTION_LEVELS;
+        const size_t c = (size_t)i / TEXTURED_EACH;
+        const int within = i % TEXTURED_EACH, kind = within % TRANSFORMATIONS;
+        const int coat = within / TRANSFORMATIONS % COATS_EACH;
+        const int body = within / TRANSFORMATIONS / COATS_EACH;
+        const int level = 1 + (coat + body + kind + (int)c) % SIM_DISTORTION_LEVELS;
         struct shape_plan *plan = &maker->plan[i];
         char class_text[CLASS_NAME_MAX];
         class_name(c, class_text, sizeof class_text);
@@ -144,7 +144,7 @@ static int make_shape(const struct shape_maker *maker, size_t number, struct iso
 {
     const struct shape_plan *plan = &maker->plan[number];
     const struct sim_species *species = &sim_species[plan->species];
-    uint64_t seed = maker->options->seed;
+    const uint64_t seed = maker->options->seed;
     struct sim_random grid = sim_random_seeded(seed, 0x67726964, number);
     struct sim_random pose = sim_random_seeded(seed, 0x706f7365, plan->pose_key);
     const struct sim_creature_options options = {(int32_t)maker->options->vertices, plan->pose};
@@ -211,7 +211,7 @@ static int write_manifest(const struct shape_maker *maker, struct iso_fault *fau
     for (int32_t i = 0; i < maker->n; i++) {
         rows[i] = maker->plan[i].row;
     }
-    int error = sim_shape_manifest_write(maker->options->out, rows, maker->n, fault);
+    const int error = sim_shape_manifest_write(maker->options->out, rows, maker->n, fault);
     free(rows);
     return error;
 }

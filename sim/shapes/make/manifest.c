@@ -16,7 +16,7 @@ static const char header[] = "file,class";
 
 static bool is_word(const char *word)
 {
-    size_t length = strlen(word);
+    const size_t length = strlen(word);
     for (size_t i = 0; i < length; i++) {
         unsigned char c = (unsigned char)word[i];
         if (c < ' ' || c == 127 || c == '"') {
@@ -42,7 +42,7 @@ static int parse_rows(const char *name, char *text, struct sim_shape_manifest *m
     }
     while ((line = iso_text_next_line(&lines))) {
         struct sim_shape_row *row = &manifest->rows[manifest->n];
-        size_t n = iso_text_split(line, ',', field, 2);
+        const size_t n = iso_text_split(line, ',', field, 2);
         if (n != 2) {
             return iso_fault_set(fault, -EBADMSG, "%s:%u: %zu fields instead of 2", name,
                                  lines.number, n);
@@ -93,10 +93,10 @@ static int32_t number_of(const struct sim_shape_manifest *manifest, const int32_
                          int32_t i, bool wider, int32_t n_so_far)
 {
     const char *mine = manifest->rows[i].class_name;
-    size_t length = wider ? strcspn(mine, "/") : strlen(mine);
+    const size_t length = wider ? strcspn(mine, "/") : strlen(mine);
     for (int32_t j = 0; j < i; j++) {
         const char *other = manifest->rows[j].class_name;
-        size_t other_length = wider ? strcspn(other, "/") : strlen(other);
+        const size_t other_length = wider ? strcspn(other, "/") : strlen(other);
         if (length == other_length && memcmp(mine, other, length) == 0) {
             return numbers[j];
         }
@@ -107,8 +107,8 @@ static int32_t number_of(const struct sim_shape_manifest *manifest, const int32_
 static void number_classes(struct sim_shape_manifest *manifest)
 {
     for (int32_t i = 0; i < manifest->n; i++) {
-        int32_t c = number_of(manifest, manifest->class_of, i, false, manifest->n_classes);
-        int32_t w = number_of(manifest, manifest->wider_of, i, true, manifest->n_wider);
+        const int32_t c = number_of(manifest, manifest->class_of, i, false, manifest->n_classes);
+        const int32_t w = number_of(manifest, manifest->wider_of, i, true, manifest->n_wider);
         manifest->class_of[i] = c;
         manifest->wider_of[i] = w;
         if (c == manifest->n_classes) {
@@ -121,7 +121,7 @@ static void number_classes(struct sim_shape_manifest *manifest)
 int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shape_manifest **out,
                              struct iso_fault *fault)
 {
-    size_t most = iso_text_line_count(text);
+    const size_t most = iso_text_line_count(text);
     if (most > ROWS_MAX) {
         return iso_fault_set(fault, -EBADMSG, "%s: more than %d rows", name, (int)ROWS_MAX);
     }

@@ -29,13 +29,13 @@ static size_t node_index(const struct sim_field_grid *grid, int i, int j, int k)
 
 static size_t corner_node(const struct sim_field_grid *grid, size_t node, int corner)
 {
-    size_t row = (size_t)grid->nx, sheet = row * (size_t)grid->ny;
+    const size_t row = (size_t)grid->nx, sheet = row * (size_t)grid->ny;
     return node + (corner & 1 ? 1 : 0) + (corner & 2 ? row : 0) + (corner & 4 ? sheet : 0);
 }
 
 static struct iso_vec3 node_place(const struct sim_field_grid *grid, size_t node)
 {
-    size_t nx = (size_t)grid->nx, ny = (size_t)grid->ny;
+    const size_t nx = (size_t)grid->nx, ny = (size_t)grid->ny;
     struct iso_vec3 step = iso_vec3((double)(node % nx), (double)(node / nx % ny),
                                     (double)(node / nx / ny));
     return iso_madd(grid->origin_mm, grid->pitch_mm, step);
@@ -44,14 +44,15 @@ static struct iso_vec3 node_place(const struct sim_field_grid *grid, size_t node
 /* The vertex on the edge between two corners of the cube at `node`, or -ENOMEM. */
 static int32_t edge_vertex(struct march *m, size_t node, int a, int b)
 {
-    int low = a < b ? a : b, high = a < b ? b : a; /* corners of one tetrahedron: low is in high */
-    size_t from = corner_node(m->grid, node, low), to = corner_node(m->grid, node, high);
+    const int low = a < b ? a : b,
+              high = a < b ? b : a; /* corners of one tetrahedron: low is in high */
+    const size_t from = corner_node(m->grid, node, low), to = corner_node(m->grid, node, high);
     int32_t *known = &m->vertex_of_edge[from * EDGE_KINDS + (size_t)(high - low) - 1];
     if (*known == 0) {
         if (iso_mesh_reserve(m->mesh, m->mesh->n_vertices + 1, 0)) {
             return -ENOMEM;
         }
-        double f = m->grid->value[from], t = m->grid->value[to];
+        const double f = m->grid->value[from], t = m->grid->value[to];
         double share = (m->level - f) / (t - f);
         share = fmin(fmax(share, 0.1), 0.9);
         struct iso_vec3 p = node_place(m->grid, from), q = node_place(m->grid, to);
@@ -77,17 +78,17 @@ static int add_triangle(struct march *m, int32_t a, int32_t b, int32_t c)
  * right-handed. */
 static int cut_corner(struct march *m, size_t node, int p, const int q[3], bool inside)
 {
-    int32_t a = edge_vertex(m, node, p, q[0]), b = edge_vertex(m, node, p, q[1]);
-    int32_t c = edge_vertex(m, node, p, q[2]);
+    const int32_t a = edge_vertex(m, node, p, q[0]), b = edge_vertex(m, node, p, q[1]);
+    const int32_t c = edge_vertex(m, node, p, q[2]);
     return inside ? add_triangle(m, a, b, c) : add_triangle(m, a, c, b);
 }
 
 /* Corners p0, p1 inside and q0, q1 outside, (p0, p1, q0, q1) right-handed. */
 static int cut_between(struct march *m, size_t node, const int p[2], const int q[2])
 {
-    int32_t a = edge_vertex(m, node, p[0], q[0]), b = edge_vertex(m, node, p[1], q[0]);
-    int32_t c = edge_vertex(m, node, p[1], q[1]), d = edge_vertex(m, node, p[0], q[1]);
-    int error = add_triangle(m, a, c, b);
+    const int32_t a = edge_vertex(m, node, p[0], q[0]), b = edge_vertex(m, node, p[1], q[0]);
+    const int32_t c = edge_vertex(m, node, p[1], q[1]), d = edge_vertex(m, node, p[0], q[1]);
+    const int error = add_triangle(m, a, c, b);
     if (error) {
         return error;
     }
@@ -160,7 +161,7 @@ int sim_polygonise(const struct sim_field_grid *grid, double level, struct iso_m
     if (grid->nx < 2 || grid->ny < 2 || grid->nz < 2) {
         return -EINVAL;
     }
-    size_t n_nodes = (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz;
+    const size_t n_nodes = (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz;
     struct march m = {.grid = grid, .level = level};
     m.vertex_of_edge = calloc(n_nodes, EDGE_KINDS * sizeof *m.vertex_of_edge);
     int error = m.vertex_of_edge ? iso_mesh_new(1024, 2048, &m.mesh) : -ENOMEM;

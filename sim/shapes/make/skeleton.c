@@ -54,7 +54,7 @@ static void add_bones(const struct sim_limb *limbs, int l, int side, double thic
     if (limb->parent >= 0) {
         parent = grown[limb->parent].bone[limbs[limb->parent].paired ? side : 0][limb->at];
     }
-    int n = count_joints(limb);
+    const int n = count_joints(limb);
     grown[l].bone[side][0] = out->n_bones;
     for (int j = 0; j + 1 < n && out->n_bones < SIM_BONES_MAX; j++) {
         grown[l].bone[side][j + 1] = out->n_bones;

@@ -26,9 +26,9 @@ static void hear_edges(const struct iso_mesh *mesh, struct rings *rings)
 {
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         for (int k = 0; k < 3; k++) {
-            int32_t a = mesh->triangles[t][(k + 1) % 3], b = mesh->triangles[t][(k + 2) % 3];
-            int border = rings->adjacent[t][k] < 0;
-            double weight = border ? 1.0 : 0.5;
+            const int32_t a = mesh->triangles[t][(k + 1) % 3], b = mesh->triangles[t][(k + 2) % 3];
+            const int border = rings->adjacent[t][k] < 0;
+            const double weight = border ? 1.0 : 0.5;
             if (border || !rings->on_boundary[a]) {
                 hear(mesh, rings, a, b, weight);
             }
@@ -41,7 +41,7 @@ static void hear_edges(const struct iso_mesh *mesh, struct rings *rings)
 
 static void step(struct iso_mesh *mesh, struct rings *rings, double factor)
 {
-    size_t n = (size_t)mesh->n_vertices;
+    const size_t n = (size_t)mesh->n_vertices;
     memset(rings->sum, 0, n * sizeof *rings->sum);
     memset(rings->weight, 0, n * sizeof *rings->weight);
     hear_edges(mesh, rings);
@@ -56,16 +56,16 @@ static void step(struct iso_mesh *mesh, struct rings *rings, double factor)
 
 int sim_smooth(struct iso_mesh *mesh, int steps)
 {
-    size_t n = (size_t)mesh->n_vertices;
+    const size_t n = (size_t)mesh->n_vertices;
     struct rings rings = {
         .adjacent = calloc((size_t)mesh->n_triangles, sizeof *rings.adjacent),
         .on_boundary = calloc(n, 1),
         .sum = calloc(n, sizeof *rings.sum),
         .weight = calloc(n, sizeof *rings.weight),
     };
-    int error = rings.adjacent && rings.on_boundary && rings.sum && rings.weight
-                    ? iso_mesh_adjacency(mesh, rings.adjacent)
-                    : -ENOMEM;
+    const int error = rings.adjacent && rings.on_boundary && rings.sum && rings.weight
+                          ? iso_mesh_adjacency(mesh, rings.adjacent)
+                          : -ENOMEM;
     if (!error) {
         iso_mesh_boundary(mesh, (const int32_t(*)[3])rings.adjacent, rings.on_boundary);
     }

@@ -19,7 +19,7 @@ static double step(double x, double width)
 /* How much of the second colour is at a place, 0..1. */
 static double pattern(enum sim_texture texture, uint64_t key, struct iso_vec3 p)
 {
-    double waves = sim_noise3(key, iso_scale(1.0 / 40.0, p));
+    const double waves = sim_noise3(key, iso_scale(1.0 / 40.0, p));
     switch (texture) {
     case SIM_TEXTURE_STRIPES:
         return step(sin(0.45 * (p.z + 0.5 * p.y) + 3.0 * waves), 0.3);
@@ -44,10 +44,10 @@ struct iso_colour sim_texture_colour(enum sim_texture texture, uint64_t key,
         {{0.88f, 0.88f, 0.66f}, {0.20f, 0.42f, 0.18f}},
         {{0.66f, 0.68f, 0.72f}, {0.16f, 0.27f, 0.62f}},
     };
-    float share = (float)pattern(texture, key, rest_mm);
+    const float share = (float)pattern(texture, key, rest_mm);
     struct iso_colour out;
     for (int k = 0; k < 3; k++) {
-        float plain = colours[texture][0][k];
+        const float plain = colours[texture][0][k];
         out.channel[k] = plain + share * (colours[texture][1][k] - plain);
     }
     return out;

@@ -43,8 +43,8 @@ int sim_thin(struct iso_coloured_mesh *coloured, int32_t n_vertices)
     struct sim_decimate_options options = {.n_target = (uint32_t)n_vertices};
     uint32_t n_triangles = (uint32_t)mesh->n_triangles;
     /* Indices are never negative, so that they read the same unsigned. */
-    int error = sim_decimate(mesh->vertices_mm, (uint32_t)mesh->n_vertices, &options,
-                             (uint32_t(*)[3])(void *)mesh->triangles, &n_triangles);
+    const int error = sim_decimate(mesh->vertices_mm, (uint32_t)mesh->n_vertices, &options,
+                                   (uint32_t(*)[3])(void *)mesh->triangles, &n_triangles);
     if (error) {
         return error == -EINVAL ? 0 : error;
     }

@@ -83,7 +83,7 @@ int iso__mesh_build_finish(struct iso__mesh_build *build, struct iso_coloured_me
     const struct iso_mesh *mesh = build->made.mesh;
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         for (int k = 0; k < 3; k++) {
-            int32_t c = mesh->triangles[t][k];
+            const int32_t c = mesh->triangles[t][k];
             if (c < 0 || c >= mesh->n_vertices) {
                 return iso_fault_set(build->fault, -EBADMSG,
                                      "%s: triangle %d has a corner that is none of the %d vertices",
@@ -120,7 +120,7 @@ int iso__mesh_build_place(const struct iso__mesh_build *build, unsigned line, ch
 int iso__mesh_build_colour(const struct iso__mesh_build *build, unsigned line, char *const words[3],
                            struct iso_colour *out)
 {
-    bool fraction = strchr(words[0], '.') || strchr(words[1], '.') || strchr(words[2], '.');
+    const bool fraction = strchr(words[0], '.') || strchr(words[1], '.') || strchr(words[2], '.');
     double most = fraction ? 1.0 : 255.0, v;
     struct iso_colour colour;
     for (int k = 0; k < 3; k++) {

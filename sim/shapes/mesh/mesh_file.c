@@ -35,7 +35,7 @@ int iso_mesh_parse(enum iso_mesh_format format, const char *name, char *bytes, s
     if (error) {
         return error;
     }
-    bool binary = format == ISO_MESH_FORMAT_PLY || format == ISO_MESH_FORMAT_STL;
+    const bool binary = format == ISO_MESH_FORMAT_PLY || format == ISO_MESH_FORMAT_STL;
     if (!binary && memchr(bytes, 0, size)) {
         error = iso_fault_set(fault, -EBADMSG, "%s: not a text file (it holds a NUL byte)", name);
     } else if (format == ISO_MESH_FORMAT_OFF) {
@@ -72,7 +72,8 @@ static int format_of(const char *path, enum iso_mesh_format *out, struct iso_fau
 static int read_tri(const char *path, char **text, struct iso_fault *fault)
 {
     char beside[PATH_MAX];
-    int n = snprintf(beside, sizeof beside, "%.*stri", (int)(strlen(path) - strlen("vert")), path);
+    const int n = snprintf(beside, sizeof beside, "%.*stri", (int)(strlen(path) - strlen("vert")),
+                           path);
     if (n < 0 || n >= (int)sizeof beside) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: name too long", path);
     }

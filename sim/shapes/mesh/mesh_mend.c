@@ -28,7 +28,7 @@ static int compare_places(const void *a, const void *b)
 /* first[v]: the lowest vertex in the place of v. */
 static int find_first(const struct iso_mesh *mesh, int32_t *first)
 {
-    size_t n = (size_t)mesh->n_vertices;
+    const size_t n = (size_t)mesh->n_vertices;
     struct keyed *order = calloc(n, sizeof *order);
     if (!order) {
         return -ENOMEM;
@@ -38,8 +38,8 @@ static int find_first(const struct iso_mesh *mesh, int32_t *first)
     }
     qsort(order, n, sizeof *order, compare_places);
     for (size_t i = 0; i < n; i++) {
-        bool same = i > 0 && order[i].at.x == order[i - 1].at.x &&
-                    order[i].at.y == order[i - 1].at.y && order[i].at.z == order[i - 1].at.z;
+        const bool same = i > 0 && order[i].at.x == order[i - 1].at.x &&
+                          order[i].at.y == order[i - 1].at.y && order[i].at.z == order[i - 1].at.z;
         first[order[i].vertex] = same ? first[order[i - 1].vertex] : order[i].vertex;
     }
     free(order);
@@ -65,8 +65,8 @@ static int compare_corners(const void *a, const void *b)
 static struct corners corners_of(const struct iso_mesh *mesh, const int32_t *first, int32_t t)
 {
     const int32_t *c = mesh->triangles[t];
-    int32_t a = first[c[0]], b = first[c[1]], d = first[c[2]];
-    int32_t low = a < b ? a : b, high = a < b ? b : a;
+    const int32_t a = first[c[0]], b = first[c[1]], d = first[c[2]];
+    const int32_t low = a < b ? a : b, high = a < b ? b : a;
     struct corners out = {.triangle = t};
     out.sorted[0] = d < low ? d : low;
     out.sorted[2] = d > high ? d : high;
@@ -96,8 +96,8 @@ static int find_triangles(const struct iso_mesh *mesh, const int32_t *first, uin
     }
     qsort(order, n, sizeof *order, compare_corners);
     for (size_t i = 0; i < n; i++) {
-        bool same = i > 0 &&
-                    memcmp(order[i].sorted, order[i - 1].sorted, sizeof order[i].sorted) == 0;
+        const bool same = i > 0 &&
+                          memcmp(order[i].sorted, order[i - 1].sorted, sizeof order[i].sorted) == 0;
         keep[order[i].triangle] = !same;
         report->repeated += same;
     }
@@ -112,7 +112,7 @@ static void mix_colours(struct iso_colour *colour, const int32_t *first, int32_t
         count[v] = 1;
     }
     for (int32_t v = 0; v < n; v++) {
-        int32_t f = first[v];
+        const int32_t f = first[v];
         for (int k = 0; f != v && k < 3; k++) {
             float *mean = &colour[f].channel[k];
             *mean += (colour[v].channel[k] - *mean) / (float)(count[f] + 1);
@@ -163,7 +163,7 @@ static void compact(struct iso_coloured_mesh *coloured, const int32_t *first, co
 int iso_mesh_mend(struct iso_coloured_mesh *coloured, struct iso_mesh_mended *report)
 {
     struct iso_mesh *mesh = coloured->mesh;
-    size_t n = (size_t)mesh->n_vertices, n_triangles = (size_t)mesh->n_triangles;
+    const size_t n = (size_t)mesh->n_vertices, n_triangles = (size_t)mesh->n_triangles;
     if (n == 0 || n_triangles == 0) {
         return -EBADMSG;
     }

@@ -11,7 +11,7 @@ static const char *const passed_over[] = {"vn",     "vt",     "vp", "g", "o",   
 static int read_vertex(struct iso__mesh_build *build, unsigned line, char *rest)
 {
     char *words[8];
-    size_t n = iso_text_words(rest, words, 8); /* x y z, x y z w, or x y z r g b */
+    const size_t n = iso_text_words(rest, words, 8); /* x y z, x y z w, or x y z r g b */
     if (n != 3 && n != 4 && n != 6) {
         return iso_fault_set(build->fault, -EBADMSG, "%s:%u: %zu numbers of a vertex", build->name,
                              line, n);
@@ -32,7 +32,7 @@ static int read_vertex(struct iso__mesh_build *build, unsigned line, char *rest)
 static int read_corner(const struct iso__mesh_build *build, unsigned line, char *word, int32_t *out)
 {
     size_t index = 0;
-    int32_t n_vertices = build->made.mesh->n_vertices;
+    const int32_t n_vertices = build->made.mesh->n_vertices;
     const char *digits = word[0] == '-' ? word + 1 : word;
     char *slash = strchr(word, '/'), after = '\0';
     if (slash) {

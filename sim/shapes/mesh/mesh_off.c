@@ -50,7 +50,7 @@ static int read_header(struct iso__mesh_build *build, struct iso_text_lines *lin
 static int read_vertex(struct iso__mesh_build *build, struct iso_text_lines *lines, bool coloured)
 {
     char *words[WORDS_MAX];
-    size_t n = next_words(lines, words, WORDS_MAX);
+    const size_t n = next_words(lines, words, WORDS_MAX);
     if (n == 0) {
         return ends_early(build, "vertices");
     }
@@ -96,7 +96,7 @@ static int read_face(struct iso__mesh_build *build, struct iso_text_lines *lines
     if (!line) {
         return ends_early(build, "faces");
     }
-    unsigned number = lines->number;
+    const unsigned number = lines->number;
     size_t n = 0;
     word = strtok_r(line, " \t", &rest);
     if (iso_text_count(word, &n) || n < 3 || n > (size_t)ISO__MESH_CORNERS_MOST) {

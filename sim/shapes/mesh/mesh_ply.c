@@ -75,7 +75,8 @@ static enum meaning meaning_of(const struct element *element, bool list, const c
     } of_vertices[] = {{"x", X},     {"y", Y},         {"z", Z},
                        {"red", RED}, {"green", GREEN}, {"blue", BLUE}};
     if (element->face && list) {
-        bool corners = strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0;
+        const bool corners = strcmp(name, "vertex_indices") == 0 ||
+                             strcmp(name, "vertex_index") == 0;
         return corners ? CORNERS : NOTHING;
     }
     for (size_t i = 0; element->vertex && !list && i < sizeof of_vertices / sizeof *of_vertices;
@@ -90,15 +91,15 @@ static enum meaning meaning_of(const struct element *element, bool list, const c
 /* "property TYPE NAME" or "property list COUNT_TYPE TYPE NAME". */
 static int read_property(struct ply *ply, char **words, size_t n)
 {
-    int last = ply->n_elements - 1;
+    const int last = ply->n_elements - 1;
     if (last < 0 || ply->element[last].n_properties == PROPERTIES_MAX) {
         return refuse_file(ply, "a property too many:", words[n - 1]);
     }
     struct element *element = &ply->element[last];
     struct property property = {.list = n == 5 && strcmp(words[1], "list") == 0};
-    bool known = property.list
-                     ? type_of(words[2], &property.count_type) && type_of(words[3], &property.type)
-                     : n == 3 && type_of(words[1], &property.type);
+    const bool known = property.list ? type_of(words[2], &property.count_type) &&
+                                           type_of(words[3], &property.type)
+                                     : n == 3 && type_of(words[1], &property.type);
     if (!known || (property.list && property.count_type >= FLOAT32)) {
         return refuse_file(ply, "bad type of property", words[n - 1]);
     }
@@ -163,7 +164,7 @@ static int read_header(struct ply *ply)
                              ply->build->name);
     }
     while ((line = header_line(ply))) {
-        size_t n = iso_text_words(line, words, 5);
+        const size_t n = iso_text_words(line, words, 5);
         int error = 0;
         if (n == 0 || strcmp(words[0], "comment") == 0 || strcmp(words[0], "obj_info") == 0) {
             continue;
@@ -200,7 +201,7 @@ static uint64_t read_bits(const struct ply *ply, size_t n)
 {
     uint64_t bits = 0;
     for (size_t i = 0; i < n; i++) {
-        size_t from = ply->encoding == LITTLE ? n - 1 - i : i;
+        const size_t from = ply->encoding == LITTLE ? n - 1 - i : i;
         bits = bits << 8 | (uint8_t)ply->at[from];
     }
     return bits;
@@ -253,7 +254,7 @@ static int read_list(struct ply *ply, const struct property *property)
 {
     double count, value;
     int32_t corner[3];
-    bool corners = property->meaning == CORNERS;
+    const bool corners = property->meaning == CORNERS;
     int error = read_value(ply, property->count_type, &count);
     if (!error && !(count >= (corners ? 3.0 : 0.0) && count <= (double)ISO__MESH_CORNERS_MOST)) {
         return refuse_file(ply, "bad length of", "a list");
@@ -291,8 +292,9 @@ static int read_one(struct ply *ply, const struct element *element)
     for (int p = 0; p < element->n_properties; p++) {
         const struct property *property = &element->property[p];
         const double full = full_scale(property->type);
-        int error = property->list ? read_list(ply, property)
-                                   : read_value(ply, property->type, &value[property->meaning]);
+        const int error = property->list
+                              ? read_list(ply, property)
+                              : read_value(ply, property->type, &value[property->meaning]);
         if (error) {
             return error;
         }
@@ -340,7 +342,7 @@ static int read_body(struct ply *ply)
     for (int e = 0; e < ply->n_elements; e++) {
         for (size_t i = 0; i < ply->element[e].count && ply->element[e].n_properties > 0; i++) {
             ply->line = (unsigned)i + 1;
-            int error = read_one(ply, &ply->element[e]);
+            const int error = read_one(ply, &ply->element[e]);
             if (error) {
                 return error;
             }

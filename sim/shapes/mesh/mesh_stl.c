@@ -12,7 +12,7 @@ enum { HEADER_BYTES = 80, FIRST_BYTE = HEADER_BYTES + 4, TRIANGLE_BYTES = 50 };
 static int add_corner(struct iso__mesh_build *build, unsigned line, struct iso_vec3 at_mm)
 {
     int error = iso__mesh_build_vertex(build, line, at_mm, NULL);
-    int32_t n = build->made.mesh->n_vertices;
+    const int32_t n = build->made.mesh->n_vertices;
     if (!error && n % 3 == 0) {
         error = iso__mesh_build_triangle(build, line, (int32_t[3]){n - 3, n - 2, n - 1});
     }
@@ -32,7 +32,7 @@ static int read_binary(struct iso__mesh_build *build, const uint8_t *bytes, uint
                                      "%s: triangle %u has a corner that is not finite", build->name,
                                      (unsigned)t + 1);
             }
-            int error = add_corner(build, t + 1, p);
+            const int error = add_corner(build, t + 1, p);
             if (error) {
                 return error;
             }
@@ -85,7 +85,7 @@ int iso__mesh_read_stl(struct iso__mesh_build *build, char *bytes, size_t size)
 {
     const uint8_t *binary = (const uint8_t *)bytes;
     if (size >= FIRST_BYTE) { /* binary files may begin with "solid" too: their size tells */
-        uint32_t n = iso_get_u32(binary + HEADER_BYTES);
+        const uint32_t n = iso_get_u32(binary + HEADER_BYTES);
         if (size - FIRST_BYTE == (size_t)n * TRIANGLE_BYTES) {
             return read_binary(build, binary, n);
         }

@@ -90,7 +90,7 @@ static int write_file(const char *path, body_writer *body, const struct iso_colo
         return iso_fault_set(fault, -errno, "%s: %m", path);
     }
     body(mesh, out);
-    int failed = ferror(out);
+    const int failed = ferror(out);
     return fclose(out) != 0 || failed ? iso_fault_set(fault, -EIO, "%s: cannot be written", path)
                                       : 0;
 }
@@ -108,11 +108,11 @@ int sim_mesh_write(const char *path, const struct iso_coloured_mesh *mesh, struc
         return iso_fault_set(fault, -ENOTSUP, "%s: not named .off, .ply or .vert", path);
     }
     char tri[PATH_MAX];
-    int n = snprintf(tri, sizeof tri, "%.*stri", (int)(dot + 1 - path), path);
+    const int n = snprintf(tri, sizeof tri, "%.*stri", (int)(dot + 1 - path), path);
     if (n < 0 || n >= (int)sizeof tri) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: name too long", path);
     }
-    int error = write_file(path, write_vert, mesh, fault);
+    const int error = write_file(path, write_vert, mesh, fault);
     if (error) {
         return error;
     }

@@ -64,8 +64,8 @@ static int describe(const struct work *work, const struct iso_shape *shape, int3
 {
     const struct sim_bank_options *options = work->options;
     for (int m = 0; m < options->n_methods; m++) {
-        double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
-        int error = iso_shape_describe(
+        const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+        const int error = iso_shape_describe(
             options->methods[m], shape,
             &work->bank->description[(size_t)m * (size_t)work->bank->n + (size_t)number]);
         if (error) {
@@ -101,10 +101,10 @@ static int describe_one(void *context, int worker, size_t number)
     struct iso_shape *shape = NULL;
     struct iso_fault fault = {.text = ""};
     double *seconds = calloc((size_t)work->options->n_methods, sizeof *seconds);
-    double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+    const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
     (void)worker;
     int error = seconds ? make_shape(work, row, &shape, &n_vertices, &fault) : -ENOMEM;
-    double shape_seconds = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
+    const double shape_seconds = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
     if (!error) {
         error = describe(work, shape, (int32_t)number, seconds);
     }
@@ -133,7 +133,7 @@ static int allocate(const struct sim_bank_options *options, struct sim_bank **ou
     }
     bank->n_methods = options->n_methods;
     bank->n = options->rows ? options->n_rows : options->manifest->n;
-    size_t n = (size_t)bank->n, n_methods = (size_t)bank->n_methods;
+    const size_t n = (size_t)bank->n, n_methods = (size_t)bank->n_methods;
     bank->row = calloc(n, sizeof *bank->row);
     bank->description = calloc(n * n_methods, sizeof(void *));
     bank->seconds = calloc(n_methods, sizeof *bank->seconds);
@@ -152,7 +152,7 @@ int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
                  struct iso_fault *fault)
 {
     struct work work = {.options = options, .fault = fault, .lock = PTHREAD_MUTEX_INITIALIZER};
-    double start = seconds_of(CLOCK_MONOTONIC);
+    const double start = seconds_of(CLOCK_MONOTONIC);
     if (fault) {
         fault->text[0] = '\0';
     }

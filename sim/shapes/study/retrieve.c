@@ -24,7 +24,7 @@ static int code_all(const struct sim_features *features, const struct sim_bank *
 
 static int add_items(struct sim_features *features)
 {
-    size_t n = (size_t)features->items->n;
+    const size_t n = (size_t)features->items->n;
     features->layout = iso_shape_coder_layout(features->coder);
     features->item = calloc(n * (size_t)features->layout->size, sizeof *features->item);
     features->item_class = calloc(n, sizeof *features->item_class);
@@ -49,14 +49,14 @@ static void drop_queries(struct sim_features *features)
 
 int sim_features_ask(struct sim_features *features, const struct sim_bank *queries)
 {
-    size_t n = (size_t)queries->n, bytes = (size_t)features->layout->size * sizeof(float);
+    const size_t n = (size_t)queries->n, bytes = (size_t)features->layout->size * sizeof(float);
     struct sim_features asked = *features;
     asked.queries = queries;
     asked.query = calloc(n, bytes);
     asked.query_class = calloc(n, sizeof *asked.query_class);
     asked.query_wider = calloc(n, sizeof *asked.query_wider);
     asked.own = calloc(n, sizeof *asked.own);
-    bool room = asked.query && asked.query_class && asked.query_wider && asked.own;
+    const bool room = asked.query && asked.query_class && asked.query_wider && asked.own;
     int error = room ? 0 : -ENOMEM;
     for (size_t q = 0; room && q < n; q++) {
         asked.query_class[q] = features->manifest->class_of[queries->row[q]];
@@ -191,7 +191,7 @@ static int classify_one(void *context, int worker, size_t query)
     const struct classification *c = context;
     const struct sim_features *f = c->features;
     struct iso_labelled others = labelled_items(f);
-    size_t size = (size_t)f->layout->size, own = (size_t)f->own[query], n = (size_t)others.n;
+    const size_t size = (size_t)f->layout->size, own = (size_t)f->own[query], n = (size_t)others.n;
     float *feature = calloc(n * size, sizeof *feature);
     int32_t *labels = calloc(n, sizeof *labels);
     struct iso_classifier *classifier = NULL;
@@ -223,7 +223,7 @@ int sim_features_classify(const struct sim_features *features, const struct iso_
                           struct iso_confusion_rates *out)
 {
     struct iso_labelled items = labelled_items(features);
-    int32_t n_queries = features->queries->n;
+    const int32_t n_queries = features->queries->n;
     double *score = calloc((size_t)n_queries * (size_t)items.n_classes, sizeof *score);
     if (!score) {
         return -ENOMEM;

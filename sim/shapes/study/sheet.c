@@ -32,7 +32,7 @@ static struct sim_view view_of(const struct iso_mesh *mesh)
         low = iso_vec3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
         high = iso_vec3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
     }
-    double size = iso_norm(iso_sub(high, low));
+    const double size = iso_norm(iso_sub(high, low));
     return (struct sim_view){
         .yaw_rad = 0.7,
         .pitch_rad = 0.35,
@@ -101,7 +101,7 @@ static int draw_cell(cairo_t *cr, const struct sheet *sheet, int row, int column
         return iso_fault_set(fault, error, "%s: cannot be drawn: %s",
                              sheet->how->manifest->rows[cell->row].file, strerror(-error));
     }
-    double x = column * CELL_PX, y = row * (CELL_PX + LABEL_PX);
+    const double x = column * CELL_PX, y = row * (CELL_PX + LABEL_PX);
     cairo_set_source_surface(cr, picture, x, y);
     cairo_paint(cr);
     cairo_surface_destroy(picture);
@@ -155,7 +155,7 @@ int sim_sheet_classes(const struct sim_bank_options *how, int columns, const cha
     int filled[ROWS_MAX] = {0};
     clear_sheet(&sheet, how, how->manifest->n_classes, columns);
     for (int32_t i = 0; i < how->manifest->n; i++) {
-        int32_t c = how->manifest->class_of[i];
+        const int32_t c = how->manifest->class_of[i];
         if (c < sheet.n_rows && filled[c] < sheet.n_columns) {
             sheet.cell[c][filled[c]++].row = i;
         }
@@ -172,7 +172,7 @@ static void fill_matches(struct sheet *sheet, int r, const struct sim_features *
     for (int c = 1; c < sheet->n_columns; c++) {
         int32_t best = -1;
         for (int32_t i = 0; i < features->items->n; i++) {
-            bool after = distance[i] > last || (distance[i] == last && i > last_item);
+            const bool after = distance[i] > last || (distance[i] == last && i > last_item);
             if (i != features->own[query] && after && (best < 0 || distance[i] < distance[best])) {
                 best = i;
             }
@@ -195,7 +195,7 @@ int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_featu
     bool shown[ROWS_MAX] = {false};
     clear_sheet(&sheet, how, features->manifest->n_classes, columns);
     for (int32_t q = 0; q < features->queries->n; q++) {
-        int32_t c = features->query_class[q];
+        const int32_t c = features->query_class[q];
         if (c < sheet.n_rows && !shown[c]) {
             shown[c] = true;
             sheet.cell[c][0].row = features->queries->row[q];

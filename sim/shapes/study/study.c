@@ -15,7 +15,7 @@ static int find_colours(const struct sim_study *study, bool *coloured, struct is
 {
     struct sim_bank_options plain = {.corpus = study->options->corpus, .manifest = study->manifest};
     struct iso_coloured_mesh mesh = {NULL, NULL};
-    int error = sim_bank_read(&plain, 0, &mesh, fault);
+    const int error = sim_bank_read(&plain, 0, &mesh, fault);
     *coloured = mesh.colour != NULL;
     iso_coloured_mesh_done(&mesh);
     return error;
@@ -31,7 +31,7 @@ static int choose_methods(struct sim_study *study, struct iso_fault *fault)
         return study->method[0] ? 0
                                 : iso_fault_set(fault, -EINVAL, "--method: '%s' is unknown", name);
     }
-    int error = find_colours(study, &coloured, fault);
+    const int error = find_colours(study, &coloured, fault);
     for (int m = 0; !error && iso_shape_methods[m] && study->n_methods < SIM_STUDY_METHODS_MAX;
          m++) {
         if (coloured || !iso_shape_methods[m]->colour) {
@@ -158,7 +158,7 @@ int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     study->options = options;
-    int error = run_study(study, out, fault);
+    const int error = run_study(study, out, fault);
     if (error && fault->text[0] == '\0') {
         (void)iso_fault_set(fault, error, "%s: %s", options->corpus, strerror(-error));
     }

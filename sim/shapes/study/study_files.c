@@ -58,7 +58,7 @@ static int plot_curves(const struct sim_study *study, struct iso_fault *fault)
         .n_series = n,
         .series = series,
     };
-    int error = iso_path_join(study->options->out, "precision-recall.png", path, fault);
+    const int error = iso_path_join(study->options->out, "precision-recall.png", path, fault);
     return error || n == 0 ? error : sim_plot_write(&plot, path, fault);
 }
 

@@ -42,7 +42,7 @@ struct confusion {
 static void write_confusion(const void *context, FILE *out)
 {
     const struct confusion *confusion = context;
-    int32_t n = confusion->manifest->n_classes;
+    const int32_t n = confusion->manifest->n_classes;
     fputs("class", out);
     for (int32_t told = 0; told < n; told++) {
         fprintf(out, ",%s", confusion->manifest->class_name[told]);
@@ -63,7 +63,7 @@ static int directory_of(const struct sim_study *study, const struct sim_study_re
 {
     char name[128];
     (void)snprintf(name, sizeof name, "%s-%s", result->method->name, result->classifier->name);
-    int error = iso_path_join(study->options->out, name, directory, fault);
+    const int error = iso_path_join(study->options->out, name, directory, fault);
     if (error) {
         return error;
     }
@@ -92,7 +92,7 @@ static int save_matrix(const struct sim_study *study, const struct sim_study_res
 static int measure_classes(const struct sim_study *study, const struct sim_features *features,
                            struct sim_study_result *result, struct iso_fault *fault)
 {
-    size_t n = (size_t)study->manifest->n_classes;
+    const size_t n = (size_t)study->manifest->n_classes;
     int32_t *count = calloc(n * n, sizeof *count);
     char directory[PATH_MAX];
     int error = count ? sim_features_classify(features, result->classifier, study->options->seed,

@@ -112,7 +112,7 @@ static void print_row(const struct sim_paper_table *table, int r, const struct m
                       FILE *out)
 {
     const struct sim_paper_row *row = &table->rows[r];
-    int n = sim_paper_n_columns(table->columns);
+    const int n = sim_paper_n_columns(table->columns);
     char what[32] = "";
     if (row->distortion.level > 0) {
         (void)snprintf(what, sizeof what, "%s:%d", sim_distortion_name(row->distortion.kind),
@@ -136,7 +136,7 @@ static void print_header(const struct sim_paper_table *table,
                          const struct sim_tables_corpus *corpus, FILE *out)
 {
     static const char *const sets[SIM_PAPER_SETS] = {"nonrigid world", "SHREC'11", "SHREC'13"};
-    int n = sim_paper_n_columns(table->columns);
+    const int n = sim_paper_n_columns(table->columns);
     fprintf(out, "\nTable %s. %s. Ours: %s; dissertation's: %s\n", table->number, table->title,
             corpus->directory, sets[table->set]);
     fprintf(out, "  %-37s |", "");
@@ -158,7 +158,7 @@ static void write_csv(const void *context, FILE *out)
             const struct sim_paper_row *row = &table->rows[r];
             const struct measured *m = &tables->measured[t][r];
             for (int i = 0; i < sim_paper_n_columns(table->columns); i++) {
-                bool distorted = row->distortion.level > 0;
+                const bool distorted = row->distortion.level > 0;
                 fprintf(
                     out, "%s,%s,%s,%d,%s,%d,%d,%s,", table->number,
                     row->method ? row->method : row->title, row->classifier ? row->classifier : "",
@@ -264,7 +264,7 @@ int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struc
     }
     tables->options = options;
     assign_corpora(tables);
-    int error = run_tables(tables, out, fault);
+    const int error = run_tables(tables, out, fault);
     if (error && fault->text[0] == '\0') {
         (void)iso_fault_set(fault, error, "%s", strerror(-error));
     }

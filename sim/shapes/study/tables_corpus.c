@@ -25,11 +25,11 @@ static int choose_queries(const struct sim_tables_options *options,
                           struct sim_tables_corpus *corpus)
 {
     const struct sim_shape_manifest *manifest = corpus->manifest;
-    size_t wanted = options->queries;
+    const size_t wanted = options->queries;
     corpus->query_row = calloc((size_t)manifest->n, sizeof *corpus->query_row);
     int32_t *turn = calloc((size_t)manifest->n, sizeof *turn);
     int32_t *seen = calloc((size_t)manifest->n_classes, sizeof *seen);
-    int error = corpus->query_row && turn && seen ? 0 : -ENOMEM;
+    const int error = corpus->query_row && turn && seen ? 0 : -ENOMEM;
     for (int32_t i = 0; !error && i < manifest->n; i++) {
         turn[i] = seen[manifest->class_of[i]]++;
     }
@@ -116,7 +116,7 @@ int sim_tables_corpus_queries(struct sim_tables_corpus *corpus, struct sim_disto
         how.rows = corpus->query_row;
         how.n_rows = corpus->n_queries;
         how.distortion = &distortion;
-        int error = sim_bank_new(&how, known, fault);
+        const int error = sim_bank_new(&how, known, fault);
         if (error) {
             return error;
         }
@@ -128,7 +128,7 @@ int sim_tables_corpus_queries(struct sim_tables_corpus *corpus, struct sim_disto
 int sim_tables_corpus_features(struct sim_tables_corpus *corpus, const char *method, int size,
                                uint64_t seed, struct sim_features **out)
 {
-    int m = index_of(corpus, method);
+    const int m = index_of(corpus, method);
     for (int i = 0; i < corpus->n_cached; i++) {
         if (corpus->cache[i].method == m && corpus->cache[i].size == size) {
             *out = corpus->cache[i].features;
@@ -140,7 +140,7 @@ int sim_tables_corpus_features(struct sim_tables_corpus *corpus, const char *met
     }
     const struct sim_features_options how = {
         .method = corpus->method[m], .index = m, .size = size, .seed = seed};
-    int error = sim_features_new(corpus->manifest, corpus->items, &how, out);
+    const int error = sim_features_new(corpus->manifest, corpus->items, &how, out);
     if (!error) {
         corpus->cache[corpus->n_cached].method = m;
         corpus->cache[corpus->n_cached].size = size;

@@ -56,7 +56,7 @@ struct neighbours {
 
 static void add_plane(struct quadric *q, struct iso_vec3 n, struct iso_vec3 point, double weight)
 {
-    double d = -iso_dot(n, point);
+    const double d = -iso_dot(n, point);
     q->axx += weight * n.x * n.x;
     q->axy += weight * n.x * n.y;
     q->axz += weight * n.x * n.z;
@@ -99,7 +99,7 @@ static struct iso_vec3 normal_of(const struct iso_vec3 p[3])
 static double quality_of(const struct iso_vec3 p[3])
 {
     struct iso_vec3 a = iso_sub(p[1], p[0]), b = iso_sub(p[2], p[1]), c = iso_sub(p[0], p[2]);
-    double sum = iso_dot(a, a) + iso_dot(b, b) + iso_dot(c, c);
+    const double sum = iso_dot(a, a) + iso_dot(b, b) + iso_dot(c, c);
     return sum > 0.0 ? 2.0 * sqrt(3.0) * iso_norm(iso_cross(a, b)) / sum : 0.0;
 }
 
@@ -154,8 +154,8 @@ static uint32_t shared_triangles(const struct state *s, uint32_t v, uint32_t u)
 static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
                             const struct neighbours *around_v)
 {
-    uint32_t n_shared = shared_triangles(s, v, u);
-    bool inner = around_v->n == s->fan[v].n, border = around_v->n == s->fan[v].n + 1;
+    const uint32_t n_shared = shared_triangles(s, v, u);
+    const bool inner = around_v->n == s->fan[v].n, border = around_v->n == s->fan[v].n + 1;
     if (!(inner && n_shared == 2) && !(border && n_shared == 1)) {
         return false;
     }
@@ -171,7 +171,7 @@ static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
 static bool shape_allows(const struct state *s, uint32_t v, uint32_t u)
 {
     for (uint32_t i = 0; i < s->fan[v].n; i++) {
-        uint32_t t = s->fan[v].triangle[i];
+        const uint32_t t = s->fan[v].triangle[i];
         if (has_corner(s->triangles[t], u)) {
             continue;
         }
@@ -181,7 +181,7 @@ static bool shape_allows(const struct state *s, uint32_t v, uint32_t u)
             after[k] = s->triangles[t][k] == v ? s->p[u] : before[k];
         }
         struct iso_vec3 n0 = normal_of(before), n1 = normal_of(after);
-        double quality = quality_of(after);
+        const double quality = quality_of(after);
         if (iso_dot(n0, n1) < turn_cos_min * iso_norm(n0) * iso_norm(n1) ||
             (quality < quality_min && quality < quality_of(before))) {
             return false;
@@ -195,7 +195,7 @@ static double cost_of(const struct state *s, uint32_t v, uint32_t u)
     struct quadric q = s->quadric[v];
     add_quadric(&q, &s->quadric[u]);
     struct iso_vec3 edge = iso_sub(s->p[u], s->p[v]);
-    double importance = s->options->importance ? s->options->importance[v] : 1.0;
+    const double importance = s->options->importance ? s->options->importance[v] : 1.0;
     return importance * (fmax(quadric_at(&q, s->p[u]), 0.0) +
                          length_weight * s->quadric[v].area_mm2 * iso_dot(edge, edge));
 }
@@ -206,8 +206,8 @@ static void find_best(struct state *s, uint32_t v)
     if (s->fan[v].n > 0 && !(s->options->keep && s->options->keep[v])) {
         struct neighbours around = neighbours_of(s, v);
         for (uint32_t i = 0; i < around.n; i++) {
-            uint32_t u = around.vertex[i];
-            double cost = cost_of(s, v, u);
+            const uint32_t u = around.vertex[i];
+            const double cost = cost_of(s, v, u);
             if (cost < best.cost && topology_allows(s, v, u, &around) && shape_allows(s, v, u)) {
                 best = (struct merge){u, cost};
             }
@@ -231,7 +231,7 @@ static void merge_into(struct state *s, uint32_t v, uint32_t u)
     struct fan fan = s->fan[v];
     s->fan[v].n = 0;
     for (uint32_t i = 0; i < fan.n; i++) {
-        uint32_t t = fan.triangle[i];
+        const uint32_t t = fan.triangle[i];
         uint32_t *corner = s->triangles[t];
         if (has_corner(corner, u)) {
             for (int k = 0; k < 3; k++) {
@@ -266,15 +266,15 @@ static void add_triangle_quadrics(struct state *s, uint32_t t)
     struct iso_vec3 p[3];
     corners_of(s, t, p);
     struct iso_vec3 normal = normal_of(p), unit = iso_unit(normal);
-    double area = 0.5 * iso_norm(normal);
+    const double area = 0.5 * iso_norm(normal);
     for (int k = 0; k < 3; k++) {
-        uint32_t v = s->triangles[t][k], w = s->triangles[t][(k + 1) % 3];
+        const uint32_t v = s->triangles[t][k], w = s->triangles[t][(k + 1) % 3];
         add_plane(&s->quadric[v], unit, p[k], area / 3.0);
         s->quadric[v].area_mm2 += area / 3.0;
         if (shared_triangles(s, v, w) == 1) {
             struct iso_vec3 edge = iso_sub(p[(k + 1) % 3], p[k]);
             struct iso_vec3 across = iso_unit(iso_cross(edge, unit));
-            double weight = boundary_weight * iso_dot(edge, edge);
+            const double weight = boundary_weight * iso_dot(edge, edge);
             add_plane(&s->quadric[v], across, p[k], weight);
             add_plane(&s->quadric[w], across, p[k], weight);
         }
@@ -312,7 +312,7 @@ static void run_collapses(struct state *s)
         for (uint32_t i = 1; i < s->n_vertices; i++) {
             v = s->best[i].cost < s->best[v].cost ? i : v;
         }
-        uint32_t u = s->best[v].into;
+        const uint32_t u = s->best[v].into;
         if (u == NONE) {
             return;
         }
@@ -333,7 +333,7 @@ int sim_decimate(const struct iso_vec3 *vertices_mm, uint32_t n_vertices,
                       .fan = calloc(n_vertices, sizeof *s.fan),
                       .quadric = calloc(n_vertices, sizeof *s.quadric),
                       .best = calloc(n_vertices, sizeof *s.best)};
-    int error = s.fan && s.quadric && s.best ? set_up(&s, *n_triangles) : -ENOMEM;
+    const int error = s.fan && s.quadric && s.best ? set_up(&s, *n_triangles) : -ENOMEM;
     if (!error) {
         run_collapses(&s);
         uint32_t n = 0;

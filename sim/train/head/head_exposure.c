@@ -86,11 +86,11 @@ static void look(struct exposure *e, double yaw_rad, double pitch_rad)
             !iso_camera_project(&e->raster.camera, e->seen_mm[i], &u, &v)) {
             continue;
         }
-        int column = (int)lrint(u), row = (int)lrint(v);
+        const int column = (int)lrint(u), row = (int)lrint(v);
         if (column < 0 || row < 0 || column >= SIDE_PX || row >= SIDE_PX) {
             continue;
         }
-        double front_mm = (double)e->raster.depth_mm[row * SIDE_PX + column];
+        const double front_mm = (double)e->raster.depth_mm[row * SIDE_PX + column];
         e->faced[i]++;
         e->shown[i] += !(front_mm > 0.0) || e->seen_mm[i].z - front_mm <= hidden_mm;
     }
@@ -102,7 +102,7 @@ int sim_head_exposure(const struct sim_head_surface *surface, double *exposure)
     enum { YAWS = sizeof yaws_deg / sizeof *yaws_deg };
     enum { PITCHES = sizeof pitches_deg / sizeof *pitches_deg };
     struct exposure e;
-    int error = prepare(surface, &e);
+    const int error = prepare(surface, &e);
     for (int y = 0; !error && y < YAWS; y++) {
         for (int p = 0; p < PITCHES; p++) {
             look(&e, yaws_deg[y] * M_PI / 180.0, pitches_deg[p] * M_PI / 180.0);

@@ -27,7 +27,7 @@ static uint8_t shade_of(const struct iso_vec3 p[3])
 {
     const struct iso_vec3 to_light = {0.4, -0.4, -0.82};
     struct iso_vec3 normal = iso_unit(iso_cross(iso_sub(p[1], p[0]), iso_sub(p[2], p[0])));
-    double light = iso_dot(normal, to_light);
+    const double light = iso_dot(normal, to_light);
     return (uint8_t)(50.0 + 205.0 * (light > 0.0 ? light : 0.0));
 }
 
@@ -35,11 +35,11 @@ static uint8_t shade_of(const struct iso_vec3 p[3])
 static bool on_edge(const struct iso_vec3 p[3], const float weight[2])
 {
     double w[3] = {1.0 - (double)(weight[0] + weight[1]), (double)weight[0], (double)weight[1]};
-    double twice_area = (p[1].x - p[0].x) * (p[2].y - p[0].y) -
-                        (p[1].y - p[0].y) * (p[2].x - p[0].x);
+    const double twice_area = (p[1].x - p[0].x) * (p[2].y - p[0].y) -
+                              (p[1].y - p[0].y) * (p[2].x - p[0].x);
     for (int k = 0; k < 3; k++) {
         struct iso_vec3 opposite = iso_sub(p[(k + 2) % 3], p[(k + 1) % 3]);
-        double height_mm = fabs(twice_area) / hypot(opposite.x, opposite.y);
+        const double height_mm = fabs(twice_area) / hypot(opposite.x, opposite.y);
         if (w[k] * height_mm < 0.5 * pitch_mm) {
             return true;
         }

@@ -19,7 +19,7 @@ bool sim_head_in_face(const struct sim_head_surface *surface, uint32_t vertex)
 {
     const uint32_t *source = surface->vertices[vertex].source;
     struct iso_vec3 p = surface->mean_mm[vertex];
-    double chin = surface->mean_mm[surface->landmarks[CHIN_IBUG]].y;
+    const double chin = surface->mean_mm[surface->landmarks[CHIN_IBUG]].y;
     return source[0] < SIM_ICT_NARROW_FACE_END && source[1] < SIM_ICT_NARROW_FACE_END &&
            p.y <= face_top_mm && p.y >= chin - under_chin_mm && p.z >= -face_depth_mm;
 }
@@ -34,7 +34,7 @@ void sim_head_importance(const struct sim_head_surface *surface, const double *e
             struct iso_vec3 landmark = surface->mean_mm[surface->landmarks[k]];
             nearest_mm = fmin(nearest_mm, iso_norm(iso_sub(surface->mean_mm[i], landmark)));
         }
-        double s = nearest_mm / reach_mm;
+        const double s = nearest_mm / reach_mm;
         importance[i] = (sim_head_in_face(surface, i) ? 1.0 : outside) + at_feature * exp(-s * s);
         importance[i] *= !sim_head_is_exposed(exposure[i]) ? hidden : 1.0;
     }
@@ -60,7 +60,7 @@ static bool on_lids(const struct sim_head_surface *surface, uint32_t vertex)
     for (int eye = 0; eye < 2; eye++) {
         struct iso_vec3 sum = {0.0, 0.0, 0.0};
         for (int k = 0; k < EYE_POINTS; k++) {
-            uint32_t v = surface->landmarks[EYES_IBUG + eye * EYE_POINTS + k];
+            const uint32_t v = surface->landmarks[EYES_IBUG + eye * EYE_POINTS + k];
             sum = iso_add(sum, surface->mean_mm[v]);
         }
         struct iso_vec3 centre = iso_scale(1.0 / EYE_POINTS, sum);
@@ -74,7 +74,7 @@ static bool on_lids(const struct sim_head_surface *surface, uint32_t vertex)
 void sim_head_regions(const struct sim_head_surface *surface, const double *exposure,
                       const double *expression_rms_mm, uint8_t *region)
 {
-    double upper_lip = surface->mean_mm[surface->landmarks[SUBNASALE_IBUG]].y;
+    const double upper_lip = surface->mean_mm[surface->landmarks[SUBNASALE_IBUG]].y;
     for (uint32_t i = 0; i < surface->n_vertices; i++) {
         region[i] = 0;
         if (!sim_head_in_face(surface, i) || !sim_head_is_exposed(exposure[i])) {

@@ -53,7 +53,7 @@ int sim_surface_add_triangle(struct sim_surface_builder *builder, uint32_t a, ui
 
 static int compare_u64(const void *a, const void *b)
 {
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
     return (x > y) - (x < y);
 }
 
@@ -65,7 +65,7 @@ static uint64_t edge_key(uint32_t from, uint32_t to)
 /* next[v]: where the boundary goes on from v, the surface on its left; NONE inside. */
 static int find_boundary(const struct sim_head_surface *surface, uint32_t *next)
 {
-    size_t n = 3 * (size_t)surface->n_triangles;
+    const size_t n = 3 * (size_t)surface->n_triangles;
     uint64_t *edges = malloc(n * sizeof *edges);
     if (!edges) {
         return -ENOMEM;
@@ -80,7 +80,7 @@ static int find_boundary(const struct sim_head_surface *surface, uint32_t *next)
     }
     int error = 0;
     for (size_t i = 0; i < n && !error; i++) {
-        uint32_t from = (uint32_t)(edges[i] >> 32), to = (uint32_t)edges[i];
+        const uint32_t from = (uint32_t)(edges[i] >> 32), to = (uint32_t)edges[i];
         uint64_t back = edge_key(to, from);
         if (bsearch(&back, edges, n, sizeof *edges, compare_u64)) {
             continue;
@@ -99,7 +99,7 @@ static int take_rim(const struct sim_head_surface *surface, uint32_t start, uint
     rim->n = 0;
     *length_mm = 0.0;
     for (uint32_t v = start;;) {
-        uint32_t w = next[v];
+        const uint32_t w = next[v];
         if (w == NONE) {
             return -EINVAL;
         }
@@ -128,7 +128,7 @@ static int add_strip(struct sim_surface_builder *builder, const struct chain *up
             along_upper = iso_norm(iso_sub(p[u[i + 1]], p[l[j]])) <
                           iso_norm(iso_sub(p[u[i]], p[l[j + 1]]));
         }
-        uint32_t ahead = along_upper ? u[i + 1] : l[j + 1];
+        const uint32_t ahead = along_upper ? u[i + 1] : l[j + 1];
         if (u[i] != l[j] && ahead != u[i] && ahead != l[j]) {
             error = sim_surface_add_triangle(builder, u[i], l[j], ahead);
         }
@@ -154,16 +154,16 @@ static bool eyeball_z(const struct sim_ict *ict, double x, double y, double *z)
             p[k] = iso_vec3((double)(v[0] - nose[0]), (double)(v[1] - nose[1]),
                             (double)(v[2] - nose[2]));
         }
-        double twice_area = (p[1].x - p[0].x) * (p[2].y - p[0].y) -
-                            (p[1].y - p[0].y) * (p[2].x - p[0].x);
-        double w1 = ((x - p[0].x) * (p[2].y - p[0].y) - (y - p[0].y) * (p[2].x - p[0].x)) /
-                    twice_area;
-        double w2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) /
-                    twice_area;
+        const double twice_area = (p[1].x - p[0].x) * (p[2].y - p[0].y) -
+                                  (p[1].y - p[0].y) * (p[2].x - p[0].x);
+        const double w1 = ((x - p[0].x) * (p[2].y - p[0].y) - (y - p[0].y) * (p[2].x - p[0].x)) /
+                          twice_area;
+        const double w2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) /
+                          twice_area;
         if (!(w1 >= 0.0 && w2 >= 0.0 && w1 + w2 <= 1.0)) { /* or seen edge on */
             continue;
         }
-        double here = p[0].z + w1 * (p[1].z - p[0].z) + w2 * (p[2].z - p[0].z);
+        const double here = p[0].z + w1 * (p[1].z - p[0].z) + w2 * (p[2].z - p[0].z);
         *z = found ? fmax(*z, here) : here;
         found = true;
     }
@@ -175,7 +175,7 @@ static uint32_t nearest_in_x(const struct sim_head_surface *surface, const struc
 {
     uint32_t best = chain->vertex[0];
     for (uint32_t i = 1; i < chain->n; i++) {
-        uint32_t v = chain->vertex[i];
+        const uint32_t v = chain->vertex[i];
         if (fabs(surface->mean_mm[v].x - x) < fabs(surface->mean_mm[best].x - x)) {
             best = v;
         }
@@ -192,8 +192,8 @@ static int add_middle_row(struct sim_surface_builder *builder, const struct sim_
     row->n = 0;
     row->vertex[row->n++] = upper->vertex[0];
     for (uint32_t i = 1; i + 1 < upper->n; i++) {
-        uint32_t above = upper->vertex[i];
-        uint32_t below = nearest_in_x(s, lower, s->mean_mm[above].x);
+        const uint32_t above = upper->vertex[i];
+        const uint32_t below = nearest_in_x(s, lower, s->mean_mm[above].x);
         struct iso_vec3 gap = iso_sub(s->mean_mm[above], s->mean_mm[below]);
         struct iso_vec3 middle = iso_madd(s->mean_mm[below], 0.5, gap);
         double z;
@@ -205,7 +205,7 @@ static int add_middle_row(struct sim_surface_builder *builder, const struct sim_
             .offset_mm = iso_vec3(0.0, 0.0, z - middle.z),
         };
         row->vertex[row->n++] = s->n_vertices;
-        int error = sim_surface_add_vertex(builder, ict, vertex);
+        const int error = sim_surface_add_vertex(builder, ict, vertex);
         if (error) {
             return error;
         }
@@ -221,7 +221,7 @@ static void split_rim(const struct sim_head_surface *surface, const struct chain
 {
     uint32_t from = 0, to = 0;
     for (uint32_t i = 1; i < rim->n; i++) {
-        double x = surface->mean_mm[rim->vertex[i]].x;
+        const double x = surface->mean_mm[rim->vertex[i]].x;
         from = x < surface->mean_mm[rim->vertex[from]].x ? i : from;
         to = x > surface->mean_mm[rim->vertex[to]].x ? i : to;
     }
@@ -238,7 +238,7 @@ static void split_rim(const struct sim_head_surface *surface, const struct chain
 static int close_rim(struct sim_surface_builder *builder, const struct sim_ict *ict,
                      const struct chain *rim)
 {
-    size_t room = (size_t)rim->n + 1;
+    const size_t room = (size_t)rim->n + 1;
     uint32_t *memory = calloc(3 * room, sizeof *memory);
     if (!memory) {
         return -ENOMEM;

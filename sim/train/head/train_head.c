@@ -95,7 +95,7 @@ static int make_surfaces(struct training *t, struct iso_fault *fault)
 
 static int allocate_arrays(struct training *t)
 {
-    size_t n = t->coarse->n_vertices, n_shapes = t->ict->n_expression;
+    const size_t n = t->coarse->n_vertices, n_shapes = t->ict->n_expression;
     t->identity_mm = calloc(t->ict->n_identity * n * 3, sizeof *t->identity_mm);
     t->expression_mm = calloc(n_shapes * n * 3, sizeof *t->expression_mm);
     t->moment = calloc(n_shapes * n_shapes, sizeof *t->moment);
@@ -114,7 +114,7 @@ static int allocate_arrays(struct training *t)
 static void carry_fields(const struct training *t, const float *from_mm, uint32_t n_fields,
                          float *to_mm)
 {
-    size_t stride = 3 * (size_t)t->coarse->n_vertices;
+    const size_t stride = 3 * (size_t)t->coarse->n_vertices;
     for (uint32_t m = 0; m < n_fields; m++) {
         sim_head_surface_displacement(t->coarse, from_mm + 3 * (size_t)m * t->ict->n_vertices,
                                       (float(*)[3])(to_mm + m * stride));
@@ -128,8 +128,8 @@ static void draw_expressions(struct training *t)
     static const enum sim_expression mix[] = {SIM_NEUTRAL, SIM_MILD, SIM_MILD, SIM_STRONG,
                                               SIM_STRONG};
     enum { MIX = sizeof mix / sizeof mix[0] };
-    uint32_t n = t->ict->n_expression;
-    uint64_t stream = sim_random_hash(SIM_POPULATION_TRAIN);
+    const uint32_t n = t->ict->n_expression;
+    const uint64_t stream = sim_random_hash(SIM_POPULATION_TRAIN);
     for (uint32_t i = 0; i < EXPRESSIONS_DRAWN; i++) {
         double weight[SIM_EXPRESSION_SHAPES_MAX];
         struct sim_random random = sim_random_seeded(t->options->seed, stream, i);
@@ -157,7 +157,7 @@ static struct iso_vec3 vertex_normal(const struct sim_head_surface *s, uint32_t 
 /* How far each vertex moves along its normal, rms over the expressions drawn. */
 static void measure_expressions(struct training *t)
 {
-    uint32_t n = t->ict->n_expression, n_vertices = t->coarse->n_vertices;
+    const uint32_t n = t->ict->n_expression, n_vertices = t->coarse->n_vertices;
     for (uint32_t v = 0; v < n_vertices; v++) {
         struct iso_vec3 normal = vertex_normal(t->coarse, v);
         double along[SIM_EXPRESSION_SHAPES_MAX], sum = 0.0;
@@ -174,7 +174,7 @@ static void measure_expressions(struct training *t)
 
 static int mark_regions(struct training *t)
 {
-    int error = sim_head_exposure(t->coarse, t->exposure);
+    const int error = sim_head_exposure(t->coarse, t->exposure);
     if (error) {
         return error;
     }
@@ -202,7 +202,7 @@ static int find_modes(struct training *t)
 {
     const struct sim_ict *ict = t->ict;
     const struct iso_vec3 *mean = t->coarse->mean_mm;
-    uint32_t n = t->coarse->n_vertices;
+    const uint32_t n = t->coarse->n_vertices;
     int error = sim_remove_rigid(mean, n, t->rigid_area_mm2, ict->n_identity, t->identity_mm);
     if (!error) {
         error = sim_remove_rigid(mean, n, t->rigid_area_mm2, ict->n_expression, t->expression_mm);
@@ -223,18 +223,18 @@ static int measure_modes(struct training *t)
 {
     struct sim_train_head_report *report = &t->report;
     const struct iso_head_model *model = t->model;
-    double area = sum_of(t->face_area_mm2, model->n_vertices);
-    double identity = sum_of(t->identity_variance, t->ict->n_identity);
-    double expression = sum_of(t->expression_variance, t->ict->n_expression);
-    double expression_kept = sum_of(t->expression_variance, model->n_expression);
+    const double area = sum_of(t->face_area_mm2, model->n_vertices);
+    const double identity = sum_of(t->identity_variance, t->ict->n_identity);
+    const double expression = sum_of(t->expression_variance, t->ict->n_expression);
+    const double expression_kept = sum_of(t->expression_variance, model->n_expression);
     report->identity_explained = sum_of(t->identity_variance, model->n_identity) / identity;
     report->expression_explained = expression_kept / expression;
     report->expression_rms_mm = sqrt(expression / area);
     report->expression_left_rms_mm = sqrt(fmax(expression - expression_kept, 0.0) / area);
     struct sim_rms unseen;
-    int error = sim_unseen_people(t->identity_mm, model->n_vertices, t->face_area_mm2,
-                                  model->identity_mm, t->identity_variance, model->n_identity,
-                                  t->options->seed, &unseen);
+    const int error = sim_unseen_people(t->identity_mm, model->n_vertices, t->face_area_mm2,
+                                        model->identity_mm, t->identity_variance, model->n_identity,
+                                        t->options->seed, &unseen);
     if (!error) {
         report->identity_rms_mm = unseen.before_mm;
         report->unseen_rms_mm = unseen.after_mm;
@@ -327,7 +327,7 @@ int sim_train_head(const struct sim_ict *ict, const struct sim_train_head_option
     t->ict = ict;
     t->options = options;
     const bool shown = sim_progress_begin("training the head model", PARTS);
-    int error = run_training(t, fault);
+    const int error = run_training(t, fault);
     sim_progress_end(shown);
     if (error) {
         iso_head_model_free(t->model);

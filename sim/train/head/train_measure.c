@@ -16,8 +16,8 @@ static double clamp01(double t)
 static double segment_distance(struct iso_vec3 p, struct iso_vec3 a, struct iso_vec3 b)
 {
     struct iso_vec3 ab = iso_sub(b, a);
-    double squared = iso_dot(ab, ab);
-    double t = squared > 0.0 ? clamp01(iso_dot(iso_sub(p, a), ab) / squared) : 0.0;
+    const double squared = iso_dot(ab, ab);
+    const double t = squared > 0.0 ? clamp01(iso_dot(iso_sub(p, a), ab) / squared) : 0.0;
     return iso_norm(iso_sub(p, iso_madd(a, t, ab)));
 }
 
@@ -31,7 +31,7 @@ static double triangle_distance(struct iso_vec3 p, const struct iso_vec3 corner[
         nearest = fmin(nearest, segment_distance(p, a, b));
         n_inside += iso_dot(iso_cross(iso_sub(b, a), iso_sub(p, a)), n) >= 0.0;
     }
-    double length = iso_norm(n);
+    const double length = iso_norm(n);
     if (n_inside == 3 && length > 0.0) {
         nearest = fabs(iso_dot(iso_sub(p, corner[0]), n)) / length;
     }
@@ -46,8 +46,8 @@ static double surface_distance(const struct sim_head_surface *surface, struct is
         for (int k = 0; k < 3; k++) {
             corner[k] = surface->mean_mm[surface->triangles[t][k]];
         }
-        double left = fmin(fmin(corner[0].x, corner[1].x), corner[2].x);
-        double right = fmax(fmax(corner[0].x, corner[1].x), corner[2].x);
+        const double left = fmin(fmin(corner[0].x, corner[1].x), corner[2].x);
+        const double right = fmax(fmax(corner[0].x, corner[1].x), corner[2].x);
         if (p.x > left - nearest && p.x < right + nearest) {
             nearest = fmin(nearest, triangle_distance(p, corner));
         }
@@ -57,7 +57,7 @@ static double surface_distance(const struct sim_head_surface *surface, struct is
 
 static int compare_double(const void *a, const void *b)
 {
-    double x = *(const double *)a, y = *(const double *)b;
+    const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
@@ -85,7 +85,7 @@ int sim_surface_distances(const struct sim_head_surface *fine, const double *exp
 /* field += factor * other */
 static void add_field(float *field, double factor, const float *other, size_t n_values)
 {
-    float f = (float)factor;
+    const float f = (float)factor;
     for (size_t i = 0; i < n_values; i++) {
         field[i] += f * other[i];
     }
@@ -106,7 +106,7 @@ int sim_unseen_people(const float *fields_mm, uint32_t n_vertices, const double 
                       uint64_t seed, struct sim_rms *out)
 {
     enum { PEOPLE = 200 };
-    size_t n_values = 3 * (size_t)n_vertices;
+    const size_t n_values = 3 * (size_t)n_vertices;
     float *shape = malloc(n_values * sizeof *shape);
     if (!shape) {
         return -ENOMEM;
@@ -126,7 +126,8 @@ int sim_unseen_people(const float *fields_mm, uint32_t n_vertices, const double 
         before += weighted_product(shape, shape, weight, n_vertices);
         for (uint32_t k = 0; k < n_components; k++) {
             const float *component = components_mm + k * n_values;
-            double amount = weighted_product(shape, component, weight, n_vertices) / variance[k];
+            const double amount = weighted_product(shape, component, weight, n_vertices) /
+                                  variance[k];
             add_field(shape, -amount, component, n_values);
         }
         after += weighted_product(shape, shape, weight, n_vertices);

@@ -42,7 +42,7 @@ static int learn_curves(const struct sim_metric_templates *t, struct iso_metric 
     const size_t width = (size_t)metric->n_curve_values;
     float *residual_mm = calloc((size_t)metric->n_values, sizeof *residual_mm);
     double *sum = calloc(2 * width, sizeof *sum);
-    int error = residual_mm && sum ? 0 : -ENOMEM;
+    const int error = residual_mm && sum ? 0 : -ENOMEM;
     const bool shown = sim_progress_begin("averaging the curves", (REGISTRATIONS + 1) * t->n);
     for (int pass = 0; pass <= REGISTRATIONS && !error; pass++) {
         memset(sum, 0, 2 * width * sizeof *sum);

@@ -60,7 +60,7 @@ static int booth_init(struct booth *booth, const struct sim_sensor *sensor,
 static struct sim_stance draw_stance(const struct sim_ict *ict, const struct sim_sensor *sensor,
                                      struct sim_random *random)
 {
-    double off_axis = sensor->face_only ? 0.0 : off_axis_mm;
+    const double off_axis = sensor->face_only ? 0.0 : off_axis_mm;
     struct sim_stance stance;
     stance.yaw_rad = angle_sd_rad * sim_random_normal(random);
     stance.pitch_rad = angle_sd_rad * sim_random_normal(random);
@@ -68,7 +68,7 @@ static struct sim_stance draw_stance(const struct sim_ict *ict, const struct sim
     stance.nose_mm.x = sim_random_between(random, -off_axis, off_axis);
     stance.nose_mm.y = sim_random_between(random, -off_axis, off_axis);
     stance.nose_mm.z = sim_random_between(random, sensor->distance_min_mm, sensor->distance_max_mm);
-    enum sim_expression expression = sim_random_below(random, 2) ? SIM_MILD : SIM_NEUTRAL;
+    const enum sim_expression expression = sim_random_below(random, 2) ? SIM_MILD : SIM_NEUTRAL;
     (void)sim_expression_draw(ict, expression, random, stance.expression);
     return stance;
 }
@@ -77,7 +77,7 @@ static struct sim_stance draw_stance(const struct sim_ict *ict, const struct sim
 static int take_frame(struct booth *booth, const struct sim_ict *ict,
                       const struct sim_person *person, struct sim_random *random)
 {
-    bool face_only = booth->sensor->face_only;
+    const bool face_only = booth->sensor->face_only;
     struct sim_sitter_options dressed = {.hair = true, .torso = !face_only};
     struct sim_stance stance = draw_stance(ict, booth->sensor, random);
     struct sim_sitter *sitter = NULL;

@@ -67,7 +67,7 @@ static void add_half(const struct sim_ict *ict, const char *stem, const char *si
 {
     char name[32];
     (void)snprintf(name, sizeof name, "%s%s", stem, side);
-    int shape = sim_ict_expression(ict, name);
+    const int shape = sim_ict_expression(ict, name);
     if (shape >= 0) {
         weights[shape] = clamped(weights[shape] + weight);
     }
@@ -77,11 +77,11 @@ enum sim_expression sim_expression_draw(const struct sim_ict *ict, enum sim_expr
                                         struct sim_random *random, double *weights)
 {
     if (expression == SIM_STRONG) {
-        uint32_t n = sizeof strong_ones / sizeof *strong_ones;
+        const uint32_t n = sizeof strong_ones / sizeof *strong_ones;
         expression = strong_ones[sim_random_below(random, n)];
     }
     for (uint32_t i = 0; i < ict->n_expression; i++) {
-        double jitter = fabs(rest_jitter * sim_random_normal(random));
+        const double jitter = fabs(rest_jitter * sim_random_normal(random));
         weights[i] = moves_at_rest(ict->expression_names[i]) ? jitter : 0.0;
     }
     for (size_t i = 0; i < sizeof components / sizeof *components; i++) {
@@ -89,7 +89,7 @@ enum sim_expression sim_expression_draw(const struct sim_ict *ict, enum sim_expr
         if (c->expression != expression) {
             continue;
         }
-        double weight = sim_random_between(random, c->from, c->to);
+        const double weight = sim_random_between(random, c->from, c->to);
         add_half(ict, c->name, "", weight, weights);
         add_half(ict, c->name, "_L", weight * (1.0 + asymmetry * sim_random_normal(random)),
                  weights);

@@ -36,17 +36,17 @@ static int read_points(struct source *source, const char *name, uint32_t *n_mode
 {
     struct sim_npy_shape shape;
     float *values = NULL;
-    int error = sim_npy_read_floats(path_of(source, name), &shape, &values, source->fault);
+    const int error = sim_npy_read_floats(path_of(source, name), &shape, &values, source->fault);
     if (error != 0) {
         return error;
     }
-    int n_leading = n_modes ? 1 : 0;
+    const int n_leading = n_modes ? 1 : 0;
     if (shape.n_dimensions != n_leading + 2 || shape.size[n_leading] != SIM_ICT_VERTICES ||
         shape.size[n_leading + 1] != 3) {
         free(values);
         return shape_fault(source);
     }
-    size_t n = (size_t)SIM_ICT_VERTICES * 3 * (n_modes ? shape.size[0] : 1);
+    const size_t n = (size_t)SIM_ICT_VERTICES * 3 * (n_modes ? shape.size[0] : 1);
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(values[i])) {
             free(values);
@@ -65,7 +65,8 @@ static int read_triangles(struct source *source, struct sim_ict *ict)
 {
     struct sim_npy_shape shape;
     uint32_t *corners = NULL;
-    int error = sim_npy_read_u32(path_of(source, "triangles.npy"), &shape, &corners, source->fault);
+    const int error = sim_npy_read_u32(path_of(source, "triangles.npy"), &shape, &corners,
+                                       source->fault);
     if (error != 0) {
         return error;
     }

@@ -26,7 +26,7 @@ struct header {
 
 float sim_npy_float_of_half(uint16_t half)
 {
-    int exponent = (half >> 10) & 31, mantissa = half & 1023;
+    const int exponent = (half >> 10) & 31, mantissa = half & 1023;
     float magnitude;
     if (exponent == 31) {
         magnitude = mantissa ? NAN : INFINITY;
@@ -43,7 +43,7 @@ static bool skip_word(const char **text, const char *word)
     while (**text == ' ') {
         (*text)++;
     }
-    size_t n = strlen(word);
+    const size_t n = strlen(word);
     if (strncmp(*text, word, n) != 0) {
         return false;
     }
@@ -104,7 +104,7 @@ static int parse_header(const char *path, const struct file *file, struct header
     if ((b[6] != 1 && b[6] != 2) || b[7] != 0) {
         return iso_fault_set(fault, -EBADMSG, "%s: unknown .npy version %d.%d", path, b[6], b[7]);
     }
-    size_t start = b[6] == 1 ? 10 : 12;
+    const size_t start = b[6] == 1 ? 10 : 12;
     size_t length = b[8] | (size_t)b[9] << 8;
     if (b[6] == 2) {
         length |= (size_t)b[10] << 16 | (size_t)b[11] << 24;
@@ -136,8 +136,8 @@ static int load_file(const char *path, struct file *file, struct header *header,
         error = parse_header(path, &loaded, &parsed, fault);
     }
     if (error == 0) {
-        size_t size = parsed.type[2] == '2' ? 2 : 4;
-        size_t present = loaded.n - parsed.data_offset;
+        const size_t size = parsed.type[2] == '2' ? 2 : 4;
+        const size_t present = loaded.n - parsed.data_offset;
         if (present != parsed.n_items * size) {
             error = iso_fault_set(fault, -EBADMSG, "%s: %zu bytes of data where %zu belong", path,
                                   present, parsed.n_items * size);

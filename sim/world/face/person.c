@@ -11,7 +11,7 @@ struct sim_person sim_person_draw(const char *population, uint64_t seed, uint32_
 {
     struct sim_random random = sim_random_seeded(seed, sim_random_hash(population), index);
     struct sim_person person;
-    double sd = sqrt(variance_scale);
+    const double sd = sqrt(variance_scale);
     for (int i = 0; i < SIM_IDENTITY_MODES; i++) {
         person.identity[i] = sd * sim_random_normal(&random);
     }
@@ -27,7 +27,7 @@ struct sim_person sim_person_mean(void)
 /* Adds weight x mode to n consecutive coordinates. */
 static void add_mode(float *sum, const float *mode, size_t n, double weight)
 {
-    float w = (float)weight;
+    const float w = (float)weight;
     for (size_t i = 0; i < n; i++) {
         sum[i] += w * mode[i];
     }
@@ -40,7 +40,7 @@ static void block_surface(const struct sim_ict *ict, const struct sim_person *pe
                           struct iso_vec3 *vertices_mm)
 {
     const float *nose = ict->mean_mm + (size_t)ict->landmarks[NOSE_TIP_IBUG] * 3;
-    size_t stride = (size_t)ict->n_vertices * 3;
+    const size_t stride = (size_t)ict->n_vertices * 3;
     float sum[3 * BLOCK];
     for (size_t i = 0; i < 3 * n; i++) {
         sum[i] = ict->mean_mm[3 * from + i] - nose[i % 3];
@@ -60,7 +60,7 @@ void sim_person_surface(const struct sim_ict *ict, const struct sim_person *pers
                         const double *expression, struct iso_vec3 *vertices_mm)
 {
     for (size_t from = 0; from < ict->n_vertices; from += BLOCK) {
-        size_t left = ict->n_vertices - from;
+        const size_t left = ict->n_vertices - from;
         block_surface(ict, person, expression, from, left < BLOCK ? left : BLOCK, vertices_mm);
     }
 }

@@ -44,7 +44,7 @@ static struct iso_vec3 mean_vertex(const struct sim_ict *ict, uint32_t v)
 static double distance_to_segment(struct iso_vec3 p, struct iso_vec3 a, struct iso_vec3 b)
 {
     struct iso_vec3 ab = iso_sub(b, a), ap = iso_sub(p, a);
-    double along = fmin(fmax(iso_dot(ap, ab) / iso_dot(ab, ab), 0.0), 1.0);
+    const double along = fmin(fmax(iso_dot(ap, ab) / iso_dot(ab, ab), 0.0), 1.0);
     return iso_norm(iso_madd(ap, -along, ab));
 }
 
@@ -64,7 +64,7 @@ static double distance_to_curve(const struct sim_ict *ict, struct iso_vec3 p, in
 /* 1 within half_mm of a curve, 0 from fade_mm further on. */
 static double on_curve(double distance_mm, double half_mm)
 {
-    double f = fmin(fmax((half_mm + fade_mm - distance_mm) / fade_mm, 0.0), 1.0);
+    const double f = fmin(fmax((half_mm + fade_mm - distance_mm) / fade_mm, 0.0), 1.0);
     return f * f * (3.0 - 2.0 * f);
 }
 
@@ -76,13 +76,13 @@ static double towards(double albedo, double other, double share)
 static double face_albedo(const struct sim_ict *ict, const struct skin *skin, struct iso_vec3 p)
 {
     struct iso_vec3 above = iso_add(p, iso_vec3(0.0, brow_below_mm, 0.0));
-    double brow = fmin(distance_to_curve(ict, above, 17, 21, false),
-                       distance_to_curve(ict, above, 22, 26, false));
-    double lash = fmin(distance_to_curve(ict, p, 36, 41, true),
-                       distance_to_curve(ict, p, 42, 47, true));
-    double lip = fmin(distance_to_curve(ict, p, 48, 59, true),
-                      distance_to_curve(ict, p, 60, 67, true));
-    double nostril = distance_to_curve(ict, p, 32, 34, false);
+    const double brow = fmin(distance_to_curve(ict, above, 17, 21, false),
+                             distance_to_curve(ict, above, 22, 26, false));
+    const double lash = fmin(distance_to_curve(ict, p, 36, 41, true),
+                             distance_to_curve(ict, p, 42, 47, true));
+    const double lip = fmin(distance_to_curve(ict, p, 48, 59, true),
+                            distance_to_curve(ict, p, 60, 67, true));
+    const double nostril = distance_to_curve(ict, p, 32, 34, false);
     double albedo = towards(skin->skin, skin->lid, on_curve(lash, lid_mm));
     albedo = towards(albedo, skin->brow, on_curve(brow, skin->brow_mm));
     albedo = towards(albedo, skin->lip, on_curve(lip, lip_mm));
@@ -110,7 +110,7 @@ static double eye_albedo(const struct skin *skin, struct iso_vec3 p,
                          const struct iso_vec3 middle[2])
 {
     struct iso_vec3 d = iso_unit(iso_sub(p, middle[p.x > 0.0]));
-    double angle = acos(fmin(fmax(d.z, -1.0), 1.0));
+    const double angle = acos(fmin(fmax(d.z, -1.0), 1.0));
     if (angle < pupil_rad) {
         return pupil;
     }

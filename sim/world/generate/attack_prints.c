@@ -50,7 +50,7 @@ static void add_printed_hair(const struct print_scene *scene)
         return;
     }
     struct sim_solid *solid = NULL;
-    int made = sim_hair_scalp(staging->ict, scene->head_mm, &hair, &solid);
+    const int made = sim_hair_scalp(staging->ict, scene->head_mm, &hair, &solid);
     for (uint32_t i = 0; made == 0 && i < solid->n_vertices; i++) {
         solid->vertices_mm[i] = iso_scale(scene->print.scale, solid->vertices_mm[i]);
     }
@@ -66,7 +66,8 @@ static void add_print(const struct print_scene *scene)
     struct sim_group *things = staging->still->things;
     struct sim_solid *solid = NULL;
     things->placed = scene->camera_from_face;
-    int made = sim_face_print_new(staging->ict, scene->head_mm, &scene->print, SIM_PLASTIC, &solid);
+    const int made = sim_face_print_new(staging->ict, scene->head_mm, &scene->print, SIM_PLASTIC,
+                                        &solid);
     sim_group_add(things, made, solid);
     if (scene->print.whole_head && sim_staging_chance(staging, 0.6)) {
         add_printed_hair(scene);
@@ -77,7 +78,7 @@ static void put_on_pole(const struct print_scene *scene)
 {
     struct iso_vec3 at = iso_scale(scene->print.scale,
                                    scene->print.whole_head ? throat_mm : chin_mm);
-    double radius = scene->print.whole_head ? 16.0 : 8.0;
+    const double radius = scene->print.whole_head ? 16.0 : 8.0;
     sim_staging_add_pole(scene->staging, iso_rigid_apply(&scene->camera_from_face, at), radius);
 }
 
@@ -88,7 +89,7 @@ static void hold_in_hand(const struct print_scene *scene)
     struct iso_vec3 at = iso_scale(scene->print.scale,
                                    scene->print.whole_head ? throat_mm : chin_mm);
     struct iso_vec3 throat = iso_rigid_apply(&scene->camera_from_face, at);
-    bool left = sim_staging_chance(scene->staging, 0.5);
+    const bool left = sim_staging_chance(scene->staging, 0.5);
     if (!scene->print.whole_head) {
         put_on_pole(scene);
     }
@@ -121,7 +122,7 @@ static int wear(const struct print_scene *scene, double *gap_mm)
     still->stance = scene->stance;
     (void)sim_expression_draw(staging->ict, SIM_NEUTRAL, staging->random, still->stance.expression);
     sim_person_surface(staging->ict, &wearer, still->stance.expression, face_mm);
-    double room = sim_face_print_push(scene->head_mm, face_mm, scene->print.shell_mm + 0.5);
+    const double room = sim_face_print_push(scene->head_mm, face_mm, scene->print.shell_mm + 0.5);
     *gap_mm = fmax(*gap_mm, room);
     still->stance.nose_mm = iso_rigid_apply(&scene->camera_from_face, iso_vec3(0.0, 0.0, -*gap_mm));
     free(face_mm);
@@ -131,7 +132,7 @@ static int wear(const struct print_scene *scene, double *gap_mm)
 static int scaled_print(struct sim_staging *staging, double smallest, double largest)
 {
     struct print_scene scene;
-    int error = start(&scene, staging);
+    const int error = start(&scene, staging);
     if (error != 0) {
         return error;
     }
@@ -158,7 +159,7 @@ int sim_attack_mask_large(struct sim_staging *staging)
 int sim_attack_mask_still(struct sim_staging *staging)
 {
     struct print_scene scene;
-    int error = start(&scene, staging);
+    const int error = start(&scene, staging);
     if (error != 0) {
         return error;
     }
@@ -181,7 +182,7 @@ int sim_attack_eyes_cut(struct sim_staging *staging)
     }
     scene.print = (struct sim_face_print){.scale = 1.0, .eyes_cut = true, .shell_mm = 2.0};
     scene.print.opening = sim_random_between(staging->random, 1.0, 1.5);
-    bool worn = sim_staging_chance(staging, 0.6);
+    const bool worn = sim_staging_chance(staging, 0.6);
     double gap_mm = sim_random_between(staging->random, 8.0, 25.0);
     add_print(&scene);
     if (worn) {

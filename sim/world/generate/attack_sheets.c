@@ -18,9 +18,9 @@ static const double roll_limit_rad = 2.2, hollow_limit_rad = 1.3;
 /* Held towards the camera, not quite straight. */
 static struct iso_rigid camera_from_flat(const struct sim_staging *staging)
 {
-    double pitch = DEGREES(sim_random_between(staging->random, -18.0, 18.0));
-    double yaw = DEGREES(sim_random_between(staging->random, -20.0, 20.0));
-    double roll = DEGREES(8.0) * sim_random_normal(staging->random);
+    const double pitch = DEGREES(sim_random_between(staging->random, -18.0, 18.0));
+    const double yaw = DEGREES(sim_random_between(staging->random, -20.0, 20.0));
+    const double roll = DEGREES(8.0) * sim_random_normal(staging->random);
     struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(0.0, 0.0, roll));
     struct iso_mat3 tilt = iso_mat3_rotation(iso_vec3(pitch, yaw, 0.0));
     return (struct iso_rigid){iso_mat3_mul(&tilt, &turn), sim_staging_place(staging)};
@@ -54,7 +54,7 @@ static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera
                      const struct held *held, double x_mm)
 {
     const struct sim_sheet *surface = &held->surface;
-    double y_mm = 0.5 * surface->height_mm;
+    const double y_mm = 0.5 * surface->height_mm;
     struct iso_vec3 edge = sim_sheet_point(surface, x_mm, y_mm);
     struct iso_vec3 right = iso_unit(iso_sub(sim_sheet_point(surface, x_mm + 1.0, y_mm), edge));
     struct iso_vec3 down = iso_sub(sim_sheet_point(surface, x_mm, y_mm + 1.0), edge);
@@ -62,12 +62,12 @@ static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera
     down = iso_cross(away, right);
     struct iso_rigid flat_from_edge = {
         {{{right.x, down.x, away.x}, {right.y, down.y, away.y}, {right.z, down.z, away.z}}}, edge};
-    double thick = held->behind_mm + sagitta_at(surface, x_mm, y_mm, &flat_from_edge);
+    const double thick = held->behind_mm + sagitta_at(surface, x_mm, y_mm, &flat_from_edge);
     struct iso_rigid wrist = {iso_mat3_identity(), {0.0, -grip_y_mm - grip_mm, 0.0}};
     struct iso_rigid flat_from_wrist = iso_rigid_mul(&flat_from_edge, &wrist);
     struct sim_group *things = staging->still->things;
     things->placed = iso_rigid_mul(camera_from_flat, &flat_from_wrist);
-    bool left = sim_staging_chance(staging, 0.5);
+    const bool left = sim_staging_chance(staging, 0.5);
     sim_hand_add(things, SIM_HAND_GRIP, left, thick, staging->random);
 }
 
@@ -75,7 +75,7 @@ static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera
 static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
 {
     struct sim_random *random = staging->random;
-    double gap = sim_random_between(random, 110.0, 200.0);
+    const double gap = sim_random_between(random, 110.0, 200.0);
     struct sim_stance stance = {.nose_mm = iso_scale(1.0 + gap / middle_mm.z, middle_mm)};
     stance.yaw_rad = sim_random_between(random, -0.15, 0.15);
     stance.pitch_rad = sim_random_between(random, -0.1, 0.1);
@@ -94,9 +94,9 @@ static int hold_sheet(struct sim_staging *staging, const struct iso_rigid *camer
         sim_staging_add_pole(staging, iso_rigid_apply(camera_from_flat, back), 8.0);
         return 0;
     }
-    bool both = held->reach_mm > 60.0 && sim_staging_chance(staging, 0.3);
-    double x = both ? held->reach_mm
-                    : sim_random_between(staging->random, -held->reach_mm, held->reach_mm);
+    const bool both = held->reach_mm > 60.0 && sim_staging_chance(staging, 0.3);
+    const double x = both ? held->reach_mm
+                          : sim_random_between(staging->random, -held->reach_mm, held->reach_mm);
     add_hand(staging, camera_from_flat, held, x);
     if (both) {
         add_hand(staging, camera_from_flat, held, -x);
@@ -117,9 +117,9 @@ static const struct format {
 
 static const struct format *draw_format(struct sim_staging *staging, struct sim_sheet *sheet)
 {
-    uint32_t n = sizeof formats / sizeof *formats;
+    const uint32_t n = sizeof formats / sizeof *formats;
     const struct format *format = &formats[sim_random_below(staging->random, n)];
-    bool lying = sim_staging_chance(staging, 0.15);
+    const bool lying = sim_staging_chance(staging, 0.15);
     sheet->width_mm = lying ? format->height_mm : format->width_mm;
     sheet->height_mm = lying ? format->width_mm : format->height_mm;
     return format;
@@ -131,7 +131,7 @@ static int show_sheet(struct sim_staging *staging, const struct sim_sheet *sheet
     struct sim_solid *solid = NULL;
     struct iso_rigid camera_from_sheet = camera_from_flat(staging);
     things->placed = camera_from_sheet;
-    int made = sim_sheet_new(sheet, SIM_PAPER, &solid);
+    const int made = sim_sheet_new(sheet, SIM_PAPER, &solid);
     sim_group_add(things, made, solid);
     struct held held = {*sheet, 0.0, sheet->outline ? 0.0 : 0.35 * sheet->width_mm};
     return hold_sheet(staging, &camera_from_sheet, &held);
@@ -141,7 +141,7 @@ int sim_attack_photo_flat(struct sim_staging *staging)
 {
     struct sim_sheet sheet = {.key = sim_random_u64(staging->random)};
     const struct format *format = draw_format(staging, &sheet);
-    bool board = sim_staging_chance(staging, 0.5);
+    const bool board = sim_staging_chance(staging, 0.5);
     sheet.waves_mm = board ? 0.0 : sim_random_between(staging->random, 0.1, 0.6);
     sheet.outline = sim_staging_chance(staging, 0.25);
     if (sheet.outline) { /* a head of about life size */
@@ -164,19 +164,20 @@ int sim_attack_photo_bent(struct sim_staging *staging)
 {
     struct sim_random *random = staging->random;
     struct sim_sheet sheet = {.key = sim_random_u64(random)};
-    double luck = sim_random_unit(random);
+    const double luck = sim_random_unit(random);
     sheet.shape = luck < 0.6 ? SIM_SHEET_ROLLED : SIM_SHEET_S;
     if (luck >= 0.8) {
         sheet.shape = SIM_SHEET_CREASED;
     }
     sheet.radius_mm = 60.0 * pow(5.0, sim_random_unit(random));
     sheet.crease_rad = DEGREES(sim_random_between(random, 12.0, 40.0));
-    bool slanted = sim_staging_chance(staging, 0.5), hollow = sim_staging_chance(staging, 0.25);
-    double lean = slanted ? 45.0 : 3.0;
+    const bool slanted = sim_staging_chance(staging, 0.5),
+               hollow = sim_staging_chance(staging, 0.25);
+    const double lean = slanted ? 45.0 : 3.0;
     sheet.axis_rad = DEGREES(sim_random_between(random, -lean, lean));
     sheet.waves_mm = sim_random_between(random, 0.0, 0.6);
     (void)draw_format(staging, &sheet);
-    double limit = hollow || sheet.shape == SIM_SHEET_S ? hollow_limit_rad : roll_limit_rad;
+    const double limit = hollow || sheet.shape == SIM_SHEET_S ? hollow_limit_rad : roll_limit_rad;
     while (sheet.shape != SIM_SHEET_CREASED && half_span(&sheet) > limit * sheet.radius_mm) {
         sheet.width_mm *= 0.9;
         sheet.height_mm *= 0.9;
@@ -213,15 +214,15 @@ static const struct device {
 int sim_attack_screen(struct sim_staging *staging)
 {
     struct sim_random *random = staging->random;
-    uint32_t n = sizeof devices / sizeof *devices;
+    const uint32_t n = sizeof devices / sizeof *devices;
     const struct device *device = &devices[sim_random_below(random, n)];
     struct sim_screen screen = device->screen;
-    double size = sim_random_between(random, 0.9, 1.12);
+    const double size = sim_random_between(random, 0.9, 1.12);
     screen.width_mm *= size;
     screen.height_mm *= size;
     screen.lost = sim_random_between(random, 0.02, 0.98);
     screen.patch_mm = sim_random_between(random, 15.0, 80.0);
-    bool deep = sim_staging_chance(staging, 0.6);
+    const bool deep = sim_staging_chance(staging, 0.6);
     screen.behind_mm = deep ? sim_random_between(random, 3.0, 45.0) : 0.0;
     screen.key = sim_random_u64(random);
     (void)snprintf(staging->variant, sizeof staging->variant, "%s-lost%.0f-behind%.0f",

@@ -70,7 +70,7 @@ static int record_enrolled(const struct stage *stage, int person)
 /* Somebody enrolled comes: a glance of one frame, or a visit. */
 static int record_bona_fide(const struct stage *stage, int number, bool lasting)
 {
-    int person = number % stage->plan->n_people;
+    const int person = number % stage->plan->n_people;
     const char *kind = lasting ? "attacks-visit" : "attacks-glance";
     struct sim_session_plan session = person_plan(stage, person, kind, number);
     if (number % 3 == 2) {
@@ -78,7 +78,7 @@ static int record_bona_fide(const struct stage *stage, int number, bool lasting)
         session.pose.limit_rad = DEGREES(15.0);
     }
     if (lasting) {
-        double luck = sim_random_unit(&session.random);
+        const double luck = sim_random_unit(&session.random);
         session.sway = pow(sway_least, luck);
         session.row.count = (size_t)stage->plan->frames;
     }

@@ -42,7 +42,7 @@ static int check_options(const struct sim_generate_options *o, struct iso_fault 
     if (!preset) {
         return iso_fault_set(fault, -EINVAL, "unknown preset '%s'", o->preset);
     }
-    int error = check_counts(o, fault);
+    const int error = check_counts(o, fault);
     if (error != 0) {
         return error;
     }
@@ -71,7 +71,7 @@ int sim_generate(const struct sim_generate_options *options, struct iso_fault *f
         return error;
     }
     struct sim_job job = {.options = options, .preset = sim_preset_find(options->preset)};
-    double noise_scale = options->noise_scale;
+    const double noise_scale = options->noise_scale;
     job.sensor = options->sensor ? options->sensor : job.preset->sensor;
     error = sim_sensor_load(job.sensor, fault);
     if (error == 0) {

@@ -29,7 +29,7 @@ static int add_turned(struct sim_staging *staging, bool hair, double body_yaw_ra
 static double turn_between(const struct sim_staging *staging, double from_degrees,
                            double to_degrees)
 {
-    double turn = sim_random_between(staging->random, from_degrees, to_degrees);
+    const double turn = sim_random_between(staging->random, from_degrees, to_degrees);
     return DEGREES(sim_staging_chance(staging, 0.5) ? turn : -turn);
 }
 
@@ -47,14 +47,14 @@ static struct iso_vec3 skull_place(const struct sim_staging *staging)
 
 int sim_not_face_back(struct sim_staging *staging)
 {
-    double turn = turn_between(staging, 150.0, 180.0);
+    const double turn = turn_between(staging, 150.0, 180.0);
     name_turn(staging, turn);
     return add_turned(staging, true, turn, skull_mm, skull_place(staging));
 }
 
 int sim_not_face_profile(struct sim_staging *staging)
 {
-    double turn = turn_between(staging, 80.0, 110.0);
+    const double turn = turn_between(staging, 80.0, 110.0);
     name_turn(staging, turn);
     return add_turned(staging, true, turn, skull_mm, skull_place(staging));
 }
@@ -62,7 +62,7 @@ int sim_not_face_profile(struct sim_staging *staging)
 /* As near as the sensor measures well. A head turned to its left shows the right ear. */
 int sim_not_face_ear(struct sim_staging *staging)
 {
-    double turn = turn_between(staging, 75.0, 105.0);
+    const double turn = turn_between(staging, 75.0, 105.0);
     struct iso_vec3 ear = {turn > 0.0 ? -ear_x_mm : ear_x_mm, 8.0, -115.0};
     struct iso_vec3 place = sim_staging_place(staging);
     place = iso_scale(sim_random_between(staging->random, 0.72, 0.95), place);
@@ -74,10 +74,10 @@ int sim_not_face_ear(struct sim_staging *staging)
 int sim_not_face_hood(struct sim_staging *staging)
 {
     struct sim_solid *hood = NULL;
-    double turn = turn_between(staging, 85.0, 180.0);
+    const double turn = turn_between(staging, 85.0, 180.0);
     name_turn(staging, turn);
-    int error = add_turned(staging, false, turn, skull_mm, skull_place(staging));
-    int made = error == 0 ? sim_hood_new(staging->random, &hood) : error;
+    const int error = add_turned(staging, false, turn, skull_mm, skull_place(staging));
+    const int made = error == 0 ? sim_hood_new(staging->random, &hood) : error;
     staging->still->things->placed = sim_stance_camera_from_face(&staging->still->stance);
     sim_group_add(staging->still->things, made, hood);
     return error;
@@ -88,9 +88,9 @@ static void add_hand(struct sim_staging *staging, enum sim_hand_pose pose, bool 
                      struct iso_vec3 middle_mm)
 {
     struct sim_random *random = staging->random;
-    double yaw = DEGREES(sim_random_between(random, -30.0, 30.0));
-    double pitch = DEGREES(sim_random_between(random, -22.0, 22.0));
-    double roll = DEGREES(sim_random_between(random, -22.0, 22.0));
+    const double yaw = DEGREES(sim_random_between(random, -30.0, 30.0));
+    const double pitch = DEGREES(sim_random_between(random, -22.0, 22.0));
+    const double roll = DEGREES(sim_random_between(random, -22.0, 22.0));
     struct iso_mat3 tilt = iso_mat3_rotation(
         iso_vec3(pitch, yaw + (back ? DEGREES(180.0) : 0.0), 0.0));
     struct iso_mat3 lean = iso_mat3_rotation(iso_vec3(0.0, 0.0, roll));
@@ -103,11 +103,11 @@ static void add_hand(struct sim_staging *staging, enum sim_hand_pose pose, bool 
 
 int sim_not_face_hand(struct sim_staging *staging)
 {
-    bool fist = sim_staging_chance(staging, 0.35), back = sim_staging_chance(staging, 0.3);
-    bool two = sim_staging_chance(staging, 0.35), left = sim_staging_chance(staging, 0.5);
-    enum sim_hand_pose pose = fist ? SIM_HAND_FIST : SIM_HAND_OPEN;
+    const bool fist = sim_staging_chance(staging, 0.35), back = sim_staging_chance(staging, 0.3);
+    const bool two = sim_staging_chance(staging, 0.35), left = sim_staging_chance(staging, 0.5);
+    const enum sim_hand_pose pose = fist ? SIM_HAND_FIST : SIM_HAND_OPEN;
     struct iso_vec3 place = sim_staging_place(staging);
-    double apart = two ? sim_random_between(staging->random, 55.0, 120.0) : 0.0;
+    const double apart = two ? sim_random_between(staging->random, 55.0, 120.0) : 0.0;
     (void)snprintf(staging->variant, sizeof staging->variant, "%s%s%s", two ? "two-" : "",
                    fist ? "fist" : "palm", back ? "-back" : "");
     add_hand(staging, pose, left, back, iso_madd(place, -1.0, iso_vec3(apart, 0.0, 0.0)));

@@ -35,8 +35,8 @@ static void draw_direction(const struct sim_pose_range *range, struct sim_random
                            struct sim_stance *stance)
 {
     if (range->disc_rad > 0.0) {
-        double radius = range->disc_rad * sqrt(sim_random_unit(random));
-        double angle = sim_random_between(random, 0.0, 6.283185307179586);
+        const double radius = range->disc_rad * sqrt(sim_random_unit(random));
+        const double angle = sim_random_between(random, 0.0, 6.283185307179586);
         stance->yaw_rad = radius * cos(angle);
         stance->pitch_rad = disc_flattening * radius * sin(angle);
     } else {
@@ -47,14 +47,14 @@ static void draw_direction(const struct sim_pose_range *range, struct sim_random
 
 static struct iso_vec3 draw_vector(double sd, struct sim_random *random)
 {
-    double x = sd * sim_random_normal(random), y = sd * sim_random_normal(random);
+    const double x = sd * sim_random_normal(random), y = sd * sim_random_normal(random);
     return iso_vec3(x, y, sd * sim_random_normal(random));
 }
 
 static void draw_stance(const struct sim_session_plan *plan, const struct sim_sensor *sensor,
                         struct sim_random *random, struct sim_stance *stance)
 {
-    double off_axis = sensor->face_only ? 0.1 * off_axis_mm : off_axis_mm;
+    const double off_axis = sensor->face_only ? 0.1 * off_axis_mm : off_axis_mm;
     draw_direction(&plan->pose, random, stance);
     stance->roll_rad = draw_angle(&plan->pose, random);
     stance->nose_mm.x = sim_random_between(random, -off_axis, off_axis);
@@ -75,8 +75,8 @@ static void move_on(struct scene *scene)
     stance->roll_rad += 0.5 * (scene->turn_rad.z + tremor.z);
     stance->nose_mm = iso_add(stance->nose_mm, scene->step_mm);
     for (uint32_t i = 0; i < scene->n_expression; i++) {
-        double weight = stance->expression[i] *
-                        (1.0 + scene->sway * drift_expression * sim_random_normal(&scene->random));
+        const double weight = stance->expression[i] * (1.0 + scene->sway * drift_expression *
+                                                                 sim_random_normal(&scene->random));
         stance->expression[i] = fmin(weight, 1.0);
     }
 }
@@ -131,9 +131,9 @@ static int add_bystander(struct scene *scene, const struct sim_ict *ict,
     const double min_mm = plan->behind_min_mm > 0.0 ? plan->behind_min_mm : 500.0;
     struct sim_sitter_options options = {.hair = true, .torso = true};
     struct sim_stance *stance = &scene->bystander_stance;
-    double side = sim_random_unit(random) < 0.5 ? -1.0 : 1.0;
-    double x_mm = side * sim_random_between(random, 250.0, 400.0);
-    double y_mm = sim_random_between(random, -120.0, 60.0);
+    const double side = sim_random_unit(random) < 0.5 ? -1.0 : 1.0;
+    const double x_mm = side * sim_random_between(random, 250.0, 400.0);
+    const double y_mm = sim_random_between(random, -120.0, 60.0);
     struct iso_vec3 away = {x_mm, y_mm, sim_random_between(random, min_mm, 900.0)};
     (void)sim_expression_draw(ict, SIM_MILD, random, stance->expression);
     stance->yaw_rad = sim_random_between(random, -0.3, 0.3);
@@ -165,8 +165,8 @@ int sim_session_record(struct sim_studio *studio, const struct sim_ict *ict,
 {
     struct scene scene = {.random = plan->random};
     draw_stance(plan, sensor, &scene.random, &scene.stance);
-    enum sim_expression drawn = sim_expression_draw(ict, plan->expression, &scene.random,
-                                                    scene.stance.expression);
+    const enum sim_expression drawn = sim_expression_draw(ict, plan->expression, &scene.random,
+                                                          scene.stance.expression);
     struct sim_corpus_row row = row_of(plan, &scene.stance, drawn);
     int error = prepare(&scene, ict, sensor, plan);
     if (error != 0) {

@@ -5,8 +5,8 @@
 
 struct iso_vec3 sim_staging_place(const struct sim_staging *staging)
 {
-    double x = sim_random_between(staging->random, -40.0, 40.0);
-    double y = sim_random_between(staging->random, -40.0, 40.0);
+    const double x = sim_random_between(staging->random, -40.0, 40.0);
+    const double y = sim_random_between(staging->random, -40.0, 40.0);
     return iso_vec3(x, y,
                     sim_random_between(staging->random, staging->sensor->distance_min_mm,
                                        staging->sensor->distance_max_mm));

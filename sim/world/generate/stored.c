@@ -52,8 +52,8 @@ static int record_people(const struct stage *stage)
     char subject[8];
     int error = 0;
     for (int i = 0; error == 0 && i < PEOPLE + STRANGERS; i++) {
-        bool stranger = i >= PEOPLE;
-        enum sim_role role = stranger ? SIM_ROLE_IMPOSTOR : SIM_ROLE_PROBE;
+        const bool stranger = i >= PEOPLE;
+        const enum sim_role role = stranger ? SIM_ROLE_IMPOSTOR : SIM_ROLE_PROBE;
         struct visit second = {"v2", 2, i % 3 == 2 ? SIM_STRONG : SIM_MILD, 12.0};
         (void)snprintf(subject, sizeof subject, "%c%02d", stranger ? 'x' : 'p',
                        stranger ? i - PEOPLE + 1 : i + 1);
@@ -172,7 +172,7 @@ static int record_faceless(const struct stage *stage)
     }
     /* At 0.5 to 0.75 m half the image is 280 to 420 mm wide. */
     for (int i = 4; error == 0 && i <= 5; i++) {
-        double sideways_mm = i == 4 ? 345.0 : -345.0;
+        const double sideways_mm = i == 4 ? 345.0 : -345.0;
         error = record_useless(stage, "cut", i, 0.0, iso_vec3(sideways_mm, 0.0, 0.0));
     }
     if (error == 0) {
@@ -197,6 +197,6 @@ int sim_stored_record(struct sim_studio *studio, const struct sim_ict *ict,
                       const struct sim_sensor *sensor, uint64_t seed, struct iso_fault *fault)
 {
     struct stage stage = {studio, ict, sensor, seed, fault};
-    int error = record_people(&stage);
+    const int error = record_people(&stage);
     return error == 0 ? record_faceless(&stage) : error;
 }

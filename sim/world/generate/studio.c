@@ -71,7 +71,7 @@ void sim_studio_free(struct sim_studio *studio)
 static int add_row(struct sim_studio *studio, const struct sim_corpus_row *row)
 {
     if (studio->n_rows == studio->row_capacity) {
-        size_t capacity = 2 * studio->row_capacity + 64;
+        const size_t capacity = 2 * studio->row_capacity + 64;
         struct sim_corpus_row *rows = realloc(studio->rows, capacity * sizeof *rows);
         if (!rows) {
             return -ENOMEM;
@@ -125,7 +125,8 @@ static int measure_frame(struct sim_studio *studio, struct take *take, int index
 {
     take->truth_known = false;
     sim_view_clear(studio->view);
-    int error = take->draw(take->scene, index, studio->view, &take->truth, &take->truth_known);
+    const int error = take->draw(take->scene, index, studio->view, &take->truth,
+                                 &take->truth_known);
     if (error != 0) {
         return iso_fault_set(fault, error, "frame %d: cannot be drawn: %s", index,
                              strerror(-error));

@@ -19,14 +19,14 @@ static struct opening opening_of(const struct sim_ict *ict, const struct iso_vec
 {
     struct iso_vec3 a = vertices_mm[ict->landmarks[eye_corners[eye][0]]];
     struct iso_vec3 b = vertices_mm[ict->landmarks[eye_corners[eye][1]]];
-    double half = 0.5 * size * iso_norm(iso_sub(b, a));
+    const double half = 0.5 * size * iso_norm(iso_sub(b, a));
     return (struct opening){iso_scale(0.5, iso_add(a, b)), half, height_to_width * half};
 }
 
 static bool in_opening(const struct opening *opening, struct iso_vec3 p)
 {
-    double x = (p.x - opening->middle_mm.x) / opening->half_width_mm;
-    double y = (p.y - opening->middle_mm.y) / opening->half_height_mm;
+    const double x = (p.x - opening->middle_mm.x) / opening->half_width_mm;
+    const double y = (p.y - opening->middle_mm.y) / opening->half_height_mm;
     return p.z > opening->middle_mm.z - 25.0 && x * x + y * y < 1.0;
 }
 
@@ -34,7 +34,7 @@ static bool in_opening(const struct opening *opening, struct iso_vec3 p)
  * print that has none; the inside of the mouth is not printed. */
 static bool printed(const struct sim_face_print *print, uint32_t v)
 {
-    uint32_t end = print->whole_head ? SIM_ICT_MOUTH_SOCKET : SIM_ICT_NARROW_FACE_END;
+    const uint32_t end = print->whole_head ? SIM_ICT_MOUTH_SOCKET : SIM_ICT_NARROW_FACE_END;
     return v < end || (!print->eyes_cut && v >= SIM_ICT_EYE_SOCKETS);
 }
 
@@ -48,7 +48,7 @@ struct selection {
 static bool selected(const struct selection *s, uint32_t t)
 {
     for (int k = 0; k < 3; k++) {
-        uint32_t v = s->ict->triangles[t][k];
+        const uint32_t v = s->ict->triangles[t][k];
         if (!printed(s->print, v)) {
             return false;
         }
@@ -114,7 +114,7 @@ int sim_face_print_new(const struct sim_ict *ict, const struct iso_vec3 *vertice
     if (!number) {
         return -ENOMEM;
     }
-    uint32_t n_vertices = number_vertices(&s, number, &n_triangles);
+    const uint32_t n_vertices = number_vertices(&s, number, &n_triangles);
     struct sim_solid *solid;
     int error = sim_solid_new(n_vertices, n_triangles, material, &solid);
     if (error == 0) {

@@ -21,21 +21,21 @@ struct chair {
 static void add_post(struct sim_group *group, const struct chair *chair, double side,
                      struct sim_random *random)
 {
-    double x = side * chair->half_width_mm, top = -chair->half_height_mm - 10.0;
+    const double x = side * chair->half_width_mm, top = -chair->half_height_mm - 10.0;
     add_bar(group, iso_vec3(x, top, 0.0), iso_vec3(0.97 * x, 900.0, 30.0), chair->bar_mm + 3.0,
             SIM_PLASTIC);
-    double knob = sim_random_between(random, 16.0, 30.0);
+    const double knob = sim_random_between(random, 16.0, 30.0);
     struct iso_vec3 half = {knob, 1.15 * knob, knob};
     sim_group_add_ellipsoid(group, half, 1.0, iso_vec3(x, top - knob, 0.0), SIM_PLASTIC);
 }
 
 static void add_slats(struct sim_group *group, const struct chair *chair)
 {
-    double w = chair->half_width_mm, h = chair->half_height_mm;
+    const double w = chair->half_width_mm, h = chair->half_height_mm;
     add_bar(group, iso_vec3(-w, -h, 0.0), iso_vec3(w, -h, 0.0), chair->bar_mm + 4.0, SIM_PLASTIC);
     add_bar(group, iso_vec3(-w, h, 0.0), iso_vec3(w, h, 0.0), chair->bar_mm, SIM_PLASTIC);
     for (int i = 1; i <= chair->n; i++) {
-        double x = w * (2.0 * i / (chair->n + 1) - 1.0);
+        const double x = w * (2.0 * i / (chair->n + 1) - 1.0);
         add_bar(group, iso_vec3(x, -h, 0.0), iso_vec3(x, h, 0.0), 0.8 * chair->bar_mm, SIM_PLASTIC);
     }
 }
@@ -46,11 +46,11 @@ static void add_boards(struct sim_group *group, const struct chair *chair)
     struct iso_rigid before = group->placed;
     for (int i = 0; i < chair->n; i++) {
         struct sim_solid *board = NULL;
-        double y = chair->half_height_mm * (2.0 * (i + 0.5) / chair->n - 1.0);
+        const double y = chair->half_height_mm * (2.0 * (i + 0.5) / chair->n - 1.0);
         struct iso_rigid at = {iso_mat3_identity(), {0.0, y, 12.0}};
-        int made = sim_solid_rectangle(2.0 * chair->half_width_mm,
-                                       1.1 * chair->half_height_mm / chair->n, 700.0, SIM_PLASTIC,
-                                       &board);
+        const int made = sim_solid_rectangle(2.0 * chair->half_width_mm,
+                                             1.1 * chair->half_height_mm / chair->n, 700.0,
+                                             SIM_PLASTIC, &board);
         group->placed = iso_rigid_mul(&before, &at);
         sim_group_add(group, made, board);
     }
@@ -60,8 +60,9 @@ static void add_boards(struct sim_group *group, const struct chair *chair)
 static void add_shell(struct sim_group *group, const struct chair *chair, struct sim_random *random)
 {
     struct sim_solid *shell = NULL;
-    int made = sim_solid_rectangle(2.0 * chair->half_width_mm, 2.0 * chair->half_height_mm,
-                                   sim_random_between(random, 250.0, 600.0), SIM_PLASTIC, &shell);
+    const int made = sim_solid_rectangle(2.0 * chair->half_width_mm, 2.0 * chair->half_height_mm,
+                                         sim_random_between(random, 250.0, 600.0), SIM_PLASTIC,
+                                         &shell);
     sim_group_add(group, made, shell);
     add_bar(group, iso_vec3(0.0, chair->half_height_mm, 12.0), iso_vec3(0.0, 900.0, 60.0), 20.0,
             SIM_PLASTIC);
@@ -74,7 +75,7 @@ void sim_furniture_add_chair(struct sim_group *group, enum sim_chair_back back,
     chair.half_height_mm = sim_random_between(random, 130.0, 240.0);
     chair.bar_mm = sim_random_between(random, 9.0, 16.0);
     chair.n = 3 + (int)sim_random_below(random, 4);
-    double w = chair.half_width_mm, h = chair.half_height_mm;
+    const double w = chair.half_width_mm, h = chair.half_height_mm;
     if (back == SIM_CHAIR_SHELL) {
         add_shell(group, &chair, random);
     } else if (back == SIM_CHAIR_PADDED) {
@@ -103,15 +104,15 @@ static void add_leaf(struct sim_group *group, struct iso_vec3 root, struct sim_r
     leaf.width_mm = sim_random_between(random, 30.0, 75.0);
     leaf.height_mm = leaf.width_mm * sim_random_between(random, 1.8, 3.4);
     leaf.radius_mm = sim_random_between(random, 0.7, 2.5) * leaf.height_mm;
-    double around = sim_random_between(random, -3.14, 3.14);
-    double tilt = sim_random_between(random, 0.1, 1.3);
+    const double around = sim_random_between(random, -3.14, 3.14);
+    const double tilt = sim_random_between(random, 0.1, 1.3);
     struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(0.0, around, 0.0));
     struct iso_mat3 lean = iso_mat3_rotation(iso_vec3(tilt, 0.0, 0.0));
     struct iso_rigid grown = {iso_mat3_mul(&turn, &lean), root};
     struct iso_rigid half_up = {iso_mat3_identity(), {0.0, -0.5 * leaf.height_mm, 0.0}};
     struct iso_rigid before = group->placed, here = iso_rigid_mul(&grown, &half_up);
     struct sim_solid *solid = NULL;
-    int made = sim_sheet_new(&leaf, SIM_CLOTH, &solid);
+    const int made = sim_sheet_new(&leaf, SIM_CLOTH, &solid);
     group->placed = iso_rigid_mul(&before, &here);
     sim_group_add(group, made, solid);
     group->placed = before;
@@ -119,17 +120,17 @@ static void add_leaf(struct sim_group *group, struct iso_vec3 root, struct sim_r
 
 void sim_furniture_add_plant(struct sim_group *group, struct sim_random *random)
 {
-    double pot_mm = sim_random_between(random, 60.0, 100.0), spread = 0.9 * pot_mm;
+    const double pot_mm = sim_random_between(random, 60.0, 100.0), spread = 0.9 * pot_mm;
     struct iso_vec3 base = {0.0, 150.0, 0.0}, pot = {pot_mm, 0.9 * pot_mm, pot_mm};
     sim_group_add_ellipsoid(group, pot, 0.25, iso_vec3(0.0, 140.0 + pot.y, 0.0), SIM_PLASTIC);
-    int stems = 7 + (int)sim_random_below(random, 8);
+    const int stems = 7 + (int)sim_random_below(random, 8);
     for (int s = 0; s < stems; s++) {
-        double x = spread * sim_random_normal(random), z = spread * sim_random_normal(random);
+        const double x = spread * sim_random_normal(random), z = spread * sim_random_normal(random);
         struct iso_vec3 tip = {x, sim_random_between(random, -110.0, 60.0), z};
         add_bar(group, base, tip, 3.0, SIM_CLOTH);
-        int leaves = 2 + (int)sim_random_below(random, 4);
+        const int leaves = 2 + (int)sim_random_below(random, 4);
         for (int l = 0; l < leaves; l++) {
-            double along = 0.5 + 0.5 * (l + 1) / leaves;
+            const double along = 0.5 + 0.5 * (l + 1) / leaves;
             add_leaf(group, iso_madd(base, along, iso_sub(tip, base)), random);
         }
     }
@@ -137,17 +138,17 @@ void sim_furniture_add_plant(struct sim_group *group, struct sim_random *random)
 
 void sim_furniture_add_cushion(struct sim_group *group, struct sim_random *random)
 {
-    double width = sim_random_between(random, 120.0, 230.0);
-    double height = width * sim_random_between(random, 0.6, 1.0);
+    const double width = sim_random_between(random, 120.0, 230.0);
+    const double height = width * sim_random_between(random, 0.6, 1.0);
     struct iso_vec3 half = {width, height, sim_random_between(random, 45.0, 90.0)};
-    double roundness = sim_random_between(random, 0.5, 0.8);
+    const double roundness = sim_random_between(random, 0.5, 0.8);
     struct sim_solid *cushion = NULL;
-    uint64_t key = sim_random_u64(random);
-    int made = sim_solid_superellipsoid(half, roundness, SIM_CLOTH, &cushion);
+    const uint64_t key = sim_random_u64(random);
+    const int made = sim_solid_superellipsoid(half, roundness, SIM_CLOTH, &cushion);
     for (uint32_t i = 0; made == 0 && i < cushion->n_vertices; i++) {
         struct iso_vec3 *p = &cushion->vertices_mm[i];
-        double dent = 14.0 * sim_noise3(key, iso_scale(1.0 / 90.0, *p)) +
-                      4.0 * sim_noise3(key + 1, iso_scale(1.0 / 30.0, *p));
+        const double dent = 14.0 * sim_noise3(key, iso_scale(1.0 / 90.0, *p)) +
+                            4.0 * sim_noise3(key + 1, iso_scale(1.0 / 30.0, *p));
         p->z += dent;
     }
     sim_group_add(group, made, cushion);
@@ -156,7 +157,7 @@ void sim_furniture_add_cushion(struct sim_group *group, struct sim_random *rando
 void sim_furniture_add_ball(struct sim_group *group, double radius_mm, bool balloon,
                             struct sim_random *random)
 {
-    double length = balloon ? sim_random_between(random, 1.08, 1.35) : 1.0;
+    const double length = balloon ? sim_random_between(random, 1.08, 1.35) : 1.0;
     struct iso_vec3 half = {radius_mm, length * radius_mm, radius_mm};
     struct iso_vec3 none = {0.0, 0.0, 0.0};
     sim_group_add_ellipsoid(group, half, 1.0, none, SIM_PLASTIC);
@@ -177,8 +178,8 @@ void sim_furniture_add_coat(struct sim_group *group, bool hanger, struct sim_ran
      */
     static const struct iso_vec3 collar_mm = {0.0, -128.0, -128.0};
     struct sim_solid *trunk = NULL;
-    double flat = hanger ? sim_random_between(random, 0.3, 0.6) : 1.0;
-    int made = sim_torso_new(sim_random_u64(random), &trunk);
+    const double flat = hanger ? sim_random_between(random, 0.3, 0.6) : 1.0;
+    const int made = sim_torso_new(sim_random_u64(random), &trunk);
     for (uint32_t i = 0; made == 0 && i < trunk->n_vertices; i++) {
         struct iso_vec3 p = iso_sub(trunk->vertices_mm[i], collar_mm);
         trunk->vertices_mm[i] = iso_vec3(p.x, -p.y, -flat * p.z);

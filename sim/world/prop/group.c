@@ -30,7 +30,7 @@ void sim_group_free(struct sim_group *group)
 static int reserve(struct sim_group *group, size_t n_vertices)
 {
     if (group->n_solids == group->capacity) {
-        size_t capacity = 2 * group->capacity + 8;
+        const size_t capacity = 2 * group->capacity + 8;
         struct sim_solid **solids = realloc(group->solids, capacity * sizeof *solids);
         if (!solids) {
             return -ENOMEM;
@@ -79,7 +79,7 @@ void sim_group_add_box(struct sim_group *group, struct iso_vec3 size_mm, struct 
                        enum sim_material material)
 {
     struct sim_solid *box = NULL;
-    int made = sim_solid_box(size_mm, material, &box);
+    const int made = sim_solid_box(size_mm, material, &box);
     add_at(group, made, box, at_mm);
 }
 
@@ -87,7 +87,7 @@ void sim_group_add_tube(struct sim_group *group, const struct sim_joint *joints,
                         enum sim_material material)
 {
     struct sim_solid *tube = NULL;
-    int made = sim_solid_tube(joints, n_joints, material, &tube);
+    const int made = sim_solid_tube(joints, n_joints, material, &tube);
     sim_group_add(group, made, tube);
 }
 
@@ -95,7 +95,7 @@ void sim_group_add_ellipsoid(struct sim_group *group, struct iso_vec3 half_mm, d
                              struct iso_vec3 at_mm, enum sim_material material)
 {
     struct sim_solid *ellipsoid = NULL;
-    int made = sim_solid_superellipsoid(half_mm, roundness, material, &ellipsoid);
+    const int made = sim_solid_superellipsoid(half_mm, roundness, material, &ellipsoid);
     add_at(group, made, ellipsoid, at_mm);
 }
 

@@ -20,7 +20,7 @@ enum {
 
 static double ramp_between(double from, double to, double x)
 {
-    double f = fmin(fmax((x - from) / (to - from), 0.0), 1.0);
+    const double f = fmin(fmax((x - from) / (to - from), 0.0), 1.0);
     return f * f * (3.0 - 2.0 * f);
 }
 
@@ -55,7 +55,7 @@ struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_rand
  * nape. */
 static double inside_hairline(const float *p, double hairline_mm)
 {
-    double y = p[1], z = p[2];
+    const double y = p[1], z = p[2];
     double line;
     if (z > 25.0) {
         line = 62.0 + (z - 25.0) * 0.75 - hairline_mm * ramp_between(25.0, 60.0, z);
@@ -70,10 +70,10 @@ static double inside_hairline(const float *p, double hairline_mm)
 /* How far the shell stands off the skin; it dives under the skin just outside the hairline. */
 static double stand_off(const struct sim_hair *hair, double inside_mm, struct iso_vec3 p)
 {
-    double bumps = 0.35 * sim_noise3(hair->key, iso_scale(1.0 / 28.0, p)) +
-                   0.15 * sim_noise3(hair->key + 1, iso_scale(1.0 / 9.0, p));
-    double strands = 1.2 * sim_noise3(hair->key + 2, iso_scale(1.0 / 4.0, p));
-    double cover = ramp_between(-3.0, 8.0 + 1.2 * hair->thickness_mm, inside_mm);
+    const double bumps = 0.35 * sim_noise3(hair->key, iso_scale(1.0 / 28.0, p)) +
+                         0.15 * sim_noise3(hair->key + 1, iso_scale(1.0 / 9.0, p));
+    const double strands = 1.2 * sim_noise3(hair->key + 2, iso_scale(1.0 / 4.0, p));
+    const double cover = ramp_between(-3.0, 8.0 + 1.2 * hair->thickness_mm, inside_mm);
     return cover * (hair->thickness_mm * (1.0 + bumps) + strands) - 3.0 * (1.0 - cover);
 }
 
@@ -95,10 +95,10 @@ static void build_patch(const struct sim_hair *hair, const struct patch_corner c
     int n = 0;
     for (int i = 0; i <= SPLIT; i++) {
         for (int j = 0; i + j <= SPLIT; j++) {
-            double w1 = (double)i / SPLIT, w2 = (double)j / SPLIT, w0 = 1.0 - w1 - w2;
+            const double w1 = (double)i / SPLIT, w2 = (double)j / SPLIT, w0 = 1.0 - w1 - w2;
             struct iso_vec3 p = iso_madd(iso_madd(iso_scale(w0, c[0].position), w1, c[1].position),
                                          w2, c[2].position);
-            double inside = w0 * c[0].inside_mm + w1 * c[1].inside_mm + w2 * c[2].inside_mm;
+            const double inside = w0 * c[0].inside_mm + w1 * c[1].inside_mm + w2 * c[2].inside_mm;
             struct iso_vec3 outwards = iso_unit(iso_sub(p, centre));
             vertices[lattice_index(i, j)] = iso_madd(p, stand_off(hair, inside, p), outwards);
             if (i + j < SPLIT) {
@@ -127,7 +127,7 @@ static bool is_hairy(const struct sim_ict *ict, uint32_t t, const struct iso_vec
 {
     double most = -1e9;
     for (int k = 0; k < 3; k++) {
-        uint32_t v = ict->triangles[t][k];
+        const uint32_t v = ict->triangles[t][k];
         if (v >= SIM_ICT_MOUTH_SOCKET) {
             return false;
         }
@@ -147,14 +147,14 @@ int sim_hair_scalp(const struct sim_ict *ict, const struct iso_vec3 *vertices_mm
         n += is_hairy(ict, t, vertices_mm, hair, corners);
     }
     struct sim_solid *solid;
-    int error = sim_solid_new(n * PATCH_VERTICES, n * PATCH_TRIANGLES, SIM_HAIR, &solid);
+    const int error = sim_solid_new(n * PATCH_VERTICES, n * PATCH_TRIANGLES, SIM_HAIR, &solid);
     if (error != 0) {
         return error;
     }
     uint32_t patch = 0;
     for (uint32_t t = 0; t < ict->n_triangles; t++) {
         if (is_hairy(ict, t, vertices_mm, hair, corners)) {
-            uint32_t base = patch * PATCH_VERTICES;
+            const uint32_t base = patch * PATCH_VERTICES;
             build_patch(hair, corners, solid->vertices_mm + base,
                         solid->triangles + patch * PATCH_TRIANGLES, base);
             patch++;
@@ -181,14 +181,17 @@ static double half_breadth(const struct sim_ict *ict, const struct iso_vec3 *ver
 static struct iso_vec3 curtain_point(const struct sim_hair *hair, double half_breadth_mm,
                                      double around, double down)
 {
-    double reach = 1.5707963 + hair->curtain_front;
-    double angle = reach * (2.0 * around - 1.0); /* 0: back of the head, +-pi/2: beside the ear */
-    double y = 75.0 - 270.0 * down;
-    double side = half_breadth_mm + 9.0 + hair->thickness_mm * 0.7 * ramp_between(0.0, 0.4, down);
-    double depth = 82.0 + 0.5 * hair->thickness_mm;
+    const double reach = 1.5707963 + hair->curtain_front;
+    const double angle = reach *
+                         (2.0 * around - 1.0); /* 0: back of the head, +-pi/2: beside the ear */
+    const double y = 75.0 - 270.0 * down;
+    const double side = half_breadth_mm + 9.0 +
+                        hair->thickness_mm * 0.7 * ramp_between(0.0, 0.4, down);
+    const double depth = 82.0 + 0.5 * hair->thickness_mm;
     struct iso_vec3 p = {side * sin(angle), y, 2.0 - depth * cos(angle)};
-    double bumps = 7.0 * sim_noise3(hair->key + 3, iso_vec3(p.x / 22.0, y / 90.0, p.z / 22.0)) +
-                   2.0 * sim_noise3(hair->key + 4, iso_vec3(p.x / 6.0, y / 40.0, p.z / 6.0));
+    const double bumps = 7.0 *
+                             sim_noise3(hair->key + 3, iso_vec3(p.x / 22.0, y / 90.0, p.z / 22.0)) +
+                         2.0 * sim_noise3(hair->key + 4, iso_vec3(p.x / 6.0, y / 40.0, p.z / 6.0));
     struct iso_vec3 outwards = iso_unit(iso_vec3(sin(angle), 0.0, -cos(angle)));
     return iso_sub(iso_madd(p, bumps, outwards), model_nose_tip_mm);
 }
@@ -200,11 +203,11 @@ int sim_hair_curtain(const struct sim_ict *ict, const struct iso_vec3 *vertices_
         return -EINVAL;
     }
     struct sim_solid *solid;
-    int error = sim_solid_sheet(CURTAIN_ROWS, CURTAIN_COLUMNS, SIM_HAIR, &solid);
+    const int error = sim_solid_sheet(CURTAIN_ROWS, CURTAIN_COLUMNS, SIM_HAIR, &solid);
     if (error != 0) {
         return error;
     }
-    double half_breadth_mm = half_breadth(ict, vertices_mm);
+    const double half_breadth_mm = half_breadth(ict, vertices_mm);
     for (int r = 0; r < CURTAIN_ROWS; r++) {
         for (int c = 0; c < CURTAIN_COLUMNS; c++) {
             solid->vertices_mm[r * CURTAIN_COLUMNS + c] = curtain_point(

@@ -107,7 +107,7 @@ static void add_grip(const struct hand *hand)
 {
     static const double thumb_radii[] = {14.0, 12.0, 10.0, 8.5}, bends[] = {0.0, 0.0, 0.0};
     const struct iso_vec3 thumb[] = {{18, -30, 4}, {22, -54, -11}, {14, -78, -12}, {8, -102, -10}};
-    double behind = 20.0 + hand->held_mm / hand->size;
+    const double behind = 20.0 + hand->held_mm / hand->size;
     add_palm(hand, iso_vec3(0.0, -40.0, behind + 2.0));
     for (int i = 0; i < FINGERS; i++) {
         struct iso_vec3 root = {fingers[i].x_mm, fingers[i].y_mm + 8.0, behind};
@@ -119,9 +119,9 @@ static void add_grip(const struct hand *hand)
 /* Out of the sleeve to the wrist. */
 static void add_forearm(const struct hand *hand, struct sim_random *random)
 {
-    double x = sim_random_between(random, -40.0, 110.0);
-    double z = sim_random_between(random, 20.0, 120.0);
-    double cuff = sim_random_between(random, 0.15, 0.6);
+    const double x = sim_random_between(random, -40.0, 110.0);
+    const double z = sim_random_between(random, 20.0, 120.0);
+    const double cuff = sim_random_between(random, 0.15, 0.6);
     struct iso_vec3 wrist = {0.0, -8.0, 0.0}, elbow = {x, 250.0, z};
     struct iso_vec3 along = iso_sub(elbow, wrist);
     const struct iso_vec3 bare[] = {wrist, iso_madd(wrist, 0.3, along), elbow};

@@ -10,10 +10,10 @@ static void place_vertices(struct sim_solid *sheet, int columns, int rows, doubl
 {
     for (int r = 0; r <= rows; r++) {
         for (int c = 0; c <= columns; c++) {
-            double s = width_mm * ((double)c / columns - 0.5);
-            double y = height_mm * ((double)r / rows - 0.5);
-            double angle = bend_radius_mm > 0.0 ? s / bend_radius_mm : 0.0;
-            double x = bend_radius_mm > 0.0 ? bend_radius_mm * sin(angle) : s;
+            const double s = width_mm * ((double)c / columns - 0.5);
+            const double y = height_mm * ((double)r / rows - 0.5);
+            const double angle = bend_radius_mm > 0.0 ? s / bend_radius_mm : 0.0;
+            const double x = bend_radius_mm > 0.0 ? bend_radius_mm * sin(angle) : s;
             sheet->vertices_mm[r * (columns + 1) + c] = iso_vec3(
                 x, y, bend_radius_mm * (1.0 - cos(angle)));
         }

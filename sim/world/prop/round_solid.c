@@ -22,7 +22,7 @@ struct ring {
 static void place_ring(const struct ring *ring, struct iso_vec3 *row)
 {
     for (int c = 0; c < TUBE_AROUND; c++) {
-        double angle = 2.0 * pi * c / (TUBE_AROUND - 1);
+        const double angle = 2.0 * pi * c / (TUBE_AROUND - 1);
         struct iso_vec3 p = iso_madd(ring->middle, ring->radius_mm * cos(angle), ring->across);
         row[c] = iso_madd(p, ring->radius_mm * sin(angle), ring->along);
     }
@@ -58,7 +58,7 @@ static struct iso_vec3 square_to(struct iso_vec3 direction, struct iso_vec3 hint
 static void place_cap(struct ring rim, struct iso_vec3 direction, int side, struct iso_vec3 *rows)
 {
     for (int k = 0; k < CAP_RINGS; k++) {
-        double angle = 0.5 * pi * (side < 0 ? CAP_RINGS - k : k + 1) / CAP_RINGS;
+        const double angle = 0.5 * pi * (side < 0 ? CAP_RINGS - k : k + 1) / CAP_RINGS;
         struct ring ring = rim;
         ring.middle = iso_madd(rim.middle, side * rim.radius_mm * sin(angle), direction);
         ring.radius_mm = rim.radius_mm * cos(angle);
@@ -78,7 +78,8 @@ int sim_solid_tube(const struct sim_joint *joints, size_t n_joints, enum sim_mat
         }
     }
     struct sim_solid *solid;
-    int error = sim_solid_sheet((uint32_t)n_joints + 2 * CAP_RINGS, TUBE_AROUND, material, &solid);
+    const int error = sim_solid_sheet((uint32_t)n_joints + 2 * CAP_RINGS, TUBE_AROUND, material,
+                                      &solid);
     if (error != 0) {
         return error;
     }
@@ -114,15 +115,15 @@ int sim_solid_superellipsoid(struct iso_vec3 half_mm, double roundness, enum sim
         return -EINVAL;
     }
     struct sim_solid *solid;
-    int error = sim_solid_sheet(ELLIPSOID_ROWS, ELLIPSOID_COLUMNS, material, &solid);
+    const int error = sim_solid_sheet(ELLIPSOID_ROWS, ELLIPSOID_COLUMNS, material, &solid);
     if (error != 0) {
         return error;
     }
     for (int r = 0; r < ELLIPSOID_ROWS; r++) {
-        double latitude = pi * ((double)r / (ELLIPSOID_ROWS - 1) - 0.5);
-        double ring = signed_power(cos(latitude), roundness);
+        const double latitude = pi * ((double)r / (ELLIPSOID_ROWS - 1) - 0.5);
+        const double ring = signed_power(cos(latitude), roundness);
         for (int c = 0; c < ELLIPSOID_COLUMNS; c++) {
-            double longitude = 2.0 * pi * c / (ELLIPSOID_COLUMNS - 1);
+            const double longitude = 2.0 * pi * c / (ELLIPSOID_COLUMNS - 1);
             solid->vertices_mm[r * ELLIPSOID_COLUMNS + c] = iso_vec3(
                 half_mm.x * ring * signed_power(cos(longitude), roundness),
                 half_mm.y * signed_power(sin(latitude), roundness),

@@ -12,7 +12,7 @@ static const double keyboard_depth_mm = 220.0, keyboard_lean_rad = 0.35;
 
 static int compare_doubles(const void *a, const void *b)
 {
-    double x = *(const double *)a, y = *(const double *)b;
+    const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
@@ -25,7 +25,7 @@ static double quantile(const double values[CELLS], double share)
     if (sorted) {
         memcpy(sorted, values, CELLS * sizeof *sorted);
         qsort(sorted, CELLS, sizeof *sorted, compare_doubles);
-        int at = (int)lrint(share * CELLS);
+        const int at = (int)lrint(share * CELLS);
         if (at <= 0) {
             found = sorted[0] - 1.0;
         } else {
@@ -39,11 +39,12 @@ static double quantile(const double values[CELLS], double share)
 /* The whole glass, a cell being two triangles in a row of the sheet. */
 static int whole_glass(const struct sim_screen *screen, struct sim_solid **out)
 {
-    int error = sim_solid_sheet(ROWS, COLUMNS, SIM_GLASS, out);
+    const int error = sim_solid_sheet(ROWS, COLUMNS, SIM_GLASS, out);
     for (int i = 0; error == 0 && i < ROWS * COLUMNS; i++) {
-        double x = screen->width_mm * ((double)(i % COLUMNS) / (COLUMNS - 1) - 0.5);
-        double y = screen->height_mm * ((double)(i / COLUMNS) / (ROWS - 1) - 0.5);
-        double depth = 0.5 + 0.5 * sim_noise3(screen->key + 1, iso_vec3(x / 60.0, y / 60.0, 0.5));
+        const double x = screen->width_mm * ((double)(i % COLUMNS) / (COLUMNS - 1) - 0.5);
+        const double y = screen->height_mm * ((double)(i / COLUMNS) / (ROWS - 1) - 0.5);
+        const double depth = 0.5 +
+                             0.5 * sim_noise3(screen->key + 1, iso_vec3(x / 60.0, y / 60.0, 0.5));
         (*out)->vertices_mm[i] = iso_vec3(x, y, screen->behind_mm * depth);
     }
     return error;
@@ -62,7 +63,7 @@ static int part_of_glass(const struct sim_solid *glass, const double value[CELLS
     if (n == 0) {
         return 0;
     }
-    int error = sim_solid_new(glass->n_vertices, n, measured ? SIM_GLASS : SIM_MIRROR, out);
+    const int error = sim_solid_new(glass->n_vertices, n, measured ? SIM_GLASS : SIM_MIRROR, out);
     if (error != 0) {
         return error;
     }
@@ -82,15 +83,16 @@ static void split_glass(struct sim_group *group, const struct sim_screen *screen
 {
     for (int i = 0; i < CELLS; i++) {
         struct iso_vec3 p = glass->vertices_mm[i / (COLUMNS - 1) * COLUMNS + i % (COLUMNS - 1)];
-        double patches = sim_noise3(screen->key,
-                                    iso_vec3(p.x / screen->patch_mm, p.y / screen->patch_mm, 0.5));
-        double grains = sim_noise3(screen->key + 2, iso_vec3(p.x / 5.0, p.y / 5.0, 0.5));
+        const double patches = sim_noise3(
+            screen->key, iso_vec3(p.x / screen->patch_mm, p.y / screen->patch_mm, 0.5));
+        const double grains = sim_noise3(screen->key + 2, iso_vec3(p.x / 5.0, p.y / 5.0, 0.5));
         value[i] = patches + 0.3 * grains;
     }
-    double level = quantile(value, screen->lost);
+    const double level = quantile(value, screen->lost);
     for (int measured = 0; measured < 2; measured++) {
         struct sim_solid *part = NULL;
-        int made = isnan(level) ? -ENOMEM : part_of_glass(glass, value, level, measured, &part);
+        const int made = isnan(level) ? -ENOMEM
+                                      : part_of_glass(glass, value, level, measured, &part);
         if (made != 0 || part) {
             sim_group_add(group, made, part);
         }
@@ -101,7 +103,7 @@ static void add_glass(struct sim_group *group, const struct sim_screen *screen)
 {
     struct sim_solid *glass = NULL;
     double *value = malloc(CELLS * sizeof *value);
-    int made = value ? whole_glass(screen, &glass) : -ENOMEM;
+    const int made = value ? whole_glass(screen, &glass) : -ENOMEM;
     if (made == 0) {
         split_glass(group, screen, glass, value);
         sim_solid_free(glass);
@@ -114,12 +116,12 @@ static void add_glass(struct sim_group *group, const struct sim_screen *screen)
 /* Four bars about the glass, as thick as the device. */
 static void add_rim(struct sim_group *group, const struct sim_screen *screen)
 {
-    double rim = screen->rim_mm, middle_z = 0.5 * screen->thickness_mm - 0.5;
+    const double rim = screen->rim_mm, middle_z = 0.5 * screen->thickness_mm - 0.5;
     struct iso_vec3 lying = {screen->width_mm + 2.0 * rim, rim, screen->thickness_mm};
     struct iso_vec3 standing = {rim, screen->height_mm, screen->thickness_mm};
     for (int side = -1; side <= 1; side += 2) {
-        double y = side * 0.5 * (screen->height_mm + rim),
-               x = side * 0.5 * (screen->width_mm + rim);
+        const double y = side * 0.5 * (screen->height_mm + rim),
+                     x = side * 0.5 * (screen->width_mm + rim);
         sim_group_add_box(group, lying, iso_vec3(0.0, y, middle_z), SIM_PLASTIC);
         sim_group_add_box(group, standing, iso_vec3(x, 0.0, middle_z), SIM_PLASTIC);
     }

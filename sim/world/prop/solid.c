@@ -42,14 +42,15 @@ int sim_solid_sheet(uint32_t rows, uint32_t columns, enum sim_material material,
         return -EINVAL;
     }
     struct sim_solid *solid;
-    int error = sim_solid_new(rows * columns, 2 * (rows - 1) * (columns - 1), material, &solid);
+    const int error = sim_solid_new(rows * columns, 2 * (rows - 1) * (columns - 1), material,
+                                    &solid);
     if (error != 0) {
         return error;
     }
     uint32_t n = 0;
     for (uint32_t r = 0; r + 1 < rows; r++) {
         for (uint32_t c = 0; c + 1 < columns; c++) {
-            uint32_t a = r * columns + c, b = a + 1, d = a + columns, e = d + 1;
+            const uint32_t a = r * columns + c, b = a + 1, d = a + columns, e = d + 1;
             uint32_t two[2][3] = {{a, d, b}, {b, d, e}};
             for (int k = 0; k < 3; k++) {
                 solid->triangles[n][k] = two[0][k];
@@ -70,17 +71,17 @@ int sim_solid_rectangle(double width_mm, double height_mm, double bend_radius_mm
         return -EINVAL;
     }
     struct sim_solid *solid;
-    int error = sim_solid_sheet(ROWS, COLUMNS, material, &solid);
+    const int error = sim_solid_sheet(ROWS, COLUMNS, material, &solid);
     if (error != 0) {
         return error;
     }
     for (int r = 0; r < ROWS; r++) {
         for (int c = 0; c < COLUMNS; c++) {
-            double s = width_mm * ((double)c / (COLUMNS - 1) - 0.5);
-            double y = height_mm * ((double)r / (ROWS - 1) - 0.5);
-            double angle = bend_radius_mm > 0.0 ? s / bend_radius_mm : 0.0;
-            double x = bend_radius_mm > 0.0 ? bend_radius_mm * sin(angle) : s;
-            double z = bend_radius_mm * (1.0 - cos(angle));
+            const double s = width_mm * ((double)c / (COLUMNS - 1) - 0.5);
+            const double y = height_mm * ((double)r / (ROWS - 1) - 0.5);
+            const double angle = bend_radius_mm > 0.0 ? s / bend_radius_mm : 0.0;
+            const double x = bend_radius_mm > 0.0 ? bend_radius_mm * sin(angle) : s;
+            const double z = bend_radius_mm * (1.0 - cos(angle));
             solid->vertices_mm[r * COLUMNS + c] = iso_vec3(x, y, z);
         }
     }
@@ -96,7 +97,7 @@ int sim_solid_box(struct iso_vec3 size_mm, enum sim_material material, struct si
         return -EINVAL;
     }
     struct sim_solid *solid;
-    int error = sim_solid_new(8, 12, material, &solid);
+    const int error = sim_solid_new(8, 12, material, &solid);
     if (error != 0) {
         return error;
     }

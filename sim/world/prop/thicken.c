@@ -13,7 +13,7 @@ struct edge {
 static int compare_edges(const void *a, const void *b)
 {
     const struct edge *p = a, *q = b;
-    int order = (p->low > q->low) - (p->low < q->low);
+    const int order = (p->low > q->low) - (p->low < q->low);
     return order ? order : (p->high > q->high) - (p->high < q->high);
 }
 
@@ -39,7 +39,7 @@ static struct edge *edges_of(const struct sim_solid *solid)
 {
     struct edge *edges = malloc(3 * (size_t)solid->n_triangles * sizeof *edges);
     for (size_t i = 0; edges && i < 3 * (size_t)solid->n_triangles; i++) {
-        uint32_t a = solid->triangles[i / 3][i % 3], b = solid->triangles[i / 3][(i + 1) % 3];
+        const uint32_t a = solid->triangles[i / 3][i % 3], b = solid->triangles[i / 3][(i + 1) % 3];
         edges[i] = (struct edge){a < b ? a : b, a < b ? b : a, a < b};
     }
     return edges;
@@ -63,7 +63,7 @@ static void sum_normals(const struct sim_solid *solid, struct iso_vec3 *normals)
 static void fill_thick(const struct sim_solid *thin, const struct edge *borders, uint32_t n_borders,
                        double shell_mm, struct sim_solid *thick)
 {
-    uint32_t n = thin->n_vertices, m = thin->n_triangles;
+    const uint32_t n = thin->n_vertices, m = thin->n_triangles;
     struct iso_vec3 *inner = thick->vertices_mm + n;
     sum_normals(thin, inner);
     for (uint32_t v = 0; v < n; v++) {
@@ -77,8 +77,8 @@ static void fill_thick(const struct sim_solid *thin, const struct edge *borders,
         }
     }
     for (uint32_t b = 0; b < n_borders; b++) {
-        uint32_t from = borders[b].upward ? borders[b].low : borders[b].high;
-        uint32_t to = borders[b].upward ? borders[b].high : borders[b].low;
+        const uint32_t from = borders[b].upward ? borders[b].low : borders[b].high;
+        const uint32_t to = borders[b].upward ? borders[b].high : borders[b].low;
         const uint32_t wall[2][3] = {{to, from, n + from}, {to, n + from, n + to}};
         memcpy(thick->triangles + 2 * (size_t)(m + b), wall, sizeof wall);
     }
@@ -90,10 +90,10 @@ int sim_solid_thicken(struct sim_solid *solid, double shell_mm)
     if (!edges) {
         return -ENOMEM;
     }
-    uint32_t n_borders = keep_borders(edges, 3 * (size_t)solid->n_triangles);
+    const uint32_t n_borders = keep_borders(edges, 3 * (size_t)solid->n_triangles);
     struct sim_solid *thick;
-    int error = sim_solid_new(2 * solid->n_vertices, 2 * (solid->n_triangles + n_borders),
-                              solid->material, &thick);
+    const int error = sim_solid_new(2 * solid->n_vertices, 2 * (solid->n_triangles + n_borders),
+                                    solid->material, &thick);
     if (error == 0) {
         fill_thick(solid, edges, n_borders, shell_mm, thick);
         struct sim_solid thin = *solid;

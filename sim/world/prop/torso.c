@@ -24,7 +24,7 @@ static struct section section_at(double y_mm)
         i++;
     }
     const struct section *a = &sections[i], *b = &sections[i + 1];
-    double f = (y_mm - a->y_mm) / (b->y_mm - a->y_mm);
+    const double f = (y_mm - a->y_mm) / (b->y_mm - a->y_mm);
     return (struct section){y_mm, a->half_width_mm + f * (b->half_width_mm - a->half_width_mm),
                             a->half_depth_mm + f * (b->half_depth_mm - a->half_depth_mm),
                             a->z_mm + f * (b->z_mm - a->z_mm)};
@@ -33,23 +33,24 @@ static struct section section_at(double y_mm)
 int sim_torso_new(uint64_t key, struct sim_solid **out)
 {
     struct sim_solid *solid;
-    int error = sim_solid_sheet(ROWS, COLUMNS, SIM_CLOTH, &solid);
+    const int error = sim_solid_sheet(ROWS, COLUMNS, SIM_CLOTH, &solid);
     if (error != 0) {
         return error;
     }
     struct sim_random random = sim_random_seeded(key, sim_random_hash("torso"), 0);
-    double breadth = sim_random_between(&random, 0.88, 1.12);
-    double depth = sim_random_between(&random, 0.92, 1.15);
-    double top = sections[0].y_mm, bottom = sections[sizeof sections / sizeof *sections - 1].y_mm;
+    const double breadth = sim_random_between(&random, 0.88, 1.12);
+    const double depth = sim_random_between(&random, 0.92, 1.15);
+    const double top = sections[0].y_mm,
+                 bottom = sections[sizeof sections / sizeof *sections - 1].y_mm;
     for (int r = 0; r < ROWS; r++) {
-        double f = (double)r / (ROWS - 1);
+        const double f = (double)r / (ROWS - 1);
         struct section s = section_at(top + (bottom - top) * f * f); /* finer near the collar */
         for (int c = 0; c < COLUMNS; c++) {
-            double angle = 2.0 * 3.14159265358979 * c / (COLUMNS - 1); /* 0: the back */
+            const double angle = 2.0 * 3.14159265358979 * c / (COLUMNS - 1); /* 0: the back */
             struct iso_vec3 p = {breadth * s.half_width_mm * sin(angle), s.y_mm,
                                  s.z_mm - depth * s.half_depth_mm * cos(angle)};
-            double folds = 5.0 * sim_noise3(key + 1, iso_scale(1.0 / 45.0, p)) +
-                           2.0 * sim_noise3(key + 2, iso_scale(1.0 / 16.0, p));
+            const double folds = 5.0 * sim_noise3(key + 1, iso_scale(1.0 / 45.0, p)) +
+                                 2.0 * sim_noise3(key + 2, iso_scale(1.0 / 16.0, p));
             struct iso_vec3 outwards = iso_unit(iso_vec3(p.x, 0.0, p.z - s.z_mm));
             solid->vertices_mm[r * COLUMNS + c] = iso_madd(p, folds, outwards);
         }

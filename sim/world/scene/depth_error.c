@@ -61,7 +61,7 @@ static int draw(struct bench *b, const struct sim_stance *stance, size_t index,
                 struct sim_random *random)
 {
     const struct sim_ict *ict = b->options->ict;
-    bool face_only = b->options->sensor->face_only;
+    const bool face_only = b->options->sensor->face_only;
     struct sim_person person = sim_person_draw("depth-error", b->options->seed, (uint32_t)index,
                                                1.0);
     struct sim_sitter_options wears = {.hair = true, .torso = !face_only};
@@ -87,20 +87,20 @@ static int draw(struct bench *b, const struct sim_stance *stance, size_t index,
 static void compare(struct bench *b, struct iso_vec3 nose_mm)
 {
     const struct sim_view *view = b->view;
-    int s = view->supersample;
+    const int s = view->supersample;
     for (int row = 0; row < b->frame->height_px; row++) {
         for (int column = 0; column < b->frame->width_px; column++) {
-            int u = column * s + s / 2, v = row * s + s / 2;
-            size_t i = (size_t)v * (size_t)view->camera.width_px + (size_t)u;
+            const int u = column * s + s / 2, v = row * s + s / 2;
+            const size_t i = (size_t)v * (size_t)view->camera.width_px + (size_t)u;
             if (view->material[i] != SIM_SKIN) {
                 continue;
             }
-            double z_mm = (double)view->depth_mm[i];
+            const double z_mm = (double)view->depth_mm[i];
             struct iso_vec3 point = iso_camera_back_project(&view->camera, u, v, z_mm);
             if (iso_norm(iso_sub(point, nose_mm)) > SIM_DEPTH_ERROR_RADIUS_MM) {
                 continue;
             }
-            double measured_mm = (double)iso_frame_depth_at(b->frame, column, row);
+            const double measured_mm = (double)iso_frame_depth_at(b->frame, column, row);
             b->sum.pixels++;
             if (measured_mm > 0.0) {
                 b->errors_mm[b->n_errors++] = (float)(measured_mm - z_mm);
@@ -113,7 +113,7 @@ static void compare(struct bench *b, struct iso_vec3 nose_mm)
 
 static int by_size(const void *a, const void *b)
 {
-    float x = fabsf(*(const float *)a), y = fabsf(*(const float *)b);
+    const float x = fabsf(*(const float *)a), y = fabsf(*(const float *)b);
     return (x > y) - (x < y);
 }
 
@@ -122,7 +122,7 @@ static void sum_up(struct bench *b)
     double sum = 0.0, squares = 0.0, n = (double)b->n_errors;
     size_t gross = 0;
     for (size_t i = 0; i < b->n_errors; i++) {
-        double error = (double)b->errors_mm[i];
+        const double error = (double)b->errors_mm[i];
         sum += error;
         squares += error * error;
         gross += fabs(error) > gross_mm;

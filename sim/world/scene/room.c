@@ -16,14 +16,14 @@ struct sim_room {
 static int add_wall(struct sim_room *room, struct sim_random *random)
 {
     struct sim_solid *wall;
-    int error = sim_solid_rectangle(9000.0, 7000.0, 0.0, SIM_WALL, &wall);
+    const int error = sim_solid_rectangle(9000.0, 7000.0, 0.0, SIM_WALL, &wall);
     if (error != 0) {
         return error;
     }
     /* One draw a statement: the order within an expression is the compiler's choice. */
-    double yaw_rad = sim_random_between(random, -0.15, 0.15);
-    double pitch_rad = sim_random_between(random, -0.05, 0.05);
-    double z_mm = sim_random_between(random, 1300.0, 2600.0);
+    const double yaw_rad = sim_random_between(random, -0.15, 0.15);
+    const double pitch_rad = sim_random_between(random, -0.05, 0.05);
+    const double z_mm = sim_random_between(random, 1300.0, 2600.0);
     struct iso_rigid placed = {iso_mat3_rotation(iso_vec3(pitch_rad, yaw_rad, 0.0)),
                                {0.0, 0.0, z_mm}};
     sim_solid_move(wall, &placed);
@@ -35,7 +35,7 @@ static int add_box(struct sim_room *room, struct iso_vec3 size_mm, struct iso_ve
                    double turn_rad)
 {
     struct sim_solid *box;
-    int error = sim_solid_box(size_mm, SIM_WALL, &box);
+    const int error = sim_solid_box(size_mm, SIM_WALL, &box);
     if (error != 0) {
         return error;
     }
@@ -48,9 +48,9 @@ static int add_box(struct sim_room *room, struct iso_vec3 size_mm, struct iso_ve
 /* A chair's back and seat, and a cupboard. */
 static int add_furniture(struct sim_room *room, struct sim_random *random)
 {
-    double turn = sim_random_between(random, -0.6, 0.6);
-    double x_mm = sim_random_between(random, -120.0, 120.0);
-    double y_mm = sim_random_between(random, 60.0, 200.0);
+    const double turn = sim_random_between(random, -0.6, 0.6);
+    const double x_mm = sim_random_between(random, -120.0, 120.0);
+    const double y_mm = sim_random_between(random, 60.0, 200.0);
     struct iso_vec3 chair = {x_mm, y_mm, sim_random_between(random, 700.0, 1000.0)};
     struct iso_vec3 seat = iso_add(chair, iso_vec3(0.0, 260.0, 80.0));
     struct iso_vec3 cupboard = {sim_random_between(random, 250.0, 450.0), 150.0, 1150.0};

@@ -30,12 +30,13 @@ static double returned(const struct sim_infrared *infrared, const struct sim_vie
                        int row)
 {
     const struct iso_camera *camera = &view->camera;
-    size_t i = (size_t)row * (size_t)camera->width_px + (size_t)column;
+    const size_t i = (size_t)row * (size_t)camera->width_px + (size_t)column;
     if (view->facet[i] < 0) {
         return 0.0;
     }
     const struct sim_facet *facet = &view->facets[view->facet[i]];
-    double albedo = facet->albedo > 0.0F ? (double)facet->albedo : material_albedo(facet->material);
+    const double albedo = facet->albedo > 0.0F ? (double)facet->albedo
+                                               : material_albedo(facet->material);
     double light = albedo * (double)view->cosine[i];
     if (!infrared->ambient) {
         struct iso_vec3 p = iso_camera_back_project(camera, column, row, (double)view->depth_mm[i]);
@@ -47,7 +48,7 @@ static double returned(const struct sim_infrared *infrared, const struct sim_vie
 static double mean_returned(const struct sim_infrared *infrared, const struct sim_view *view,
                             int column, int row)
 {
-    int s = view->supersample;
+    const int s = view->supersample;
     double sum = 0.0;
     for (int k = 0; k < s * s; k++) {
         sum += returned(infrared, view, column * s + k % s, row * s + k / s);
@@ -59,18 +60,18 @@ static double mean_returned(const struct sim_infrared *infrared, const struct si
 static void draw_dots(int width, int height, double share, struct sim_random *random,
                       float *scratch, float *out)
 {
-    size_t n = (size_t)width * (size_t)height;
+    const size_t n = (size_t)width * (size_t)height;
     for (size_t i = 0; i < n; i++) {
-        bool dot = sim_random_unit(random) < dot_share;
+        const bool dot = sim_random_unit(random) < dot_share;
         scratch[i] = (float)(1.0 - share + (dot ? share / dot_share : 0.0));
     }
     for (int row = 0; row < height; row++) {
         for (int column = 0; column < width; column++) {
             double sum = 0.0;
             for (int k = 0; k < 9; k++) {
-                int c = (column + k % 3 - 1 + width) % width;
-                int r = (row + k / 3 - 1 + height) % height;
-                int weight = (k % 3 == 1 ? 2 : 1) * (k / 3 == 1 ? 2 : 1);
+                const int c = (column + k % 3 - 1 + width) % width;
+                const int r = (row + k / 3 - 1 + height) % height;
+                const int weight = (k % 3 == 1 ? 2 : 1) * (k / 3 == 1 ? 2 : 1);
                 sum += weight * (double)scratch[(size_t)r * (size_t)width + (size_t)c];
             }
             out[(size_t)row * (size_t)width + (size_t)column] = (float)(sum / 16.0);
@@ -87,10 +88,10 @@ void sim_infrared_measure(const struct sim_sensor *sensor, const struct sim_view
         return;
     }
     const struct sim_infrared *infrared = &sensor->infrared;
-    int width = view->camera.width_px / view->supersample;
-    int height = view->camera.height_px / view->supersample;
+    const int width = view->camera.width_px / view->supersample;
+    const int height = view->camera.height_px / view->supersample;
     float *dots = workspace->plane[1];
-    double counts = (double)((1L << infrared->bits) - 1);
+    const double counts = (double)((1L << infrared->bits) - 1);
     if (infrared->dots > 0.0) {
         draw_dots(width, height, infrared->dots, random, workspace->plane[0], dots);
     }
@@ -99,7 +100,7 @@ void sim_infrared_measure(const struct sim_sensor *sensor, const struct sim_view
         for (int column = 0; column < width; column++, i++) {
             double light = infrared->level * mean_returned(infrared, view, column, row);
             light *= infrared->dots > 0.0 ? (double)dots[i] : 1.0;
-            double sd = sqrt(infrared->shot * light + infrared->dark * infrared->dark);
+            const double sd = sqrt(infrared->shot * light + infrared->dark * infrared->dark);
             light += noise_scale * sd * sim_random_normal(random);
             light = nearbyint(counts * fmin(fmax(light, 0.0), 1.0)) / counts;
             intensity[i] = (float)light;

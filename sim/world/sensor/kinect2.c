@@ -49,16 +49,17 @@ static double albedo(enum sim_material material)
 /* What the view's samples of one sensor pixel amount to; amplitude 0 if there is nothing. */
 static struct pixel mixed(const struct sim_view *view, int column, int row)
 {
-    int s = view->supersample;
+    const int s = view->supersample;
     double sum = 0.0, weighted = 0.0, nearest = 1e9, farthest = 0.0;
     for (int k = 0; k < s * s; k++) {
-        size_t i = (size_t)(row * s + k / s) * (size_t)view->camera.width_px +
-                   (size_t)(column * s + k % s);
-        double z = (double)view->depth_mm[i];
+        const size_t i = (size_t)(row * s + k / s) * (size_t)view->camera.width_px +
+                         (size_t)(column * s + k % s);
+        const double z = (double)view->depth_mm[i];
         if (!(z > 0.0)) {
             continue;
         }
-        double amplitude = albedo((enum sim_material)view->material[i]) * (double)view->cosine[i];
+        const double amplitude = albedo((enum sim_material)view->material[i]) *
+                                 (double)view->cosine[i];
         sum += amplitude;
         weighted += amplitude * z;
         nearest = fmin(nearest, z);
@@ -73,24 +74,24 @@ static struct pixel mixed(const struct sim_view *view, int column, int row)
 static void measure(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm)
 {
-    int width = view->camera.width_px / view->supersample;
-    int height = view->camera.height_px / view->supersample;
+    const int width = view->camera.width_px / view->supersample;
+    const int height = view->camera.height_px / view->supersample;
     float *multipath = workspace->plane[1];
     sim_noise_plane(random, width, height, 14, 14, workspace->plane[0], multipath);
-    double offset = offset_mm * sim_random_normal(random);
+    const double offset = offset_mm * sim_random_normal(random);
     size_t i = 0;
     for (int row = 0; row < height; row++) {
         for (int column = 0; column < width; column++, i++) {
             struct pixel pixel = mixed(view, column, row);
-            double deviate = sim_random_normal(random), luck = sim_random_unit(random);
-            double z = pixel.depth_mm, ratio = z / noise_distance_mm;
-            double sd = noise_mm * ratio * ratio / fmax(pixel.amplitude, 1e-3);
+            const double deviate = sim_random_normal(random), luck = sim_random_unit(random);
+            const double z = pixel.depth_mm, ratio = z / noise_distance_mm;
+            const double sd = noise_mm * ratio * ratio / fmax(pixel.amplitude, 1e-3);
             if (z < near_mm || z > far_mm || sd > noise_limit_mm ||
                 (pixel.spread_mm > mixed_mm && luck < mixed_loss)) {
                 depth_mm[i] = 0.0f;
                 continue;
             }
-            double error = sd * deviate + multipath_mm * (double)multipath[i] + offset;
+            const double error = sd * deviate + multipath_mm * (double)multipath[i] + offset;
             depth_mm[i] = (float)(z + noise_scale * error);
         }
     }

@@ -20,12 +20,12 @@ static void line_sums(const float *in, size_t n, size_t stride, size_t radius, f
 void sim_noise_plane(struct sim_random *random, int width, int height, int radius_u, int radius_v,
                      float *scratch, float *out)
 {
-    size_t w = (size_t)width, h = (size_t)height;
+    const size_t w = (size_t)width, h = (size_t)height;
     for (size_t i = 0; i < w * h; i++) {
         out[i] = (float)sim_random_normal(random);
     }
-    float scale_u = 1.0f / sqrtf(2.0f * (float)radius_u + 1.0f);
-    float scale_v = 1.0f / sqrtf(2.0f * (float)radius_v + 1.0f);
+    const float scale_u = 1.0f / sqrtf(2.0f * (float)radius_u + 1.0f);
+    const float scale_v = 1.0f / sqrtf(2.0f * (float)radius_v + 1.0f);
     for (size_t row = 0; row < h; row++) {
         line_sums(out + row * w, w, 1, (size_t)radius_u, scale_u, scratch + row * w);
     }

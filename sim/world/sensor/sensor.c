@@ -49,7 +49,7 @@ int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_
         }
     }
     workspace->sensor = sensor;
-    int error = sensor->own_new ? sensor->own_new(&workspace->own) : 0;
+    const int error = sensor->own_new ? sensor->own_new(&workspace->own) : 0;
     if (error) {
         sim_sensor_workspace_free(workspace);
         return error;
@@ -85,7 +85,7 @@ void sim_sensor_measure(const struct sim_sensor *sensor, const struct sim_view *
 {
     sensor->measure(view, noise_scale, random, workspace, frame->depth_mm);
     for (size_t i = 0; i < workspace->n_pixels; i++) {
-        double counts = nearbyint((double)frame->depth_mm[i] / sensor->unit_mm);
+        const double counts = nearbyint((double)frame->depth_mm[i] / sensor->unit_mm);
         frame->depth_mm[i] = counts >= 1.0 && counts <= 65535.0 ? (float)(counts * sensor->unit_mm)
                                                                 : 0.0f;
     }

@@ -39,7 +39,7 @@ static int pair_new(bool dots, void **own)
     struct sim_stereo_rig rig = sim_stereo_rig(1.0);
     struct iso_stereo_options options = iso_stereo_options_default();
     const struct iso_camera *camera = &rig.built.camera[ISO_EYE_LEFT];
-    size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
+    const size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
     struct pair *pair = calloc(1, sizeof *pair);
     if (!pair) {
         return -ENOMEM;
@@ -88,7 +88,7 @@ static void measure(const struct sim_view *view, double noise_scale, struct sim_
                               .height_px = view->camera.height_px,
                               .depth_mm = depth_mm,
                               .intensity = pair->intensity};
-    uint64_t key = sim_random_u64(random);
+    const uint64_t key = sim_random_u64(random);
     sim_stereo_scene_expose(pair->scene, key, noise_scale, random, pair->left, pair->right);
     if (iso_stereo_compute(pair->stereo, pair->left, pair->right, NULL, &frame) != 0) {
         for (size_t i = 0; i < workspace->n_pixels; i++) {

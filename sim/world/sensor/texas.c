@@ -29,13 +29,13 @@ static void measure(const struct sim_view *view, double noise_scale, struct sim_
                     struct sim_sensor_workspace *workspace, float *depth_mm)
 {
     float *noise = workspace->plane[1];
-    double farthest = nearest_mm(view, workspace->n_pixels) + LEVELS * level_mm;
+    const double farthest = nearest_mm(view, workspace->n_pixels) + LEVELS * level_mm;
     sim_noise_plane(random, view->camera.width_px, view->camera.height_px, NOISE_RADIUS_PX,
                     NOISE_RADIUS_PX, workspace->plane[0], noise);
     for (size_t i = 0; i < workspace->n_pixels; i++) {
-        double z = (double)view->depth_mm[i];
-        bool seen = z > 0.0 && z < farthest && (double)view->cosine[i] > cosine_min &&
-                    view->material[i] == SIM_SKIN;
+        const double z = (double)view->depth_mm[i];
+        const bool seen = z > 0.0 && z < farthest && (double)view->cosine[i] > cosine_min &&
+                          view->material[i] == SIM_SKIN;
         depth_mm[i] = seen ? (float)(z + noise_scale * noise_mm * (double)noise[i]) : 0.0f;
     }
 }

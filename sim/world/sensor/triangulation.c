@@ -30,10 +30,10 @@ static void jitter_outlines(const struct sim_view *view, double edge_px, const f
     size_t i = 0;
     for (int row = 0; row < s.height; row++) {
         for (int column = 0; column < s.width; column++, i++) {
-            int u = clamped(column + (int)lrint(edge_px * (double)du[i]), s.width - 1);
-            int v = clamped(row + (int)lrint(edge_px * (double)dv[i]), s.height - 1);
-            float own = view->depth_mm[i];
-            float other = view->depth_mm[(size_t)v * (size_t)s.width + (size_t)u];
+            const int u = clamped(column + (int)lrint(edge_px * (double)du[i]), s.width - 1);
+            const int v = clamped(row + (int)lrint(edge_px * (double)dv[i]), s.height - 1);
+            const float own = view->depth_mm[i];
+            const float other = view->depth_mm[(size_t)v * (size_t)s.width + (size_t)u];
             out[i] = fabsf(other - own) > jump_mm ? other : own;
         }
     }
@@ -46,9 +46,9 @@ static void smooth_line(const float *in, int n, size_t stride, int radius, float
     for (int i = 0; i < n; i++) {
         float middle = in[(size_t)i * stride], sum = 0.0f;
         int count = 0;
-        int from = i < radius ? 0 : i - radius, to = i + radius < n ? i + radius : n - 1;
+        const int from = i < radius ? 0 : i - radius, to = i + radius < n ? i + radius : n - 1;
         for (int k = from; middle > 0.0f && k <= to; k++) {
-            float value = in[(size_t)k * stride];
+            const float value = in[(size_t)k * stride];
             if (fabsf(value - middle) < jump_mm) {
                 sum += value;
                 count++;
@@ -60,7 +60,7 @@ static void smooth_line(const float *in, int n, size_t stride, int radius, float
 
 static void smooth_windows(struct size s, int window_u, int window_v, float *scratch, float *plane)
 {
-    size_t width = (size_t)s.width;
+    const size_t width = (size_t)s.width;
     for (size_t row = 0; row < (size_t)s.height; row++) {
         smooth_line(plane + row * width, s.width, 1, window_u, scratch + row * width);
     }
@@ -74,16 +74,16 @@ static void smooth_windows(struct size s, int window_u, int window_v, float *scr
  * mirrored. */
 static void cast_shadows(struct size s, const struct sim_triangulation *model, float *depth_mm)
 {
-    double fb = model->focal_px * model->baseline_mm;
+    const double fb = model->focal_px * model->baseline_mm;
     for (int row = 0; row < s.height; row++) {
         float *line = depth_mm + (size_t)row * (size_t)s.width;
         double farthest = -1e9;
         for (int i = 0; i < s.width; i++) {
-            int column = model->second_eye < 0 ? i : s.width - 1 - i;
+            const int column = model->second_eye < 0 ? i : s.width - 1 - i;
             if (!(line[column] > 0.0f)) {
                 continue;
             }
-            double landing = i + fb / (double)line[column];
+            const double landing = i + fb / (double)line[column];
             if (landing < farthest - 0.5) {
                 line[column] = 0.0f;
             } else {
@@ -97,15 +97,15 @@ static void cast_shadows(struct size s, const struct sim_triangulation *model, f
  * then steep (the form of Nguyen, Izadi and Lovell 2012, eq. 3). */
 static double grazing_factor(double cosine)
 {
-    double angle = acos(fmin(cosine, 1.0)), rest = 1.5707963 - angle;
+    const double angle = acos(fmin(cosine, 1.0)), rest = 1.5707963 - angle;
     return 1.0 + 0.12 * angle * angle / (rest * rest + 1e-3);
 }
 
 /* Step 6: the level of a unit noise plane above which a pixel drops out. */
 static double dropout_level(double cosine, enum sim_material material)
 {
-    double level = 5.0 * (cosine - 0.12) /
-                   0.25; /* below about 83 degrees all goes, above 70 nothing */
+    const double level = 5.0 * (cosine - 0.12) /
+                         0.25; /* below about 83 degrees all goes, above 70 nothing */
     switch (material) {
     case SIM_HAIR:
         return fmin(level, 1.1 + 0.8 * cosine);
@@ -130,13 +130,13 @@ static double roughness_of(enum sim_material material)
 static float measured(const struct sim_triangulation *model, const struct sim_view *view, size_t i,
                       double depth_mm, double noise, double dropout)
 {
-    double cosine = (double)view->cosine[i];
-    enum sim_material material = (enum sim_material)view->material[i];
+    const double cosine = (double)view->cosine[i];
+    const enum sim_material material = (enum sim_material)view->material[i];
     if (depth_mm < model->near_mm || depth_mm > model->far_mm ||
         dropout > dropout_level(cosine, material)) {
         return 0.0f;
     }
-    double fb = model->focal_px * model->baseline_mm;
+    const double fb = model->focal_px * model->baseline_mm;
     double disparity = fb / depth_mm +
                        noise * model->noise_px * roughness_of(material) * grazing_factor(cosine);
     if (model->step_px > 0.0) {

@@ -44,7 +44,7 @@ static double grain(enum sim_material material, struct iso_vec3 p, uint64_t key)
 
 double sim_albedo(const struct sim_facet *facet, struct iso_vec3 point_mm, uint64_t key)
 {
-    double painted = (double)facet->albedo;
+    const double painted = (double)facet->albedo;
     return (painted > 0.0 ? painted : base(facet->material)) *
            grain(facet->material, point_mm, key);
 }
@@ -64,13 +64,13 @@ static void draw_cell(uint64_t key, int column, int row, double out[3])
 double sim_dots(const struct sim_stereo_rig *rig, double x, double y, double radius)
 {
     double spacing = rig->dot_spacing, sum = 0.0;
-    int column = (int)floor(x / spacing), row = (int)floor(y / spacing);
+    const int column = (int)floor(x / spacing), row = (int)floor(y / spacing);
     for (int k = 0; k < 9; k++) {
         double cell[3];
-        int c = column + k % 3 - 1, r = row + k / 3 - 1;
+        const int c = column + k % 3 - 1, r = row + k / 3 - 1;
         draw_cell(rig->dots_key, c, r, cell);
-        double dx = x - (c + cell[0]) * spacing, dy = y - (r + cell[1]) * spacing;
-        double weight = 0.5 + cell[2];
+        const double dx = x - (c + cell[0]) * spacing, dy = y - (r + cell[1]) * spacing;
+        const double weight = 0.5 + cell[2];
         sum += weight * exp(-0.5 * (dx * dx + dy * dy) / (radius * radius));
     }
     /* A dot's light is 2 pi radius^2 times its height. */
@@ -84,26 +84,27 @@ static double pattern(const struct sim_light *light, struct iso_vec3 p, bool ski
     if (!rig->dots) {
         return 1.0;
     }
-    double scatter = skin ? rig->scatter_mm / p.z : 0.0;
-    double radius = sqrt(rig->dot_radius * rig->dot_radius + scatter * scatter);
-    double flood = rig->flood_share + (1.0 - rig->flood_share) * (skin ? rig->scatter_share : 0.0);
+    const double scatter = skin ? rig->scatter_mm / p.z : 0.0;
+    const double radius = sqrt(rig->dot_radius * rig->dot_radius + scatter * scatter);
+    const double flood = rig->flood_share +
+                         (1.0 - rig->flood_share) * (skin ? rig->scatter_share : 0.0);
     return flood + (1.0 - flood) * sim_dots(rig, p.x / p.z, p.y / p.z, radius);
 }
 
 double sim_light_at(const struct sim_light *light, struct iso_vec3 point_mm,
                     const struct sim_facet *facet)
 {
-    bool skin = facet->material == SIM_SKIN;
+    const bool skin = facet->material == SIM_SKIN;
     const struct iso_camera *camera = &light->view->camera;
     struct iso_vec3 p = iso_rigid_apply(&light->view_from_scene, point_mm);
     double u, v, shade = 0.0;
     if (iso_camera_project(camera, p, &u, &v) && u > -0.5 && v > -0.5 &&
         u < camera->width_px - 0.5 && v < camera->height_px - 0.5) {
-        size_t i = (size_t)lrint(v) * (size_t)camera->width_px + (size_t)lrint(u);
-        bool lit = p.z < (double)light->view->depth_mm[i] + shadow_mm;
+        const size_t i = (size_t)lrint(v) * (size_t)camera->width_px + (size_t)lrint(u);
+        const bool lit = p.z < (double)light->view->depth_mm[i] + shadow_mm;
         shade = lit ? (double)light->shade[i] : 0.0;
     }
-    double distance = iso_norm(p) / 600.0;
+    const double distance = iso_norm(p) / 600.0;
     double light_in = ambient;
     if (shade > 0.0) {
         light_in += shade * pattern(light, p, skin) / (distance * distance);
@@ -113,18 +114,18 @@ double sim_light_at(const struct sim_light *light, struct iso_vec3 point_mm,
 
 void sim_light_shade(const struct sim_view *view, float *shade)
 {
-    int width = view->camera.width_px, height = view->camera.height_px;
+    const int width = view->camera.width_px, height = view->camera.height_px;
     for (int row = 0; row < height; row++) {
         for (int column = 0; column < width; column++) {
-            size_t i = (size_t)row * (size_t)width + (size_t)column;
+            const size_t i = (size_t)row * (size_t)width + (size_t)column;
             float sum = 0.0f, n = 0.0f;
             if (view->material[i] == SIM_NOTHING) {
                 shade[i] = 0.0f;
                 continue;
             }
             for (int k = 0; k < 49; k++) {
-                int x = column + k % 7 - 3, y = row + k / 7 - 3;
-                size_t at = (size_t)y * (size_t)width + (size_t)x;
+                const int x = column + k % 7 - 3, y = row + k / 7 - 3;
+                const size_t at = (size_t)y * (size_t)width + (size_t)x;
                 if (x >= 0 && y >= 0 && x < width && y < height &&
                     view->material[at] == view->material[i]) {
                     sum += view->cosine[at];

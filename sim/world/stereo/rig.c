@@ -37,7 +37,7 @@ static struct iso_stereo_calibration believed(double error)
     struct iso_stereo_calibration c = built();
     struct iso_mat3 turn = iso_mat3_rotation(iso_scale(error, iso_vec3(3e-5, 3e-5, -2e-5)));
     for (int eye = 0; eye < ISO_EYES; eye++) {
-        double sign = eye == ISO_EYE_LEFT ? 1.0 : -1.0;
+        const double sign = eye == ISO_EYE_LEFT ? 1.0 : -1.0;
         c.camera[eye].fx_px += 0.1 * error * sign;
         c.camera[eye].fy_px -= 0.1 * error * sign;
         c.camera[eye].cx_px += 0.1 * error;

@@ -41,7 +41,7 @@ static struct iso_camera widened_camera(const struct iso_camera *camera)
 static int make_eye(const struct iso_camera *camera, struct eye *eye)
 {
     struct iso_camera without = widened_camera(camera);
-    int error = sim_view_new(&without, 2, &eye->view);
+    const int error = sim_view_new(&without, 2, &eye->view);
     if (error) {
         return error;
     }
@@ -119,20 +119,20 @@ static bool meet_surface(const struct sim_view *view, double x, double y, struct
                          const struct sim_facet **seen)
 {
     const struct iso_camera *camera = &view->camera;
-    double u = camera->cx_px + camera->fx_px * x, v = camera->cy_px + camera->fy_px * y;
+    const double u = camera->cx_px + camera->fx_px * x, v = camera->cy_px + camera->fy_px * y;
     if (!(u > -0.5 && v > -0.5 && u < camera->width_px - 0.5 && v < camera->height_px - 0.5)) {
         return false;
     }
-    int column = (int)lrint(u), row = (int)lrint(v);
-    size_t i = (size_t)row * (size_t)camera->width_px + (size_t)column;
+    const int column = (int)lrint(u), row = (int)lrint(v);
+    const size_t i = (size_t)row * (size_t)camera->width_px + (size_t)column;
     if (view->facet[i] < 0) {
         return false;
     }
     const struct sim_facet *facet = &view->facets[view->facet[i]];
-    double depth = (double)view->depth_mm[i];
+    const double depth = (double)view->depth_mm[i];
     struct iso_vec3 on = iso_camera_back_project(camera, column, row, depth);
     struct iso_vec3 ray = {x, y, 1.0};
-    double across = iso_dot(facet->normal, ray);
+    const double across = iso_dot(facet->normal, ray);
     double t = fabs(across) > 0.05 ? iso_dot(facet->normal, on) / across : depth;
     /* Beyond the facet's edge its plane may run away. */
     t = fabs(t - depth) < 0.02 * depth ? t : depth;
@@ -147,7 +147,7 @@ static double pixel_radiance(const struct eye *eye, const struct sim_light *ligh
     struct iso_rigid scene_from_eye = iso_rigid_inverse(&eye->eye_from_scene);
     double sum = 0.0;
     for (int k = 0; k < samples * samples; k++) {
-        double a = (k % samples + 0.5) / samples, b = ((double)(k / samples) + 0.5) / samples;
+        const double a = (k % samples + 0.5) / samples, b = ((double)(k / samples) + 0.5) / samples;
         struct iso_vec3 sight = sim_lens_sight(eye->lens, i, a, b), point;
         const struct sim_facet *facet;
         if (meet_surface(eye->view, sight.x, sight.y, &point, &facet)) {
@@ -161,7 +161,7 @@ static void take_picture(struct sim_stereo_scene *s, enum iso_eye which,
                          const struct sim_light *light)
 {
     const struct iso_camera *camera = &s->rig.built.camera[which];
-    size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
+    const size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
     for (size_t i = 0; i < n; i++) {
         s->radiance[i] = (float)pixel_radiance(&s->eyes[which], light, s->rig.samples, i);
     }
@@ -171,14 +171,14 @@ static void take_picture(struct sim_stereo_scene *s, enum iso_eye which,
 static double brightest_radiance(struct sim_stereo_scene *s)
 {
     const struct iso_camera *camera = &s->rig.built.camera[ISO_EYE_LEFT];
-    size_t width = (size_t)camera->width_px, height = (size_t)camera->height_px;
+    const size_t width = (size_t)camera->width_px, height = (size_t)camera->height_px;
     size_t n = 0;
     float largest = 0.0f;
     memset(s->histogram, 0, sizeof s->histogram);
     for (int pass = 0; pass < 2; pass++) {
         for (size_t row = height / 4; row < height * 3 / 4; row++) {
             for (size_t column = width / 4; column < width * 3 / 4; column++) {
-                float value = s->radiance[row * width + column];
+                const float value = s->radiance[row * width + column];
                 if (pass == 0) {
                     largest = value > largest ? value : largest;
                 } else {
@@ -203,12 +203,12 @@ static void read_out(const struct sim_stereo_scene *s, double gain, double noise
                      struct sim_random *random, uint8_t *image)
 {
     const struct iso_camera *camera = &s->rig.built.camera[ISO_EYE_LEFT];
-    size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
+    const size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
     for (size_t i = 0; i < n; i++) {
         double electrons = s->rig.full_well_e * gain * (double)s->radiance[i];
-        double sd = sqrt(electrons + s->rig.read_noise_e * s->rig.read_noise_e);
+        const double sd = sqrt(electrons + s->rig.read_noise_e * s->rig.read_noise_e);
         electrons += noise_scale * sd * sim_random_normal(random);
-        double level = nearbyint(255.0 * electrons / s->rig.full_well_e);
+        const double level = nearbyint(255.0 * electrons / s->rig.full_well_e);
         image[i] = (uint8_t)fmin(fmax(level, 0.0), 255.0);
     }
 }
@@ -223,7 +223,7 @@ void sim_stereo_scene_expose(struct sim_stereo_scene *scene, uint64_t key, doubl
                               .key = key};
     sim_light_shade(scene->projector, scene->shade);
     take_picture(scene, ISO_EYE_LEFT, &light);
-    double gain = 200.0 / 255.0 / brightest_radiance(scene);
+    const double gain = 200.0 / 255.0 / brightest_radiance(scene);
     read_out(scene, gain, noise_scale, random, left);
     take_picture(scene, ISO_EYE_RIGHT, &light);
     read_out(scene, gain * scene->rig.right_gain, noise_scale, random, right);

@@ -37,7 +37,7 @@ int sim_view_new(const struct iso_camera *sensor_camera, int supersample, struct
     }
     view->camera = supersampled(sensor_camera, supersample);
     view->supersample = supersample;
-    size_t n = pixels(view);
+    const size_t n = pixels(view);
     view->depth_mm = malloc(n * sizeof *view->depth_mm);
     view->cosine = malloc(n * sizeof *view->cosine);
     view->material = malloc(n * sizeof *view->material);
@@ -96,7 +96,7 @@ static int reserve_facets(struct sim_view *view, uint32_t n)
     if (n > INT32_MAX / 2 - (uint32_t)view->n_facets) {
         return -ENOMEM;
     }
-    int32_t capacity = 2 * (view->n_facets + (int32_t)n);
+    const int32_t capacity = 2 * (view->n_facets + (int32_t)n);
     struct sim_facet *facets = realloc(view->facets, (size_t)capacity * sizeof *facets);
     if (!facets) {
         return -ENOMEM;
@@ -146,7 +146,7 @@ static int draw_companions(struct sim_view *view, const struct iso_vec3 *vertice
 int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
                   const uint32_t (*triangles)[3], uint32_t n_triangles, enum sim_material material)
 {
-    int error = reserve_facets(view, n_triangles);
+    const int error = reserve_facets(view, n_triangles);
     if (error != 0) {
         return error;
     }
