@@ -130,6 +130,19 @@ static int draw_face(const struct arguments *arguments, const struct sim_fit_sub
     return error;
 }
 
+static int draw_subject(const struct arguments *arguments, const struct iso_recording *recording,
+                        struct sim_fit_subject *subject, struct iso_fault *fault)
+{
+    int error = 0;
+    if (is_wanted(arguments, "fit")) {
+        error = draw_fit(arguments, recording, subject, fault);
+    }
+    if (!error && strcmp(arguments->what, "fit") != 0) {
+        error = draw_face(arguments, subject, fault);
+    }
+    return error;
+}
+
 /* Everything that takes an extractor. */
 static int extract_and_draw(const struct arguments *arguments,
                             const struct iso_recording *recording, const struct iso_frame *frame,
@@ -150,17 +163,11 @@ static int extract_and_draw(const struct arguments *arguments,
     if (error) {
         (void)iso_fault_set(fault, error, "extractor: %s",
                             error == -EINVAL ? "an option is out of range" : strerror(-error));
-        goto out;
+    } else {
+        struct sim_fit_subject subject = {
+            .model = model, .extractor = extractor, .extraction = extraction, .frame = frame};
+        error = draw_subject(arguments, recording, &subject, fault);
     }
-    struct sim_fit_subject subject = {
-        .model = model, .extractor = extractor, .extraction = extraction, .frame = frame};
-    if (is_wanted(arguments, "fit")) {
-        error = draw_fit(arguments, recording, &subject, fault);
-    }
-    if (!error && strcmp(arguments->what, "fit") != 0) {
-        error = draw_face(arguments, &subject, fault);
-    }
-out:
     free(extraction);
     iso_extractor_free(extractor);
     iso_head_model_free(model);
@@ -184,16 +191,15 @@ static int show_frame(const struct arguments *arguments, struct iso_fault *fault
     error = iso_recording_frame_new(recording, &frame);
     if (error) {
         (void)iso_fault_set(fault, error, "%s: out of memory", arguments->recording);
-        goto out;
+    } else {
+        error = iso_recording_read(recording, arguments->frame, frame, fault);
     }
-    error = iso_recording_read(recording, arguments->frame, frame, fault);
     if (!error && is_wanted(arguments, "depth")) {
         error = draw_depth(arguments, frame, fault);
     }
     if (!error && strcmp(arguments->what, "depth") != 0) {
         error = extract_and_draw(arguments, recording, frame, fault);
     }
-out:
     iso_frame_free(frame);
     iso_recording_close(recording);
     return error;

@@ -202,12 +202,13 @@ int sim_corpus_parse(const char *name, const char *text, struct sim_corpus **out
     char *copy = strdup(text);
     struct line *lines = calloc(capacity, sizeof *lines);
     struct sim_corpus *corpus = new_corpus(capacity);
-    int error = -ENOMEM;
+    int error = 0;
     if (!copy || !lines || !corpus) {
-        (void)iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
-        goto out;
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
     }
-    error = parse_rows(name, copy, corpus, lines, fault);
+    if (!error) {
+        error = parse_rows(name, copy, corpus, lines, fault);
+    }
     if (!error) {
         error = check_rows(name, lines, corpus->n_rows, fault);
     }
@@ -215,7 +216,6 @@ int sim_corpus_parse(const char *name, const char *text, struct sim_corpus **out
         *out = corpus;
         corpus = NULL;
     }
-out:
     sim_corpus_free(corpus);
     free(lines);
     free(copy);

@@ -149,6 +149,17 @@ static void first_fault(const struct capturing *work, int threads, struct iso_fa
     }
 }
 
+static int capture_rows(struct capturing *work, int threads, struct iso_fault *fault)
+{
+    const int error = sim_parallel(threads, "looking for faces in recordings", work->corpus->n_rows,
+                                   capture_row, work);
+    if (error) {
+        (void)iso_fault_set(fault, error, "%s: %s", work->directory, strerror(-error));
+        first_fault(work, threads, fault);
+    }
+    return error;
+}
+
 int sim_capture_all(const char *directory, const struct sim_corpus *corpus,
                     const struct sim_capture_options *options, sim_capture_visitor *visit,
                     void *context, struct sim_capture_origin *origin, struct iso_fault *fault)
@@ -162,22 +173,17 @@ int sim_capture_all(const char *directory, const struct sim_corpus *corpus,
     int error = 0;
     if (!work.first_number || !work.extractors || !work.faults) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", directory);
-        goto out;
     }
-    number_rows(&work);
-    error = new_extractors(&work, options, &found, fault);
-    if (error) {
-        goto out;
+    if (!error) {
+        number_rows(&work);
+        error = new_extractors(&work, options, &found, fault);
     }
-    error = sim_parallel(options->threads, "looking for faces in recordings", corpus->n_rows,
-                         capture_row, &work);
-    if (error) {
-        (void)iso_fault_set(fault, error, "%s: %s", directory, strerror(-error));
-        first_fault(&work, options->threads, fault);
-        goto out;
+    if (!error) {
+        error = capture_rows(&work, options->threads, fault);
     }
-    *origin = found;
-out:
+    if (!error) {
+        *origin = found;
+    }
     for (size_t i = 0; work.extractors && i < threads; i++) {
         iso_extractor_free(work.extractors[i]);
     }

@@ -144,6 +144,23 @@ static int place_landmarks(const struct sim_ict *ict, struct sim_head_surface *s
     return 0;
 }
 
+/* Keeps what is to be seen of the face, with its landmarks. */
+static int cut_face(const struct sim_ict *ict, struct sim_head_surface *s, struct iso_fault *fault)
+{
+    crop(s);
+    int error = trim(s);
+    if (!error) {
+        error = place_landmarks(ict, s);
+    }
+    if (!error) {
+        error = sim_head_surface_compact(s);
+    }
+    if (error) {
+        (void)iso_fault_set(fault, error, "head model: a landmark is not on the face");
+    }
+    return error;
+}
+
 int sim_head_surface_new(const struct sim_ict *ict, struct sim_head_surface **out,
                          struct iso_fault *fault)
 {
@@ -161,23 +178,13 @@ int sim_head_surface_new(const struct sim_ict *ict, struct sim_head_surface **ou
     }
     if (error) {
         (void)iso_fault_set(fault, error, "head model: eyes and mouth cannot be closed");
-        goto out;
-    }
-    crop(builder.surface);
-    error = trim(builder.surface);
-    if (!error) {
-        error = place_landmarks(ict, builder.surface);
+    } else {
+        error = cut_face(ict, builder.surface, fault);
     }
     if (!error) {
-        error = sim_head_surface_compact(builder.surface);
+        *out = builder.surface;
+        builder.surface = NULL;
     }
-    if (error) {
-        (void)iso_fault_set(fault, error, "head model: a landmark is not on the face");
-        goto out;
-    }
-    *out = builder.surface;
-    builder.surface = NULL;
-out:
     sim_head_surface_free(builder.surface);
     return error == -ENOSPC ? -EINVAL : error;
 }
