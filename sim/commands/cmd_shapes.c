@@ -29,9 +29,9 @@ static const struct sim_option generate_options[] = {
     {"seed", "S", "(1)", sim_option_count, FIELD(generate.seed)},
     {"classes", "N", "kinds of creature (12 plain, 10 textured)", sim_option_count,
      FIELD(generate.classes)},
-    {"shapes", "N", "plain: in all (148)", sim_option_count, FIELD(generate.shapes)},
-    {"vertices", "N", "of each shape (3000)", sim_option_count, FIELD(generate.vertices)},
-    {"format", "off|ply|vert", "of the files (off plain, ply textured); vert: TOSCA",
+    {"shapes", "N", "plain: number of shapes (148)", sim_option_count, FIELD(generate.shapes)},
+    {"vertices", "N", "vertices of each shape (3000)", sim_option_count, FIELD(generate.vertices)},
+    {"format", "off|ply|vert", "format of the files (plain: off, textured: ply); vert: TOSCA",
      sim_option_text, FIELD(generate.format)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
@@ -41,8 +41,7 @@ static const struct sim_option eval_options[] = {
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
      FIELD(study.out)},
     {"method", "NAME|all", "descriptor (all)", sim_option_text, FIELD(study.method)},
-    {"classifier", "NAME|all", "(what goes with the method)", sim_option_text,
-     FIELD(study.classifier)},
+    {"classifier", "NAME|all", "(the method's own)", sim_option_text, FIELD(study.classifier)},
     {"distort", "KIND:LEVEL",
      "queries are distorted: white, shot, scale, missing, stretch or bulge, 1..3",
      sim_distortion_parse, FIELD(study.distortion)},
@@ -50,7 +49,7 @@ static const struct sim_option eval_options[] = {
      FIELD(study.smooth)},
     {"vertices", "N", "thin meshes that have more (0: none)", sim_option_int,
      FIELD(study.vertices)},
-    {"seed", "S", "of distortions, vocabularies and folds (1)", sim_option_count,
+    {"seed", "S", "draws distortions, vocabularies and folds (1)", sim_option_count,
      FIELD(study.seed)},
     {"pictures", "N", "draw the first N matches of some queries (10; 0: none)", sim_option_int,
      FIELD(study.pictures)},
@@ -58,11 +57,12 @@ static const struct sim_option eval_options[] = {
 };
 
 static const struct sim_option tables_options[] = {
-    {"corpus", "DIR", "shapes for those of the nonrigid world", sim_option_text,
+    {"corpus", "DIR", "shapes for the tables of the nonrigid world data set", sim_option_text,
      FIELD(tables.corpus)},
-    {"large", "DIR", "for SHREC'11 (the same)", sim_option_text, FIELD(tables.large)},
-    {"textured", "DIR", "with colours, for SHREC'13 (no tables 5.1 and 5.2)", sim_option_text,
-     FIELD(tables.textured)},
+    {"large", "DIR", "shapes for the tables of SHREC'11 (those of --corpus)", sim_option_text,
+     FIELD(tables.large)},
+    {"textured", "DIR", "shapes with colours, for those of SHREC'13 (none: no tables 5.1 and 5.2)",
+     sim_option_text, FIELD(tables.textured)},
     {"out", "DIR", "where tables.csv goes (made if it is missing)", sim_option_text,
      FIELD(tables.out)},
     {"queries", "N", "shapes that are distorted (36; 0: all)", sim_option_count,
@@ -73,21 +73,13 @@ static const struct sim_option tables_options[] = {
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
-static int add_corpus(const char *text, void *field)
-{
-    struct sim_crops_options *crops = field;
-    if (crops->n_corpora == SIM_CROPS_CORPORA_MAX) {
-        return -EINVAL;
-    }
-    crops->corpus[crops->n_corpora++] = text;
-    return 0;
-}
-
 static const struct sim_option crops_options[] = {
-    {"corpus", "DIR", "recordings and manifest.csv; may be repeated", add_corpus, FIELD(crops)},
+    {"corpus", "DIR", "recordings and manifest.csv; may be repeated", sim_option_list,
+     FIELD(crops.corpora)},
     {"out", "DIR", "where the meshes go (made if it is missing)", sim_option_text,
      FIELD(crops.out)},
-    {"rows", "N", "of each corpus, evenly spread (0: all)", sim_option_count, FIELD(crops.rows)},
+    {"rows", "N", "rows of each corpus, evenly spread (0: all)", sim_option_count,
+     FIELD(crops.rows)},
 };
 
 /* Threads of our own do the work: OpenBLAS's, where that is the BLAS, would only be in their way.
@@ -173,7 +165,7 @@ static const struct sim_subcommand targets[] = {
      tables_options,
      sizeof tables_options / sizeof *tables_options},
     {{"shapes crops", "--corpus DIR --out DIR",
-      "Cuts the foremost thing out of recorded frames: a corpus of faces and of what is none.",
+      "Cuts the nearest thing out of recorded frames: a corpus of faces and of other things.",
       run_crops, NULL},
      crops_options,
      sizeof crops_options / sizeof *crops_options},

@@ -132,8 +132,8 @@ static int cut_row(struct cutter *cutter, size_t corpus, const struct sim_corpus
 {
     struct iso_recording *recording = NULL;
     struct iso_frame *frame = NULL;
-    int error = sim_recording_open(cutter->options->corpus[corpus], row->recording, &recording,
-                                   fault);
+    int error = sim_recording_open(cutter->options->corpora.text[corpus], row->recording,
+                                   &recording, fault);
     if (error) {
         return error;
     }
@@ -154,7 +154,7 @@ static int cut_row(struct cutter *cutter, size_t corpus, const struct sim_corpus
 static int cut_corpus(struct cutter *cutter, size_t number, struct iso_fault *fault)
 {
     struct sim_corpus *corpus = NULL;
-    int error = sim_corpus_read(cutter->options->corpus[number], &corpus, fault);
+    int error = sim_corpus_read(cutter->options->corpora.text[number], &corpus, fault);
     if (error) {
         return error;
     }
@@ -164,7 +164,8 @@ static int cut_corpus(struct cutter *cutter, size_t number, struct iso_fault *fa
     if (rows) {
         cutter->rows = rows;
     } else {
-        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", cutter->options->corpus[number]);
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory",
+                              cutter->options->corpora.text[number]);
     }
     const bool shown = sim_progress_begin("cutting out faces and things", wanted);
     for (size_t i = 0; !error && i < wanted; i++) {
@@ -194,8 +195,8 @@ int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written,
                     struct iso_fault *fault)
 {
     struct cutter cutter = {.options = options};
-    if (options->n_corpora < 1 || options->n_corpora > SIM_CROPS_CORPORA_MAX) {
-        return iso_fault_set(fault, -EINVAL, "1 to %d corpora are needed", SIM_CROPS_CORPORA_MAX);
+    if (options->corpora.n == 0) {
+        return iso_fault_set(fault, -EINVAL, "one or more corpora are needed");
     }
     int error = sim_make_directory(options->out, fault);
     if (error) {
@@ -205,7 +206,7 @@ int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written,
     if (error) {
         (void)iso_fault_set(fault, error, "out of memory");
     }
-    for (size_t i = 0; !error && i < options->n_corpora; i++) {
+    for (size_t i = 0; !error && i < options->corpora.n; i++) {
         error = cut_corpus(&cutter, i, fault);
     }
     if (!error) {

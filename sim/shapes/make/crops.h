@@ -14,14 +14,12 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
-
-enum { SIM_CROPS_CORPORA_MAX = 8 };
+#include "sim/base/options.h"
 
 struct sim_crops_options {
-    size_t n_corpora;
-    const char *corpus[SIM_CROPS_CORPORA_MAX]; /* directories of recordings */
-    const char *out;                           /* directory, made if it is missing */
-    size_t rows; /* of each corpus, evenly spread over its manifest; 0: all */
+    struct sim_option_texts corpora; /* directories of recordings */
+    const char *out;                 /* directory, made if it is missing */
+    size_t rows;                     /* of each corpus, evenly spread over its manifest; 0: all */
 };
 
 /* Writes OFF files and manifest.csv, class `face` or, for subject `none`, `not-face`; of each row

@@ -34,8 +34,7 @@ static int setup(void **state)
 static void cut(const char *directory, size_t n_rows, int32_t expected)
 {
     struct sim_crops_options options = {
-        .n_corpora = 1,
-        .corpus = {scratch_path(directory, "corpus")},
+        .corpora = {1, {scratch_path(directory, "corpus")}},
         .out = scratch_path(directory, "crops"),
         .rows = n_rows,
     };
@@ -96,8 +95,8 @@ static void what_is_missing_is_said(void **state)
     int32_t n = -1, n_empty = -1;
     assert_int_equal(sim_crops_write(&options, &n, &n_empty, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "corpora"));
-    options.n_corpora = 1;
-    options.corpus[0] = scratch_path(*state, "nowhere");
+    options.corpora.n = 1;
+    options.corpora.text[0] = scratch_path(*state, "nowhere");
     assert_int_equal(sim_crops_write(&options, &n, &n_empty, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "nowhere"));
     assert_int_equal(n, -1);
