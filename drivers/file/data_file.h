@@ -8,7 +8,8 @@
 #include "core/base/fault.h"
 
 /* Reads a whole file of at most max_bytes into memory that the caller frees with free(). The
- * errors of iso_file_read (drivers/file/file.h), each with a fault that names the file. */
+ * errors of iso_file_read (drivers/file/file.h), each with a fault that names the file. Those of
+ * the disk are in the words of storage_fault.h, as what iso_data_file_replace says. */
 int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t *size,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -1,4 +1,9 @@
-/* INI files by a table: which keys there are, how a value is read, and where it goes. */
+/* INI files by a table: which keys there are, how a value is read, and where it goes.
+ *
+ * The daemon's configuration (firmware/config) has a reader of its own: it keeps the keys that it
+ * does not know until the back ends are known whose options they may be, names sections that have
+ * no key, and says of a bad value what was expected. No table of recordings or calibrations needs
+ * that. */
 #ifndef ISO_DRIVERS_FILE_INI_TABLE_H
 #define ISO_DRIVERS_FILE_INI_TABLE_H
 
