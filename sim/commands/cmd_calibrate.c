@@ -37,18 +37,19 @@ struct arguments {
 static const struct sim_option options[] = {
     {"pictures", "DIR", "left/*.png and right/*.png, 8-bit grey, of the same names",
      sim_option_text, FIELD(pictures)},
-    {"camera", "NAME", "one camera of this name instead: --pictures has its *.png, grey or RGB",
+    {"camera", "NAME", "calibrate one camera of this name: --pictures has its *.png, grey or RGB",
      sim_option_text, FIELD(camera)},
     {"unit", "MM", "with --camera: what a count of its depth is worth (1)", sim_option_number,
      FIELD(unit_mm)},
     {"out", "FILE", "the calibration to write", sim_option_text, FIELD(out)},
     {"columns", "N", "corners of the board along its rows (9)", sim_option_int, FIELD(columns)},
-    {"rows", "N", "and along its columns (6)", sim_option_int, FIELD(rows)},
+    {"rows", "N", "corners of the board along its columns (6)", sim_option_int, FIELD(rows)},
     {"square", "MM", "side of a square, measured on the print (20)", sim_option_number,
      FIELD(square_mm)},
-    {"render", "DIR", "writes such pictures of the simulated rig, instead of calibrating",
+    {"render", "DIR",
+     "write such pictures of the simulated pair of cameras, instead of calibrating",
      sim_option_text, FIELD(render)},
-    {"pairs", "N", "how many, with --render (20)", sim_option_count, FIELD(pairs)},
+    {"pairs", "N", "number of pairs, with --render (20)", sim_option_count, FIELD(pairs)},
     {"seed", "S", "with --render (1)", sim_option_count, FIELD(seed)},
 };
 

@@ -17,15 +17,15 @@ struct arguments {
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option options[] = {
-    {"ict", "DIR", "a clone of ICT-FaceKit: makes the head model of `generate --ict` of it",
+    {"ict", "DIR", "a clone of ICT-FaceKit, to make the head model for `generate --ict`",
      sim_option_text, FIELD(ict)},
-    {"database", "NAME", "whose files they are", sim_option_text, FIELD(database)},
+    {"database", "NAME", "the database that the files are from", sim_option_text, FIELD(database)},
     {"from", "DIR", "where the files are, at any depth", sim_option_text, FIELD(import.from)},
     {"out", "DIR", "the corpus, or the head model (made if it is missing)", sim_option_text,
      FIELD(import.to)},
-    {"strangers", "N", "people, the last by name, who enrol nothing (0)", sim_option_count,
+    {"strangers", "N", "so many people, the last by name, are not enrolled (0)", sim_option_count,
      FIELD(import.n_strangers)},
-    {"level", "MM", "of a grey level of a range image (texas: 0.32)", sim_option_number,
+    {"level", "MM", "what a grey level of a range image is worth (texas: 0.32)", sim_option_number,
      FIELD(import.database_options.level_mm)},
 };
 

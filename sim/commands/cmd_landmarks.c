@@ -69,9 +69,9 @@ int sim_cmd_landmarks(int argc, char **argv)
         .name = "landmarks",
         .needs = "--corpus DIR --out DIR",
         .summary =
-            "Runs the extractor over every frame of a corpus, holds the landmarks against\n"
-            "landmarks.csv, counts what is accepted and refused, of people and of what is none,\n"
-            "and writes landmarks.csv, frames.csv and summary.json.",
+            "Runs the extractor over every frame of a corpus, compares the landmarks with the\n"
+            "corpus's landmarks.csv, counts the frames with and without people that are accepted\n"
+            "and refused, and writes landmarks.csv, frames.csv and summary.json.",
         .run = run,
     };
     return sim_command_run(&command, sets, sizeof sets / sizeof *sets, argc, argv);

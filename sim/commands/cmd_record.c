@@ -22,10 +22,10 @@ struct arguments {
 static const struct sim_option options[] = {
     {"sensor", "TYPE[:KEY=VALUE,...]", "back end, and its options as in isotherm.conf(5)",
      sim_option_text, FIELD(sensor)},
-    {"frames", "N", "how many", sim_option_count, FIELD(frames)},
+    {"frames", "N", "number of frames", sim_option_count, FIELD(frames)},
     {"out", "DIR", "the recording; made, or empty", sim_option_text, FIELD(out)},
-    {"oni", "FILE", "the same by OpenNI2's recorder (sensor openni2 only)", sim_option_text,
-     FIELD(oni)},
+    {"oni", "FILE", "let OpenNI2's own recorder write this file (sensor openni2 only)",
+     sim_option_text, FIELD(oni)},
     {"patience-ms", "N", "longest wait for a frame, 5000 if not given", sim_option_int,
      FIELD(patience_ms)},
     {"list", "TYPE", "list the devices that a back end sees, record nothing", sim_option_text,
@@ -135,7 +135,7 @@ int sim_cmd_record(int argc, char **argv)
              "[OPTION...]\n"
              "       isotherm-sim record --list TYPE\n\n"
              "Records what a sensor sees. Faces are biometric data: record nobody who has not "
-             "agreed,\nand mind where the files are.\n");
+             "agreed,\nand keep the files where nobody else can read them.\n");
         sim_options_help(&set, 1, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:

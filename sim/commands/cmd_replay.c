@@ -53,7 +53,7 @@ static const struct sim_option options[] = {
      parse_duplicates, FIELD(rehearsal.allow_duplicate)},
     {"visit", "RECORDING", "play this visit alone, after the enrolments", sim_option_text,
      FIELD(rehearsal.visit)},
-    {"picture", "FILE", "of that visit: frames, fit, scores and the door's relay, as PNG",
+    {"picture", "FILE", "draw that visit as PNG: frames, fit, scores and the door's relay",
      sim_option_text, FIELD(rehearsal.picture)},
 };
 

@@ -1,4 +1,4 @@
-/* isotherm-sim sensor: how wrong a sensor model is on faces, by distance. */
+/* isotherm-sim sensor: the depth errors of a sensor model on faces, by distance. */
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -32,7 +32,7 @@ static const struct sim_option options[] = {
     {"seed", "S", "(1)", sim_option_count, FIELD(seed)},
     {"noise-scale", "X", "factor on the sensor's random errors (1)", sim_option_number,
      FIELD(noise_scale)},
-    {"pictures", "DIR", "draws depth and error of the first face at each distance", sim_option_text,
+    {"pictures", "DIR", "draw depth and error of the first face at each distance", sim_option_text,
      FIELD(pictures)},
 };
 
@@ -154,8 +154,8 @@ int sim_cmd_sensor(int argc, char **argv)
     switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim sensor --ict DIR --sensor NAME [OPTION...]\n\n"
-             "Renders faces before a sensor model at known depth, and prints how far off it "
-             "is.\n");
+             "Renders faces at known depths before a sensor model, and prints the errors of its "
+             "depths.\n");
         sim_options_help(&set, 1, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:

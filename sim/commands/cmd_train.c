@@ -28,7 +28,7 @@ struct arguments {
 static const struct sim_option head_options[] = {
     {"ict", "DIR", "the statistical head model to learn from", sim_option_text, FIELD(ict)},
     {"out", "FILE", "the model to write", sim_option_text, FIELD(out)},
-    {"seed", "S", "of the expressions that are learned from (1)", sim_option_count, FIELD(seed)},
+    {"seed", "S", "draws the expressions that are learned from (1)", sim_option_count, FIELD(seed)},
     {"vertices", "N", "(1180)", sim_option_count, FIELD(n_vertices)},
     {"identity", "N", "modes to keep (60)", sim_option_count, FIELD(n_identity)},
     {"expression", "N", "modes to keep (12)", sim_option_count, FIELD(n_expression)},
@@ -39,7 +39,8 @@ static const struct sim_option head_options[] = {
 static const struct sim_option cohort_options[] = {
     {"ict", "DIR", "the statistical head model to render", sim_option_text, FIELD(ict)},
     {"out", "FILE", "the templates to write", sim_option_text, FIELD(out)},
-    {"model", "FILE", "the trained head model to extract with", sim_option_text, FIELD(model)},
+    {"model", "FILE", "the trained head model that the extractor uses", sim_option_text,
+     FIELD(model)},
     {"sensor", "NAME,NAME,...", "people stand before them in turn (astra)", sim_option_text,
      FIELD(sensors)},
     {"people", "N", "(64)", sim_option_count, FIELD(n_people)},
@@ -50,7 +51,8 @@ static const struct sim_option metric_options[] = {
     {"corpora", "DIR,DIR,...", "of preset training, with different people, to learn from",
      sim_option_text, FIELD(corpora)},
     {"out", "FILE", "the metric to write", sim_option_text, FIELD(out)},
-    {"model", "FILE", "the trained head model to extract with", sim_option_text, FIELD(model)},
+    {"model", "FILE", "the trained head model that the extractor uses", sim_option_text,
+     FIELD(model)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 

@@ -51,8 +51,8 @@ static const struct sim_option options[] = {
 
 static const char usage[] =
     "Usage: isotherm-sim visit --corpus DIR --slot LINK --bus ADDRESS --out DIR [OPTION...]\n\n"
-    "Has the people of a corpus come to the door of a running isothermd whose sensor plays\nthe "
-    "slot, one after the other, and tells what it made of them. Exit status 1: somebody\nenrolled "
+    "Lets the people of a corpus come to the door of a running isothermd whose sensor plays\n"
+    "the slot, one after the other, and prints the verdicts. Exit status 1: somebody enrolled\n"
     "was refused at every visit or taken for another, or a stranger was let in.\n";
 
 static bool is_complete(const void *target)

@@ -18,11 +18,11 @@ static const struct command {
     {"eval", "measure recognition on a corpus", sim_cmd_eval},
     {"landmarks", "measure landmarks, gates and presentation attacks on a corpus",
      sim_cmd_landmarks},
-    {"sensor", "measure how wrong a sensor model is, by distance", sim_cmd_sensor},
+    {"sensor", "measure the depth errors of a sensor model, by distance", sim_cmd_sensor},
 #ifdef ISOTHERM_STEREO
     {"calibrate", "calibrate cameras on pictures of a checkerboard", sim_cmd_calibrate},
 #endif
-    {"show", "draw a frame and what is made of it", sim_cmd_show},
+    {"show", "draw a frame, its fit, mesh, heat or isotherms", sim_cmd_show},
     {"shapes", "make and retrieve non-rigid shapes", sim_cmd_shapes},
     {"replay", "play a corpus to the appliance itself, on a virtual clock", sim_cmd_replay},
     {"levels", "count who is refused and who is let in at each security level", sim_cmd_levels},
