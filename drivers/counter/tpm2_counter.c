@@ -175,7 +175,7 @@ static int check_index(struct tpm2_counter *counter, struct iso_fault *fault)
 /* The index may have been deleted since it was found: it is looked for each time. */
 static int find_index(struct tpm2_counter *counter, struct iso_fault *fault)
 {
-    int error = open_tpm(counter, fault);
+    const int error = open_tpm(counter, fault);
     if (error) {
         return error;
     }

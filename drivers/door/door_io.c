@@ -49,7 +49,7 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
     char known[128] = "";
     size_t used = 0;
     for (size_t i = 0; i < BACK_ENDS && used < sizeof known; i++) {
-        int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
+        const int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
         used += length > 0 ? (size_t)length : 0;
     }
     return iso_fault_set_code(fault, ISO_FAULT_DRIVER_UNKNOWN, -ENOENT,
@@ -245,7 +245,7 @@ int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, 
     if (!iso_door_output_name(output)) {
         return iso_fault_set(fault, -EINVAL, "door %s: no output %d", io->ops->name, (int)output);
     }
-    int error = io->ops->set_output(io->self, output, active, &reason);
+    const int error = io->ops->set_output(io->self, output, active, &reason);
     return settle_failure(io, error, &reason, fault);
 }
 
@@ -256,7 +256,7 @@ int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
     if (io->lost) {
         return device_gone(io, fault);
     }
-    int error = io->ops->get_inputs(io->self, out, &reason);
+    const int error = io->ops->get_inputs(io->self, out, &reason);
     return settle_failure(io, error, &reason, fault);
 }
 
@@ -267,7 +267,7 @@ int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card 
     if (io->lost) {
         return device_gone(io, fault);
     }
-    int error = io->ops->send_card ? io->ops->send_card(io->self, card, &reason) : -ENOSYS;
+    const int error = io->ops->send_card ? io->ops->send_card(io->self, card, &reason) : -ENOSYS;
     return settle_failure(io, error, &reason, fault);
 }
 

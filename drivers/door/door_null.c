@@ -122,7 +122,7 @@ static const char *parse_line(char *line, struct iso_door_inputs *inputs, unsign
         (strcmp(word[2], "0") != 0 && strcmp(word[2], "1") != 0)) {
         return "not `NAME = 0` or `NAME = 1`";
     }
-    int input = input_of(word[0]);
+    const int input = input_of(word[0]);
     if (input < 0) {
         return "unknown input";
     }

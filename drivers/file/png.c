@@ -141,7 +141,7 @@ static bool read_rows(struct codec *codec)
 
 static int read_fault(const struct codec *codec, const char *name, struct iso_fault *fault)
 {
-    int error = codec->error ? codec->error : -EBADMSG;
+    const int error = codec->error ? codec->error : -EBADMSG;
     return iso_fault_set(fault, error, "%s: %s", name, codec->message);
 }
 
@@ -150,10 +150,10 @@ static int shape_of(const struct codec *codec, const char *name,
                     const struct iso_png_expectation *expected, struct iso_image *shape,
                     struct iso_fault *fault)
 {
-    int width = (int)png_get_image_width(codec->png, codec->info);
-    int height = (int)png_get_image_height(codec->png, codec->info);
-    int bits = png_get_bit_depth(codec->png, codec->info);
-    int colour_type = png_get_color_type(codec->png, codec->info);
+    const int width = (int)png_get_image_width(codec->png, codec->info);
+    const int height = (int)png_get_image_height(codec->png, codec->info);
+    const int bits = png_get_bit_depth(codec->png, codec->info);
+    const int colour_type = png_get_color_type(codec->png, codec->info);
     const struct format *format = NULL;
     for (int i = 0; i < FORMATS; i++) {
         if (formats[i].bits == bits && formats[i].colour_type == colour_type) {
@@ -179,7 +179,7 @@ static int shape_of(const struct codec *codec, const char *name,
 static int make_room(const struct iso_image *shape, const char *name, struct iso_image *image,
                      struct iso_fault *fault)
 {
-    size_t bytes = iso_image_row_bytes(shape) * (size_t)shape->height_px;
+    const size_t bytes = iso_image_row_bytes(shape) * (size_t)shape->height_px;
     if (bytes > image->capacity) {
         void *samples = realloc(image->samples, bytes);
         if (!samples) {
@@ -258,7 +258,7 @@ int iso_png_read_memory(const char *name, const void *bytes, size_t size,
     if (!file) {
         return iso_fault_set(fault, -errno, "%s: %m", name);
     }
-    int error = read_file(name, file, expected, image, fault);
+    const int error = read_file(name, file, expected, image, fault);
     (void)fclose(file);
     return error;
 }

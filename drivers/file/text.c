@@ -13,7 +13,7 @@ int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fa
 {
     char *bytes = NULL;
     size_t size = 0;
-    int error = iso_file_read(path, max_bytes, &bytes, &size, fault);
+    const int error = iso_file_read(path, max_bytes, &bytes, &size, fault);
     if (!error && memchr(bytes, 0, size)) {
         free(bytes);
         return iso_fault_set(fault, -EBADMSG, "%s: not a text file (it holds a NUL byte)", path);
@@ -83,7 +83,7 @@ int iso_text_number(const char *text, double *out)
     if (!*text || text[strspn(text, "0123456789+-.eE")]) {
         return -EINVAL;
     }
-    double value = strtod(text, &end);
+    const double value = strtod(text, &end);
     if (*end || !isfinite(value)) {
         return -EINVAL;
     }
@@ -93,7 +93,7 @@ int iso_text_number(const char *text, double *out)
 
 int iso_text_count(const char *text, size_t *out)
 {
-    size_t digits = strspn(text, "0123456789");
+    const size_t digits = strspn(text, "0123456789");
     if (digits < 1 || digits > 18 || text[digits]) {
         return -EINVAL;
     }

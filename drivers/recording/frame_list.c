@@ -13,7 +13,7 @@ enum { LIST_BYTES_MAX = 64 << 20, SECONDS_DIGITS_MAX = 10 };
  * beyond the ninth decimal are dropped. */
 static int parse_seconds(const char *text, int64_t *t_ns)
 {
-    size_t digits = strspn(text, "0123456789");
+    const size_t digits = strspn(text, "0123456789");
     if (digits < 1 || digits > SECONDS_DIGITS_MAX) {
         return -EINVAL;
     }

@@ -43,7 +43,7 @@ static int read_list(const struct iso_recording *recording, const char *file,
                      struct iso_frame_list *list, struct iso_fault *fault)
 {
     char path[PATH_MAX];
-    int error = iso_path_join(recording->directory, file, path, fault);
+    const int error = iso_path_join(recording->directory, file, path, fault);
     return error ? error : iso__frame_list_read(path, list, fault);
 }
 
@@ -57,7 +57,7 @@ static int match_intensity(struct iso_recording *recording, struct iso_fault *fa
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", recording->directory);
     }
     for (size_t i = 0; i < depth->n; i++) {
-        int64_t t_ns = depth->entries[i].t_ns;
+        const int64_t t_ns = depth->entries[i].t_ns;
         while (j < intensity->n && intensity->entries[j].t_ns < t_ns - MATCH_NS) {
             j++;
         }
@@ -185,12 +185,12 @@ static int read_depth(struct iso_recording *recording, size_t index, float *dept
 {
     struct iso_image *image = &recording->depth_image;
     const char *file = recording->depth.entries[index].file;
-    int error = read_image(recording, file, ISO_PIXEL_GREY16, image, fault);
+    const int error = read_image(recording, file, ISO_PIXEL_GREY16, image, fault);
     if (error) {
         return error;
     }
     const uint16_t *counts = image->samples;
-    size_t n = pixel_count(recording);
+    const size_t n = pixel_count(recording);
     for (size_t i = 0; i < n; i++) {
         depth_mm[i] = (float)(counts[i] * recording->meta.unit_mm);
     }
@@ -220,7 +220,7 @@ static int read_intensity(struct iso_recording *recording, size_t index, float *
 {
     struct iso_image *image = &recording->intensity_image;
     const char *file = recording->intensity.entries[recording->intensity_of[index]].file;
-    int error = read_image(recording, file, recording->intensity_pixels, image, fault);
+    const int error = read_image(recording, file, recording->intensity_pixels, image, fault);
     if (!error) {
         intensity_from_image(image, pixel_count(recording), intensity);
     }
@@ -231,7 +231,7 @@ int iso_recording_read(struct iso_recording *recording, size_t index, struct iso
                        struct iso_fault *fault)
 {
     const struct iso_camera *camera = &recording->meta.camera;
-    bool intensity = iso_recording_has_intensity(recording);
+    const bool intensity = iso_recording_has_intensity(recording);
     if (index >= recording->depth.n) {
         return iso_fault_set(fault, -EINVAL, "%s: has no frame %zu", recording->directory, index);
     }

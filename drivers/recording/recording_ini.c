@@ -26,7 +26,7 @@ static void print_pinhole(FILE *stream, const struct iso_camera *camera)
 int sim_recording_ini_print(FILE *stream, const struct iso_recording_meta *meta)
 {
     const struct iso_camera *camera = &meta->camera;
-    bool pinhole = camera->projection == ISO_PINHOLE;
+    const bool pinhole = camera->projection == ISO_PINHOLE;
     (void)fprintf(stream, "[recording]\nformat = 1\nsensor = %s\n\n[depth]\n", meta->sensor);
     (void)fprintf(stream, "projection = %s\n", pinhole ? "pinhole" : "orthographic");
     if (meta->nominal) {

@@ -19,7 +19,7 @@ enum belongs { ALWAYS, PINHOLE, PINHOLE_OPTIONAL, ORTHOGRAPHIC };
 
 static bool sensor_is_sound(const char *sensor)
 {
-    size_t length = strnlen(sensor, ISO_RECORDING_SENSOR_MAX);
+    const size_t length = strnlen(sensor, ISO_RECORDING_SENSOR_MAX);
     return length > 0 && length < ISO_RECORDING_SENSOR_MAX &&
            strspn(sensor, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") ==
                length;
@@ -86,11 +86,11 @@ _Static_assert((int)KEYS <= (int)ISO_INI_KEYS_MAX, "bits of what was seen");
 static int check_keys(const char *name, uint64_t seen_keys, const struct parse *parse,
                       struct iso_fault *fault)
 {
-    bool pinhole = parse->meta.camera.projection == ISO_PINHOLE;
+    const bool pinhole = parse->meta.camera.projection == ISO_PINHOLE;
     for (int i = 0; i < KEYS; i++) {
         const struct iso_ini_key *key = &keys[i];
-        bool seen = seen_keys & UINT64_C(1) << i;
-        bool applies = key->mark == ALWAYS || (key->mark == ORTHOGRAPHIC) != pinhole;
+        const bool seen = seen_keys & UINT64_C(1) << i;
+        const bool applies = key->mark == ALWAYS || (key->mark == ORTHOGRAPHIC) != pinhole;
         if (!seen && applies && key->mark != PINHOLE_OPTIONAL) {
             return iso_fault_set(fault, -EBADMSG, "%s: %s is missing from [%s]", name, key->name,
                                  key->section);

@@ -60,7 +60,7 @@ static int open_text(const struct sim_recording_writer *writer, const char *file
                      struct iso_fault *fault)
 {
     char path[PATH_MAX];
-    int error = iso_path_join(writer->directory, file, path, fault);
+    const int error = iso_path_join(writer->directory, file, path, fault);
     if (!error) {
         FILE *stream = fopen(path, "wxe");
         if (!stream) {
@@ -123,7 +123,7 @@ static int write_ini(const struct sim_recording_writer *writer, struct iso_fault
     if (sim_recording_ini_print(ini, &writer->meta)) {
         error = iso_fault_set(fault, -EIO, "%s/recording.ini: %m", writer->directory);
     }
-    int close_error = close_text(writer, &ini, error ? NULL : fault);
+    const int close_error = close_text(writer, &ini, error ? NULL : fault);
     return error ? error : close_error;
 }
 
@@ -157,7 +157,7 @@ int sim_recording_writer_create(const char *directory, const struct iso_recordin
         return iso_fault_set(fault, -EINVAL, "%s: %s", directory, what);
     }
     struct sim_recording_writer *writer = calloc(1, sizeof *writer);
-    size_t pixels = (size_t)meta->camera.width_px * (size_t)meta->camera.height_px;
+    const size_t pixels = (size_t)meta->camera.width_px * (size_t)meta->camera.height_px;
     int error = -ENOMEM;
     if (writer) {
         writer->meta = *meta;
@@ -202,10 +202,10 @@ static int check_frame(const struct sim_recording_writer *writer, const struct i
 static int count_depths(const struct sim_recording_writer *writer, const struct iso_frame *frame,
                         struct iso_fault *fault)
 {
-    size_t pixels = (size_t)frame->width_px * (size_t)frame->height_px;
+    const size_t pixels = (size_t)frame->width_px * (size_t)frame->height_px;
     for (size_t i = 0; i < pixels; i++) {
-        double depth_mm = (double)frame->depth_mm[i];
-        double count = round(depth_mm / writer->meta.unit_mm);
+        const double depth_mm = (double)frame->depth_mm[i];
+        const double count = round(depth_mm / writer->meta.unit_mm);
         if (count > UINT16_MAX || (depth_mm > 0.0 && count < 1.0)) {
             return iso_fault_set(fault, -ERANGE,
                                  "%s: frame %zu: depth %g mm does not fit 16 bits of %g mm",
@@ -219,9 +219,9 @@ static int count_depths(const struct sim_recording_writer *writer, const struct 
 static int count_intensities(const struct sim_recording_writer *writer,
                              const struct iso_frame *frame, struct iso_fault *fault)
 {
-    size_t pixels = (size_t)frame->width_px * (size_t)frame->height_px;
+    const size_t pixels = (size_t)frame->width_px * (size_t)frame->height_px;
     for (size_t i = 0; i < pixels; i++) {
-        float value = frame->intensity[i];
+        const float value = frame->intensity[i];
         if (!(value >= 0.0F && value <= 1.0F)) {
             return iso_fault_set(fault, -EINVAL, "%s: frame %zu: intensity outside 0..1",
                                  writer->directory, writer->frames);
@@ -243,7 +243,7 @@ static int write_plane(const struct sim_recording_writer *writer, const char *fo
         .samples = writer->counts,
     };
     (void)snprintf(file, sizeof file, "%s/%06zu.png", folder, writer->frames);
-    int error = iso_path_join(writer->directory, file, path, fault);
+    const int error = iso_path_join(writer->directory, file, path, fault);
     return error ? error : iso_png_write(path, &image, writer->png_level, fault);
 }
 
@@ -251,8 +251,8 @@ static int list_plane(const struct sim_recording_writer *writer, const char *fol
                       int64_t t_ns, struct iso_fault *fault)
 {
     errno = 0;
-    int length = fprintf(list, "%" PRId64 ".%09" PRId64 " %s/%06zu.png\n", t_ns / 1000000000,
-                         t_ns % 1000000000, folder, writer->frames);
+    const int length = fprintf(list, "%" PRId64 ".%09" PRId64 " %s/%06zu.png\n", t_ns / 1000000000,
+                               t_ns % 1000000000, folder, writer->frames);
     return length < 0 ? write_failed(writer, fault) : 0;
 }
 
@@ -302,7 +302,7 @@ int sim_recording_writer_landmark(struct sim_recording_writer *writer, const cha
 {
     static const char allowed[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
-    size_t length = strlen(name);
+    const size_t length = strlen(name);
     if (writer->frames == 0 || length < 1 || length >= ISO_RECORDING_LANDMARK_MAX ||
         strspn(name, allowed) != length || !isfinite(point_mm.x + point_mm.y + point_mm.z)) {
         return iso_fault_set(fault, -EINVAL, "%s: landmark that cannot be written",
@@ -310,14 +310,14 @@ int sim_recording_writer_landmark(struct sim_recording_writer *writer, const cha
     }
     errno = 0;
     if (!writer->landmarks) {
-        int error = open_text(writer, "landmarks.csv", &writer->landmarks, fault);
+        const int error = open_text(writer, "landmarks.csv", &writer->landmarks, fault);
         if (error) {
             return error;
         }
         (void)fputs("frame,name,x_mm,y_mm,z_mm\n", writer->landmarks); /* ferror below */
     }
-    int printed = fprintf(writer->landmarks, "%zu,%s,%.4f,%.4f,%.4f\n", writer->frames - 1, name,
-                          point_mm.x, point_mm.y, point_mm.z);
+    const int printed = fprintf(writer->landmarks, "%zu,%s,%.4f,%.4f,%.4f\n", writer->frames - 1,
+                                name, point_mm.x, point_mm.y, point_mm.z);
     return printed < 0 || ferror(writer->landmarks) ? write_failed(writer, fault) : 0;
 }
 
@@ -328,7 +328,7 @@ int sim_recording_writer_finish(struct sim_recording_writer *writer, struct iso_
     FILE **streams[] = {&writer->depth_list, &writer->intensity_list, &writer->landmarks};
     int first = 0;
     for (size_t i = 0; i < sizeof streams / sizeof *streams; i++) {
-        int error = close_text(writer, streams[i], first ? NULL : fault);
+        const int error = close_text(writer, streams[i], first ? NULL : fault);
         if (!first) {
             first = error;
         }

@@ -43,7 +43,7 @@ static int unknown_back_end(const char *name, struct iso_fault *fault)
     char known[128] = "";
     size_t used = 0;
     for (size_t i = 0; i < BACK_ENDS && used < sizeof known; i++) {
-        int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
+        const int length = snprintf(known + used, sizeof known - used, " %s", back_ends[i]->name);
         used += length > 0 ? (size_t)length : 0;
     }
     return iso_fault_set_code(fault, ISO_FAULT_DRIVER_UNKNOWN, -ENOENT,

@@ -67,7 +67,7 @@ static int reserve_view(struct iso_board_views *views)
     if (views->n_pairs < views->capacity) {
         return 0;
     }
-    int capacity = 2 * views->capacity + 16;
+    const int capacity = 2 * views->capacity + 16;
     for (int eye = 0; eye < ISO_EYES; eye++) {
         void *corners = reallocarray(views->corners_px[eye], (size_t)capacity * corners_of(views),
                                      sizeof(float[2]));
@@ -153,7 +153,7 @@ int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void
                              "calibration: %d pairs show the whole board, %d are needed",
                              views->n_pairs, ISO_BOARD_PAIRS_MIN);
     }
-    int error = iso_board_opencv_solve(&problem, &found);
+    const int error = iso_board_opencv_solve(&problem, &found);
     if (error) {
         return iso_fault_set(fault, error, "calibration: %s",
                              error == -ENOMEM ? "out of memory" : "the solver gave up");

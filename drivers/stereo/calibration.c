@@ -78,9 +78,9 @@ static bool is_rotation(const struct iso_mat3 *a)
     for (int i = 0; i < 9; i++) {
         off += fabs(product.m[i / 3][i % 3] - (i % 4 == 0));
     }
-    struct iso_vec3 x = iso_vec3(a->m[0][0], a->m[0][1], a->m[0][2]);
-    struct iso_vec3 y = iso_vec3(a->m[1][0], a->m[1][1], a->m[1][2]);
-    struct iso_vec3 z = iso_vec3(a->m[2][0], a->m[2][1], a->m[2][2]);
+    const struct iso_vec3 x = iso_vec3(a->m[0][0], a->m[0][1], a->m[0][2]);
+    const struct iso_vec3 y = iso_vec3(a->m[1][0], a->m[1][1], a->m[1][2]);
+    const struct iso_vec3 z = iso_vec3(a->m[2][0], a->m[2][1], a->m[2][2]);
     return off < 1e-6 && iso_dot(iso_cross(x, y), z) > 0.0; /* false for NaN */
 }
 
@@ -88,7 +88,7 @@ static bool is_rotation(const struct iso_mat3 *a)
 static const char *find_bad_stand(const struct iso_stereo_calibration *c)
 {
     static const double sine_max = 0.29552020666133955; /* of 0.3 rad */
-    double baseline_mm = iso_stereo_baseline_mm(c);
+    const double baseline_mm = iso_stereo_baseline_mm(c);
     if (!is_rotation(&c->right_from_left.rotation)) {
         return "the rotation is none";
     }
@@ -97,8 +97,8 @@ static const char *find_bad_stand(const struct iso_stereo_calibration *c)
     }
     /* Where the right camera is, in the left one's frame. */
     struct iso_rigid left_from_right = iso_rigid_inverse(&c->right_from_left);
-    struct iso_vec3 along = iso_unit(left_from_right.translation_mm);
-    struct iso_vec3 axis = iso_mat3_apply(&left_from_right.rotation, iso_vec3(0.0, 0.0, 1.0));
+    const struct iso_vec3 along = iso_unit(left_from_right.translation_mm);
+    const struct iso_vec3 axis = iso_mat3_apply(&left_from_right.rotation, iso_vec3(0.0, 0.0, 1.0));
     if (!(along.x > 0.0)) {
         return "the right camera stands at the left";
     }
@@ -197,11 +197,11 @@ int iso_stereo_calibration_read(const char *path, struct iso_stereo_calibration 
 /* The rotation vector of a rotation of less than half a turn (the inverse of Rodrigues 1840). */
 static struct iso_vec3 turn_of(const struct iso_mat3 *a)
 {
-    struct iso_vec3 twice_sine = {a->m[2][1] - a->m[1][2], a->m[0][2] - a->m[2][0],
-                                  a->m[1][0] - a->m[0][1]};
-    double sine = 0.5 * iso_norm(twice_sine);
-    double cosine = 0.5 * (a->m[0][0] + a->m[1][1] + a->m[2][2] - 1.0);
-    double angle = atan2(sine, cosine);
+    const struct iso_vec3 twice_sine = {a->m[2][1] - a->m[1][2], a->m[0][2] - a->m[2][0],
+                                        a->m[1][0] - a->m[0][1]};
+    const double sine = 0.5 * iso_norm(twice_sine);
+    const double cosine = 0.5 * (a->m[0][0] + a->m[1][1] + a->m[2][2] - 1.0);
+    const double angle = atan2(sine, cosine);
     return iso_scale(sine > 1e-12 ? angle / (2.0 * sine) : 0.5, twice_sine);
 }
 
@@ -246,9 +246,9 @@ int iso_stereo_calibration_write(const char *path, const struct iso_stereo_calib
         return iso_fault_set(fault, -errno, "%s: %m", path);
     }
     print_calibration(file, calibration);
-    bool good = !ferror(file);
+    const bool good = !ferror(file);
     if (fclose(file) != 0 || !good) {
-        int error = errno ? -errno : -EIO;
+        const int error = errno ? -errno : -EIO;
         remove_partial_file(path);
         return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
     }

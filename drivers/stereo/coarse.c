@@ -27,7 +27,7 @@ static void gather(const float *half, int width, int height, int column, int row
             if (x < 0 || y < 0 || x >= width || y >= height) {
                 continue;
             }
-            float value = half[(size_t)y * (size_t)width + (size_t)x];
+            const float value = half[(size_t)y * (size_t)width + (size_t)x];
             if (value > 0.0f) {
                 out->value[out->n] = value;
                 out->x[out->n] = (float)dx;
@@ -57,7 +57,7 @@ static int fit(const struct neighbours *around, float middle, struct plane *out)
     double n = 0, x = 0, y = 0, d = 0, xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
     for (int i = 0; i < around->n; i++) {
         double u = (double)around->x[i], v = (double)around->y[i];
-        double value = (double)(around->value[i] - middle);
+        const double value = (double)(around->value[i] - middle);
         if (fabs(value) <= (double)same_surface_px) {
             n += 1, x += u, y += v, d += value;
             xx += u * u, xy += u * v, yy += v * v, xd += u * value, yd += v * value;
@@ -90,8 +90,8 @@ void iso_coarse_spread(const float *half_px, int width_px, int height_px, float 
             /* The four pixels of the whole image lie a quarter of a half-size pixel off. */
             for (int k = 0; k < 4; k++) {
                 float dx = k % 2 ? 0.25f : -0.25f, dy = k / 2 ? 0.25f : -0.25f;
-                size_t at = (size_t)(2 * row + k / 2) * (size_t)width_px + (size_t)(2 * column) +
-                            (size_t)(k % 2);
+                const size_t at = (size_t)(2 * row + k / 2) * (size_t)width_px +
+                                  (size_t)(2 * column) + (size_t)(k % 2);
                 whole_px[at] = plane.at > 0.0f ? plane.at + dx * plane.along_x + dy * plane.along_y
                                                : 0.0f;
             }

@@ -39,7 +39,7 @@ int iso_refine_new(int width_px, int height_px, const struct iso_refine_options 
     if (!refine) {
         return -ENOMEM;
     }
-    size_t n = (size_t)width_px * (size_t)height_px;
+    const size_t n = (size_t)width_px * (size_t)height_px;
     refine->width = width_px;
     refine->height = height_px;
     refine->options = *options;
@@ -104,17 +104,17 @@ static void interpolate_rows(struct iso_refine *r, const uint8_t *right)
 /* The right image and its derivative as the left camera would see them. */
 static void warp_right(struct iso_refine *r, const float *disparity_px)
 {
-    float last = (float)(r->width - 1) - 1.0f / FINE;
+    const float last = (float)(r->width - 1) - 1.0f / FINE;
     size_t i = 0;
     for (int row = 0; row < r->height; row++) {
         const float *fine = r->fine + (size_t)row * (size_t)r->width * FINE;
         for (int column = 0; column < r->width; column++, i++) {
-            float x = (float)column - disparity_px[i];
+            const float x = (float)column - disparity_px[i];
             if (!(disparity_px[i] > 0.0f && x >= 1.0f && x < last)) {
                 r->slope[i] = NAN;
                 continue;
             }
-            int at = (int)(x * FINE);
+            const int at = (int)(x * FINE);
             float rest = x * FINE - (float)at, step = fine[at + 1] - fine[at];
             r->warped[i] = fine[at] + rest * step;
             /* Over half a pixel to either side: steps of single samples would be noise. */
@@ -138,9 +138,9 @@ static void add_sums(struct sums *to, double sign, const struct sums *what)
 /* Adds (or takes away) a row of pixels to (from) the sums of the columns. */
 static void add_row(struct iso_refine *r, const uint8_t *left, int row, double sign)
 {
-    size_t first = (size_t)row * (size_t)r->width;
+    const size_t first = (size_t)row * (size_t)r->width;
     for (int column = 0; column < r->width; column++) {
-        size_t i = first + (size_t)column;
+        const size_t i = first + (size_t)column;
         if (isnan(r->slope[i])) {
             continue;
         }
@@ -156,14 +156,14 @@ static bool solve_window(const struct iso_refine *r, const struct sums *s, doubl
                          double *correlation)
 {
     double area = r->options.window_px * r->options.window_px, n = s->n;
-    double least = r->options.contrast_min * r->options.contrast_min;
+    const double least = r->options.contrast_min * r->options.contrast_min;
     if (n < 0.3 * area) {
         return false;
     }
     double ll = s->ll - s->l * s->l / n, ww = s->ww - s->w * s->w / n;
     double gg = s->gg - s->g * s->g / n, lw = s->lw - s->l * s->w / n;
     double lg = s->lg - s->l * s->g / n, wg = s->wg - s->w * s->g / n;
-    double determinant = ww * gg - wg * wg;
+    const double determinant = ww * gg - wg * wg;
     if (ll < least * n || ww < 0.25 * least * n || !(determinant > 1e-3 * ww * gg)) {
         return false;
     }
@@ -176,13 +176,13 @@ static bool solve_window(const struct iso_refine *r, const struct sums *s, doubl
 
 static void step_row(struct iso_refine *r, int row, float *disparity_px, float *confidence)
 {
-    int radius = r->options.window_px / 2;
+    const int radius = r->options.window_px / 2;
     struct sums window = {0};
     for (int k = 0; k < radius && k < r->width; k++) {
         add_sums(&window, 1.0, &r->columns[k]);
     }
     for (int column = 0; column < r->width; column++) {
-        size_t i = (size_t)row * (size_t)r->width + (size_t)column;
+        const size_t i = (size_t)row * (size_t)r->width + (size_t)column;
         double step_px, correlation;
         if (column + radius < r->width) {
             add_sums(&window, 1.0, &r->columns[column + radius]);
@@ -202,7 +202,7 @@ static void step_row(struct iso_refine *r, int row, float *disparity_px, float *
 static void step_disparity(struct iso_refine *r, const uint8_t *left, float *disparity_px,
                            float *confidence)
 {
-    int radius = r->options.window_px / 2;
+    const int radius = r->options.window_px / 2;
     warp_right(r, disparity_px);
     memset(r->columns, 0, (size_t)r->width * sizeof *r->columns);
     for (int row = 0; row < radius && row < r->height; row++) {
@@ -227,13 +227,13 @@ static void smooth_line(const float *in, const float *confidence, int n, size_t 
                         float *out)
 {
     for (int i = 0; i < n; i++) {
-        size_t at = (size_t)i * stride;
+        const size_t at = (size_t)i * stride;
         float middle = in[at], sum = 0.0f, weight = 0.0f;
         int from = i < radius ? 0 : i - radius, to = i + radius < n ? i + radius : n - 1;
         for (int k = from; middle > 0.0f && k <= to; k++) {
-            size_t other = (size_t)k * stride;
-            bool alike = in[other] > 0.0f && fabsf(in[other] - middle) < same_surface_px;
-            float w = alike ? fmaxf(confidence[other], 0.0f) : 0.0f;
+            const size_t other = (size_t)k * stride;
+            const bool alike = in[other] > 0.0f && fabsf(in[other] - middle) < same_surface_px;
+            const float w = alike ? fmaxf(confidence[other], 0.0f) : 0.0f;
             sum += w * in[other];
             weight += w;
         }
@@ -243,9 +243,9 @@ static void smooth_line(const float *in, const float *confidence, int n, size_t 
 
 static void smooth_disparity(struct iso_refine *r, const float *confidence, float *disparity_px)
 {
-    size_t width = (size_t)r->width;
+    const size_t width = (size_t)r->width;
     float *scratch = r->warped; /* until the next step */
-    int radius = r->options.smooth_px / 2;
+    const int radius = r->options.smooth_px / 2;
     for (size_t row = 0; row < (size_t)r->height; row++) {
         smooth_line(disparity_px + row * width, confidence + row * width, r->width, 1, radius,
                     scratch + row * width);

@@ -35,7 +35,7 @@ struct iso_stereo_options iso_stereo_options_default(void)
 
 static int allocate_planes(struct iso_stereo *s)
 {
-    size_t n = s->n_pixels;
+    const size_t n = s->n_pixels;
     s->rectified[ISO_EYE_LEFT] = malloc(n);
     s->rectified[ISO_EYE_RIGHT] = malloc(n);
     s->half_px = malloc(n / 4 * sizeof(float));
@@ -52,7 +52,7 @@ static int allocate_planes(struct iso_stereo *s)
 static int make_matcher(struct iso_stereo *s, const struct iso_stereo_calibration *calibration)
 {
     const struct iso_camera *camera = &s->rectification.camera;
-    double fb = camera->fx_px * s->rectification.baseline_mm;
+    const double fb = camera->fx_px * s->rectification.baseline_mm;
     float *maps = malloc(4 * s->n_pixels * sizeof(float));
     struct iso_stereo_opencv_options options = {
         .width_px = camera->width_px,
@@ -69,7 +69,7 @@ static int make_matcher(struct iso_stereo *s, const struct iso_stereo_calibratio
         options.map_x_px[eye] = x_px;
         options.map_y_px[eye] = y_px;
     }
-    int error = iso_stereo_opencv_new(&options, &s->opencv);
+    const int error = iso_stereo_opencv_new(&options, &s->opencv);
     free(maps);
     return error;
 }
@@ -100,7 +100,7 @@ static const char *find_flaw(const struct iso_stereo_calibration *calibration,
         return flaw;
     }
     const struct iso_camera *camera = &calibration->camera[ISO_EYE_LEFT];
-    double fb = camera->fx_px * iso_stereo_baseline_mm(calibration);
+    const double fb = camera->fx_px * iso_stereo_baseline_mm(calibration);
     if (!(options->near_mm >= 100.0 && options->near_mm < options->far_mm &&
           options->far_mm <= 10000.0)) {
         return "the range must lie within 100..10000 mm";
@@ -183,7 +183,7 @@ static bool surfaces_differ(float a, float b)
  * same column, and is more than a pixel farther, was matched to a surface that hides it. */
 static void drop_hidden(struct iso_stereo *s, float *disparity_px)
 {
-    int width = s->rectification.camera.width_px;
+    const int width = s->rectification.camera.width_px;
     memset(s->claim_px, 0, (size_t)width * sizeof *s->claim_px);
     for (int column = 0; column < width; column++) {
         int at = (int)((float)column - disparity_px[column] + 0.5f);
@@ -192,7 +192,7 @@ static void drop_hidden(struct iso_stereo *s, float *disparity_px)
         }
     }
     for (int column = 0; column < width; column++) {
-        int at = (int)((float)column - disparity_px[column] + 0.5f);
+        const int at = (int)((float)column - disparity_px[column] + 0.5f);
         if (disparity_px[column] > 0.0f && at >= 0 &&
             disparity_px[column] < s->claim_px[at] - 1.0f) {
             disparity_px[column] = 0.0f;
@@ -208,8 +208,8 @@ static void drop_outlines(struct iso_stereo *s)
     int width = camera->width_px, height = camera->height_px;
     for (int row = 0; row < height; row++) {
         for (int column = 0; column < width; column++) {
-            size_t i = (size_t)row * (size_t)width + (size_t)column;
-            float own = s->disparity_px[i];
+            const size_t i = (size_t)row * (size_t)width + (size_t)column;
+            const float own = s->disparity_px[i];
             const size_t reach = OUTLINE_PX, down = OUTLINE_PX * (size_t)width;
             bool jump =
                 (column >= OUTLINE_PX && surfaces_differ(own, s->disparity_px[i - reach])) ||
@@ -223,8 +223,8 @@ static void drop_outlines(struct iso_stereo *s)
 
 static void fill_frame(struct iso_stereo *s, struct iso_frame *frame)
 {
-    size_t width = (size_t)s->rectification.camera.width_px;
-    double fb = s->rectification.camera.fx_px * s->rectification.baseline_mm;
+    const size_t width = (size_t)s->rectification.camera.width_px;
+    const double fb = s->rectification.camera.fx_px * s->rectification.baseline_mm;
     for (size_t i = 0; i < s->n_pixels; i++) {
         if ((double)s->confidence[i] < s->options.confidence_min) {
             s->disparity_px[i] = s->confidence[i] = 0.0f;
@@ -235,10 +235,10 @@ static void fill_frame(struct iso_stereo *s, struct iso_frame *frame)
     }
     drop_outlines(s);
     for (size_t i = 0; i < s->n_pixels; i++) {
-        double depth_mm = s->disparity_px[i] > 0.0f && s->confidence[i] > 0.0f
-                              ? fb / (double)s->disparity_px[i]
-                              : 0.0;
-        bool seen = depth_mm >= s->options.near_mm && depth_mm <= s->options.far_mm;
+        const double depth_mm = s->disparity_px[i] > 0.0f && s->confidence[i] > 0.0f
+                                    ? fb / (double)s->disparity_px[i]
+                                    : 0.0;
+        const bool seen = depth_mm >= s->options.near_mm && depth_mm <= s->options.far_mm;
         frame->depth_mm[i] = seen ? (float)depth_mm : 0.0f;
         s->confidence[i] = seen ? s->confidence[i] : 0.0f;
         if (frame->intensity) {

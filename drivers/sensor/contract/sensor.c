@@ -211,7 +211,7 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
 
 int iso_sensor_next_due_ns(struct iso_sensor *sensor, int64_t *due_ns)
 {
-    int error = require_state(sensor, ISO_SENSOR_STARTED, NULL);
+    const int error = require_state(sensor, ISO_SENSOR_STARTED, NULL);
     if (error) {
         return error;
     }

@@ -94,8 +94,8 @@ static int eye_take(void *self, struct iso_picture *out, struct iso_fault *fault
     if (error) {
         return complain_of_eye(eye, error, fault);
     }
-    uint32_t format = format_of(picture.fourcc, &bytes);
-    size_t row = bytes * (size_t)picture.width_px;
+    const uint32_t format = format_of(picture.fourcc, &bytes);
+    const size_t row = bytes * (size_t)picture.width_px;
     if (!format || picture.stride_bytes < row ||
         picture.size_bytes < picture.stride_bytes * ((size_t)picture.height_px - 1) + row) {
         error = eye_give_back(self, fault);
@@ -178,7 +178,7 @@ static int open_cameras(struct pair *pair, const struct iso_sensor_stereo_camera
     stream->width_px = options.width_px;
     stream->height_px = options.height_px;
     stream->tolerance_ns = cameras->tolerance_ns;
-    int error = iso_libcamera_pair_open(&options, &pair->cameras, text);
+    const int error = iso_libcamera_pair_open(&options, &pair->cameras, text);
     if (error) {
         return iso_fault_set_code(fault, code_of(error), error, "%s: libcamera: %s", owner, text);
     }

@@ -85,7 +85,7 @@ int iso__openni2_read_depth(const OniFrame *in, bool mirrored, struct iso_frame 
         *what = "is not of a depth format";
         return -EBADMSG;
     }
-    int error = find_window(in, &out->camera, sizeof(uint16_t), mirrored, &window, what);
+    const int error = find_window(in, &out->camera, sizeof(uint16_t), mirrored, &window, what);
     if (error) {
         return error;
     }
@@ -140,7 +140,7 @@ int iso__openni2_read_intensity(const OniFrame *in, bool mirrored, double full_s
         *what = "is not of a grey or colour format";
         return -EBADMSG;
     }
-    int error = find_window(in, &out->camera, bytes, mirrored, &window, what);
+    const int error = find_window(in, &out->camera, bytes, mirrored, &window, what);
     if (error) {
         return error;
     }

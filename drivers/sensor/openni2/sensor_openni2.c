@@ -251,7 +251,7 @@ static int wait_file(struct openni2 *sensor, const struct iso_frame **frame,
                      struct iso_fault *fault)
 {
     const bool fresh = !sensor->fetched.depth;
-    int error = fetch_file(sensor, fault);
+    const int error = fetch_file(sensor, fault);
     if (error) {
         return error;
     }

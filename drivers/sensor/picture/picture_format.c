@@ -42,7 +42,7 @@ static unsigned level_at(const uint8_t *pixel, int bits)
 
 static const uint8_t *pixel_at(const struct iso_picture *p, struct layout layout, size_t i)
 {
-    size_t width = (size_t)p->width_px;
+    const size_t width = (size_t)p->width_px;
     return p->bytes + i / width * p->stride_bytes + i % width * layout.step + layout.first;
 }
 
@@ -63,7 +63,7 @@ void iso_picture_to_grey8(const struct iso_picture *picture, uint8_t *grey)
 void iso_picture_to_intensity(const struct iso_picture *picture, float *intensity)
 {
     struct layout layout = layout_of(picture->format);
-    float whole = (float)((1u << layout.bits) - 1);
+    const float whole = (float)((1u << layout.bits) - 1);
     for (size_t i = 0; i < pixels_of(picture); i++) {
         intensity[i] = (float)level_at(pixel_at(picture, layout, i), layout.bits) / whole;
     }

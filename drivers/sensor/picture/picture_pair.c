@@ -14,11 +14,11 @@ enum iso_pair_verdict iso_pair_judge(const int64_t *first_ns, size_t n_first,
     if (n_first == 0 || n_second == 0) {
         return ISO_PAIR_WAIT;
     }
-    bool first_is_older = first_ns[0] < second_ns[0];
+    const bool first_is_older = first_ns[0] < second_ns[0];
     const int64_t *older = first_is_older ? first_ns : second_ns;
-    size_t n_older = first_is_older ? n_first : n_second;
+    const size_t n_older = first_is_older ? n_first : n_second;
     int64_t other = first_is_older ? second_ns[0] : first_ns[0], gap = apart(older[0], other);
-    bool nearer_follows = n_older > 1 && apart(older[1], other) < gap;
+    const bool nearer_follows = n_older > 1 && apart(older[1], other) < gap;
     if (gap <= tolerance_ns && !nearer_follows) {
         return ISO_PAIR_TAKE;
     }

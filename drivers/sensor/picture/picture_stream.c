@@ -47,7 +47,7 @@ static int add_camera(struct iso_picture_stream *s,
                       struct iso_fault *fault)
 {
     struct camera *camera = &s->cameras[index];
-    size_t bytes = 2 * (size_t)options->width_px * (size_t)options->height_px;
+    const size_t bytes = 2 * (size_t)options->width_px * (size_t)options->height_px;
     camera->source = options->sources[index];
     for (int i = 0; i <= WAITING_MAX; i++) {
         camera->copies[i] = malloc(bytes);
@@ -113,7 +113,7 @@ static int start_camera(struct iso_picture_stream *s, int index, struct iso_faul
     struct epoll_event event = {.events = EPOLLIN};
     camera->n_waiting = 0;
     camera->has_newest = false;
-    int error = camera->source.start(camera->source.self, fault);
+    const int error = camera->source.start(camera->source.self, fault);
     if (error) {
         return error;
     }
@@ -130,7 +130,7 @@ int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault
 {
     stream->has_number = false;
     for (int i = 0; i < stream->n_cameras; i++) {
-        int error = start_camera(stream, i, fault);
+        const int error = start_camera(stream, i, fault);
         if (error) {
             (void)iso_picture_stream_stop(stream);
             return error;
@@ -146,7 +146,7 @@ int iso_picture_stream_stop(struct iso_picture_stream *stream)
         const struct iso_picture_source *source = &stream->cameras[i].source;
         if (stream->started[i]) {
             (void)epoll_ctl(stream->epoll_fd, EPOLL_CTL_DEL, source->fd(source->self), NULL);
-            int error = source->stop(source->self);
+            const int error = source->stop(source->self);
             worst = error == -ENODEV || !worst ? error : worst;
             stream->started[i] = false;
         }
@@ -192,7 +192,7 @@ static bool is_late(struct camera *camera, const struct iso_picture *picture)
 static int refuse_late(struct iso_picture_stream *s, const struct camera *camera,
                        const struct iso_picture *picture, struct iso_fault *fault)
 {
-    int error = camera->source.give_back(camera->source.self, fault);
+    const int error = camera->source.give_back(camera->source.self, fault);
     s->dropped++;
     return error ? error
                  : iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
@@ -256,8 +256,8 @@ static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
         camera->copies[WAITING_MAX] = copy;
     }
     const struct iso_picture *first = &out->pictures[0];
-    int64_t age_ns = s->monotonic_ns(s->context) - first->stamp_ns;
-    int64_t t_ns = iso_clock_now_ns(&s->clock) - (age_ns > 0 ? age_ns : 0);
+    const int64_t age_ns = s->monotonic_ns(s->context) - first->stamp_ns;
+    const int64_t t_ns = iso_clock_now_ns(&s->clock) - (age_ns > 0 ? age_ns : 0);
     out->t_ns = t_ns > s->last_ns ? t_ns : s->last_ns + 1;
     s->last_ns = out->t_ns;
     /* The first picture since the start follows on, whatever its number. */
@@ -275,7 +275,7 @@ static int assemble_set(struct iso_picture_stream *s, struct iso_picture_set *ou
                         struct iso_fault *fault)
 {
     for (int i = 0; i < s->n_cameras; i++) {
-        int error = fetch_pictures(s, &s->cameras[i], fault);
+        const int error = fetch_pictures(s, &s->cameras[i], fault);
         if (error) {
             return error;
         }
@@ -302,14 +302,14 @@ int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_
                             struct iso_picture_set *out, struct iso_fault *fault)
 {
     for (;;) {
-        int error = assemble_set(stream, out, fault);
+        const int error = assemble_set(stream, out, fault);
         if (error != -EAGAIN) {
             return error;
         }
-        int64_t left_ns = deadline_ns - iso_clock_now_ns(&stream->clock);
-        int64_t left_ms = left_ns > 0 ? (left_ns + 999999) / 1000000 : 0;
+        const int64_t left_ns = deadline_ns - iso_clock_now_ns(&stream->clock);
+        const int64_t left_ms = left_ns > 0 ? (left_ns + 999999) / 1000000 : 0;
         struct pollfd ready = {.fd = stream->epoll_fd, .events = POLLIN};
-        int n = poll(&ready, 1, left_ms < INT_MAX ? (int)left_ms : INT_MAX);
+        const int n = poll(&ready, 1, left_ms < INT_MAX ? (int)left_ms : INT_MAX);
         if (n == 0 || (n < 0 && errno == EINTR)) {
             return -ETIMEDOUT;
         }

@@ -113,7 +113,7 @@ int iso_sensor_stereo_init(const char *owner, const struct iso_option *options, 
         return error;
     }
     const struct iso_camera *camera = &iso_stereo_rectification(made.stereo)->camera;
-    size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
+    const size_t n = (size_t)camera->width_px * (size_t)camera->height_px;
     describe_calibration(&calibration, made.calibration, sizeof made.calibration);
     made.calibration_code = judge_calibration(&calibration);
     made.width_px = camera->width_px;

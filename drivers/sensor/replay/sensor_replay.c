@@ -128,7 +128,7 @@ static int look_at_slot(const char *path, struct slot *slot, struct iso_fault *f
         return iso_fault_set_code(fault, ISO_FAULT_RECORDING_DAMAGED, -EIO, "%s: %m", path);
     }
     if (S_ISLNK(status.st_mode)) {
-        ssize_t length = readlink(path, slot->target, sizeof slot->target - 1);
+        const ssize_t length = readlink(path, slot->target, sizeof slot->target - 1);
         if (length < 0) {
             return 0; /* taken away since: it is not there */
         }
@@ -201,10 +201,10 @@ static int follow_slot(struct replay *replay, struct iso_fault *fault)
 /* From the last frame back to the first, in time with the recording. */
 static void rewind_loop(struct replay *replay)
 {
-    size_t n = iso_recording_frames(replay->recording);
-    int64_t span_ns = iso_recording_t_ns(replay->recording, n - 1) -
-                      iso_recording_t_ns(replay->recording, 0);
-    int64_t interval_ns = n > 1 ? span_ns / (int64_t)(n - 1) : LONE_FRAME_INTERVAL_NS;
+    const size_t n = iso_recording_frames(replay->recording);
+    const int64_t span_ns = iso_recording_t_ns(replay->recording, n - 1) -
+                            iso_recording_t_ns(replay->recording, 0);
+    const int64_t interval_ns = n > 1 ? span_ns / (int64_t)(n - 1) : LONE_FRAME_INTERVAL_NS;
     replay->origin_ns += span_ns + interval_ns;
     replay->next = 0;
 }
@@ -225,7 +225,7 @@ static int64_t due_ns(const struct replay *replay, int64_t now_ns)
 
 static int read_next(struct replay *replay, int64_t t_ns, struct iso_fault *fault)
 {
-    int error = iso_recording_read(replay->recording, replay->next, replay->frame, fault);
+    const int error = iso_recording_read(replay->recording, replay->next, replay->frame, fault);
     replay->frame->t_ns = t_ns;
     replay->frame->sequence = replay->sequence;
     replay->last_ns = t_ns;
@@ -248,11 +248,11 @@ static int replay_wait(void *self, int64_t deadline_ns, const struct iso_frame *
     if (error) {
         return error;
     }
-    int64_t now_ns = iso_clock_now_ns(&replay->clock);
+    const int64_t now_ns = iso_clock_now_ns(&replay->clock);
     if (!has_next(replay)) {
         return -ETIMEDOUT;
     }
-    int64_t t_ns = due_ns(replay, now_ns);
+    const int64_t t_ns = due_ns(replay, now_ns);
     if (replay->realtime && t_ns > now_ns) {
         return -ETIMEDOUT;
     }
@@ -266,9 +266,9 @@ static int replay_wait(void *self, int64_t deadline_ns, const struct iso_frame *
 static int replay_next_due_ns(void *self, int64_t *out)
 {
     const struct replay *replay = self;
-    int64_t now_ns = iso_clock_now_ns(&replay->clock);
-    int64_t look_ns = now_ns + ISO_SENSOR_REPLAY_LOOK_MS * INT64_C(1000000);
-    int64_t frame_ns = has_next(replay) ? due_ns(replay, now_ns) : look_ns;
+    const int64_t now_ns = iso_clock_now_ns(&replay->clock);
+    const int64_t look_ns = now_ns + ISO_SENSOR_REPLAY_LOOK_MS * INT64_C(1000000);
+    const int64_t frame_ns = has_next(replay) ? due_ns(replay, now_ns) : look_ns;
     *out = frame_ns < look_ns ? frame_ns : look_ns;
     return 0;
 }

@@ -134,7 +134,7 @@ static int v4l2_wait(void *self, int64_t deadline_ns, const struct iso_frame **f
 {
     struct v4l2 *v4l2 = self;
     struct iso_picture_set set;
-    int error = iso_picture_stream_wait(v4l2->base.stream, deadline_ns, &set, fault);
+    const int error = iso_picture_stream_wait(v4l2->base.stream, deadline_ns, &set, fault);
     if (error) {
         return error;
     }

@@ -84,7 +84,7 @@ static int node_give_back(void *self, struct iso_fault *fault);
 static int identify_node(struct iso_v4l2_node *node, struct iso_fault *fault)
 {
     struct v4l2_capability capability = {0};
-    int error = call_node(node, VIDIOC_QUERYCAP, &capability);
+    const int error = call_node(node, VIDIOC_QUERYCAP, &capability);
     if (error == -ENOTTY || error == -EINVAL) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_UNFIT, -ENODEV,
                                   "%s: %s: is no video device", node->owner, node->path);
@@ -92,8 +92,8 @@ static int identify_node(struct iso_v4l2_node *node, struct iso_fault *fault)
     if (error) {
         return complain_of_node(node, error, "cannot be asked what it is", fault);
     }
-    uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
-                                                                  : capability.capabilities;
+    const uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
+                                                                        : capability.capabilities;
     if (!(can & V4L2_CAP_VIDEO_CAPTURE) || !(can & V4L2_CAP_STREAMING)) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_UNFIT, -ENODEV,
                                   "%s: %s: is no camera that streams", node->owner, node->path);
@@ -152,7 +152,7 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
     format.fmt.pix.height = (uint32_t)wish->height_px;
     format.fmt.pix.pixelformat = *wanted;
     format.fmt.pix.field = V4L2_FIELD_NONE;
-    int error = call_node(node, VIDIOC_S_FMT, &format);
+    const int error = call_node(node, VIDIOC_S_FMT, &format);
     if (error) {
         return complain_of_node(node, error, "its format cannot be set", fault);
     }
@@ -233,7 +233,7 @@ static int request_buffers(struct iso_v4l2_node *node, unsigned count, unsigned 
 {
     struct v4l2_requestbuffers wanted = {
         .count = count, .type = V4L2_BUF_TYPE_VIDEO_CAPTURE, .memory = V4L2_MEMORY_MMAP};
-    int error = call_node(node, VIDIOC_REQBUFS, &wanted);
+    const int error = call_node(node, VIDIOC_REQBUFS, &wanted);
     *got = wanted.count;
     return error;
 }
@@ -241,7 +241,7 @@ static int request_buffers(struct iso_v4l2_node *node, unsigned count, unsigned 
 static int add_buffer(struct iso_v4l2_node *node, unsigned index)
 {
     struct v4l2_buffer buffer = buffer_number(index);
-    int error = call_node(node, VIDIOC_QUERYBUF, &buffer);
+    const int error = call_node(node, VIDIOC_QUERYBUF, &buffer);
     if (error) {
         return error;
     }
@@ -297,7 +297,7 @@ static int node_stop(void *self)
         error = call_node(node, VIDIOC_STREAMOFF, &type);
         node->streaming = false;
     }
-    bool had = node->n_buffers > 0;
+    const bool had = node->n_buffers > 0;
     while (node->n_buffers > 0) {
         const struct buffer *buffer = &node->buffers[--node->n_buffers];
         node->system->unmap(node->system->context, buffer->at, buffer->length);
@@ -340,10 +340,10 @@ static int node_take(void *self, struct iso_picture *out, struct iso_fault *faul
         return explain_stream(node, error ? error : -EIO, fault);
     }
     node->taken = buffer;
-    size_t row = row_bytes(format->pixelformat, (int)format->width);
-    size_t needed = (size_t)format->bytesperline * (format->height - 1) + row;
+    const size_t row = row_bytes(format->pixelformat, (int)format->width);
+    const size_t needed = (size_t)format->bytesperline * (format->height - 1) + row;
     const struct buffer *mapped = &node->buffers[buffer.index];
-    size_t used = buffer.bytesused < mapped->length ? buffer.bytesused : mapped->length;
+    const size_t used = buffer.bytesused < mapped->length ? buffer.bytesused : mapped->length;
     if (buffer.flags & V4L2_BUF_FLAG_ERROR || used < needed) {
         error = node_give_back(node, fault);
         return error ? error
@@ -367,7 +367,7 @@ static int node_give_back(void *self, struct iso_fault *fault)
 {
     struct iso_v4l2_node *node = self;
     struct v4l2_buffer buffer = buffer_number(node->taken.index);
-    int error = call_node(node, VIDIOC_QBUF, &buffer);
+    const int error = call_node(node, VIDIOC_QBUF, &buffer);
     return error ? explain_stream(node, error, fault) : 0;
 }
 

@@ -10,7 +10,7 @@
 static int kernel_open(void *context, const char *path)
 {
     (void)context;
-    int fd = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    const int fd = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
     return fd < 0 ? -errno : fd;
 }
 

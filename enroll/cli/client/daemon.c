@@ -61,7 +61,7 @@ static int on_owner_changed(sd_bus_message *signal, void *context, sd_bus_error 
 /* Both are installed without waiting for the bus, which has them before any later call of ours. */
 static int watch_daemon(struct cli_daemon *daemon)
 {
-    int r = sd_bus_add_match_async(
+    const int r = sd_bus_add_match_async(
         daemon->bus, NULL,
         "type='signal',sender='org.freedesktop.DBus',path='/org/freedesktop/DBus',"
         "interface='org.freedesktop.DBus',member='NameOwnerChanged',arg0='" ISO_CONTRACT_NAME "'",

@@ -102,7 +102,7 @@ int cli_state_read(sd_bus_message *message, json_t **out)
 enum cli_exit cli_state_fetch(struct cli_daemon *daemon, json_t **out, struct cli_fault *fault)
 {
     sd_bus_message *reply = NULL;
-    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_GET_STATUS, &reply, fault);
+    const enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_GET_STATUS, &reply, fault);
 
     if (exit) {
         return exit;

@@ -203,11 +203,12 @@ static int run_job(struct cli_service *service, const char *method, bool may_int
 /* EnableUnitFiles or DisableUnitFiles, and what `systemctl` does after it. */
 static int set_enabled(struct cli_service *service, bool enabled, sd_bus_error *error)
 {
-    int r = enabled
-                ? sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH, MANAGER_INTERFACE,
-                                     "EnableUnitFiles", error, NULL, "asbb", 1, service->unit, 0, 0)
-                : sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH, MANAGER_INTERFACE,
-                                     "DisableUnitFiles", error, NULL, "asb", 1, service->unit, 0);
+    const int r = enabled ? sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH,
+                                               MANAGER_INTERFACE, "EnableUnitFiles", error, NULL,
+                                               "asbb", 1, service->unit, 0, 0)
+                          : sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH,
+                                               MANAGER_INTERFACE, "DisableUnitFiles", error, NULL,
+                                               "asb", 1, service->unit, 0);
     return r < 0 ? r : call_manager(service, "Reload", error, NULL, NULL);
 }
 

@@ -206,7 +206,8 @@ static enum cli_exit ask_camera(const struct cli_cameras *cameras,
     }
     choices[cameras->n] = "another file, which you name";
     fputs("Which file describes the lens of this camera?\n", dialogue->out);
-    enum cli_exit exit = cli_dialogue_choose(dialogue, "File", choices, cameras->n + 1, 0, &chosen);
+    const enum cli_exit exit = cli_dialogue_choose(dialogue, "File", choices, cameras->n + 1, 0,
+                                                   &chosen);
     if (!exit && chosen == cameras->n) {
         return cli_dialogue_text(dialogue, "File:", NULL, out);
     }

@@ -82,8 +82,9 @@ static enum cli_exit read_matching(struct cli_daemon *daemon, const struct cli_a
 {
     json_t *batch = json_array(), *record;
     size_t i;
-    enum cli_exit exit = batch ? read_batch(daemon, *from, max, batch, fault)
-                               : cli_fault_set(fault, CLI_EXIT_FAULT, "internal", "out of memory");
+    const enum cli_exit exit = batch ? read_batch(daemon, *from, max, batch, fault)
+                                     : cli_fault_set(fault, CLI_EXIT_FAULT, "internal",
+                                                     "out of memory");
 
     *n_read = json_array_size(batch);
     json_array_foreach(batch, i, record)
