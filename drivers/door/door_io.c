@@ -65,7 +65,10 @@ static int check_options(const struct iso_door_io_ops *ops, const struct iso_opt
     char owner[64];
     (void)snprintf(owner, sizeof owner, "door %s", ops->name);
     const int error = iso_options_check(owner, &set, fault);
-    return error || !ops->check ? error : ops->check(options, n_options, fault);
+    if (error || !ops->check) {
+        return error;
+    }
+    return ops->check(options, n_options, fault);
 }
 
 static int copy_options(struct iso_door_io *io, const struct iso_option *options, size_t n_options)

@@ -182,65 +182,67 @@ static void options_stand_anywhere(void **state)
     assert_false(arguments.json);
 }
 
+/* A command line that is wrong, and a part of the fault. */
+static const struct {
+    const char *line, *text;
+} wrong_lines[] = {
+    {"", "no command"},
+    {"dance", "unknown command 'dance'"},
+    {"enroll", "a NAME is missing after 'enroll'"},
+    {"lockout", "'lockout' needs a word: clear"},
+    {"door", "'door' needs a word: test"},
+    {"lockdown", "'lockdown' needs a word: on or off"},
+    {"key", "'key' needs a word: rotate or address"},
+    {"help lgo", "unknown command 'lgo': did you mean 'log'?"},
+    {"rename", "a word is missing after 'rename'"},
+    {"rename anna", "a word is missing after 'anna'"},
+    {"rename anna bob carl", "superfluous word 'carl'"},
+    {"validity anna", "validity takes --from, --until or --none"},
+    {"validity anna --none --until 2026-12-01", "give --none, or --from and --until, not both"},
+    {"validity anna --from 17", "--from: bad value '17'"},
+    {"validity anna --from 2026-12-02 --until 2026-12-01", "--until is not after --from"},
+    {"log --until 2026-12-01", "log takes no --until"},
+    {"log --from 2026-12-01", "--from: bad value '2026-12-01'"},
+    {"list anna", "superfluous word 'anna'"},
+    {"verify anna bob", "superfluous word 'bob'"},
+    {"list --loud", "'--loud'"},
+    {"list -q", "'-q'"},
+    {"list --json=1", "'--json=1'"},
+    {"verify anna --timeout", "a value is missing after '--timeout'"},
+    {"list --timeout 3", "list takes no --timeout"},
+    {"identify --allow-duplicate", "identify takes no --allow-duplicate"},
+    {"identify --timeout 0", "--timeout: bad value '0'"},
+    {"identify --timeout -1", "--timeout: bad value '-1'"},
+    {"identify --timeout nan", "--timeout: bad value 'nan'"},
+    {"identify --timeout 3s", "--timeout: bad value '3s'"},
+    {"log --count 0", "--count: bad value '0'"},
+    {"log -n x", "--count: bad value 'x'"},
+    {"log --from -3", "--from: bad value '-3'"},
+    {"enroll a --valid-from 2026-02-30", "--valid-from: bad value '2026-02-30'"},
+    {"enroll a --valid-from 2026-12-02 --valid-until 2026-12-01", "--valid-until is not after"},
+    {"list --session --bus x", "--bus or --session"},
+    {"lsit", "unknown command 'lsit': did you mean 'list'?"},
+    {"identfy", "did you mean 'identify'?"},
+    {"log --folow", "unknown option '--folow': did you mean '--follow'?"},
+    {"enroll a --valid-form 2026-12-01", "did you mean '--valid-from'?"},
+    {"enroll a --valid-from tomorrow", "a time looks like 2026-12-31, 2026-12-31T18:00"},
+    {"enroll a --valid-until 31.12.2026", "--valid-until: bad value '31.12.2026'; a time looks"},
+    {"log --day monday", "--day: bad value 'monday'; a day looks like 2026-12-31, today"},
+    {"log --csv --json", "--csv or --json"},
+};
+
 static void what_is_wrong_on_the_command_line_is_named(void **state)
 {
-    static const struct {
-        const char *line, *text;
-    } cases[] = {
-        {"", "no command"},
-        {"dance", "unknown command 'dance'"},
-        {"enroll", "a NAME is missing after 'enroll'"},
-        {"lockout", "'lockout' needs a word: clear"},
-        {"door", "'door' needs a word: test"},
-        {"lockdown", "'lockdown' needs a word: on or off"},
-        {"key", "'key' needs a word: rotate or address"},
-        {"help lgo", "unknown command 'lgo': did you mean 'log'?"},
-        {"rename", "a word is missing after 'rename'"},
-        {"rename anna", "a word is missing after 'anna'"},
-        {"rename anna bob carl", "superfluous word 'carl'"},
-        {"validity anna", "validity takes --from, --until or --none"},
-        {"validity anna --none --until 2026-12-01", "give --none, or --from and --until, not both"},
-        {"validity anna --from 17", "--from: bad value '17'"},
-        {"validity anna --from 2026-12-02 --until 2026-12-01", "--until is not after --from"},
-        {"log --until 2026-12-01", "log takes no --until"},
-        {"log --from 2026-12-01", "--from: bad value '2026-12-01'"},
-        {"list anna", "superfluous word 'anna'"},
-        {"verify anna bob", "superfluous word 'bob'"},
-        {"list --loud", "'--loud'"},
-        {"list -q", "'-q'"},
-        {"list --json=1", "'--json=1'"},
-        {"verify anna --timeout", "a value is missing after '--timeout'"},
-        {"list --timeout 3", "list takes no --timeout"},
-        {"identify --allow-duplicate", "identify takes no --allow-duplicate"},
-        {"identify --timeout 0", "--timeout: bad value '0'"},
-        {"identify --timeout -1", "--timeout: bad value '-1'"},
-        {"identify --timeout nan", "--timeout: bad value 'nan'"},
-        {"identify --timeout 3s", "--timeout: bad value '3s'"},
-        {"log --count 0", "--count: bad value '0'"},
-        {"log -n x", "--count: bad value 'x'"},
-        {"log --from -3", "--from: bad value '-3'"},
-        {"enroll a --valid-from 2026-02-30", "--valid-from: bad value '2026-02-30'"},
-        {"enroll a --valid-from 2026-12-02 --valid-until 2026-12-01", "--valid-until is not after"},
-        {"list --session --bus x", "--bus or --session"},
-        {"lsit", "unknown command 'lsit': did you mean 'list'?"},
-        {"identfy", "did you mean 'identify'?"},
-        {"log --folow", "unknown option '--folow': did you mean '--follow'?"},
-        {"enroll a --valid-form 2026-12-01", "did you mean '--valid-from'?"},
-        {"enroll a --valid-from tomorrow", "a time looks like 2026-12-31, 2026-12-31T18:00"},
-        {"enroll a --valid-until 31.12.2026",
-         "--valid-until: bad value '31.12.2026'; a time looks"},
-        {"log --day monday", "--day: bad value 'monday'; a day looks like 2026-12-31, today"},
-        {"log --csv --json", "--csv or --json"},
-    };
     struct cli_arguments arguments;
     struct cli_fault fault;
 
     (void)state;
-    for (size_t i = 0; i < COUNT(cases); i++) {
-        assert_int_equal(parse_line(cases[i].line, &arguments, &fault), CLI_EXIT_USAGE);
+    for (size_t i = 0; i < COUNT(wrong_lines); i++) {
+        assert_int_equal(parse_line(wrong_lines[i].line, &arguments, &fault), CLI_EXIT_USAGE);
         assert_string_equal(fault.code, "usage");
-        if (!strstr(fault.text, cases[i].text)) {
-            fail_msg("'%s': '%s' is not in '%s'", cases[i].line, cases[i].text, fault.text);
+        if (!strstr(fault.text, wrong_lines[i].text)) {
+            fail_msg("'%s': '%s' is not in '%s'", wrong_lines[i].line, wrong_lines[i].text,
+                     fault.text);
         }
     }
 }

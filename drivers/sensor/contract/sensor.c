@@ -83,7 +83,10 @@ int iso_sensor_check_ops(const struct iso_sensor_ops *ops, const struct iso_opti
     char owner[64];
     (void)snprintf(owner, sizeof owner, "sensor %s", ops->name);
     const int error = iso_options_check(owner, &set, fault);
-    return error || !ops->check ? error : ops->check(options, n_options, fault);
+    if (error || !ops->check) {
+        return error;
+    }
+    return ops->check(options, n_options, fault);
 }
 
 int iso_sensor_open_ops(const struct iso_sensor_ops *ops, const struct iso_option *options,

@@ -141,19 +141,32 @@ static enum cli_exit start(const struct cli_setup_places *places, const struct c
     return exit;
 }
 
+/* The new file beside the old one, checked by the daemon's program. */
+static enum cli_exit write_draft(const struct cli_setup_places *places, const char *text,
+                                 struct cli_new_file *file, struct cli_fault *fault)
+{
+    const enum cli_exit exit = cli_new_file_write(places->config, text, file, fault);
+
+    return exit ? exit : check_draft(places, file->draft, fault);
+}
+
 enum cli_exit cli_setup_install(const struct cli_setup_places *places,
                                 const struct cli_bus *daemon_bus, const char *text,
                                 char backup[PATH_MAX], struct cli_fault *fault)
 {
     struct cli_new_file file = {.draft = "", .backup = ""};
     struct cli_service *service = NULL;
-    enum cli_exit exit = text ? cli_new_file_write(places->config, text, &file, fault) : 0;
+    enum cli_exit exit = CLI_EXIT_OK;
 
-    exit = exit || !text ? exit : check_draft(places, file.draft, fault);
+    if (text) {
+        exit = write_draft(places, text, &file, fault);
+    }
     if (!exit) {
         exit = cli_service_open(&places->manager, places->unit, &service, fault);
     }
-    exit = exit || !text ? exit : cli_new_file_place(&file, fault);
+    if (!exit && text) {
+        exit = cli_new_file_place(&file, fault);
+    }
     if (exit && file.placed) { /* but not on the disk for certain */
         exit = cli_new_file_undo(&file, fault) ? CLI_EXIT_FAULT : exit;
     } else if (!exit) {

@@ -140,7 +140,10 @@ static enum cli_exit carry_out(const struct cli_setup_places *places,
 
     if (!exit && wish->dry_run) {
         exit = cli_setup_check(places, dry_place, plan->text, fault);
-        return exit || !wish->json ? exit : report(places, wish, plan, backup, false, NULL);
+        if (!exit && wish->json) {
+            exit = report(places, wish, plan, backup, false, NULL);
+        }
+        return exit;
     }
     if (!exit) {
         exit = confirm(wish, plan, dialogue, fault);
