@@ -12,6 +12,8 @@
 #include <time.h>
 
 #include "enroll/cli/arguments/arguments.h"
+#include "enroll/cli/arguments/command_table.h"
+#include "enroll/cli/arguments/option_table.h"
 #include "enroll/cli/arguments/when.h"
 #include "enroll/cli/text/hint.h"
 #include "isotherm/capture.h"
@@ -273,6 +275,28 @@ static void help_fits_a_terminal(void **state)
     }
 }
 
+/* Numbers and tables are written apart: no row is missing, and each option has a help for each of
+ * its commands. */
+static void every_command_and_option_has_its_row(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < CLI_VERBS; i++) {
+        assert_non_null(cli_commands[i].name);
+        assert_non_null(cli_commands[i].words);
+        assert_non_null(cli_commands[i].summary);
+    }
+    for (size_t i = 0; i < CLI_OPTIONS; i++) {
+        const struct cli_option *option = &cli_options[i];
+        unsigned told = 0;
+        assert_non_null(option->name);
+        assert_true((option->help != NULL) != (option->parts != NULL));
+        for (const struct cli_option_help *part = option->parts; part && part->text; part++) {
+            told |= CLI_FOR(part->verb);
+        }
+        assert_true(option->help || told == option->verbs);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -285,6 +309,7 @@ int main(void)
         cmocka_unit_test(dates_are_written),
         cmocka_unit_test(options_stand_anywhere),
         cmocka_unit_test(what_is_wrong_on_the_command_line_is_named),
+        cmocka_unit_test(every_command_and_option_has_its_row),
     };
 
     setenv("TZ", "CET-1", 1);
