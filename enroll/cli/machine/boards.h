@@ -1,9 +1,9 @@
-/* The boards that are installed: a folder each, with an isotherm.conf for that board and a
- * board.json that says what it is and how it is recognised:
+/* The installed boards. Each has a folder with its isotherm.conf and a board.json, which contains
+ * its title and how it is recognised:
  *   {"title": "PC with a CP2112 at USB", "recognise": {"device-tree": ["Radxa ROCK 5B"],
  *    "usb": ["10c4:ea90"], "dmi": ["QEMU"]}}
- * A board is there if the model in the device tree, or maker or product in DMI, begins with one of
- * these texts, or a device with one of these ids is plugged in. */
+ * A board is recognised if the model in the device tree, or the maker or the product in DMI, begins
+ * with one of these texts, or if a device with one of these USB ids is connected. */
 #ifndef CLI_MACHINE_BOARDS_H
 #define CLI_MACHINE_BOARDS_H
 
@@ -26,8 +26,8 @@ struct cli_boards {
     struct cli_board items[CLI_BOARDS_MAX]; /* by name */
 };
 
-/* CLI_EXIT_NOT_FOUND there is no board. A board.json that cannot be understood is as good as none.
- */
+/* Lists the boards. CLI_EXIT_NOT_FOUND if there is none. A board.json that cannot be parsed is
+ * ignored. */
 enum cli_exit cli_boards_find(const struct cli_setup_places *places, struct cli_boards *out,
                               struct cli_fault *fault) __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
-/* The descriptions of depth cameras that are installed: a file NAME.ini each, as the option
- * `camera` of the sensor `v4l2` wants it. */
+/* The installed descriptions of depth cameras: one file NAME.ini for each, in the format of the
+ * option `camera` of the sensor `v4l2`. */
 #ifndef CLI_MACHINE_CAMERAS_H
 #define CLI_MACHINE_CAMERAS_H
 
@@ -19,8 +19,8 @@ struct cli_cameras {
 /* There may be none. */
 void cli_cameras_list(const struct cli_setup_places *places, struct cli_cameras *out);
 
-/* The description of the camera with this USB id, such as "8086:0b07": a file that names the id, or
- * one that is called like a camera known to have it. NULL if there is none. */
+/* The description of the camera with this USB id, such as "8086:0b07": a file that contains the id,
+ * or the file of a camera that is known to have it. NULL if there is none. */
 const char *cli_cameras_find(const struct cli_cameras *cameras, const char *usb_id);
 
 #endif

@@ -10,23 +10,23 @@
 
 struct cli_new_file {
     char path[PATH_MAX];
-    char draft[PATH_MAX];  /* the new text, beside the file; "" once it is in place, or dropped */
+    char draft[PATH_MAX];  /* the file with the new text; "" once it is in place, or deleted */
     char backup[PATH_MAX]; /* the old file; "" if there is or was none */
     bool placed;
 };
 
-/* Writes the text into a new file beside `path` (mode 0644), on the disk; makes the folder if it is
- * the only one that is missing. CLI_EXIT_FAULT. */
+/* Writes the text into a new file in the folder of `path` (mode 0644) and synchronises it to the
+ * disk. Creates the folder if only this one is missing. CLI_EXIT_FAULT. */
 enum cli_exit cli_new_file_write(const char *path, const char *text, struct cli_new_file *out,
                                  struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* Puts it in place at one stroke; the old file becomes PATH.bak-YYYYMMDD-HHMMSS. CLI_EXIT_FAULT:
- * the old file is as it was. */
+/* Renames it to `path`, atomically; the old file becomes PATH.bak-YYYYMMDD-HHMMSS. CLI_EXIT_FAULT:
+ * the old file is unchanged. */
 enum cli_exit cli_new_file_place(struct cli_new_file *file, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* After place: puts the old file back, or removes the new one if there was none. CLI_EXIT_FAULT: it
- * could not; the fault says where the old file is. */
+/* After place: restores the old file, or removes the new one if there was no old file.
+ * CLI_EXIT_FAULT if that fails; the fault names the old file. */
 enum cli_exit cli_new_file_undo(struct cli_new_file *file, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
-/* Where `isotherm setup` looks and writes. The installed program has one set of places; tests have
- * their own. */
+/* The paths that `isotherm setup` reads and writes. The installed program has one set of them;
+ * tests have their own. */
 #ifndef CLI_MACHINE_PLACES_H
 #define CLI_MACHINE_PLACES_H
 
@@ -12,12 +12,12 @@ struct cli_setup_places {
     const char *boards;     /* a folder with one folder a board: isotherm.conf and board.json */
     const char *cameras;    /* a folder with descriptions of depth cameras: NAME.ini */
     const char *daemon;     /* the program isothermd */
-    const char *sys;        /* "/sys": what is plugged in, and what machine this is */
-    const char *dev;        /* "/dev": names of cameras that stay the same */
+    const char *sys;        /* "/sys": the connected devices and the kind of machine */
+    const char *dev;        /* "/dev": names of cameras that do not change */
     const char *unit;       /* of the service manager */
     struct cli_bus manager; /* the bus of the service manager */
     bool root;              /* only root may write */
-    int daemon_wait_s;      /* for the daemon to come to the bus once its unit is active */
+    int daemon_wait_s;      /* for the daemon to appear on the bus after its unit is active */
 };
 
 /* Those of the installed program. */

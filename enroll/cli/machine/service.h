@@ -1,4 +1,4 @@
-/* The daemon's unit, by the D-Bus interface of systemd (org.freedesktop.systemd1). */
+/* The daemon's unit, through the D-Bus interface of systemd (org.freedesktop.systemd1). */
 #ifndef CLI_MACHINE_SERVICE_H
 #define CLI_MACHINE_SERVICE_H
 
@@ -14,13 +14,13 @@ enum cli_exit cli_service_open(const struct cli_bus *bus, const char *unit,
                                struct cli_service **out, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Enables the unit, starts it (again) and waits until that is done. CLI_EXIT_FAULT
- * "no-start" it did not start, in time (100 s); CLI_EXIT_INTERRUPTED. */
+/* Enables the unit, starts or restarts it, and waits until it has started. CLI_EXIT_FAULT
+ * "no-start" if it did not start within 100 s; CLI_EXIT_INTERRUPTED. */
 enum cli_exit cli_service_start(struct cli_service *service, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Brings the unit back to what it was when it was opened: starts it again or stops it, and disables
- * it if it was not enabled. Looks at no interrupts. CLI_EXIT_FAULT. */
+/* Restores the state of the unit at cli_service_open: restarts or stops it, and disables it if it
+ * was not enabled. Ignores interrupts. CLI_EXIT_FAULT. */
 enum cli_exit cli_service_undo(struct cli_service *service, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

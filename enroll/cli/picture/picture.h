@@ -7,8 +7,8 @@
 
 #include "enroll/cli/client/daemon.h"
 
-/* Claims the camera, asks for a picture, and releases the camera again: meanwhile the door admits
- * nobody. *png is a whole PNG file in memory, the caller's to free with free(). Faults of
+/* Claims the camera, asks for a picture, and releases the camera; meanwhile the door admits nobody.
+ * *png is a whole PNG file in memory, which the caller frees with free(). Faults of
  * cli_daemon_send(), "bad-reply". */
 enum cli_exit cli_picture_take(struct cli_daemon *daemon, uint8_t **png, size_t *size,
                                struct cli_fault *fault) __attribute__((warn_unused_result));

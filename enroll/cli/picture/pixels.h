@@ -1,5 +1,5 @@
-/* The pixels of a picture: decoded, and made smaller. They can show the shape of a face: they are
- * wiped when they are given up. */
+/* The pixels of a picture, decoded and scaled down. They can show the shape of a face, so they are
+ * wiped before they are freed. */
 #ifndef CLI_PICTURE_PIXELS_H
 #define CLI_PICTURE_PIXELS_H
 

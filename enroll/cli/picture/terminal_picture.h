@@ -1,5 +1,5 @@
-/* A picture in a terminal: as sixels where the terminal says that it shows them, else as half
- * blocks, two pixels a character, in 24-bit colour. */
+/* A picture in a terminal: as sixels if the terminal reports that it supports them, else as half
+ * blocks, which are two pixels a character in 24-bit colour. */
 #ifndef CLI_PICTURE_TERMINAL_PICTURE_H
 #define CLI_PICTURE_TERMINAL_PICTURE_H
 
@@ -17,12 +17,12 @@ int cli_half_blocks_print(const struct cli_pixels *picture, int columns, int row
 void cli_sixel_print(const struct cli_pixels *picture, FILE *out);
 
 /* Asks the terminal for its attributes (DA1, "ESC [ c") and waits at most 200 ms for the answer.
- * What was typed meanwhile is lost. False if `in` or `out` is no terminal. */
+ * Text that is typed meanwhile is lost. False if `in` or `out` is not a terminal. */
 bool cli_terminal_has_sixels(int in, int out);
 
-/* Writes the picture the best way that the terminal has. Writes nothing if `out` or `in` is no
- * terminal, on one without colours (TERM is dumb) or if the environment asks for none (NO_COLOR).
- * Returns whether something was written. */
+/* Writes the picture in the best way that the terminal supports. Writes nothing if `out` or `in` is
+ * not a terminal, if the terminal has no colours (TERM is dumb), or if NO_COLOR is set. Returns
+ * whether something was written. */
 bool cli_terminal_show(const struct cli_pixels *picture, int in, FILE *out);
 
 #endif

@@ -1,4 +1,4 @@
-/* The sensors that could be configured, as far as they are found. */
+/* The sensors that were found and can be configured. */
 #ifndef CLI_SETUP_CANDIDATES_H
 #define CLI_SETUP_CANDIDATES_H
 

@@ -1,4 +1,4 @@
-/* Which board and which sensor: from the command line, found, or asked. */
+/* Chooses the board and the sensor: by the command line, by what was found, or by questions. */
 #ifndef CLI_SETUP_CHOOSE_H
 #define CLI_SETUP_CHOOSE_H
 
@@ -12,9 +12,9 @@ struct cli_setup_choice {
     struct cli_sensor_word sensor;
 };
 
-/* Without a terminal, or with wish->yes, nothing is asked: the one board that was recognised and
- * the one sensor that was found are taken, and CLI_EXIT_USAGE names the option that is missing if
- * there is none, or more than one. Other faults as of cli_setup_run(). */
+/* Without a terminal, or with wish->yes, it asks nothing: it takes the only board that was
+ * recognised and the only sensor that was found. If there is none, or more than one, CLI_EXIT_USAGE
+ * names the missing option. Other faults as in cli_setup_run(). */
 enum cli_exit cli_setup_choose(const struct cli_setup_places *places,
                                const struct cli_setup_wish *wish,
                                const struct cli_dialogue *dialogue, struct cli_setup_choice *out,

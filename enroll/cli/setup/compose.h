@@ -1,9 +1,9 @@
-/* Composes isotherm.conf from the file of a board, a sensor and the file that was there before.
+/* Composes isotherm.conf from the file of a board, a sensor and the old file.
  *
- * [door], and the lines before the first section, are the board's. [sensor] is the board's, with
- * the options of the sensor's word put in, if the board's sensor has the same back end; else it
- * consists of the word alone. Every other section of the file before stays as it is. The same input
- * gives the same text. */
+ * [door], and the lines before the first section, come from the board. If the board's sensor has
+ * the same back end, [sensor] comes from the board, too, and the options of the sensor's word are
+ * added; else it consists only of the word. All other sections of the old file stay as they are.
+ * The same input gives the same text. */
 #ifndef CLI_SETUP_COMPOSE_H
 #define CLI_SETUP_COMPOSE_H
 
@@ -18,7 +18,7 @@ struct cli_composition {
     const char *old_text; /* NULL: there was no file */
 };
 
-/* The text, to be freed; NULL for want of memory. */
+/* The text, which the caller frees; NULL if there is no memory. */
 char *cli_compose(const struct cli_composition *composition);
 
 /* The value of a key in a section of a configuration; false if it is not set there. It is cut to

@@ -1,5 +1,6 @@
-/* Questions to the person at the terminal. Each has a default, which an empty line takes; a wrong
- * answer is asked again. Ctrl-C, Ctrl-D and SIGTERM end a question with CLI_EXIT_INTERRUPTED. */
+/* Questions to the person at the terminal. Each has a default, which an empty line selects; after a
+ * wrong answer the question is asked again. Ctrl-C, Ctrl-D and SIGTERM end a question with
+ * CLI_EXIT_INTERRUPTED. */
 #ifndef CLI_SETUP_DIALOGUE_H
 #define CLI_SETUP_DIALOGUE_H
 

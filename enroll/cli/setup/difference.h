@@ -4,9 +4,9 @@
 
 #include <stdio.h>
 
-/* Prints lines that go with "-", lines that come with "+", and up to three unchanged ones about
- * them; "..." stands for the rest. Prints nothing for equal texts. Texts of more than 4,000 lines
- * are shown as all gone and all new. Returns 0, or -ENOMEM. */
+/* Prints removed lines with "-", added lines with "+", and up to three unchanged lines around them;
+ * "..." stands for the rest. Prints nothing for equal texts. Texts of more than 4,000 lines are
+ * shown as completely removed and added. Returns 0, or -ENOMEM. */
 int cli_difference_print(const char *before, const char *after, FILE *out)
     __attribute__((warn_unused_result));
 

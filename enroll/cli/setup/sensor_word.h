@@ -1,6 +1,6 @@
 /* A sensor in one word: BACKEND, BACKEND:PLACE or BACKEND:PLACE,KEY=VALUE,... as in
  * "v4l2:/dev/video0,camera=/etc/isotherm/camera.ini". The keys are those of [sensor] in
- * isotherm.conf(5); the place is the device, of `replay` the recording's path. */
+ * isotherm.conf(5); the place is the device, or for `replay` the path of the recording. */
 #ifndef CLI_SETUP_SENSOR_WORD_H
 #define CLI_SETUP_SENSOR_WORD_H
 
@@ -19,10 +19,10 @@ struct cli_sensor_word {
     } options[CLI_SENSOR_OPTIONS];
 };
 
-/* CLI_EXIT_USAGE what cannot be written into the configuration: no back end, a key that is no word,
- * an empty value, one with control characters or " ;", a file that is not named from the root on,
- * one that is too long, too many. Whether the
- * back end exists and has such keys is for the daemon to say. */
+/* CLI_EXIT_USAGE if the word cannot be written into the configuration: it has no back end, a key
+ * that is not a word, an empty value, a value with control characters or " ;", a relative path, a
+ * value that is too long, or too many options. The daemon checks later whether the back end exists
+ * and has such options. */
 enum cli_exit cli_sensor_word_parse(const char *word, struct cli_sensor_word *out,
                                     struct cli_fault *fault) __attribute__((warn_unused_result));
 

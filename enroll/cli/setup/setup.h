@@ -1,8 +1,7 @@
-/* `isotherm setup`: from a machine with a camera to a running appliance. It finds boards and depth
- * cameras, asks what it cannot know, shows the configuration it will write, has the daemon check
- * it, puts it in place, starts the service, and shows a picture and the findings of `doctor`. When
- * something fails, or somebody interrupts, the old file and the old state of the service are put
- * back. */
+/* `isotherm setup` turns a machine with a camera into a running appliance. It finds boards and
+ * depth cameras, asks for everything else, shows the configuration, checks it with the daemon's
+ * program, puts it in place, starts the service, and shows a picture and the findings of `doctor`.
+ * After a failure or an interrupt, the old file and the old state of the service are restored. */
 #ifndef CLI_SETUP_SETUP_H
 #define CLI_SETUP_SETUP_H
 
@@ -13,7 +12,7 @@
 #include "enroll/cli/machine/places.h"
 #include "enroll/cli/setup/dialogue.h"
 
-/* What the command line says; NULL: not given. */
+/* The options of the command line; NULL: not given. */
 struct cli_setup_wish {
     const char *sensor, *board; /* see sensor_word.h, boards.h */
     const char *picture;        /* where the picture goes */
@@ -24,8 +23,8 @@ struct cli_setup_wish {
 };
 
 /* CLI_EXIT_OK: the file is in place and the daemon runs, whatever `doctor` finds. Else the fault
- * says what failed, and nothing has changed. CLI_EXIT_NO somebody does not want it, or is not root;
- * CLI_EXIT_USAGE what is missing cannot be asked, or the daemon refuses the configuration;
+ * says what failed, and nothing has changed. CLI_EXIT_NO the person answered no, or is not root;
+ * CLI_EXIT_USAGE an option is missing and cannot be asked for, or the daemon refuses the file;
  * CLI_EXIT_NOT_FOUND no such board; CLI_EXIT_INTERRUPTED; CLI_EXIT_FAULT. */
 enum cli_exit cli_setup_run(const struct cli_setup_places *places,
                             const struct cli_setup_wish *wish, const struct cli_dialogue *dialogue,

@@ -6,10 +6,10 @@
 #include "enroll/cli/doctor/diagnosis.h"
 #include "enroll/cli/setup/setup.h"
 
-/* Saves the picture as wish->picture and shows it at the terminal. Tries again for some
- * seconds while another program has the camera or the daemon is not there yet; once the daemon has
- * said that the camera shows nothing, it is not asked again. Returns false after having said on
- * dialogue->out why there is none; that is no failure of the setup. */
+/* Saves the picture as wish->picture and shows it at the terminal. Tries again for some seconds
+ * while another program has the camera or the daemon is not on the bus yet, but not after the
+ * daemon has reported that the camera shows nothing. If there is no picture, it prints the reason
+ * on dialogue->out and returns false; that is no failure of the setup. */
 bool cli_setup_show_picture(const struct cli_setup_wish *wish, const struct cli_dialogue *dialogue);
 
 /* Prints the findings, unless wish->json. */

@@ -16,15 +16,15 @@ bool cli_hint_is_retry(const char *result, const char *prefix, const char **capt
 /* Hints on their way to a person, and to a program that reads the result. */
 struct cli_hints {
     FILE *out;
-    char last[32]; /* the word said last; "" to have the next one said in any case */
-    json_t *said;  /* array of the words that were said, in order; NULL: none */
+    char last[32]; /* the last word that was printed; "": the next one is printed in any case */
+    json_t *said;  /* array of the printed words, in order; NULL: none */
 };
 
-/* Prints the hint on a line of its own, unless it is the one said last: the daemon repeats one that
- * goes on. A word that is not known is printed as it is. */
+/* Prints the hint on a line of its own, unless it is the same as the last one: the daemon repeats a
+ * hint that still holds. An unknown word is printed as it is. */
 void cli_hints_say(struct cli_hints *hints, const char *capture_word);
 
-/* Hands the array of words over: the caller's to release; NULL for want of memory. */
+/* Returns the array of words, which the caller releases; NULL if there is no memory. */
 json_t *cli_hints_take(struct cli_hints *hints);
 
 #endif

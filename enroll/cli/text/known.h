@@ -1,4 +1,4 @@
-/* Whose name it is that somebody is to be enrolled under, as the daemon says at the beginning. */
+/* The person who already has the name of an enrolment, as the daemon reports at its beginning. */
 #ifndef CLI_TEXT_KNOWN_H
 #define CLI_TEXT_KNOWN_H
 
@@ -14,11 +14,11 @@ struct cli_known {
     uint32_t templates;
 };
 
-/* Reads the answer to EnrollStart; what a daemon of before does not say stays unknown. */
+/* Reads the answer to EnrollStart; members that an older daemon does not send stay unknown. */
 void cli_known_read(sd_bus_message *reply, struct cli_known *out);
 
-/* Says that the name is in use and that an enrolment adds to it; and that the door does not open to
- * the person any more, if that is so at now_s. Says nothing if nobody has the name. */
+/* Prints that the name is in use and that an enrolment adds to it; and that the door no longer
+ * opens to the person, if that is so at now_s. Prints nothing if nobody has the name. */
 void cli_known_say(const struct cli_known *known, int64_t now_s, FILE *out);
 
 #endif

@@ -1,5 +1,5 @@
-/* A record of the audit log as people see it: which ones they ask for, and its members in columns.
- * A member that the table in log_record.c does not know is shown as it is. */
+/* Records of the audit log for people: which ones are selected, and their members in columns. A
+ * member that the table in log_record.c does not have is shown as it is. */
 #ifndef CLI_TEXT_LOG_RECORD_H
 #define CLI_TEXT_LOG_RECORD_H
 
@@ -12,10 +12,10 @@
 /* The record's own number; 0 if it has none. */
 uint64_t cli_log_sequence(const json_t *record);
 
-/* When it was written, in seconds since 1970; 0 if it does not say. */
+/* When it was written, in seconds since 1970; 0 if it has no time. */
 int64_t cli_log_time_s(const json_t *record);
 
-/* Whether options ask for some of the records only. */
+/* Whether options select only some of the records. */
 bool cli_log_chooses(const struct cli_arguments *arguments);
 
 /* Whether the record is of the people, the day and the events that were asked for. People are

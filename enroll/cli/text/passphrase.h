@@ -1,5 +1,5 @@
-/* The passphrase of a file of exported people: asked for, and made into a key, here; the daemon
- * only gets the key. */
+/* The passphrase of a file of exported people. The client asks for it and derives a key from it;
+ * the daemon only gets the key. */
 #ifndef CLI_TEXT_PASSPHRASE_H
 #define CLI_TEXT_PASSPHRASE_H
 

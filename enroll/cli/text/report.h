@@ -1,5 +1,5 @@
-/* What the commands print: results on stdout (one JSON document with --json), faults on stderr, or
- * with --json as a document {"error": {"code", "message", "exit_code"}} on stdout. */
+/* The output of the commands: results on stdout (one JSON document with --json), faults on stderr,
+ * or with --json as a document {"error": {"code", "message", "exit_code"}} on stdout. */
 #ifndef CLI_TEXT_REPORT_H
 #define CLI_TEXT_REPORT_H
 
@@ -9,7 +9,7 @@
 #include "enroll/cli/client/fault.h"
 
 /* Prints the document on stdout and releases it. CLI_EXIT_FAULT, with a line on stderr, if it is
- * NULL or for want of memory. Whether it could be written is for main() to see. */
+ * NULL or if there is no memory. main() checks whether all output was written. */
 enum cli_exit cli_report_json(json_t *document);
 
 void cli_report_fault(const struct cli_fault *fault, enum cli_exit exit, bool json);

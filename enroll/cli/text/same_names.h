@@ -1,4 +1,4 @@
-/* Names of enrolled people that look the same: a gallery of an earlier version may hold them. */
+/* Names of enrolled people that look the same: a gallery of an earlier version may contain them. */
 #ifndef CLI_TEXT_SAME_NAMES_H
 #define CLI_TEXT_SAME_NAMES_H
 
@@ -10,10 +10,10 @@ struct cli_same_names {
     struct cli_spelling *items;
 };
 
-/* Notes a name; the text is copied. Without memory, or if it is not UTF-8, it is left out. */
+/* Adds a copy of a name. A name that is not UTF-8, or for which there is no memory, is left out. */
 void cli_same_names_add(struct cli_same_names *names, const char *name);
 
-/* Prints a line for each two that are one name, with what to do about it. */
+/* Prints a line for each pair of names that look the same, with a remedy. */
 void cli_same_names_print(struct cli_same_names *names, FILE *out);
 
 void cli_same_names_done(struct cli_same_names *names);
