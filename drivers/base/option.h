@@ -40,7 +40,7 @@ struct iso_option_spec {
                              record`; a configuration file must not have it */
 
     /* OPTIONAL. What kind and range cannot say of a value that is not empty: 0, or -EINVAL with a
-     * fault such as "'foo' is no line". Opens no file and touches no device. */
+     * fault such as "'foo' is not a line". Opens no file and touches no device. */
     int (*check)(const char *value, struct iso_fault *fault);
 };
 

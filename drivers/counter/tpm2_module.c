@@ -31,7 +31,7 @@ int iso_tpm2_index_parse(const char *text, uint32_t *out, struct iso_fault *faul
     if (errno || end == text || *end || index < ISO_TPM2_INDEX_FIRST ||
         index > ISO_TPM2_INDEX_LAST) {
         return iso_fault_set_code(fault, ISO_FAULT_CONFIG_WRONG, -EINVAL,
-                                  "'%s' is no index of a TPM's owner: %#x to %#x", text,
+                                  "'%s' is not an index of the owner of a TPM: %#x to %#x", text,
                                   (unsigned)ISO_TPM2_INDEX_FIRST, (unsigned)ISO_TPM2_INDEX_LAST);
     }
     *out = (uint32_t)index;

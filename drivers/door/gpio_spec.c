@@ -74,7 +74,8 @@ int iso_gpio_spec_parse(const char *owner, const char *text, struct iso_gpio_spe
     const size_t n = iso_text_split(copy, ' ', words, WORDS_MAX);
     if (n > WORDS_MAX || parse_line(words[0], &spec)) {
         return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
-                                  "%s%s'%s' is no line (CHIP:OFFSET or NAME)", begin, colon, text);
+                                  "%s%s'%s' is not a line (CHIP:OFFSET or NAME)", begin, colon,
+                                  text);
     }
     for (size_t i = 1; i < n; i++) {
         if (parse_word(words[i], &spec)) {

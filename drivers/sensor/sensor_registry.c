@@ -89,7 +89,7 @@ int iso_sensor_probe(const char *name, iso_sensor_visitor *visit, void *context,
         return unknown_back_end(name, fault);
     }
     if (!ops->probe) {
-        return iso_fault_set(fault, -ENOSYS, "sensor %s: cannot tell what there is", name);
+        return iso_fault_set(fault, -ENOSYS, "sensor %s: cannot list its devices", name);
     }
     return ops->probe(visit, context, fault);
 }

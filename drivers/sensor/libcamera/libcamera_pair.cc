@@ -53,7 +53,7 @@ const char *failure_of(int error)
     case -EBUSY:
         return "is in use";
     case -EINVAL:
-        return "gives no grey pictures of this size";
+        return "delivers no grey pictures of this size";
     default:
         return "cannot be set up";
     }

@@ -276,7 +276,7 @@ int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_
                                            session->file ? PLAYER_MS : timeout_ms);
     if (status == ONI_STATUS_TIME_OUT) {
         return session->file ? iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EIO,
-                                                  "%s: %s: neither a frame nor the end", owner,
+                                                  "%s: %s: no frame and no end of the file", owner,
                                                   session->info.uri)
                              : -ETIMEDOUT;
     }

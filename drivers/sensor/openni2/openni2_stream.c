@@ -34,7 +34,7 @@ static int count_frames(const struct iso__openni2_session *session,
 {
     if (get_property(stream->handle, ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES, &stream->n_frames,
                      sizeof stream->n_frames)) {
-        return iso_fault_set(fault, -EIO, "%s: %s: does not tell how many frames it has", owner,
+        return iso_fault_set(fault, -EIO, "%s: %s: does not report its number of frames", owner,
                              session->info.uri);
     }
     return 0;
@@ -208,7 +208,7 @@ int iso__openni2_find_camera(struct iso__openni2_session *session, enum iso__ope
     if (get_property(eye, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &x_rad, sizeof x_rad) ||
         get_property(eye, ONI_STREAM_PROPERTY_VERTICAL_FOV, &y_rad, sizeof y_rad)) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EIO,
-                                  "%s: %s: does not tell its field of view", owner,
+                                  "%s: %s: does not report its field of view", owner,
                                   session->info.uri);
     }
     session->camera = iso__openni2_camera(mode->resolutionX, mode->resolutionY, (double)x_rad,

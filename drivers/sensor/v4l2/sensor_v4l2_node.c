@@ -87,16 +87,16 @@ static int identify_node(struct iso_v4l2_node *node, struct iso_fault *fault)
     const int error = call_node(node, VIDIOC_QUERYCAP, &capability);
     if (error == -ENOTTY || error == -EINVAL) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_UNFIT, -ENODEV,
-                                  "%s: %s: is no video device", node->owner, node->path);
+                                  "%s: %s: is not a video device", node->owner, node->path);
     }
     if (error) {
-        return complain_of_node(node, error, "cannot be asked what it is", fault);
+        return complain_of_node(node, error, "has capabilities that cannot be read", fault);
     }
     const uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
                                                                         : capability.capabilities;
     if (!(can & V4L2_CAP_VIDEO_CAPTURE) || !(can & V4L2_CAP_STREAMING)) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_UNFIT, -ENODEV,
-                                  "%s: %s: is no camera that streams", node->owner, node->path);
+                                  "%s: %s: is not a camera that streams", node->owner, node->path);
     }
     (void)snprintf(node->card, sizeof node->card, "%.32s", (const char *)capability.card);
     (void)snprintf(node->bus, sizeof node->bus, "%.32s", (const char *)capability.bus_info);
@@ -144,8 +144,8 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
     }
     if (!*wanted) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
-                                  "%s: %s (%s): has none of the pixel formats wanted", node->owner,
-                                  node->path, node->card);
+                                  "%s: %s (%s): has none of the required pixel formats",
+                                  node->owner, node->path, node->card);
     }
     struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
     format.fmt.pix.width = (uint32_t)wish->width_px;
@@ -160,7 +160,7 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
     if (got->pixelformat != *wanted || got->width != (uint32_t)wish->width_px ||
         got->height != (uint32_t)wish->height_px) {
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EINVAL,
-                                  "%s: %s (%s): gives %u x %u, not %d x %d", node->owner,
+                                  "%s: %s (%s): delivers %u x %u, not %d x %d", node->owner,
                                   node->path, node->card, got->width, got->height, wish->width_px,
                                   wish->height_px);
     }

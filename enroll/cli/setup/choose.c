@@ -89,7 +89,7 @@ static enum cli_exit choose_board(const struct cli_setup_places *places,
         exit = ask_board(&boards, chosen, dialogue, &chosen);
     } else if (n_here != 1) {
         exit = cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
-                             "--board is missing, and the board is not recognised for certain; "
+                             "--board is missing, and no single board was recognised; "
                              "there are: %s",
                              names);
     }
@@ -136,7 +136,7 @@ static enum cli_exit ask_sensor(const struct cli_candidates *candidates,
         choices[i] = candidates->items[i].text;
     }
     choices[n] = "stored frames (a recording), to try it without a camera";
-    choices[n + 1] = "another one, which you name";
+    choices[n + 1] = "another one, which you enter";
     fputs(n ? "Which camera looks at the visitors?\n" : "No depth camera was found.\n",
           dialogue->out);
     enum cli_exit exit = cli_dialogue_choose(dialogue, "Camera", choices, n + 2, 0, &chosen);
@@ -204,7 +204,7 @@ static enum cli_exit ask_camera(const struct cli_cameras *cameras,
     for (size_t i = 0; i < cameras->n; i++) {
         choices[i] = cameras->paths[i];
     }
-    choices[cameras->n] = "another file, which you name";
+    choices[cameras->n] = "another file, which you enter";
     fputs("Which file describes the lens of this camera?\n", dialogue->out);
     const enum cli_exit exit = cli_dialogue_choose(dialogue, "File", choices, cameras->n + 1, 0,
                                                    &chosen);

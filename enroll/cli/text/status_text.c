@@ -106,7 +106,7 @@ static bool format_value(const json_t *value, enum unit unit, char text[VALUE_SI
         return json_is_false(value);
     case UNIT_ON_OFF:
         (void)snprintf(text, VALUE_SIZE, "%s",
-                       json_is_true(value) ? "on: nobody is let in" : "off");
+                       json_is_true(value) ? "on: the door admits nobody" : "off");
         return json_is_boolean(value);
     default:
         (void)snprintf(text, VALUE_SIZE, "%.*f%s", units[unit].digits, number * units[unit].factor,

@@ -61,17 +61,17 @@ static void reads_how_it_is_wired(void **state)
 static void refuses_what_is_no_line(void **state)
 {
     static const char *const bad[][2] = {
-        {"", "door: relay: '' is no line (CHIP:OFFSET or NAME)"},
-        {":3", "is no line"},
-        {"gpiochip0:70000", "is no line"},
-        {"a234567890123456789012345678901234567890123456789012345678901234", "is no line"},
+        {"", "door: relay: '' is not a line (CHIP:OFFSET or NAME)"},
+        {":3", "is not a line"},
+        {"gpiochip0:70000", "is not a line"},
+        {"a234567890123456789012345678901234567890123456789012345678901234", "is not a line"},
         {"GPIO1 ", "'' in 'GPIO1 ' is unknown"},
         {"GPIO1  active-low", "'' in 'GPIO1  active-low' is unknown"},
         {"GPIO1 low", "'low' in 'GPIO1 low' is unknown"},
         {"GPIO1 active-low active-low", "one word too many"},
         {"GPIO1 pull-up pull-down", "one word too many"},
         {"GPIO1 open-drain open-source", "one word too many"},
-        {"GPIO1 a b c d e", "is no line"},
+        {"GPIO1 a b c d e", "is not a line"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

@@ -253,7 +253,7 @@ static void an_index_is_one_of_the_owners(void **state)
         assert_int_equal(iso_tpm2_index_parse(bad[i], &index, &fault), -EINVAL);
         assert_int_equal(index, 5);
     }
-    assert_string_equal(fault.text, "'99999999999999999999' is no index of a TPM's owner: "
+    assert_string_equal(fault.text, "'99999999999999999999' is not an index of the owner of a TPM: "
                                     "0x1800000 to 0x1bfffff");
     assert_int_equal(iso_tpm2_index_parse("0x01bfffff", &index, &fault), 0);
     assert_int_equal(index, 0x01bfffff);

@@ -260,14 +260,14 @@ static void refuses_cameras_that_will_not_do(void **state)
     refuses_cameras(-EBUSY, ISO_FAULT_SENSOR_BUSY, "busy");
     *ir = good;
     ir->capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
-    refuses_cameras(-ENODEV, ISO_FAULT_SENSOR_UNFIT, "/dev/ir: is no camera that streams");
+    refuses_cameras(-ENODEV, ISO_FAULT_SENSOR_UNFIT, "/dev/ir: is not a camera that streams");
     *ir = good;
     ir->format = V4L2_PIX_FMT_MJPEG;
     refuses_cameras(-EINVAL, ISO_FAULT_SENSOR_FORMAT,
-                    "/dev/ir (Fake camera): has none of the pixel formats wanted");
+                    "/dev/ir (Fake camera): has none of the required pixel formats");
     *ir = good;
     ir->height_px = 50;
-    refuses_cameras(-EINVAL, ISO_FAULT_SENSOR_FORMAT, "gives 70 x 50, not 70 x 48");
+    refuses_cameras(-EINVAL, ISO_FAULT_SENSOR_FORMAT, "delivers 70 x 50, not 70 x 48");
     *ir = good;
     scratch_write_text(scratch_path(v4l2_scratch, "camera.ini"), "[recording]\n");
     refuses_cameras(-EINVAL, ISO_FAULT_CALIBRATION_WRONG, "camera.ini: format is missing");
@@ -301,7 +301,7 @@ static void there_is_no_such_device_on_the_machine(void **state)
     assert_int_equal(iso_sensor_open("v4l2", options, 2, &clock, &sensor, &fault), -ENODEV);
     options[0].value = "/dev/null";
     assert_int_equal(iso_sensor_open("v4l2", options, 2, &clock, &sensor, &fault), -ENODEV);
-    assert_string_equal(fault.text, "sensor v4l2: /dev/null: is no video device");
+    assert_string_equal(fault.text, "sensor v4l2: /dev/null: is not a video device");
     assert_int_equal(iso_sensor_open("v4l2", options, 1, &clock, &sensor, &fault), -EINVAL);
     assert_string_equal(fault.text, "sensor v4l2: option 'camera' is missing");
 }

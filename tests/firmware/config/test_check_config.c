@@ -135,7 +135,7 @@ static const struct {
 #ifdef ISOTHERM_WITH_GPIOD
     {2, "door gpiod: option 'relay' is missing", {.door = "[door]\nbackend = gpiod\n"}},
     {2,
-     "c.conf:5: relay: 'foo:70000' is no line",
+     "c.conf:5: relay: 'foo:70000' is not a line",
      {.door = "[door]\nbackend = gpiod\nrelay = foo:70000\n"}},
     {2,
      "c.conf:5: relay: 'sideways' in 'GPIO17 sideways' is unknown",

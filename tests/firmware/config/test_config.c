@@ -172,7 +172,7 @@ static void hands_options_to_the_back_end_that_is_named(void **state)
     refuses("[door]\nbackend = null\nrelay = GPIO17\n",
             "door.conf:3: the door null has no option 'relay'; back ends that have it: gpiod");
     refuses("[door]\nrelay = foo:70000\nbackend = gpiod\n",
-            "door.conf:2: relay: 'foo:70000' is no line (CHIP:OFFSET or NAME)");
+            "door.conf:2: relay: 'foo:70000' is not a line (CHIP:OFFSET or NAME)");
 #endif
     refuses("[sensor]\n\nloop = maybe\npath = /p\n",
             "door.conf:3: bad value 'maybe' for 'loop' (no|yes)");

@@ -186,7 +186,7 @@ static void a_wrong_index_is_refused(void **state)
 {
     configure(*state, "0x81000001");
     expect_end("--check-config", 2,
-               "[seal] counter_index: '0x81000001' is no index of a TPM's owner");
+               "[seal] counter_index: '0x81000001' is not an index of the owner of a TPM");
     expect_end(NULL, 2, "[seal] counter_index: ");
 }
 

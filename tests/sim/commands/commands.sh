@@ -132,7 +132,7 @@ expect 0 '' record --help
 expect 2 '--sensor, --frames and --out or --oni are needed' record --sensor replay --frames 3
 expect 3 "no sensor 'kinect9'" record --sensor kinect9 --frames 1 --out "$work/r"
 expect 2 "unknown option 'record'" record --sensor "replay:path=$face" --frames 1 --oni "$work/r.oni"
-expect 2 'cannot tell what there is' record --list replay
+expect 2 'cannot list its devices' record --list replay
 expect 5 'no frame for 100 ms' record --sensor "replay:path=$work/nobody" --frames 1 --out "$work/r" --patience-ms 100
 expect 0 '' record --sensor "replay:path=$face,pace=asap" --frames 2 --out "$work/r"
 [ "$(grep -c png "$work/r/depth.txt")" -eq 2 ] || {
