@@ -1,9 +1,10 @@
-# For scripts that install the appliance into a Debian of its own and boot it: `. tests/install/container.sh`. Plain sh; needs root.
+# For scripts that install the appliance into a container with a fresh Debian and boot it: `. tests/install/container.sh`. Plain sh; needs
+# root.
 #
 #   container_unpack TAR     makes the root of the container, $container_root
-#   container_boot           boots it by systemd and waits until that has started everything
+#   container_boot           boots it by systemd and waits until systemd has started all units
 #   inside COMMAND...        runs a command in the booted container, as root
-#   inside_as USER COMMAND...  as a user, with the groups that the user has
+#   inside_as USER COMMAND...  the same as a user, with the user's groups
 #   container_halt           shuts the container down, in order
 #   container_remove         ends it at once and removes its root; for a trap
 container_root='' container_nspawn=''
@@ -11,13 +12,13 @@ container_root='' container_nspawn=''
 container_unpack() {
     container_root=$(mktemp -d /var/tmp/isotherm-container.XXXXXX)
     tar -x -C "$container_root" -f "$1"
-    # The image is made without a name server; packages are fetched by this machine's.
+    # The image has no name server; the container uses this machine's.
     cp /etc/resolv.conf "$container_root/etc/resolv.conf"
-    # systemd-nspawn wants a mount point.
+    # systemd-nspawn needs a mount point.
     mount --bind "$container_root" "$container_root"
 }
 
-# in_root COMMAND...: in the root while nothing of it runs, as an installer does.
+# in_root COMMAND...: runs a command in the root while the container does not run, as an installer does.
 in_root() {
     chroot "$container_root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
 }
@@ -44,7 +45,7 @@ inside_as() {
     inside runuser -u "$user" -- "$@"
 }
 
-# "degraded" is up, too: what failed is asked for by the test.
+# "degraded" means that a unit failed; the container runs nevertheless, and the tests check the units that matter.
 container_is_up() {
     kill -0 "$container_nspawn" || die 'the container ended'
     [ -n "$(container_leader)" ] && case $(inside systemctl is-system-running 2>/dev/null) in running | degraded) ;; *) false ;; esac
@@ -65,7 +66,7 @@ container_remove() {
     container_root='' container_nspawn=''
 }
 
-# wait_for SECONDS WHAT COMMAND...: until the command is true. The seconds are those of an idle machine; it gives up after six times as
+# wait_for SECONDS WHAT COMMAND...: waits until the command succeeds. An idle machine needs at most SECONDS; it fails after six times as
 # many.
 wait_for() {
     wait_until=$(($(date +%s) + 6 * $1)) wait_what=$2

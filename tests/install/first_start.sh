@@ -1,11 +1,12 @@
 #!/bin/sh
-# An appliance that is installed from the packages, or by `make install`, in a Debian of its own that systemd boots: it starts, enrols,
-# lets in and refuses, keeps what it has over restart, reboot and upgrade, is confined, and goes without a trace.
+# Installs the appliance from the packages, or by `make install`, in a fresh Debian that systemd boots. Then it checks that the appliance
+# starts, enrols, lets in and refuses, that it keeps its state over restart, reboot and upgrade, that it is confined, and that purging
+# removes all of its files.
 #
 #   first_start.sh packages DIR TAR      DIR: the packages of `make packages`
 #   first_start.sh tree BUILD TAR        BUILD: a configured and built tree whose prefix is /usr/local
 #
-# TAR is what root.sh makes. Needs root. Ends with 0 if everything held.
+# root.sh makes TAR. Needs root. Ends with 0 if all checks passed.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
@@ -19,7 +20,7 @@ installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb'
 . "$here/story.sh"
 . "$here/say.sh"
 
-# apt WHAT COMMAND...: COMMAND, whose output is shown only if it fails
+# apt WHAT COMMAND...: runs COMMAND, and shows its output only if it fails
 apt() {
     apt_what=$1
     shift
@@ -37,7 +38,7 @@ packages() {
     done
 }
 
-# The packages and what they depend on, as apt would install them from a repository.
+# Installs the packages and their dependencies, as apt would do from a repository.
 install_packages() {
     mkdir "$container_root/srv/packages"
     # shellcheck disable=SC2046
@@ -54,7 +55,7 @@ install_packages() {
     apt 'installing isotherm-board-pc-usb' in_root sh -c "$install"' /srv/packages/isotherm-board-pc-usb_*.deb'
 }
 
-# What the packages depend on, and the files of `make install` in their folder for packagers.
+# Installs the dependencies of the packages, and the files that `make install` has put into a staging folder.
 install_tree() {
     libraries=$(find "$from" -maxdepth 3 -type f -perm /111 \( -name isothermd -o -name isotherm -o -name 'isotherm-*.so' -o -name 'libisotherm.so.*' \) -exec objdump -p {} + |
         awk '$1 == "NEEDED" { print $2 }' | sort -u | grep -v '^libisotherm' | while read -r library; do
@@ -93,7 +94,7 @@ END
     cp "$slow_sync" "$container_root/srv/slow_sync.so"
 }
 
-# ---- the story ----
+# ---- the checks ----
 
 everything_works() {
     others_are_refused
@@ -142,7 +143,7 @@ state_files() {
     inside ls -A /var/lib/isotherm
 }
 
-# Nobody can be asked here: purging keeps what cannot be restored.
+# The package manager cannot ask here, so purging keeps the files that cannot be restored.
 removal_keeps_people() {
     state_files >"$story_scratch/state"
     # shellcheck disable=SC2086
@@ -150,7 +151,7 @@ removal_keeps_people() {
     [ -z "$(inside find /proc -maxdepth 2 -name exe -lname '*/isothermd*' 2>/dev/null)" ] || die 'the daemon outlives the removal of its package'
     apt 'the purge' inside apt-get purge -q -y isotherm
     state_files | cmp -s - "$story_scratch/state" || die 'purging removes people without a question'
-    say 'removing and purging keep the people where nobody can be asked'
+    say 'removing and purging keep the people if the package manager cannot ask'
 }
 
 purge_leaves_nothing() {
@@ -160,10 +161,10 @@ purge_leaves_nothing() {
     apt 'the purge' inside apt-get purge -q -y $installed_packages
     left=$(inside find / -xdev -path /srv -prune -o -path /proc -prune -o -path /sys -prune -o -path /var/lib/apt -prune -o \
         \( -iname '*isotherm*' -o -name 'org.isotherm*' \) -print)
-    # The drop-in is this test's.
+    # The drop-in belongs to this test.
     left=$(echo "$left" | grep -v '^/etc/systemd/system/isothermd.service.d' || true)
     [ -z "$left" ] || die "purging leaves $(echo "$left" | tr '\n' ' ')"
-    say 'purging, with the consent to remove the people, leaves nothing'
+    say 'purging, with the consent to remove the people, leaves no file'
 }
 
 intrude=$story_scratch/intrude
@@ -195,4 +196,4 @@ if [ "$way" = packages ]; then
     purge_leaves_nothing
 fi
 container_halt
-say 'installed, it opens the door'
+say 'the installed appliance opens the door'

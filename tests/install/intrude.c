@@ -1,5 +1,5 @@
-/* Does what an attacker could do who has taken over a running process: it makes the first thread of
- * the process execute one system call, and prints the result. Then the process continues.
+/* Acts like an attacker who has taken over a running process: it makes the first thread of the
+ * process execute one system call, and prints the result. Then the process continues.
  *
  *   intrude PID create PATH     opens PATH for writing, and makes it
  *   intrude PID read PATH       opens PATH for reading
@@ -30,7 +30,7 @@ enum { RED_ZONE = 128, PATH_BYTES = 256, SYSCALL_BYTES = 2 };
 struct call {
     long number;
     long arguments[4];
-    int path_at; /* which argument is the address of the path; -1: none */
+    int path_at; /* the argument that is the address of the path; -1: none */
     const char *path;
 };
 
@@ -73,7 +73,8 @@ static unsigned long lend_path(pid_t pid, const char *path, unsigned long stack)
     return process_vm_writev(pid, &from, 1, &to, 1, 0) == (ssize_t)sizeof bytes ? at : 0;
 }
 
-/* A process that waits stands behind the instruction `syscall`, which is executed once more. */
+/* The instruction pointer of a waiting process is after its instruction `syscall`; this executes
+ * the instruction once more. */
 static int prepare(pid_t pid, const struct call *call, const struct user_regs_struct *before)
 {
     struct user_regs_struct regs = *before;
@@ -82,7 +83,7 @@ static int prepare(pid_t pid, const struct call *call, const struct user_regs_st
     errno = 0;
     const long code = ptrace(PTRACE_PEEKTEXT, pid, regs.rip - SYSCALL_BYTES, NULL);
     if (errno || (code & 0xffff) != 0x050f) {
-        errno = EAGAIN; /* it does not wait in a call */
+        errno = EAGAIN; /* the process does not wait in a system call */
         return -1;
     }
     if (call->path_at >= 0) {
@@ -93,7 +94,7 @@ static int prepare(pid_t pid, const struct call *call, const struct user_regs_st
     }
     regs.rip -= SYSCALL_BYTES;
     regs.rax = (unsigned long)call->number;
-    regs.orig_rax = (unsigned long)-1; /* the call that was interrupted is not begun again now */
+    regs.orig_rax = (unsigned long)-1; /* the kernel must not restart the interrupted call now */
     regs.rdi = (unsigned long)arguments[0];
     regs.rsi = (unsigned long)arguments[1];
     regs.rdx = (unsigned long)arguments[2];

@@ -1,7 +1,7 @@
 #!/bin/bash
-# Runs the commands of the README's section "A real door", from the README's text, in a Debian that systemd boots, until somebody is
-# let in. Three things differ from a real door: the camera is a stored recording, the door has no lines, and the commands that build
-# the packages have been run by whoever calls this, unless README_BUILDS=yes has them run here, too (some minutes).
+# Runs the commands of the README's section "A real door", from the README's text, in a Debian that systemd boots, until a person is let
+# in. Three things differ from a real door: the camera is a stored recording, the door has no lines, and the packages were built before.
+# With README_BUILDS=yes the commands that build the packages run here, too (some minutes).
 #
 #   readme.sh PACKAGES TAR
 set -eu
@@ -13,14 +13,14 @@ story_scratch=$(mktemp -d)
 . "$here/story.sh"
 . "$here/say.sh"
 
-# The lines of the block after the comment that names this script.
+# Prints the lines of the block after the comment that names this script.
 commands() {
     awk '/tests\/install\/readme.sh/ { found = 1; next }
         found && /^    / { print substr($0, 5); lines++; next }
         found && lines { exit }' "$source_dir/README.md"
 }
 
-# in_shell COMMAND: as a person would type it, in the checkout
+# in_shell COMMAND: runs it in the checkout, as a person would type it
 in_shell() {
     inside bash -ec 'sudo() { "$@"; }; cd /root; [ ! -d isotherm ] || cd isotherm; eval "$1"' shell "$1"
 }
@@ -28,10 +28,10 @@ in_shell() {
 people_come() {
     somebody_comes p01-v1
     wait_for 20 'nobody is let in' grep -q 'allow' "$story_scratch/follow"
-    grep -q 'ada' "$story_scratch/follow" || die 'somebody else is let in'
+    grep -q 'ada' "$story_scratch/follow" || die 'another person is let in'
 }
 
-# run_command COMMAND: with what stands before the camera meanwhile
+# run_command COMMAND: runs it, and shows the camera what the command needs
 run_command() {
     case $1 in
     *'apt install --yes git'* | 'git clone'* | 'make packages')
@@ -74,5 +74,5 @@ for line in "${lines[@]}"; do
         die "$line"
     }
 done
-say 'somebody is let in'
+say 'the enrolled person is let in'
 container_halt

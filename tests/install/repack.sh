@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes a package of another version from a package: the same files, for tests of an upgrade.
+# Makes a package with the same files and another version from a package, for tests of an upgrade.
 #
 #   repack.sh FILE.deb SUFFIX OUT      e.g. +upgrade for a newer version, ~before for an older one
 set -eu

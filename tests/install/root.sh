@@ -1,8 +1,8 @@
 #!/bin/sh
-# Makes a minimal Debian 12 that systemd boots, as one tar file, from Debian's archive. It has no udev: in a container that would
-# act on the devices of this machine.
+# Makes a minimal Debian 12 that systemd boots, as one tar file, from Debian's archive. It has no udev, which in a container would act on
+# the devices of this machine.
 #
-#   root.sh TAR        does nothing if the file is there
+#   root.sh TAR        does nothing if the file exists
 #
 # Needs root and mmdebstrap.
 set -eu

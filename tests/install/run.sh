@@ -1,13 +1,13 @@
 #!/bin/sh
-# Tests what a person installs, each in a Debian 12 of its own:
+# Tests the installed appliance, each test in a fresh Debian 12:
 #
 #   packages     installed from the packages and booted by systemd: tests/install/first_start.sh
 #   tree         the same from `make install` with its default prefix
-#   readme       the commands of the README's "A real door", until somebody is let in
-#   piuparts     the packages are installed, upgraded from a version before, removed and purged, and leave nothing
+#   readme       the commands of the README's "A real door", until a person is let in
+#   piuparts     the packages are installed, upgraded from an earlier version, removed and purged, and leave no file
 #   autopkgtest  the demo, with the installed programs
 #
-#   run.sh PACKAGES BUILD CACHE [TEST...]     PACKAGES: what debian_packages.sh made; BUILD: the preset `release`, built
+#   run.sh PACKAGES BUILD CACHE [TEST...]     PACKAGES: the output of debian_packages.sh; BUILD: the preset `release`, built
 #
 # Needs root, the tag `install` of cmake/packages.txt and Debian's archive. Logs are in CACHE. Ends with "N passed, N failed, N skipped";
 # skipped are checks inside a test, whose line says why. Non-zero if a test failed.
@@ -31,7 +31,7 @@ first_start() {
     "$here/first_start.sh" "$1" "$2" "$base"
 }
 
-# The packages before are the present ones under a lower version, since none has been published yet.
+# The earlier packages are the present ones with a lower version, because no version has been published yet.
 check_piuparts() {
     scratch=$(mktemp -d)
     mkdir "$scratch/before"
@@ -42,7 +42,7 @@ check_piuparts() {
     (cd "$scratch/before" && dpkg-scanpackages . >Packages 2>/dev/null)
     gzip -1 -c "$base" >"$scratch/base.tar.gz"
     code=0
-    # The pipe's exit code is that of sed: what piuparts says decides.
+    # The exit code of the pipe is that of sed, so the output of piuparts decides.
     piuparts -b "$scratch/base.tar.gz" --no-eatmydata --bindmount="$scratch/before" --distribution bookworm \
         --mirror 'http://deb.debian.org/debian main' --extra-repo="deb [trusted=yes] file://$scratch/before ./" \
         "$packages"/isotherm_*_"$architecture".deb "$packages"/isotherm-data_*_all.deb "$packages"/libisotherm0_*_"$architecture".deb |
@@ -83,7 +83,7 @@ passed=0 failed=0 skipped=0
 for test in $tests; do
     printf '== %s\n' "$test"
     began=$(date +%s)
-    # A subshell of its own: what fails in it ends it.
+    # A subshell, so that a failing command ends only this test.
     if (set -e; run_one "$test") >"$cache/$test.log" 2>&1; then
         passed=$((passed + 1)) result=passed
     else

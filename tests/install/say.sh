@@ -1,5 +1,5 @@
-# For scripts of tests in a container: `. tests/install/say.sh`, after container.sh and story_scratch. What is said, how a test
-# fails, and that nothing stays behind.
+# For scripts of tests in a container: `. tests/install/say.sh`, after container.sh and with story_scratch set. Functions that print
+# results and end a failed test, and the removal of all temporary files.
 
 say() {
     printf '%5d s  %s\n' $(($(date +%s) - began)) "$1"

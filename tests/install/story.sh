@@ -1,6 +1,6 @@
-# What is shown of an appliance that is installed, in a booted container or machine: `. tests/install/story.sh`, after functions `inside`
-# and `inside_as` (tests/install/container.sh) and `say`, `die`, `wait_for`. The stored recordings are in /srv/stored, the program
-# `intrude` in /srv. Plain sh. The user ada is in the group isotherm, eve in none of the groups.
+# Checks of an installed appliance in a booted container or machine: `. tests/install/story.sh`, after the functions `inside` and
+# `inside_as` (tests/install/container.sh) and `say`, `die`, `wait_for`. The stored recordings are in /srv/stored, and the program
+# `intrude` is in /srv. Plain sh. The user ada is in the group isotherm, and eve is in none of the groups.
 
 isotherm() {
     inside_as ada isotherm "$@"
@@ -18,7 +18,7 @@ log_records() {
     isotherm log --count 100000 --json
 }
 
-# count_logged PERSON VERDICT: how many visits ended so; "" is somebody unknown.
+# count_logged PERSON VERDICT: prints how many visits ended with them; "" is an unknown person.
 count_logged() {
     log_records | tr -d ' \n' | { grep -o "\"person\":\"$1\",\"verdict\":\"$2\"" || true; } | wc -l
 }
@@ -35,7 +35,7 @@ has_let_in_more_than() {
     [ "$(count_logged p01 allow)" -gt "$1" ]
 }
 
-# ---- who stands before the camera ----
+# ---- the visitor before the camera ----
 
 somebody_comes() {
     inside ln -s "/srv/stored/$1" /srv/slot.next
@@ -47,7 +47,7 @@ nobody_is_there() {
     sleep 1
 }
 
-# ---- what is shown ----
+# ---- the checks ----
 
 add_users() {
     inside useradd --create-home --groups isotherm ada
@@ -95,7 +95,7 @@ is_locked_out() {
     [ "$(isotherm status --json | sed -n 's/.*"lockout-ms": *\([0-9]*\).*/\1/p')" -gt 0 ]
 }
 
-# What has to be the same after a restart: the people, the records up to now, the lock-out.
+# Notes the state that a restart must keep: the people, the records up to now, the lock-out.
 remember_state() {
     isotherm list >"$story_scratch/people"
     isotherm log --count 100000 >"$story_scratch/log"
@@ -124,12 +124,12 @@ journal_tells() {
 
 # ---- confinement ----
 
-# attempt WHAT...: how a system call ends that somebody has the daemon make who has taken it over
+# attempt WHAT...: makes the daemon execute a system call, as an attacker could who has taken it over, and prints the result
 attempt() {
     inside /srv/intrude "$(daemon_pid)" "$@"
 }
 
-# ends WORD WHAT...: dies unless the attempt ends so
+# ends WORD WHAT...: fails unless the attempt has this result
 ends() {
     story_expected=$1
     shift
@@ -139,26 +139,26 @@ ends() {
 
 calls_are_filtered() {
     inside grep -q '^Seccomp:.*2$' "/proc/$(daemon_pid)/status" || die 'no filter of system calls is in force'
-    ends done create /var/lib/isotherm/probe # what it may
+    ends done create /var/lib/isotherm/probe # the daemon may do this
     inside rm /var/lib/isotherm/probe
     ends EPERM internet
     story_pid=$(daemon_pid)
     ends killed execute /bin/true
     wait_for 10 'the unit does not come back' unit_is active
-    [ "$(daemon_pid)" != "$story_pid" ] || die 'the daemon that executes a program lives on'
-    say 'the filter of system calls bites: no internet socket; who executes a program is killed, and started anew'
+    [ "$(daemon_pid)" != "$story_pid" ] || die 'a daemon that executes a program is not killed'
+    say 'the filter of system calls works: it refuses an internet socket, and kills a daemon that executes a program, which is then restarted'
 }
 
-# /srv/open is for everybody, and the unit leaves it to the daemon: only Landlock forbids it. Needs the drop-in of leave_open.
+# Every user may write to /srv/open, and the unit permits it to the daemon: only Landlock forbids it. Needs the drop-in of leave_open.
 files_are_restricted() {
     ends done create /var/lib/isotherm/probe
     inside rm /var/lib/isotherm/probe
     if inside journalctl --no-pager --unit isothermd | grep -q 'the kernel has no Landlock'; then
-        say 'skipped: this kernel has no Landlock; the journal tells so'
+        say 'skipped: this kernel has no Landlock; the journal says so'
         return
     fi
     ends EACCES create /srv/open/probe
-    say 'Landlock bites: no file outside the folders of the daemon, though everybody may write there'
+    say 'Landlock works: the daemon cannot write outside its folders, not even where every user may'
 }
 
 leave_open() {
@@ -178,7 +178,8 @@ exposure() {
     say "systemd-analyze security: exposure $story_level (at most $1)"
 }
 
-# thread_policy NAME: priority and policy of a thread of the daemon; "20 1" is SCHED_FIFO with priority 20, "0 0" an ordinary one
+# thread_policy NAME: prints priority and policy of a thread of the daemon; "20 1" is SCHED_FIFO with priority 20, "0 0" is an ordinary
+# thread
 thread_policy() {
     inside sh -c "cat /proc/$(daemon_pid)/task/*/stat" | awk -v name="($1)" '$2 == name { print $40, $41 }'
 }
@@ -193,14 +194,14 @@ doctor_misses_priority() {
     isotherm doctor 2>/dev/null | grep -q 'door thread *no real-time priority'
 }
 
-# The machine around a container may forbid to raise limits, and systemd then sets the one that may be. The daemon has to tell of it;
-# the right to do without the limit shows the rest.
+# The machine around a container may forbid to raise limits; systemd then sets the highest limit that is permitted. The daemon must report
+# this. For the other checks the unit gets a capability that replaces the limit.
 replace_priority_limit() {
     has_policy isothermd-door '0 0'
-    doctor_misses_priority || die 'isotherm doctor does not tell that the thread of the door has no real-time priority'
+    doctor_misses_priority || die 'isotherm doctor does not report that the thread of the door has no real-time priority'
     inside journalctl --no-pager --unit isothermd | grep -q 'the thread of the door has no real-time priority' ||
-        die 'the journal does not tell that the thread of the door has no real-time priority'
-    say 'skipped: LimitRTPRIO=, which this container may not have; journal and doctor tell of it'
+        die 'the journal does not report that the thread of the door has no real-time priority'
+    say 'skipped: LimitRTPRIO=, which this container may not have; journal and doctor report it'
     inside install -d /etc/systemd/system/isothermd.service.d
     printf '[Service]\nCapabilityBoundingSet=CAP_SYS_NICE\nAmbientCapabilities=CAP_SYS_NICE\n' |
         inside tee /etc/systemd/system/isothermd.service.d/priority.conf >/dev/null
@@ -219,7 +220,7 @@ the_door_is_real_time() {
     if doctor_misses_priority; then
         die 'isotherm doctor says that the thread of the door has no real-time priority'
     fi
-    say 'the thread of the door is real-time (SCHED_FIFO, 20); the others are not, and cannot become it'
+    say 'the thread of the door has a real-time priority (SCHED_FIFO, 20); the other threads have none and cannot get one'
     if inside rm /etc/systemd/system/isothermd.service.d/priority.conf 2>/dev/null; then
         inside systemctl daemon-reload
         inside systemctl restart isothermd
@@ -234,7 +235,8 @@ answers() {
     isotherm status >/dev/null 2>&1
 }
 
-# The disk takes 1.5 s for an fsync; the unit waits 6 s for a start, and 6 s for a sign of life. Both take longer, by many fsyncs.
+# The disk takes 1.5 s for an fsync. The unit allows 6 s for a start, and 6 s between two signals to the watchdog. A start and a rotation of
+# keys take longer, because they make many fsyncs.
 a_slow_disk_is_waited_for() {
     inside install -d /etc/systemd/system/isothermd.service.d
     printf '[Service]\nTimeoutStartSec=6\nWatchdogSec=6\nEnvironment=LD_PRELOAD=/srv/slow_sync.so SLOW_SYNC_MS=1500\n' |
@@ -243,11 +245,11 @@ a_slow_disk_is_waited_for() {
     inside systemctl reset-failed isothermd
     story_restarts=$(restarts)
     story_began=$(date +%s)
-    inside systemctl restart isothermd || die 'a start on a slow disk is not waited for'
+    inside systemctl restart isothermd || die 'a start on a slow disk fails'
     story_start=$(($(date +%s) - story_began))
     story_pid=$(daemon_pid)
     story_began=$(date +%s)
-    isotherm key rotate >/dev/null 2>&1 || true # the client gives up before the daemon is done
+    isotherm key rotate >/dev/null 2>&1 || true # the client may stop waiting before the daemon is done
     wait_for 60 'the daemon does not answer after a rotation of the keys on a slow disk' answers
     story_rotation=$(($(date +%s) - story_began))
     [ "$(daemon_pid)" = "$story_pid" ] && [ "$(restarts)" = "$story_restarts" ] || die 'the daemon was restarted because of a slow disk'
@@ -255,10 +257,10 @@ a_slow_disk_is_waited_for() {
     inside rm /etc/systemd/system/isothermd.service.d/slow.conf
     inside systemctl daemon-reload
     inside systemctl restart isothermd
-    say "a slow disk ends nothing: a start of $story_start s and a rotation of keys of $story_rotation s, where 6 s are allowed"
+    say "a slow disk does not end the daemon: a start took $story_start s and a rotation of keys $story_rotation s, where 6 s are allowed"
 }
 
-# The unit is part of multi-user.target: it is active before that, or at most so many seconds later.
+# active_within SECONDS: the unit belongs to multi-user.target; it is active before the target, or at most SECONDS later.
 active_within() {
     story_unit_us=$(inside systemctl show --property ActiveEnterTimestampMonotonic --value isothermd)
     story_target_us=$(inside systemctl show --property ActiveEnterTimestampMonotonic --value multi-user.target)

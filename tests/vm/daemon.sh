@@ -1,5 +1,5 @@
-# For scripts of tests with the daemon: `. "$VM_SOURCE/tests/vm/daemon.sh"`. The door's lines on a chip of gpio-sim, our hands on the
-# wires; a bus; the daemon and its client.
+# For scripts of tests with the daemon: `. "$VM_SOURCE/tests/vm/daemon.sh"`. It has the door's lines on a chip of gpio-sim with functions
+# for its wires, a bus, the daemon and its client.
 . "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"
 isotherm=$VM_BUILD/enroll/isotherm
 isothermd=$VM_BUILD/firmware/isothermd
@@ -15,8 +15,7 @@ uptime_s() {
     cut -d . -f 1 /proc/uptime
 }
 
-# wait_for SECONDS WHAT COMMAND...: until the command is true. The seconds are those of an idle host; it gives up after six times as
-# many.
+# wait_for SECONDS WHAT COMMAND...: waits until the command succeeds. An idle host needs at most SECONDS; it fails after six times as many.
 wait_for() {
     local until_s=$(($(uptime_s) + 6 * $1)) what=$2
     shift 2
@@ -36,7 +35,8 @@ client() {
 bus_conf >bus.conf
 dbus-daemon --config-file=bus.conf --fork --nopidfile
 
-# configure SENSOR: writes isotherm.conf with those lines of [sensor], more from standard input; lines of qemu's.
+# configure SENSOR: writes isotherm.conf with these lines of [sensor], further sections from standard input, and the door's lines of the
+# board qemu.
 configure() {
     {
         printf '[sensor]\n%s\n' "$1"

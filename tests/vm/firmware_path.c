@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR GPL-2.0
-/* A module of the kernel: gives the USB host of programs (vhci_hcd.0) the attribute
- * firmware_node/path, which a host of hardware has from its firmware. libcamera names cameras by
- * it, and has no name for one without. */
+/* A module of the kernel: gives the virtual USB host (vhci_hcd.0) the attribute firmware_node/path,
+ * which a hardware host gets from its firmware. libcamera uses it in the names of cameras, and
+ * cannot name a camera without it. */
 #include <linux/device.h>
 #include <linux/kobject.h>
 #include <linux/module.h>

@@ -1,13 +1,13 @@
 #!/bin/busybox sh
-# The first process of the virtual machine, in its initial RAM disk: puts a writable layer in memory over the host's root, which
-# it sees read-only over 9p, and goes on there with inside.sh.
+# The first process of the virtual machine, in its initial RAM disk. It puts a writable layer in memory over the host's root, which it
+# mounts read-only over 9p, and continues there with inside.sh.
 /bin/busybox --install -s /bin
 mount -t proc proc /proc
 mount -t devtmpfs dev /dev
 while read -r module; do
     insmod "/modules/$module" || echo "vm: $module does not load"
 done </modules/order
-# A test may bring a root of its own, which then boots as a machine does.
+# A test may have a separate root, which then boots as a machine does.
 root=$(sed -n 's/.*vm_root=\([^ ]*\).*/\1/p' /proc/cmdline)
 mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144,cache=loose root /host &&
     mount -t tmpfs -o size=75% write /write &&

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The first process of the virtual machine on the host's root: mounts what programs expect, runs the test that the kernel's
-# command line names, tells its exit code on the second serial line, and switches the machine off.
+# The first process of the virtual machine on the host's root. It mounts the file systems that programs expect, runs the test that the
+# kernel's command line names, prints its exit code on the second serial line, and switches the machine off.
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 OPENBLAS_NUM_THREADS=1
 mount -t proc proc /proc
 mount -t sysfs sys /sys
@@ -13,7 +13,7 @@ argument() {
     sed "s/.*$1=\([^ ]*\).*/\1/" /proc/cmdline
 }
 
-# For tests: where the built programs, the sources and the prepared kernel are, and a directory of their own.
+# For tests: the directories of the built programs, the sources and the prepared kernel, and an empty directory.
 VM_BUILD=$(argument vm_build) VM_SOURCE=$(argument vm_source) VM_CACHE=$(argument vm_cache)
 VM_DIRECTORY=/run/test
 export VM_BUILD VM_SOURCE VM_CACHE VM_DIRECTORY

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Prepares what a virtual machine boots: Debian's own kernel and modules (not installed, so that the machine's boot loader is
-# left alone), gpio-sim built from Debian's kernel source (Debian has it switched off), and an initial RAM disk.
+# Prepares the files that a virtual machine boots: Debian's kernel and modules (not installed, so that the boot loader of this machine does
+# not change), gpio-sim built from Debian's kernel source (Debian's kernel leaves it out), and an initial RAM disk.
 #
 #   kernel.sh CACHE        makes CACHE/{release,vmlinuz,initrd,root/lib/modules,gpio-sim.ko,firmware_path.ko}; does nothing if they are there
 #
@@ -9,7 +9,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$1"
 cache=$(cd "$1" && pwd)
-complete=$cache/complete-6 # the number rises when this script makes something else
+complete=$cache/complete-6 # raise the number when this script makes other files
 [ ! -e "$complete" ] || exit 0
 
 # linux-image-amd64 depends on one release, such as linux-image-6.1.0-56-amd64.
@@ -22,7 +22,7 @@ version=$(apt-cache policy "linux-image-$release" | sed -n 's/^ *Candidate: //p'
 
 download() {
     mkdir -p "$cache/deb"
-    # As root, apt would drop its rights and could not write here.
+    # Without this option apt would drop root's rights and could not write here.
     (cd "$cache/deb" && apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-image-$release" "linux-headers-$release" \
         "linux-headers-${release%-amd64}-common=$version" "linux-kbuild-6.1=$version" "linux-source-6.1=$version")
 }
@@ -38,13 +38,13 @@ unpack() {
     depmod -b "$cache/root" "$release"
 }
 
-# Two modules of the kernel in one: Debian's kernel lacks the simulated interrupts that gpio-sim stands on. They use one
-# function that modules may not; another way to the same descriptor is open to them.
+# Links two modules of the kernel into one: Debian's kernel lacks the simulated interrupts that gpio-sim needs. They use one function that
+# is not available to modules; another function gives modules the same descriptor.
 build_gpio_sim() {
     module=$cache/gpio-sim/module
     mkdir -p "$module"
-    # A chip that goes while somebody listens to its lines takes their interrupts with it, and this kernel goes on using them:
-    # after some removals it fails. Here they stay for good, which costs a little memory a removal.
+    # If a chip is unplugged while a process waits for its edges, its interrupts are freed, but this kernel continues to use them: after some
+    # removals it fails. This build never frees them, which costs a little memory at each removal.
     sed -e 's/devm_irq_domain_create_sim(dev, /irq_domain_create_sim(/' \
         -e 's/irq_dispose_mapping(irq_find_mapping(chip->irq_sim, i))/(void)i/' \
         "$cache/gpio-sim/source/drivers/gpio/gpio-sim.c" >"$module/gpio_sim_main.c"
@@ -55,7 +55,7 @@ build_gpio_sim() {
     build_module gpio-sim "$module"
 }
 
-# What libcamera wants of a USB host, and ours lacks.
+# The module that gives the virtual USB host the name that libcamera needs.
 build_firmware_path() {
     module=$cache/gpio-sim/firmware_path
     mkdir -p "$module"
@@ -73,7 +73,7 @@ build_module() {
     cp "$2/$1.ko" "$cache/$1.ko"
 }
 
-# Just enough to mount the root: busybox and the modules of virtio, 9p and overlay, in the order in which they are loaded.
+# Only what mounts the root: busybox and the modules of virtio, 9p and overlay, in the order in which they are loaded.
 make_initrd() {
     tree=$cache/initrd.d
     rm -rf "$tree"

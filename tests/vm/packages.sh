@@ -1,7 +1,7 @@
 #!/bin/sh
-# The packages, in a Debian of their own that boots as a machine: systemd, udev and Debian's kernel, the door on lines of gpio-sim. A
-# user enrols p01, a stranger does not pull the relay, p01 does; Landlock and the filter of system calls bite. Runs as a unit of that
-# machine, after multi-user.target; tests/vm/packages_root.sh has put it there.
+# Tests the packages in a separate Debian that boots as a machine, with systemd, udev and Debian's kernel, and with the door on lines of
+# gpio-sim. A user enrols p01; a stranger does not switch the relay, and p01 does; Landlock and the filter of system calls work. The script
+# runs as a unit of that machine, after multi-user.target; tests/vm/packages_root.sh installs the unit.
 set -eu
 story_scratch=$(mktemp -d)
 began=$(date +%s)
@@ -26,7 +26,7 @@ inside_as() {
     runuser -u "$user" -- "$@"
 }
 
-# The seconds are those of an idle host; it gives up after six times as many.
+# An idle host needs at most SECONDS; it fails after six times as many.
 wait_for() {
     wait_until=$(($(date +%s) + 6 * $1)) wait_what=$2
     shift 2
@@ -43,7 +43,7 @@ relay_is_on() {
     is_at $RELAY 1
 }
 
-# The chip came after the daemon: it finds its lines by itself.
+# The chip was plugged in after the daemon had started; the daemon finds its lines by itself.
 door_is() {
     isotherm status --json | grep -q "\"door-state\": *\"$1\""
 }
@@ -56,7 +56,7 @@ is_at $RELAY 0 || die 'the relay is on after the boot'
 say 'the daemon holds its lines'
 
 p01_is_enrolled
-wait_for 60 'the door does not lock' door_is locked # the last frames may have opened it
+wait_for 60 'the door does not lock' door_is locked # the last frames may have unlocked it
 a_stranger_is_refused
 is_at $RELAY 0 || die 'a stranger pulls the relay'
 say 'the stranger: relay 0'

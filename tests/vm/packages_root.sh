@@ -1,8 +1,8 @@
 #!/bin/sh
-# Prepares the root of the machine that tests the packages (packages.sh): Debian with systemd and udev, the packages, an account of
-# an administrator, and a unit that runs the test and switches the machine off.
+# Prepares the root of the machine that tests the packages (packages.sh): Debian with systemd and udev, the packages, an account of an
+# administrator, and a unit that runs the test and switches the machine off.
 #
-#   packages_root.sh PACKAGES CACHE ROOT      ends with 77 where it cannot be made here
+#   packages_root.sh PACKAGES CACHE ROOT      ends with 77 if this machine cannot make it
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
@@ -30,7 +30,7 @@ chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEN
     apt-get install -q -y --no-install-recommends udev kmod /srv/packages/*.deb
     useradd --create-home --groups isotherm ada'
 
-# Stored frames stand before the camera, the door hangs on lines of gpio-sim; the processor is slow.
+# The configuration: the camera plays stored frames, the door uses lines of gpio-sim, and the processor is slow.
 mkdir -p "$root/etc/isotherm"
 (
     story_directory=/var/lib/isotherm story_source=$source_dir
@@ -53,7 +53,7 @@ WantedBy=graphical.target
 END
 cat >"$root/srv/vm-test" <<'END'
 #!/bin/sh
-# Runs the test that the kernel's command line names, tells its exit code on the second serial line, and switches the machine off.
+# The unit runs the test that the kernel's command line names, prints its exit code on the second serial line, and switches the machine off.
 argument() {
     sed "s/.*$1=\([^ ]*\).*/\1/" /proc/cmdline
 }

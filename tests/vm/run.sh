@@ -1,10 +1,11 @@
 #!/bin/sh
-# Runs tests that need devices of a kernel, each in a virtual machine of its own: Debian's kernel under QEMU (without KVM), the
-# host's root read-only beneath a layer in memory, the project's own binaries.
+# Runs tests that need devices of a kernel, each in its own virtual machine: Debian's kernel under QEMU (without KVM), the host's root
+# read-only under a layer in memory, and the project's binaries.
 #
-#   run.sh BUILD CACHE [TEST...]     all tests of tests.txt, or those named; logs in BUILD/vm
+#   run.sh BUILD CACHE [TEST...]     runs all tests of tests.txt, or the named ones; writes logs to BUILD/vm
 #
-# As many at a time as there are processors. Ends with "N passed, N failed, N skipped"; non-zero if one failed. Where there is no QEMU, all are skipped.
+# Runs as many tests at a time as there are processors. Ends with "N passed, N failed, N skipped"; non-zero if one failed. Without QEMU all
+# tests are skipped.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=tests/support/verdict.sh
@@ -35,13 +36,13 @@ done
 [ "$(dpkg --print-architecture)" = amd64 ] || skip_all 'the virtual machine is for amd64'
 PATH=$PATH:/usr/sbin:/sbin "$here/kernel.sh" "$cache"
 
-# The script of a test: beside this file, or in the folder of its devices.
+# Prints the path of a test's script: next to this file, or in the folder of its devices.
 script_of() {
     find "$here" -name "$1.sh"
 }
 
-# Exit code of the test; 124: it ran out of time, 125: the machine ended without one. Time is that of the processor, so that a host
-# with other work fails nobody, and six times as much by the clock, for a machine that waits for something that never comes.
+# Boots the machine. The exit code is that of the test; 124: it took too long, 125: the machine ended without an exit code. The limit is
+# processor time, so that other work of the host fails no test, and six times as much by the clock, for a machine that waits forever.
 boot() {
     name=$1 seconds=$2 programs=$3
     rm -f "$build/vm/$name.status"
@@ -50,7 +51,7 @@ boot() {
         root="vm_root=$build/vm/$name.root"
         "$here/${name}_root.sh" "$source_dir/build/packages" "$cache" "$build/vm/$name.root" >"$build/vm/$name.log" 2>&1 || return $?
     fi
-    # Without AVX, which an emulated processor is slow at.
+    # Without AVX, which is slow on an emulated processor.
     (ulimit -t "$seconds" && exec timeout $((6 * seconds)) qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 -m 1536 \
         -nodefaults -no-user-config -display none -no-reboot \
         -serial "file:$build/vm/$name.log" -serial "file:$build/vm/$name.status" \
@@ -69,14 +70,14 @@ boot() {
     return "${code:-125}"
 }
 
-# Linux 6.1 releases the media entity of a pulled camera after the media device it belongs to, if the last file on it is
-# closed at the wrong moment (v4l2_device_release): a fault of the kernel that no program can avoid, once in some hundred
-# pulls here. The machine is then started again; any other fault of the kernel fails the test.
+# Linux 6.1 releases the media entity of an unplugged camera after its media device if the last file on it is closed at the wrong moment
+# (v4l2_device_release). No program can avoid this fault of the kernel, which happens here once in some hundred unplugs. The machine is then
+# started again; any other fault of the kernel fails the test.
 kernel_broke() {
     grep -q '__media_device_unregister_entity+' "$build/vm/$1.log"
 }
 
-# Runs one test: a line for people, its log if it failed, and the result in BUILD/vm/NAME.result.
+# Runs one test. It prints one line, and the log if the test failed, and writes the result to BUILD/vm/NAME.result.
 run_one() {
     name=$1
     seconds=$(awk -v name="$name" '$1 == name { print $2 }' "$here/tests.txt")
@@ -128,7 +129,8 @@ for name in $wanted; do
     }
     rm -f "$build/vm/$name.result"
 done
-# Whoever is free takes the next that nobody has taken: a folder can be made only once. The table has the long ones first.
+# Each worker takes the next free test. Making a folder claims a test, because a folder can be made only once. The table has the long tests
+# first.
 taken=$(mktemp -d)
 jobs=$(nproc)
 while [ $running -lt "$jobs" ]; do

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Two cameras of the kernel's test driver, nodes of capture only.
+# Tests v4l2-stereo with two cameras of the kernel's test driver, which have only nodes of capture.
 set -eu
 modprobe -d "$VM_CACHE/root" vivid n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0,0 no_error_inj=0
 for node in /dev/video0 /dev/video1; do

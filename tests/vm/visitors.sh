@@ -1,9 +1,9 @@
-# For scripts of tests with visitors before a camera: `. "$VM_SOURCE/tests/vm/visitors.sh"`, after daemon.sh. A bench
-# (tests/openni2/virtual_camera.h) with a shutter, people of the stored corpus who stand before it, and what they come for.
+# For scripts of tests with visitors before a camera: `. "$VM_SOURCE/tests/vm/visitors.sh"`, after daemon.sh. It has a bench
+# (tests/openni2/virtual_camera.h) with a shutter, visitors of the stored corpus, and checks of their visits.
 corpus=$VM_SOURCE/sim/stored
 mkdir bench
 mkfifo bench/shutter
-: >bench/noise # the recordings are shown again and again: without it the camera would be stuck
+: >bench/noise # the recordings are repeated: without noise the daemon would report a stuck camera
 cp "$corpus/p01-enrol/recording.ini" bench/camera.ini
 exec 4<>bench/shutter
 
@@ -16,20 +16,20 @@ door_is() {
     client status --json | grep -q "\"door-state\": *\"$1\""
 }
 
-# The camera takes a picture; the daemon answers when it has looked at it.
+# Makes the camera take a picture; the daemon answers when it has computed the frame.
 frame() {
     printf f >&4
     sleep 0.2
     wait_for 60 'the daemon does not answer' answers
 }
 
-# sees COMMAND...: whether it is true, after another picture
+# sees COMMAND...: takes another picture, and runs the command
 sees() {
     frame
     "$@"
 }
 
-# Nobody stands there any more, and what was seen until now has come to its end.
+# Clears the scene, and waits until the visit has ended.
 clear_camera() {
     rm -f bench/slot
     for _ in 1 2 3; do
@@ -42,7 +42,7 @@ count_allowed() {
     count_logged '"verdict":"allow"'
 }
 
-# ---- what happens at every door ----
+# ---- checks for every camera ----
 
 wake_up() {
     rest_inputs
@@ -65,7 +65,7 @@ p01_is_enrolled() {
     done
     wait $tool || die "p01 is not enrolled: $hint $(cat enroll.txt)"
     exec 3<&-
-    clear_camera # the last frames may have opened the door already
+    clear_camera # the last frames may have unlocked the door already
     told 'p01 is enrolled'
 }
 
@@ -86,7 +86,7 @@ p01_is_let_in() {
     stand_before_the_camera p01-v1
     wait_for 90 'an enrolled face does not pull the relay' sees is_at $RELAY 1
     is_at $GRANTED 1 || die 'the green light is not on'
-    pull $CONTACT up # at once: whoever asks the daemon first may come when the door has locked again
+    pull $CONTACT up # do this first: the door may lock again before the daemon answers a question
     told 'p01 pulls the relay'
     wait_for 10 'the relay is on although the door is open' is_at $RELAY 0
     wait_for 5 'the door is not opened' door_is opened

@@ -1,5 +1,5 @@
-/* The back end v4l2-stereo on two cameras of the kernel's own test driver (vivid): frames, stop and
- * start, damage, gaps, a stream that breaks, a cable that is pulled. */
+/* The back end v4l2-stereo on two cameras of the kernel's test driver (vivid): frames, stop and
+ * start, damage, gaps, a stream that breaks, a cable that is unplugged. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/videodev2.h>
@@ -47,7 +47,7 @@ static void write_calibration(void)
     assert_int_equal(iso_stereo_calibration_write("rig.ini", &calibration, NULL), 0);
 }
 
-/* The cameras run free of one another: half a period of patience. */
+/* The cameras are not synchronised, so pictures of a pair may be half a period apart. */
 static struct iso_sensor *opened(void)
 {
     const struct iso_option options[] = {{"left", "/dev/video0"},    {"right", "/dev/video1"},
@@ -61,8 +61,8 @@ static struct iso_sensor *opened(void)
     return sensor;
 }
 
-/* Patience for a host with other work: vivid then skips pictures of one camera, and pairs are rare.
- */
+/* A long time, for a host with other work: vivid then skips pictures of one camera, and pairs are
+ * rare. */
 static int next(struct iso_sensor *sensor, const struct iso_frame **frame, struct iso_fault *fault)
 {
     return iso_sensor_wait(sensor, monotonic_ns(NULL) + 200 * SECOND, frame, fault);
@@ -74,7 +74,7 @@ static void expect_frame(struct iso_sensor *sensor)
     assert_int_equal(next(sensor, &frame, NULL), 0);
 }
 
-/* Opened, started, and its first frame fetched. */
+/* Opens and starts the sensor and waits for its first frame. */
 static struct iso_sensor *streaming(void)
 {
     struct iso_sensor *sensor = opened();
@@ -83,7 +83,7 @@ static struct iso_sensor *streaming(void)
     return sensor;
 }
 
-/* After a few frames at most, which were under way, it fails as it should. */
+/* The sensor fails as expected, after at most a few frames that were already on their way. */
 static void expect_failure(struct iso_sensor *sensor, int expected, const char *words)
 {
     const struct iso_frame *frame = NULL;
@@ -132,7 +132,7 @@ static void frames_come_in_order(void **state)
             assert_int_equal(frame->width_px, WIDTH);
             assert_int_equal(frame->height_px, HEIGHT);
             assert_true(i == 0 || (frame->sequence > sequence && frame->t_ns > t_ns));
-            /* Of this moment, on the clock that was handed in. */
+            /* The time of the frame is the present time of the given clock. */
             assert_true(frame->t_ns <= monotonic_ns(NULL));
             assert_true(frame->t_ns > monotonic_ns(NULL) - 60 * SECOND);
             float brightest = 0.0f, darkest = 1.0f;
@@ -204,7 +204,7 @@ static void a_stream_that_breaks_is_started_again(void **state)
     iso_sensor_close(sensor);
 }
 
-/* Last: the device does not come back. */
+/* This test is the last one, because the device does not come back. */
 static void a_pulled_cable_is_a_lost_device(void **state)
 {
     (void)state;

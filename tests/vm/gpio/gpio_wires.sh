@@ -1,11 +1,12 @@
-# For scripts of tests with a door: `. "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"`. The door's lines on a chip of gpio-sim, our hands on the wires.
+# For scripts of tests with a door: `. "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"`. It has the door's lines on a chip of gpio-sim, and
+# functions that set and read the wires.
 . "$VM_SOURCE/tests/vm/gpio/gpio_sim.sh"
 sim=/sys/kernel/config/gpio-sim/door
 
 RELAY=0 GRANTED=1 REFUSED=2 BUZZER=3 CONTACT=5 BUTTON=6 TAMPER=7
 mkdir -p $sim/bank
 echo 10 >$sim/bank/num_lines
-# By name, as boards have them: the number of a chip is another one when it comes back.
+# The lines are named, as on boards: the number of a chip changes when it is plugged in again.
 for number in 0 1 2 3 4 5 6 7; do
     mkdir $sim/bank/line$number
     echo DOOR$number >$sim/bank/line$number/name
@@ -24,7 +25,7 @@ pull() {
     echo "pull-$2" >"$(line "$1")/pull"
 }
 
-# Shut, not pressed, closed; as wired below.
+# The door is shut, the button is not pressed, the housing is closed; see the wiring below.
 rest_inputs() {
     pull $CONTACT down
     pull $BUTTON up

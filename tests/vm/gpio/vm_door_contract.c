@@ -13,14 +13,14 @@
 
 static const char chip[] = "door";
 
-/* By label, by name and with both levels. */
+/* Lines by label and by name, active high and active low. */
 static const struct iso_option wiring[] = {
     {"relay", "door:0"},
     {"led_granted", "door:1 active-low"},
     {"led_refused", "LINE2"},
     {"buzzer", "LINE3 active-low"},
     {"projector", "door:4"},
-    {"contact", "door:5 active-low"}, /* gpio-sim has one pull, which pull-up would take over */
+    {"contact", "door:5 active-low"}, /* gpio-sim has only one pull, which pull-up would replace */
     {"exit_button", "LINE6"},
     {"tamper", "door:7 active-low pull-up"},
     {"debounce_ms", "0"},
@@ -44,8 +44,8 @@ static bool see_output(struct iso_door_io *io, enum iso_door_output output)
     return gpio_sim_voltage(chip, output) != is_active_low(output);
 }
 
-/* The kernel notes an edge in a thread of its own, a little after the pull has changed; there is
- * nothing to wait on for the second edge of two. */
+/* A thread of the kernel records an edge a little after the pull has changed, and a test cannot
+ * wait for the second of two edges. */
 static void move_input(struct iso_door_io *io, enum iso_door_input input, bool active)
 {
     const unsigned line = ISO_DOOR_OUTPUTS + (unsigned)input;

@@ -1,4 +1,4 @@
-/* gpio_line.c, and the door on it, with lines of the kernel: what only a kernel does. */
+/* gpio_line.c, and the door on it, with lines of the kernel: behaviour that only a kernel has. */
 #include <errno.h>
 #include <poll.h>
 #include <setjmp.h>
@@ -98,7 +98,7 @@ static void says_who_has_a_line(void **state)
     iso_gpio_line_close(open_line("door:3", false));
 }
 
-/* As a user who may not, in a process of its own. */
+/* Opens the line in another process, as a user without the permission. */
 static void says_that_it_may_not(void **state)
 {
     char path[64];
@@ -116,7 +116,8 @@ static void says_that_it_may_not(void **state)
         int wrong = setgid(NOBODY) || setuid(NOBODY);
         wrong |= iso_gpio_line_open_input(&by_path, &line, NULL) == -EACCES ? 0 : 2;
         wrong |= iso_gpio_line_open_input(&by_name, &line, NULL) == -EACCES ? 0 : 4;
-        /* A chip that may not be opened shows its label to nobody: it is not found. */
+        /* The label of a chip can be read only after opening the chip, so this user does not find
+         * it. */
         const int error = iso_gpio_line_open_input(&by_offset, &line, NULL);
         wrong |= error == -EACCES || error == -ENODEV ? 0 : 8;
         _exit(wrong);
@@ -159,9 +160,9 @@ static void edges_bear_the_monotonic_time(void **state)
 
 /* ---- the end of a process ---- */
 
-/* A door whose relay is on, in a process that is killed: what the line does is up to the chip's
- * driver. gpio-sim lets it go to what pulls at it; others keep the level, which is why
- * `isothermd --rest-door` exists. Either way the line is free for the next one. */
+/* A process is killed while the relay of its door is on: the driver of the chip decides the level
+ * of the line. With gpio-sim the line returns to its pull; other chips keep the level, which is why
+ * `isothermd --rest-door` exists. In both cases another process can open the line. */
 static void a_killed_process_lets_its_lines_go(void **state)
 {
     const struct iso_option relay = {"relay", "door:0"};
@@ -195,7 +196,7 @@ static void a_killed_process_lets_its_lines_go(void **state)
     iso_door_io_close(io);
 }
 
-/* ---- chips that go ---- */
+/* ---- chips that are unplugged ---- */
 
 static const struct iso_option wiring[] = {
     {"relay", "LINE0"}, {"contact", "LINE5"}, {"exit_button", "LINE6"}, {"debounce_ms", "0"}};
@@ -213,9 +214,9 @@ static int count_descriptors(void)
     return n;
 }
 
-/* The next call says what happened and neither hangs nor spins, and the lines work again when the
- * chip is back. Linux 6.1 does not wake up who waits for an edge of a chip that goes: the appliance
- * looks at its lines every poll_ms. */
+/* The next call reports the fault, and does not hang or spin. The lines work again when the chip is
+ * plugged in again. Linux 6.1 does not wake a process that waits for an edge of an unplugged chip,
+ * so the appliance reads its lines every poll_ms. */
 static void lose_and_find(struct iso_door_io *io, int round)
 {
     struct iso_door_inputs inputs;
