@@ -58,11 +58,11 @@ say 'the daemon holds its lines'
 p01_is_enrolled
 wait_for 60 'the door does not lock' door_is locked # the last frames may have unlocked it
 a_stranger_is_refused
-is_at $RELAY 0 || die 'a stranger pulls the relay'
+is_at $RELAY 0 || die 'a stranger switches the relay'
 say 'the stranger: relay 0'
 
 somebody_comes p01-v1
-wait_for 90 'p01 does not pull the relay' relay_is_on
+wait_for 90 'p01 does not switch the relay' relay_is_on
 nobody_is_there
 say 'p01: relay 1'
 

@@ -73,21 +73,21 @@ a_stranger_is_refused() {
     allowed=$(count_allowed)
     stand_before_the_camera x01-v1
     wait_for 90 'no verdict about a stranger' sees has_logged '"verdict":"deny"'
-    is_at $RELAY 0 || die 'a stranger pulls the relay'
+    is_at $RELAY 0 || die 'a stranger switches the relay'
     wait_for 5 'the red light does not show the refusal' is_at $REFUSED 0
     clear_camera
     [ "$(count_allowed)" = "$allowed" ] || die 'a stranger is let in'
-    is_at $RELAY 0 || die 'a stranger pulls the relay'
+    is_at $RELAY 0 || die 'a stranger switches the relay'
     told 'a stranger was refused: the relay is off'
 }
 
 p01_is_let_in() {
     allowed=$(count_allowed)
     stand_before_the_camera p01-v1
-    wait_for 90 'an enrolled face does not pull the relay' sees is_at $RELAY 1
+    wait_for 90 'an enrolled face does not switch the relay' sees is_at $RELAY 1
     is_at $GRANTED 1 || die 'the green light is not on'
     pull $CONTACT up # do this first: the door may lock again before the daemon answers a question
-    told 'p01 pulls the relay'
+    told 'p01 switches the relay'
     wait_for 10 'the relay is on although the door is open' is_at $RELAY 0
     wait_for 5 'the door is not opened' door_is opened
     [ "$(count_allowed)" -gt "$allowed" ] && has_logged '"person":"p01","verdict":"allow"' || die 'the visit is not on record'

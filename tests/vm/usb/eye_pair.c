@@ -8,12 +8,12 @@
 #include "sim/base/random.h"
 
 enum {
-    FINE = 4,        /* samples of the pattern a pixel, along a row */
-    SPECK_PX = 2,    /* size of its specks */
+    FINE = 4,        /* samples of the pattern per pixel, along a row */
+    SPECK_PX = 2,    /* size of the pattern's specks */
     NOISE_LEVELS = 4 /* of a picture: uniform, so many either way */
 };
 
-/* Neighbours farther apart than this are of different surfaces: mm per mm of distance. */
+/* Neighbours whose depths differ by more belong to different surfaces: mm per mm of distance. */
 static const float step = 0.03f;
 
 struct eye_pair {
@@ -38,7 +38,7 @@ static double speck(int column, int row)
     return sim_random_unit(&random);
 }
 
-/* Random specks, one at each crossing of a grid, and a smooth way from each to the next. */
+/* Random specks, one at each crossing of a grid, with smooth transitions between them. */
 static void draw_pattern(struct eye_pair *pair, const double *specks, int columns)
 {
     const int wide = FINE * pair->camera.width_px;
@@ -107,8 +107,8 @@ struct iso_stereo_calibration eye_pair_calibration(const struct eye_pair *pair)
 
 /* ---- pictures ---------------------------------------------------------------- */
 
-/* The piece of surface between two neighbours of a row, which the right camera sees between from_px
- * and to_px. */
+/* Draws the piece of surface between two neighbours of a row, which the right camera sees between
+ * from_px and to_px. */
 struct piece {
     float from_px, to_px, from_mm, to_mm;
 };

@@ -1,5 +1,5 @@
-/* The pair of pictures that the virtual machine's stereo cameras show (eye_pair.h), matched by the
- * product: the depths come back. */
+/* The product matches the pictures that the stereo cameras of the virtual machine show
+ * (eye_pair.h), and finds the depths of the frame again. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 #include "drivers/stereo/stereo.h"
 #include "tests/vm/usb/eye_pair.h"
 
-enum { ROOM_MM = 1000 }; /* what is nearer is somebody */
+enum { ROOM_MM = 1000 }; /* nearer pixels belong to the person */
 
 struct seen {
     int measured, missing, off; /* of the person's pixels; "off" is by more than 5 mm */
@@ -27,7 +27,7 @@ static struct seen compare(const struct iso_frame *there, const struct iso_frame
         const double z_mm = (double)there->depth_mm[i];
         const double error_mm = (double)seen->depth_mm[i] - z_mm;
         if (i % there->width_px < 100 || !(z_mm > 0.0 && z_mm < ROOM_MM)) {
-            continue; /* at the left the right camera does not see it */
+            continue; /* the right camera does not see the left edge */
         }
         s.measured++;
         if (!(seen->depth_mm[i] > 0.0f)) {

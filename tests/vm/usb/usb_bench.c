@@ -14,7 +14,7 @@
 struct usb_bench {
     struct usb_camera *camera;
     struct sim_virtual_camera *view;
-    uint16_t *counts; /* of one picture */
+    uint16_t *counts; /* the samples of one picture */
     size_t pixels;
     double unit_mm;
     int n_streams, index; /* of the last frame */
@@ -30,7 +30,7 @@ static void send(struct usb_bench *bench, int stream, const float *plane, double
     usb_camera_shoot(bench->camera, stream, bench->counts, spoilt);
 }
 
-/* One that was lost on its way before this one comes short. */
+/* If the picture before this one was lost on its way, it is sent cut short. */
 static void on_frame(void *context, const struct iso_frame *frame, int index, uint64_t t_us)
 {
     struct usb_bench *bench = context;
@@ -115,8 +115,7 @@ int usb_bench_new(const char *directory, bool with_intensity, struct usb_bench *
 void usb_bench_free(struct usb_bench *bench)
 {
     if (bench) {
-        /* First the cable, whose thread looks at the view; the view's own has to be at rest then.
-         */
+        /* The cable's thread reads the view, so it ends first. */
         if (bench->camera) {
             (void)usb_camera_plug(bench->camera, false, NULL);
         }

@@ -27,7 +27,7 @@ struct stream {
     size_t bytes; /* of a picture */
     bool started, halted;
     uint8_t toggle;  /* tells one picture from the next */
-    size_t n_queued; /* oldest first */
+    size_t n_queued; /* the oldest is first */
     struct shot queue[QUEUE_MAX];
     size_t sent; /* bytes of the first one, with its header */
 };
@@ -36,11 +36,11 @@ struct usb_camera {
     struct usb_camera_options options;
     char serial[32], node[64];
     struct usbip_cable *cable;
-    pthread_mutex_t lock; /* of what follows */
+    pthread_mutex_t lock; /* of the following fields */
     struct stream streams[USB_CAMERA_STREAMS];
 };
 
-/* ---- what the host asks ------------------------------------------------------ */
+/* ---- requests of the host ---------------------------------------------------- */
 
 static void set_stream(struct stream *stream, bool start)
 {
@@ -85,7 +85,7 @@ static int answer_class(struct usb_camera *camera, const struct usbip_setup *set
     }
 }
 
-/* To clear a bulk endpoint's halt is how a host stops its stream. */
+/* A host stops the stream of a bulk endpoint by clearing the endpoint's halt. */
 static void clear_halt(struct usb_camera *camera, unsigned endpoint)
 {
     const int index = (int)(endpoint & 0x0f) - 1;
@@ -140,8 +140,8 @@ static int control(void *self, const struct usbip_setup *setup, uint8_t *data)
 
 /* ---- pictures ---------------------------------------------------------------- */
 
-/* The next piece of a payload: a header, and the picture. One that is spoilt ends half way, with a
- * transfer that is not full. */
+/* Writes the next piece of a payload, which is a header and the picture. A spoilt picture ends half
+ * way, with a transfer that is not full. */
 static int send_piece(struct stream *stream, uint8_t *data, size_t room)
 {
     const struct shot *shot = &stream->queue[0];
@@ -187,7 +187,7 @@ static int fill(void *self, unsigned endpoint, uint8_t *data, size_t room)
     return n;
 }
 
-/* With the lock. */
+/* Call with the lock held. */
 static void wake(const struct usb_camera *camera)
 {
     if (camera->cable) {
@@ -297,7 +297,7 @@ int usb_camera_plug(struct usb_camera *camera, bool in, struct iso_fault *fault)
     return error;
 }
 
-/* ---- its nodes --------------------------------------------------------------- */
+/* ---- video nodes ------------------------------------------------------------- */
 
 /* Whether a video node is number `index` of the device at the port. */
 static bool is_node_of(const char *name, unsigned port, int index)

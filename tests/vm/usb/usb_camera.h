@@ -1,5 +1,6 @@
-/* A USB video camera (UVC 1.1) that is a program: the kernel's uvcvideo makes video nodes of it. It
- * has one or two streams of raw pictures, each of one format and size, sent by bulk transfers. */
+/* A USB video camera (UVC 1.1) that is a program: the kernel's uvcvideo makes video nodes for it.
+ * It has one or two streams of raw pictures, each with one format and size, sent by bulk transfers.
+ */
 #ifndef TESTS_VM_USB_USB_CAMERA_H
 #define TESTS_VM_USB_USB_CAMERA_H
 
@@ -21,35 +22,35 @@ struct usb_camera_options {
     unsigned port;      /* of vhci-hcd, 0..7 */
     int n_streams;
     struct usb_camera_stream streams[USB_CAMERA_STREAMS];
-    /* OPTIONAL. Is told how many streams are started now, in a thread of the camera's
-     * or by usb_camera_plug. */
+    /* OPTIONAL. Called with the number of started streams when it changes, by a thread of the
+     * camera or by usb_camera_plug. */
     void (*started)(void *context, int n);
     void *context;
 };
 
 struct usb_camera;
 
-/* Not plugged in yet. -EINVAL an unknown format, -ENOMEM. */
+/* Makes a camera that is not plugged in. -EINVAL for an unknown format, -ENOMEM. */
 int usb_camera_new(const struct usb_camera_options *options, struct usb_camera **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 void usb_camera_free(struct usb_camera *camera);
 
-/* Bytes of a picture. */
+/* The size of a picture in bytes. */
 size_t usb_camera_picture_bytes(const struct usb_camera *camera, int stream);
 
-/* Puts the cable in, or pulls it, which cannot fail. Nodes appear and go a little later:
- * usb_camera_node. */
+/* Plugs the cable in, or unplugs it, which cannot fail. The nodes appear and disappear a little
+ * later: see usb_camera_node. */
 int usb_camera_plug(struct usb_camera *camera, bool in, struct iso_fault *fault);
 
-/* The video node of a stream, waited for; "" if none came. Of the camera, until the next call. */
+/* Waits for the video node of a stream and returns its path; "" if there is none after some time.
+ * The text belongs to the camera and is valid until the next call. */
 const char *usb_camera_node(struct usb_camera *camera, int stream);
 
-/* Sends a picture (width x height pixels, without padding), which is copied, if the stream is
- * started and no more than a few are on their way. One that is spoilt comes short, as pictures do
- * when USB loses packets. */
+/* Copies and sends a picture (width x height pixels, without padding) if the stream is started and
+ * no more than a few pictures wait. A spoilt picture is cut short, as when USB loses packets. */
 void usb_camera_shoot(struct usb_camera *camera, int stream, const void *picture, bool spoilt);
 
-/* Transfers fail from now on (the endpoints stall), until streams are started anew. */
+/* Transfers fail from now on (the endpoints stall) until streams are started again. */
 void usb_camera_halt(struct usb_camera *camera);
 
 #endif

@@ -8,7 +8,7 @@
 enum { MANUFACTURER = 1, PRODUCT, SERIAL };   /* strings */
 enum { INTERVAL = 333333, PACKET_MAX = 512 }; /* 100 ns; bytes of a bulk packet at high speed */
 
-/* Bytes that are put one after the other, the lower ones of a number first. */
+/* Bytes that are written one after the other; the low bytes of a number come first. */
 struct writer {
     uint8_t *at;
     size_t n;
@@ -67,8 +67,8 @@ static void put_control(struct writer *w, const struct usb_camera_options *o)
     const uint8_t n = (uint8_t)o->n_streams;
     PUT(w, 9, USB_DT_INTERFACE, 0, 0, 0, USB_CLASS_VIDEO, UVC_SC_VIDEOCONTROL, 0, 0);
     PUT(w, (uint8_t)(12 + n), USB_DT_CS_INTERFACE, UVC_VC_HEADER, 0x10, 0x01);
-    put(w, 2, 12u + n + n * (18u + 9u)); /* of all of this */
-    put(w, 4, 1000000);                  /* a clock that is not used */
+    put(w, 2, 12u + n + n * (18u + 9u)); /* the size of all these descriptors */
+    put(w, 4, 1000000);                  /* the frequency of a clock that is not used */
     put(w, 1, n);
     for (uint8_t i = 0; i < n; i++) {
         put(w, 1, 1u + i);

@@ -1,10 +1,10 @@
 #!/bin/sh
-# The daemon under the address sanitizer while cables are pulled, cameras stall and lines go: it stays, and at its end nothing
-# has leaked.
+# Tests the daemon under the address sanitizer while cables are unplugged, cameras stall and lines disappear: the daemon keeps running, and
+# it has no leak at its end.
 . "$VM_SOURCE/tests/vm/usb/usb_camera.sh"
 . "$VM_SOURCE/tests/vm/daemon.sh"
 
-# A small picture of nothing: what is tried here is not faces.
+# A small empty picture, because this test needs no faces.
 mkdir -p wall
 cat >wall/recording.ini <<END
 [recording]

@@ -1,6 +1,7 @@
 #!/bin/sh
-# The whole stereo path: what a stored recording shows is seen by two grey USB cameras under a dotted light, the unmodified uvcvideo
-# makes video nodes of them, the daemon matches their pictures, an enrolled face pulls the relay of gpio-sim and a stranger does not.
+# Tests the whole stereo path: two grey USB cameras show the surface of a stored recording under a dotted light, the unmodified uvcvideo
+# makes video nodes for them, and the daemon matches their pictures. An enrolled face switches the relay of gpio-sim, and a stranger does
+# not.
 . "$VM_SOURCE/tests/vm/usb/usb_camera.sh"
 . "$VM_SOURCE/tests/vm/daemon.sh"
 . "$VM_SOURCE/tests/vm/visitors.sh"
@@ -10,7 +11,7 @@ both_nodes() {
     [ "$(wc -l <nodes)" -eq 2 ]
 }
 wait_for 60 'no two video nodes' both_nodes
-# A press of the shutter is a pair, however slow the machine is.
+# Each request at the shutter makes one pair, even on a slow machine.
 configure "backend = v4l2-stereo
 left = $(sed -n 1p nodes)
 right = $(sed -n 2p nodes)

@@ -19,7 +19,7 @@ enum { CMD_SUBMIT = 1, CMD_UNLINK, RET_SUBMIT, RET_UNLINK };
 enum { HIGH_SPEED = 3, PORT_FREE = 4 }; /* enum usb_device_speed; enum usbip_device_status */
 enum { URBS_MAX = 16, TRANSFER_MAX = 65536, HEADER_WORDS = 12 };
 
-/* A transfer that waits to be filled. */
+/* A transfer that waits for data. */
 struct urb {
     uint32_t number;
     size_t room;
@@ -31,11 +31,11 @@ struct usbip_cable {
     int fd, wake_fd;
     pthread_t thread;
     size_t n_urbs[USBIP_ENDPOINTS];
-    struct urb urbs[USBIP_ENDPOINTS][URBS_MAX]; /* oldest first */
+    struct urb urbs[USBIP_ENDPOINTS][URBS_MAX]; /* the oldest is first */
     uint8_t data[TRANSFER_MAX];
 };
 
-/* What goes before each transfer, in host order. */
+/* The header of each transfer, in host byte order. */
 struct header {
     uint32_t command, number, device, inwards, endpoint;
     uint32_t words[5]; /* SUBMIT: flags, length, ...; UNLINK: number; RET_*: status, length, ... */
@@ -119,7 +119,7 @@ static void forget_urb(struct usbip_cable *cable, unsigned index, size_t at)
 
 static bool unlink_urb(struct usbip_cable *cable, const struct header *header)
 {
-    int status = 0; /* it was answered before */
+    int status = 0; /* the transfer was already answered */
     for (unsigned i = 0; i < USBIP_ENDPOINTS; i++) {
         for (size_t k = 0; k < cable->n_urbs[i]; k++) {
             if (cable->urbs[i][k].number == header->words[0]) {
@@ -132,7 +132,7 @@ static bool unlink_urb(struct usbip_cable *cable, const struct header *header)
     return answer(cable, RET_UNLINK, header->number, status, NULL, 0, 0);
 }
 
-/* Fills what waits, as far as the device has something. */
+/* Fills the waiting transfers as far as the device has data. */
 static bool fill(struct usbip_cable *cable)
 {
     for (unsigned i = 0; i < USBIP_ENDPOINTS; i++) {
@@ -248,7 +248,7 @@ int usbip_plug_in(const struct usbip_device *device, unsigned port, struct usbip
     cable->fd = fds[0];
     cable->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     const int error = attach(cable, fds[1], fault);
-    (void)close(fds[1]); /* the kernel holds it */
+    (void)close(fds[1]); /* the kernel has its own reference */
     if (error) {
         release(cable);
         return error;
@@ -266,7 +266,7 @@ void usbip_pull_out(struct usbip_cable *cable)
     (void)snprintf(text, sizeof text, "%u", cable->port);
     (void)command(HOST "/detach", text, NULL);
     (void)pthread_join(cable->thread, NULL);
-    /* The kernel tells nobody when the port is free. */
+    /* The kernel gives no notice when the port is free, so ask until it is. */
     for (int i = 0; i < 1000 && !is_free(cable->port); i++) {
         (void)poll(NULL, 0, 10);
     }

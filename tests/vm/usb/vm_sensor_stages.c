@@ -1,4 +1,4 @@
-/* The stages of the sensor contract whose cameras the kernel drives: USB cameras that are programs,
+/* The stages of the sensor contract with cameras of the kernel: USB cameras that are programs,
  * behind the unmodified uvcvideo and libcamera. */
 #include <errno.h>
 #include <linux/videodev2.h>
@@ -35,7 +35,7 @@ static void add_option(struct sensor_scene *scene, const char *key, const char *
 
 enum { NODE_MAX = 64 };
 
-/* The option's text is the stage's own: free_nodes. */
+/* The text of the option belongs to the stage; free_nodes frees it. */
 static void add_node(struct sensor_scene *scene, const char *key, const char *node)
 {
     char *text = test_malloc(NODE_MAX);
@@ -72,7 +72,7 @@ static void set_up_bench(struct sensor_scene *scene, double unit_mm, bool intens
         add_node(scene, "ir_device", usb_bench_node(bench, 1));
     }
     add_option(scene, "camera", scratch_path(directory, "camera.ini"));
-    add_option(scene, "pair_ms", "1000"); /* a press is a pair, however slow the machine is */
+    add_option(scene, "pair_ms", "1000"); /* each request makes one pair, even on a slow machine */
 }
 
 static void set_up_depth(struct sensor_scene *scene)
@@ -100,7 +100,7 @@ static void press(struct sensor_scene *scene)
 
 static void lose(struct sensor_scene *scene, int stored)
 {
-    (void)stored; /* the one whose turn it is */
+    (void)stored; /* the slot plays the frames in order */
     camera_bench_lose(scene->shutter_fd);
 }
 
@@ -129,12 +129,12 @@ static const struct sensor_stage depth_and_infrared = {
     .plug = plug,
 };
 
-/* ---- stereo: two grey cameras before a wall that comes nearer ---- */
+/* ---- stereo: two grey cameras before a wall that moves nearer ---- */
 
 struct eyes {
     struct usb_camera *cameras[ISO_EYES];
-    atomic_int next; /* picture */
-    bool spoilt;     /* one was lost */
+    atomic_int next; /* the next picture */
+    bool spoilt;     /* a picture was lost */
     struct iso_stereo *stereo;
     struct iso_frame *expected;
 };
@@ -152,8 +152,8 @@ static void on_start(void *context, int n)
     }
 }
 
-/* What our own matcher makes of the same pictures, with the options that a sensor has by default.
- */
+/* Computes the depths of the same pictures by the product's matcher, with the default options of a
+ * sensor. */
 static void prepare_matcher(struct eyes *eyes, const char *rig)
 {
     struct iso_stereo_calibration calibration;
@@ -165,7 +165,7 @@ static void prepare_matcher(struct eyes *eyes, const char *rig)
                      0);
 }
 
-/* One after the other, so that the nodes are those of before. */
+/* Plugs the cameras in one after the other, so that their nodes are the same as before. */
 static void plug_eyes(struct sensor_scene *scene, bool in)
 {
     struct eyes *eyes = scene->world;
@@ -284,7 +284,7 @@ static const struct sensor_stage v4l2_stereo = {
 #ifdef ISOTHERM_LIBCAMERA
 /* ---- the same through libcamera ---- */
 
-/* What libcamera calls the camera at each port: \\VHCI-1-1:1.0-1d6b:0102 and so on. */
+/* libcamera's names of the cameras at the ports: \\VHCI-1-1:1.0-1d6b:0102 and so on. */
 struct names {
     char ids[ISO_EYES][NODE_MAX];
 };
@@ -301,8 +301,8 @@ static void note_name(const struct iso_sensor_device *device, void *context)
     }
 }
 
-/* libcamera sees what udev has come to terms with. A daemon that is busy with its own start may
- * hang up on who asks; it is then asked again. */
+/* libcamera sees the devices that udev has processed. While udev starts, it may close the
+ * connection of a client, which then must ask again. */
 static void settle(void)
 {
     int status = -1;
@@ -319,11 +319,11 @@ static void plug_settled(struct sensor_scene *scene, bool in)
     settle();
 }
 
-/* libcamera gives the kernel its buffers a little after the start, in a thread of its own, and
- * there is nothing to wait on: pictures of before that have nowhere to go. The same when it has
- * them all at a time, as it does after a lost picture: its buffer goes behind the others, and the
- * requests of those are done no sooner than its own. What is waited for is counted in work, not in
- * time: on a busy host both are slow. */
+/* A thread of libcamera gives its buffers to the kernel a little after the start, and a test cannot
+ * wait for that: earlier pictures are lost. The same happens when libcamera has all buffers at one
+ * time, as after a lost picture: the buffer of that picture is queued after the others, and the
+ * requests of the others are not completed before its own. The wait is counted in work and not in
+ * time, because on a busy host both sides are slow. */
 static void wait_for_buffers(struct sensor_scene *scene)
 {
     struct eyes *eyes = scene->world;

@@ -1,5 +1,6 @@
 /* vm_usb_camera BENCH [--intensity]: puts a USB camera on a bench, prints its video nodes, and
- * keeps it there until SIGTERM. SIGUSR1 has its transfers fail until it is started anew. */
+ * keeps it there until SIGTERM. SIGUSR1 makes its transfers fail until streams are started again.
+ */
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,10 +1,10 @@
-/* What a door loses, again and again, before one daemon that has to come back to work by itself:
- * the cable of its USB camera is pulled, the camera falls silent or its transfers fail, the chip of
- * its lines is gone. Each time the exit button has opened just before; the relay has to end at
- * rest.
+/* A door loses its devices again and again, and the daemon must return to service by itself: the
+ * cable of the USB camera is unplugged, the camera falls silent or its transfers fail, or the chip
+ * of the lines is unplugged. Each time the exit button has unlocked the door just before; the relay
+ * must be inactive at the end.
  *
- * The daemon is the calling script's; the camera stands on the bench VM_DIRECTORY/bench, the chip
- * "door" of gpio-sim has the lines of board/qemu. The camera knows when a daemon streams. */
+ * The calling script runs the daemon. The camera is on the bench VM_DIRECTORY/bench, and the chip
+ * "door" of gpio-sim has the lines of board/qemu. The camera counts the starts of the streams. */
 #include <poll.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,7 +34,7 @@ static int shutter_fd;
 
 /* ---- waiting ---- */
 
-static unsigned starts; /* that were seen */
+static unsigned starts; /* of streams, so far */
 
 static bool is_streamed_anew(void)
 {
@@ -51,7 +51,7 @@ static bool relay_is_off(void)
     return !relay_is_on();
 }
 
-/* The red light is active low: off is a voltage, which nobody but the daemon gives. */
+/* The red light is active low: off is a voltage, which only the daemon drives. */
 static bool lines_are_held(void)
 {
     return gpio_sim_voltage(chip, REFUSED);
@@ -64,7 +64,7 @@ static int64_t now_ms(void)
     return now.tv_sec * INT64_C(1000) + now.tv_nsec / 1000000;
 }
 
-/* Until it is true, with or without pictures. */
+/* Waits until the condition is true, with or without pictures. */
 static void wait_until(bool (*is_so)(void), const char *what, bool pictures)
 {
     const int64_t end_ms = now_ms() + PATIENCE_MS;
@@ -86,7 +86,8 @@ static void rest_inputs(void)
     gpio_sim_pull(chip, TAMPER, false);
 }
 
-/* Presses the button until it is answered: a daemon that is just taking its lines looks at none. */
+/* Presses the button until the relay is on: a daemon that is opening its lines does not read them.
+ */
 static bool button_pulls_the_relay(void)
 {
     gpio_sim_pull(chip, BUTTON, false);
@@ -98,7 +99,7 @@ static bool button_pulls_the_relay(void)
 
 static void let_out(void)
 {
-    wait_until(button_pulls_the_relay, "the exit button pulls the relay", true);
+    wait_until(button_pulls_the_relay, "the exit button switches the relay", true);
 }
 
 /* ---- losses ---- */
@@ -144,7 +145,7 @@ static void twenty_times_the_lines(void **state)
         wait_until(lines_are_held, "the daemon holds the lines", true);
         let_out();
         gpio_sim_plug(chip, false);
-        for (int k = 0; k < 5; k++) { /* for a while */
+        for (int k = 0; k < 5; k++) { /* some pictures */
             camera_bench_press(shutter_fd);
             (void)poll(NULL, 0, STEP_MS);
         }
@@ -164,7 +165,7 @@ static int set_up(void **state)
     (void)snprintf(directory, sizeof directory, "%s/bench", getenv("VM_DIRECTORY"));
     (void)snprintf(recording, sizeof recording, "%s/wall", getenv("VM_DIRECTORY"));
     shutter_fd = camera_bench_make(directory, recording, true);
-    assert_int_equal(unlink(scratch_path(directory, "slot")), 0); /* nobody stands there */
+    assert_int_equal(unlink(scratch_path(directory, "slot")), 0); /* an empty scene */
     if (usb_bench_new(directory, false, &bench, &fault)) {
         fail_msg("%s", fault.text);
     }

@@ -1,6 +1,6 @@
-/* vm_usb_eyes BENCH: two grey USB cameras side by side, which see what stands on a bench
- * (tests/openni2/virtual_camera.h) as eye_pair.h says. The program writes their calibration to
- * BENCH/rig.ini, prints their video nodes, first the left one, and keeps the cameras plugged in
+/* vm_usb_eyes BENCH: two grey USB cameras next to each other, which show the scene of a bench
+ * (tests/openni2/virtual_camera.h) as eye_pair.h describes it. The program writes their calibration
+ * to BENCH/rig.ini, prints their video nodes, the left one first, and keeps the cameras plugged in
  * until SIGTERM. */
 #include <errno.h>
 #include <limits.h>
@@ -41,7 +41,7 @@ static void on_fault(void *context, const char *text)
     fprintf(stderr, "USB eyes: %s\n", text);
 }
 
-/* One after the other, so that the left one's node comes first. */
+/* Plugs the cameras in one after the other, so that the left camera has the first node. */
 static void on_plug(void *context, bool in)
 {
     struct eyes *eyes = context;
@@ -55,7 +55,7 @@ static void on_plug(void *context, bool in)
     }
 }
 
-/* Frames are made when both are started. */
+/* The program makes frames while both cameras are started. */
 static void on_start(void *context, int n)
 {
     struct eyes *eyes = context;
@@ -101,7 +101,7 @@ static int set_up(const char *bench, struct eyes *eyes, struct iso_fault *fault)
     return error;
 }
 
-/* First the cables, whose threads look at the view. */
+/* The threads of the cables read the view, so they end first. */
 static void clear_away(struct eyes *eyes)
 {
     for (int eye = 0; eye < ISO_EYES; eye++) {
