@@ -29,7 +29,8 @@ struct bench {
     int64_t *times_ns[WAYS];
 };
 
-/* The time of the stages up to the landmarks; the patch belongs to the template. */
+/* The time of the stages up to the landmarks. The patch is not one of them: it is for the template.
+ */
 static int64_t landmarks_ns(const struct iso_extraction *x)
 {
     return x->stage_ns[ISO_STAGE_REGION] + x->stage_ns[ISO_STAGE_CLEAN] +

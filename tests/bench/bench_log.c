@@ -1,7 +1,7 @@
-/* What the audit log does on a slow disk: records in a second while it is given as many as it
- * takes, and how long the record of a grant takes while others are posted 400 times a second.
+/* Measures the audit log on a slow disk: the records a second while its queue is always full, and
+ * the wait for the record of a grant while 400 other records a second are posted.
  *
- * usage: bench_log [MS]     each synchronisation takes so many milliseconds; 20 if not given */
+ * usage: bench_log [MS]     each synchronisation takes MS milliseconds, 20 by default */
 #include <errno.h>
 #include <ftw.h>
 #include <inttypes.h>

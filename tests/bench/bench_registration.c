@@ -1,11 +1,12 @@
-/* Registration of a pair of faces by 12 x 32 points: our ICP, its closed form, and PCL's ICP on the
- * same points; microseconds, and how far apart they put the points. One thread, processor time.
+/* Measures the registration of two faces by 12 x 32 points: the product's ICP, its closed form, and
+ * PCL's ICP on the same points. It prints microseconds, and the distance between the points after
+ * the registration. One thread, processor time.
  *
- * The curves are those of the metric's mean face where it has them; the other face is the same
- * moved by a known motion, and, in a second run, with another person's deviation. Without that
- * every ICP that converges finds the motion itself. With it the answer depends on which points may
- * be pairs: PCL takes the nearest of all, ours the nearest of the same curve, so that they may
- * differ. */
+ * One face has the curves of a made-up face. The other face is the same face moved by a known
+ * motion and, in a second run, with another person's deviation. Without the deviation every ICP
+ * that converges finds the motion itself. With it the result depends on which points may form
+ * pairs: PCL takes the nearest of all points, the product takes the nearest of the same curve, so
+ * the results may differ. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +20,7 @@
 #include "tests/bench/machine.h"
 #include "tests/bench/peers/icp_pcl.h"
 
-/* What registrations work in. */
+/* The workspace of registrations. */
 static struct iso_icp_workspace registration;
 
 enum { GROUPS = 12, IN_GROUP = 32, POINTS = GROUPS * IN_GROUP, PAIRS = 200, ITERATIONS = 100 };
@@ -29,8 +30,8 @@ struct pair {
     float weight[POINTS];
 };
 
-/* Rings of 18 mm about twelve places of a face, on a paraboloid with some relief: about as
- * isotherms lie. The source is the target moved by up to 4 degrees and 4 mm. */
+/* Rings of 18 mm about twelve places of a face, on a paraboloid with some relief, which are similar
+ * to isotherms. The source is the target moved by up to 4 degrees and 4 mm. */
 static void make_pair(uint64_t number, double deviation_mm, struct pair *pair)
 {
     static const double place_mm[GROUPS][2] = {{0, 38},  {0, 0},    {0, -14},   {-17, -3},
@@ -60,7 +61,7 @@ static void make_pair(uint64_t number, double deviation_mm, struct pair *pair)
     }
 }
 
-/* How a method moves the source's points. */
+/* The motion that a method finds for the source's points. */
 typedef int register_function(const struct pair *pair, struct iso_affine *target_from_source);
 
 static int by_icp(const struct pair *pair, struct iso_affine *out, enum iso_icp_pairing pairing)
@@ -129,7 +130,7 @@ static const struct method methods[] = {
 };
 enum { METHODS = sizeof methods / sizeof *methods };
 
-/* The largest distance of a point moved by both, mm. */
+/* The largest distance between the two positions of a point that both motions have moved, in mm. */
 static double apart(const struct pair *pair, const struct iso_affine *a, const struct iso_affine *b)
 {
     double most = 0.0;

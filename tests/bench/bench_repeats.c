@@ -1,5 +1,5 @@
-/* What it costs to see that a frame repeats an earlier one: the fingerprint of stored frames, and
- * the look through a memory that is full (10 minutes of 30 frames a second). Wall time. */
+/* Measures the cost of detecting that a frame repeats an earlier one: the fingerprint of a frame,
+ * and the search in a full memory (10 minutes of 30 frames a second). Wall time. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -65,7 +65,7 @@ int main(void)
         const int64_t begin_ns = sim_wall_ns(NULL);
         struct iso_fingerprint print = iso_fingerprint_of(frame, nose_mm);
         const int64_t between_ns = sim_wall_ns(NULL);
-        print = made_up((uint64_t)(options.capacity + i)); /* new: nothing ends the look early */
+        print = made_up((uint64_t)(options.capacity + i)); /* new: no hit ends the search early */
         const int64_t look_begin_ns = sim_wall_ns(NULL);
         known += iso_frame_memory_repeats(memory, &print, options.capacity + i);
         look_ns[i] = sim_wall_ns(NULL) - look_begin_ns;

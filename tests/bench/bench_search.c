@@ -1,7 +1,7 @@
-/* 1:N search by people, side by side with what a user would pick instead: the exact score of
- * everybody, and FLANN's nearest neighbours, to which the score is equivalent when everybody has as
- * many templates: it falls with the distance of x / sqrt(same) to shrink y / sqrt(same) (index.h).
- * One thread, processor time. */
+/* Compares the 1:N search with two alternatives: the exact score of all people, and FLANN's nearest
+ * neighbours. The latter is equivalent to the score if all people have the same number of
+ * templates: the score falls with the distance between x / sqrt(same) and shrink y / sqrt(same)
+ * (index.h). One thread, processor time. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -36,9 +36,9 @@ struct bench {
     struct iso_metric *metric;
     size_t people;
     struct iso_metric_vector *enrolled, probe[PROBES_MAX];
-    int64_t mate[PROBES_MAX];           /* who it is; -1: a stranger */
+    int64_t mate[PROBES_MAX];           /* the person of the probe; -1: a stranger */
     double best[PROBES_MAX][SHORTLIST]; /* exact scores of the best */
-    double median_ms[METHODS][SIZES];   /* NaN: not there */
+    double median_ms[METHODS][SIZES];   /* NaN: not measured */
 };
 
 struct hits {
@@ -46,7 +46,7 @@ struct hits {
     int64_t person[SHORTLIST];
 };
 
-/* Every other probe is of somebody who is not enrolled. */
+/* Every other probe is of a person who is not enrolled. */
 static void make_people(struct bench *bench)
 {
     for (size_t i = 0; i < bench->people; i++) {
@@ -79,11 +79,11 @@ static void search_exhaustively(const struct bench *bench, size_t probe, struct 
 }
 
 struct recall {
-    size_t found, wanted;      /* of the best of all, those in the shortlist */
-    size_t mates, mates_found; /* of probes of enrolled people */
+    size_t found, wanted;      /* the best people, and how many of them are in the shortlist */
+    size_t mates, mates_found; /* the same for the enrolled people of the probes */
 };
 
-/* Somebody whose score is that of the last one, but for rounding, is as good. */
+/* A person with the score of the last one, except for rounding, is as good. */
 static void add_recall(const struct bench *bench, size_t probe, const struct hits *hits,
                        struct recall *recall)
 {
@@ -160,7 +160,7 @@ static int time_index(struct bench *bench, int size)
 }
 
 #ifdef HAVE_FLANN
-/* Coordinates in which the score is a distance: of a probe, or of somebody with one template. */
+/* Coordinates in which the score is a distance: of a probe, or of a person with one template. */
 static void flann_point(const struct iso_metric *metric, const struct iso_metric_vector *vector,
                         bool enrolled, float *out)
 {

@@ -1,6 +1,6 @@
-/* Measures the timing of Wiegand codes: the lengths of pulses and of the intervals between them, as
- * the sender's thread has them on this machine. Over lines of its own making (nothing but the time
- * is taken down), or over two real ones:
+/* Measures the timing of Wiegand codes: the lengths of the pulses and of the intervals between them
+ * that the sender's thread reaches on this machine. It uses simulated lines, which only note the
+ * time, or two real lines:
  *
  *   bench_wiegand [CODES [D0 D1]]       lines as in isotherm.conf(5), such as GPIO5 "GPIO6
  * active-low"
@@ -23,7 +23,7 @@ enum { BITS = 26, CODES = 40, CODES_MAX = 10000 };
 
 struct wire {
 #ifdef ISOTHERM_WITH_GPIOD
-    struct iso_gpio_line *lines[2]; /* NULL: time only */
+    struct iso_gpio_line *lines[2]; /* NULL: simulated */
 #endif
     size_t n; /* pulses */
     int64_t *begin_ns, *end_ns;
@@ -36,7 +36,7 @@ static int64_t clock_ns(void)
     return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
 }
 
-/* The time after the line was switched, which is when it has its level. */
+/* Notes the time after the line was switched, because it has its level only then. */
 static int set_line(void *context, int line, bool pulse)
 {
     struct wire *wire = context;

@@ -1,4 +1,4 @@
-/* Made-up people for benchmarks: as many as it takes, for the price of some random numbers. */
+/* Made-up people for benchmarks, from random numbers: any number of them at little cost. */
 #ifndef TESTS_BENCH_CROWD_H
 #define TESTS_BENCH_CROWD_H
 
@@ -6,14 +6,15 @@
 
 #include "isotherm/metric.h"
 
-/* A template of person `person`, made of the metric's mean curves, the person's own deviation (2 mm
- * a point) and that of the template number `take` (0.3 mm). Of no landmark that the metric does not
- * use is there more than zeros. The same every time. */
+/* A template of person `person`: the metric's mean curves with the deviation of the person (2 mm a
+ * point) and that of the template number `take` (0.3 mm). Landmarks that the metric does not use
+ * have zeros. The result is the same every time. */
 struct iso_template bench_template(const struct iso_metric *metric, uint64_t person, uint64_t take);
 
-/* The vector of such a template by the metric's own statistics: what people differ by is normal
- * with variances `between`, templates of one person with variance 1. Quicker, and hard: people are
- * as alike as the metric thinks that people are. Scaled as iso_metric_project does. */
+/* The vector of a template by the metric's own statistics: people differ by a normal distribution
+ * with the variances `between`, and templates of one person with the variance 1. This is quicker
+ * than bench_template, and harder for a search: people are as similar as the metric assumes. The
+ * vector is scaled as by iso_metric_project. */
 struct iso_metric_vector bench_vector(const struct iso_metric *metric, uint64_t person,
                                       uint64_t take);
 

@@ -45,7 +45,7 @@ enum { STREAMS = 8, FLOATS = 8192, PASSES = 400, LANES = 8 };
 
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float))));
 
-/* Compiled as the fastest heat step is. */
+/* Compiled with the same vector instructions as the fastest heat step. */
 #if defined __x86_64__
 __attribute__((target("avx2")))
 #endif
@@ -78,7 +78,7 @@ double bench_l2_gb_s(void)
         int64_t begin_ns = sim_wall_ns(NULL);
         for (int k = 0; k < 4; k++) {
             stream(plane);
-            __asm__ volatile("" : : "r"(memory) : "memory"); /* what was written is wanted */
+            __asm__ volatile("" : : "r"(memory) : "memory"); /* keeps the writes */
         }
         int64_t took_ns = sim_wall_ns(NULL) - begin_ns;
         best_ns = took_ns < best_ns ? took_ns : best_ns;

@@ -1,6 +1,7 @@
-/* One stored frame on the fast path, once: from the frame in memory to the ten best of 1,000
- * people. For who counts instructions from outside (tests/aarch64/instructions.sh): between two
- * calls of one_frame_mark() lies what a line of the output names. One thread; people are made up.
+/* Computes one stored frame once, from the frame in memory to the ten best of 1,000 made-up people,
+ * with one thread. It is for a script that counts instructions from outside
+ * (tests/aarch64/instructions.sh): each line of the output names the code between two calls of
+ * one_frame_mark().
  *
  *   one_frame CORPUS MODEL METRIC RECORDING      the first frame of a recording of the corpus */
 #include <errno.h>
@@ -26,7 +27,7 @@ struct bench {
     int64_t marks;
 };
 
-/* To be found by its name in the program: nothing but the place counts. */
+/* An empty function that the script finds by its name in the program. */
 void one_frame_mark(void);
 
 __attribute__((noinline)) void one_frame_mark(void)
@@ -34,7 +35,7 @@ __attribute__((noinline)) void one_frame_mark(void)
     __asm__ volatile("");
 }
 
-/* The extractor's clock: asked before its first stage and after each. */
+/* The extractor's clock, which the extractor reads before its first stage and after each stage. */
 static int64_t count_marks(void *context)
 {
     struct bench *bench = context;
@@ -70,7 +71,7 @@ static int run(struct bench *bench)
     int n = 0;
     int error = iso_extractor_run(bench->extractor, bench->frame, &extraction);
     if (!error && (extraction.outcome != ISO_CAPTURE_OK || bench->marks != ISO_STAGES + 1)) {
-        error = -ENODATA; /* not every stage was gone through once */
+        error = -ENODATA; /* the extractor did not run every stage once */
     }
     one_frame_mark();
     error = error ? error : iso_metric_project(bench->metric, &extraction.tmpl, &probe);

@@ -1,6 +1,6 @@
 #!/bin/bash
-# What the daemon needs with many people enrolled: seconds from its start until it answers, and its memory once it has seen
-# frames, now and at most. Measures, never passes or fails.
+# Measures the daemon with many enrolled people: the seconds from its start until it answers, and its memory after some frames, now and at
+# most. It does not judge.
 # usage: resident.sh BUILD PEOPLE [FRAMES]        (BUILD with bench_gallery, isothermd, isotherm)
 set -euo pipefail
 build=$(cd "$1" && pwd)
@@ -72,7 +72,7 @@ until status >/dev/null; do
     sleep 0.02
 done
 ready=$(date +%s%N)
-# What the kernel charged until then: user and system time, in ticks.
+# The processor time until then: user and system time, in ticks.
 ticks=$(sed 's/.*) //' "/proc/$daemon_pid/stat" | awk '{ print $12 + $13 }')
 
 seen=0

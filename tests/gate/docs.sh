@@ -1,11 +1,11 @@
 #!/bin/sh
-# Gate: the tree explains itself.
+# Gate: the documents are true, and the files are short.
 #   - every top-level folder has a README
-#   - links between documents lead somewhere, to a heading if they name one
+#   - links between documents lead to a file that exists, and to a heading that exists if they name one
 #   - every path that a document names exists
 #   - the README of the project is short: at most 168 lines (five screens), and 40 numbers outside commands and the table of the levels
 #   - a source has at most 400 lines, unless long_files.txt lists it
-#   - nothing is left open in the code
+#   - the code has no TODO
 # usage: docs.sh [ROOT]
 set -eu
 cd "${1:-$(dirname "$0")/../..}"
@@ -20,7 +20,7 @@ for folder in core drivers firmware enroll sim tests cmake board; do
     [ -s "$folder/README.md" ] || fault "$folder: has no README.md"
 done
 
-# headings DOCUMENT: the names by which links call them: small letters, hyphens for spaces, no other signs
+# headings DOCUMENT: prints the names of its headings in links: small letters, hyphens for spaces, no other signs
 headings() {
     sed -n 's/^##* *//p' "$1" | tr '[:upper:] ' '[:lower:]-' | sed 's/[^a-z0-9_-]//g'
 }
@@ -37,7 +37,7 @@ for document in $documents; do
     done
 done
 
-# The README that a visitor reads first. Measurements belong into sim/results.
+# The README of the project. Measurements belong into sim/results.
 if [ -f README.md ]; then
     lines=$(wc -l <README.md)
     [ "$lines" -le 168 ] || fault "README.md: $lines lines, at most 168"
@@ -47,9 +47,9 @@ if [ -f README.md ]; then
     [ "$numbers" -le 40 ] || fault "README.md: $numbers numbers, at most 40: what is measured belongs into sim/results"
 fi
 
-# named_paths DOCUMENT: the paths that it names, one a line: every word that begins with a folder of the top, wherever it stands, and
-# every word in backticks that has a slash or the ending of a source. Not of this tree: what is absolute, has a variable, is made by a
-# build (build/, out/) or by a command. A word with capitals that stands for any name (NAME.sh, BUILD/vm) is no path.
+# named_paths DOCUMENT: prints the paths that it names, one a line: every word that begins with a top-level folder, and every word in
+# backticks that has a slash or the ending of a source. It leaves out absolute paths, paths with a variable, and the output of a build
+# (build/, out/) or a command. A word with capitals stands for any name (NAME.sh, BUILD/vm) and is no path.
 named_paths() {
     {
         grep -oE '(^|[^A-Za-z0-9_./$-])(core|drivers|firmware|enroll|sim|tests|cmake|board)/[A-Za-z0-9_.*/-]+' "$1" |
@@ -59,10 +59,11 @@ named_paths() {
     } | sed 's/[.,:;]*$//' | grep -vE '^(build|out)/|[A-Z][A-Z]+' | sort -u
 }
 
-# exists DOCUMENT PATH: from the root or from the document's folder; a bare name of a file: anywhere under the document's folder
+# exists DOCUMENT PATH: whether the path exists from the root or from the document's folder; a bare file name may be anywhere under the
+# document's folder
 exists() {
     folder=${1%/*}
-    # A star stands for several files: the first one will do.
+    # A star stands for several files; it is enough if the first one exists.
     for file in "./"$2 "$folder/"$2; do
         [ ! -e "$file" ] || return 0
     done
@@ -72,7 +73,8 @@ exists() {
     esac
 }
 
-# brings DOCUMENT PATH: the document has the file itself, as a block of code with its path, or files of this folder. A test builds it.
+# brings DOCUMENT PATH: whether the document has the text of the file, as a block of code with its path, or files of this folder. A test
+# builds these files.
 brings() {
     grep -qE "^\`\`\`[a-z]+ $2(/.*)?\$" "$1"
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Gate: every C file is laid out as .clang-format says.
+# Gate: every C file has the layout of .clang-format.
 # usage: format.sh [ROOT]
 set -eu
 cd "${1:-$(dirname "$0")/../..}"

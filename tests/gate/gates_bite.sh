@@ -1,5 +1,5 @@
 #!/bin/sh
-# Gate of the gates: each of the text gates refuses what it is there to refuse.
+# Tests the gates that read texts: each of them refuses the mistakes that it must find.
 # usage: gates_bite.sh [ROOT [CC]]
 set -eu
 root=$(cd "${1:-$(dirname "$0")/../..}" && pwd)
@@ -111,7 +111,7 @@ what='an include against the flow of the data'
 printf '#  include "core/heat/a.h"\n' >"$copy/core/base/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"
 
-# includes FILE HEADER: a room of each part of the house includes one that stands below it.
+# includes FILE HEADER: a file includes a header that layers.txt does not permit.
 includes() {
     fresh_tree
     what="$1 includes $2"
@@ -194,7 +194,7 @@ echo 'See `base/b.h`.' >"$copy/core/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
 echo 'See `b.h`.' >"$copy/core/README.md"
 refuses "$root/tests/gate/docs.sh" "$copy"
-# A guide has new files in full.
+# A guide may have the full text of new files.
 printf 'See `core/new/b.h` in `core/new`.\n\n```c core/new/b.h\nint b(void);\n```\n' >"$copy/core/README.md"
 passes "$root/tests/gate/docs.sh" "$copy"
 printf 'See `core/new/c.h`.\n\n```c core/new/b.h\nint b(void);\n```\n' >"$copy/core/README.md"
@@ -292,7 +292,7 @@ what='a file of 401 lines'
 echo '/* */' >>"$copy/core/base/b.c"
 refuses "$root/tests/gate/docs.sh" "$copy"
 
-# SECURITY.md and the list of tests that it is held against.
+# A SECURITY.md, and the list of tests with which it is compared.
 claims() {
     fresh_tree
     what=$1

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Gate: every header compiles alone, so that including it never depends on what was included before.
+# Gate: every header compiles alone, so that it does not depend on the headers that were included before it.
 # usage: headers.sh CC [ROOT]
 set -eu
 cc=$1
@@ -14,8 +14,8 @@ headers=$(find core drivers firmware enroll sim tests -name '*.h' | sort)
     exit 1
 }
 for header in $headers; do
-    # Included from a source, so that its inline functions are not "unused" and `#pragma once` would be legal. cmocka.h
-    # wants these four.
+    # A source includes the header, so that its inline functions are not "unused" and `#pragma once` would be legal. cmocka.h
+    # needs these four.
     {
         case $header in
         tests/*) printf '#include <%s.h>\n' setjmp stdarg stddef stdint ;;

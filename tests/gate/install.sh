@@ -1,6 +1,6 @@
 #!/bin/sh
-# Gate: what is installed is whole and can be used: programs run, with their modules; manuals and data are there, every installed
-# header compiles by itself, a program builds with what pkg-config says and runs.
+# Gate: the installation is complete and works. Programs run with their modules; manuals and data exist; every installed header compiles
+# alone; a program builds with the flags of pkg-config and runs.
 # usage: install.sh BUILD CC
 set -eu
 build=$1
@@ -28,7 +28,7 @@ for program in isothermd isotherm isotherm-sim; do
     "$prefix/bin/$program" --version
 done
 
-# Modules lie beside the installed library, and the installed program uses them, not those of the build.
+# Modules are installed next to the library, and the installed program uses these and not the modules of the build.
 for built in "$build"/core/isotherm/isotherm-*.so; do
     [ -e "$built" ] || continue
     module=$(find "$prefix" -path "*/isotherm/${built##*/}")

@@ -1,9 +1,9 @@
 #!/bin/sh
 # Gate: each diagram of the documents is drawn from its present source.
-#   - the texts and the arrows of FILE.svg are those of FILE.dot beside it (places and fonts are not compared: they depend on the
-#     fonts of the machine that drew it)
+#   - the texts and the arrows of FILE.svg are those of FILE.dot next to it (places and fonts are not compared: they depend on the
+#     fonts of the machine that drew the diagram)
 #   - every path that a label names exists
-# A diagram that differs is drawn anew by sim/gallery/draw.sh diagrams.
+# Draw a diagram that differs again by sim/gallery/draw.sh diagrams.
 # usage: pictures.sh [ROOT]
 set -eu
 cd "${1:-$(dirname "$0")/../..}"
@@ -16,13 +16,13 @@ fault() {
     faults=$((faults + 1))
 }
 
-# source_texts FILE.dot: one line of a label a line; a record's fields are labels of their own, without their ports
+# source_texts FILE.dot: prints the lines of all labels; each field of a record is a label, without its port
 source_texts() {
     grep -v '^[[:space:]]*//' "$1" | grep -o 'label="[^"]*"' | sed 's/^label="//; s/"$//; s/\\n/\n/g' |
         sed 's/|/\n/g' | sed 's/^<[a-z_]*> *//; s/^ *//; s/ *$//' | sort
 }
 
-# source_arrows FILE.dot: FROM->TO a line, without ports
+# source_arrows FILE.dot: prints the arrows as FROM->TO, one a line, without ports
 source_arrows() {
     grep -v '^[[:space:]]*//' "$1" | sed 's/"[^"]*"//g; s/\[.*//; s/;.*//' | grep -e '->' | sed 's/:[a-z_]*//g; s/[[:space:]]//g' |
         awk -F'->' '{ for (i = 1; i < NF; i++) print $i "->" $(i + 1) }' | sort
@@ -40,7 +40,7 @@ drawn_arrows() {
     sed -n 's/^<title>\(.*&gt;.*\)<\/title>$/\1/p' "$1" | sed 's/:[a-z_]*//g' | plain
 }
 
-# same WHAT SOURCE DRAWING: compares what both hold
+# same texts|arrows SOURCE DRAWING: compares those of the source with those of the drawing
 same() {
     "source_$1" "$2" >"$scratch/source"
     "drawn_$1" "$3" >"$scratch/drawn"

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Gate: the rooms of the house.
+# Gate: the rooms, which are the folders of sources.
 #   - no folder holds more than 25 files
 #   - no room of the product (core, drivers, firmware, enroll) has more than a fifth of its lines
 #   - no file includes itself through others, and no room includes itself through other rooms
-# A room is the folder of a source. Generated and downloaded files are not looked at.
+# Generated and downloaded files are not examined.
 # usage: rooms.sh [ROOT]           prints each fault, exits 1 if there is one
 set -eu
 cd "${1:-$(dirname "$0")/../..}"
@@ -14,7 +14,7 @@ fault() {
     faults=1
 }
 
-# What is part of the project: in a checkout what git knows or would add, elsewhere every file.
+# The files of the project: in a checkout those that git knows or would add, elsewhere all files.
 files=$(git ls-files --cached --others --exclude-standard 2>/dev/null || true)
 [ -n "$files" ] || files=$(find . -type f | sed 's#^\./##')
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Gate: SECURITY.md claims nothing as tested without naming the test. Each "tested" reads
+# Gate: SECURITY.md names a test wherever it says that something is tested. Each "tested" reads
 #     tested: `NAME`      or      tested: `NAME1`, `NAME2`
 # and each NAME is a test in ctest's list or an executable script under tests/.
 # usage: security.sh ROOT TESTS      TESTS: a file with the names of the tests, one a line
@@ -31,7 +31,7 @@ exists() {
     esac
 }
 
-# One claim a line, whatever lines it runs over: from "tested" to the next one.
+# One claim a line, also if it extends over several lines of the document: from one "tested" to the next.
 claims=$(mktemp)
 trap 'rm -f "$claims"' EXIT
 tr '\n' ' ' <"$root/SECURITY.md" | tr -s ' ' | sed 's/\<tested\>/\n&/gI' | grep -i '^tested\>' >"$claims" ||

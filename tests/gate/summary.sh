@@ -1,13 +1,13 @@
 #!/bin/sh
-# Says how many test cases of the last ctest run of a build passed, failed and were skipped: each case of a cmocka program
-# counts, and each other test is one. Before that come the last lines of what tried faults (make drill, kills, storage-faults): of
-# the whole runs if there were any, else of those in the tests.
+# Prints how many test cases of the last ctest run of a build passed, failed and were skipped. Each case of a cmocka program counts, and
+# each other test counts as one case. Before that it prints the last lines of make drill, make kills and make storage-faults: those of the
+# whole runs if there were any, otherwise those of the runs within the tests.
 # usage: summary.sh BUILD
 set -eu
 # shellcheck source=tests/support/verdict.sh
 . "$(dirname "$0")/../support/verdict.sh"
 logs=$1/Testing/Temporary
-skipped=$logs/LastTestsDisabled.log # ctest's list of tests that said "skip" as a whole
+skipped=$logs/LastTestsDisabled.log # ctest's list of tests that were skipped as a whole
 [ -f "$skipped" ] || skipped=/dev/null
 
 for what in drill kills 'storage faults'; do

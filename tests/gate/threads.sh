@@ -1,5 +1,5 @@
 #!/bin/sh
-# Gate: threads are started by drivers/process/thread.h, which gives them a stack of a stated size and no signals.
+# Gate: all threads are started through drivers/process/thread.h, which gives them a stack of a stated size and blocks their signals.
 # usage: threads.sh [ROOT]
 set -eu
 cd "${1:-$(dirname "$0")/../..}"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Gate: clang-tidy has nothing to say (.clang-tidy) about any source of a configured build. Tests are left out: the analyzer
-# does not know that a failed assertion ends a test.
+# Gate: clang-tidy gives no warning (.clang-tidy) for any source of a configured build. Tests are left out, because the analyzer does not
+# know that a failed assertion ends a test.
 # usage: tidy.sh BUILD
 set -eu
 build=$1

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Gate: how much of the machine the unit leaves to the daemon, by systemd's own count (0 is least, 10 all).
+# Gate: the exposure of the unit by systemd's rating (0 is the least, 10 the most) is at most MOST.
 # usage: unit.sh UNIT MOST      ends with 77 (skipped) where there is no systemd-analyze
 set -eu
 command -v systemd-analyze >/dev/null || { echo 'skipped: no systemd-analyze'; exit 77; }

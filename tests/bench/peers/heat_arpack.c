@@ -8,7 +8,7 @@
 
 #include "core/heat/factor.h"
 
-/* What ARPACK's reverse communication works on. */
+/* The state of ARPACK's reverse communication. */
 struct arpack {
     int n, k, ncv;
     double shift; /* sigma < 0, so that L - sigma B is positive definite */
@@ -54,7 +54,7 @@ static void arpack_done(struct arpack *a)
 static int arpack_iterate(struct arpack *a, const struct iso_symmetric *mass,
                           struct iso_factor *factor)
 {
-    int ido = 0, info = 1; /* info 1: the start vector is given, so that runs repeat */
+    int ido = 0, info = 1; /* info 1: the start vector is given, so that all runs are the same */
     for (int i = 0; i < a->n; i++) {
         a->residual[i] = 1.0 + 0.5 * sin(1.0 + 0.7 * i); /* any vector with all modes in it */
     }
@@ -68,7 +68,7 @@ static int arpack_iterate(struct arpack *a, const struct iso_symmetric *mass,
             iso_symmetric_multiply(mass, x, a->scratch);
             error = iso_factor_solve(factor, a->scratch, 1, y);
             break;
-        case 1: /* the same, B x is there */
+        case 1: /* the same, with B x already computed */
             error = iso_factor_solve(factor, &a->workd[a->ipntr[2] - 1], 1, y);
             break;
         case 2: /* y = B x */
@@ -97,7 +97,7 @@ static int arpack_extract(struct arpack *a, double *lambda, double *phi)
     if (info != 0) {
         return -ENOTRECOVERABLE;
     }
-    for (int i = 1; i < a->k; i++) { /* insertion sort: they come nearly sorted */
+    for (int i = 1; i < a->k; i++) { /* insertion sort: ARPACK returns them nearly sorted */
         for (int j = i; j > 0 && lambda[j - 1] > lambda[j]; j--) {
             double larger = lambda[j - 1];
             lambda[j - 1] = lambda[j];

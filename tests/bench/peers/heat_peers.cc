@@ -60,7 +60,7 @@ static Eigen::Vector3d vertex(const peer_mesh *mesh, int32_t index)
     return Eigen::Map<const Eigen::Vector3d>(mesh->vertices_mm[index]);
 }
 
-/* The divergence of the normalised gradient of u, against the temperature. */
+/* The divergence of the normalised negative gradient of the temperature u. */
 static void add_divergence(const peer_mesh *mesh, const Eigen::Ref<const Eigen::VectorXd> &u,
                            Eigen::Ref<Eigen::VectorXd> divergence)
 {

@@ -1,5 +1,5 @@
-/* What a user would pick from Debian packages to get heat or distances on a mesh: the benchmark's
- * peers, in C++ over Eigen and Spectra. All return 0, or a negative errno if the library failed. */
+/* Other methods for heat or distances on a mesh, for comparison: in C++, with Eigen and Spectra
+ * from Debian's packages. All functions return 0, or a negative errno if the library failed. */
 #ifndef TESTS_BENCH_PEERS_HEAT_PEERS_H
 #define TESTS_BENCH_PEERS_HEAT_PEERS_H
 
@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-/* What stiffness_mass.h and mesh.h have, in types that C++ can read too. */
+/* The data of stiffness_mass.h and mesh.h in types that C++ can read, too. */
 struct peer_matrix {
     int32_t n, nnz;
     const int32_t *column_start, *row; /* of the lower triangle */
