@@ -26,8 +26,8 @@ enum { SIZE_OF_TABLE = 2, RADIUS_OF_PRODUCT = 1, RADIUS_MOST = 3 };
 
 struct options {
     const char *out;
-    int seconds; /* spent on a method at a size, at most, after three runs */
-    int methods; /* the first so many only */
+    int seconds; /* at most, for a method at a size, after three runs */
+    int methods; /* the number of methods, from the first */
 };
 
 struct timing {
@@ -42,7 +42,7 @@ static void quit(const char *what, int error)
     exit(EXIT_FAILURE);
 }
 
-/* Opens, runs again and again, and closes. */
+/* Opens a method, runs it repeatedly, and closes it. */
 static struct timing time_method(const struct heat_method *method, const struct heat_case *c,
                                  int seconds)
 {
@@ -76,7 +76,7 @@ static struct timing time_method(const struct heat_method *method, const struct 
     };
 }
 
-/* Memory that one run needs beyond what is there already, MiB: the peak of a process of its own. */
+/* The additional memory of one run in MiB: the peak of a separate process. */
 static double memory_mib(const struct heat_method *method, const struct heat_case *c)
 {
     double peak[2] = {0};
@@ -99,7 +99,7 @@ static double memory_mib(const struct heat_method *method, const struct heat_cas
     return peak[1] - peak[0];
 }
 
-/* Reference columns, and from them the isotherms, of one kind of mass. */
+/* The reference columns of one kind of mass matrix, and their isotherms. */
 static double *reference_columns(const struct heat_case *c, enum iso_mass mass)
 {
     size_t n = (size_t)c->surface.mesh->n_vertices;
@@ -115,7 +115,8 @@ static double *reference_columns(const struct heat_case *c, enum iso_mass mass)
     return columns;
 }
 
-/* Root mean square distance of two faces' isotherms where both have points, mm; *n how many. */
+/* The root mean square distance between two faces' isotherms where both have points, in mm; *n is
+ * the number of points. */
 static double rms_between(const struct iso_isotherm a[ISO_LANDMARKS],
                           const struct iso_isotherm b[ISO_LANDMARKS], int *n)
 {
@@ -133,7 +134,7 @@ static double rms_between(const struct iso_isotherm a[ISO_LANDMARKS],
     return sqrt(square / *n);
 }
 
-/* Error of a method's isotherms at each radius. */
+/* The error of a method's isotherms at each radius. */
 static void measure_error(const struct heat_method *method, struct heat_case c,
                           const double *reference, double error_mm[RADII], int points[RADII])
 {
@@ -183,7 +184,7 @@ static void print_errors(const struct heat_case *c, int n_methods)
     free(reference[1]);
 }
 
-/* Heat on the grid against what moving its data takes. */
+/* Compares the time of heat on the grid with the time of moving its data. */
 static void print_bound(const struct heat_case *c, int seconds)
 {
     struct heat_case at = *c;
@@ -211,7 +212,7 @@ static void print_bound(const struct heat_case *c, int seconds)
     }
 }
 
-/* Times of all methods at all sizes, the table of one, and how they grow. */
+/* Prints the times of all methods at all sizes, the table of one size, and the growth. */
 static void print_growth(const struct options *options, double n_vertices[SIZES],
                          double total_ms[METHODS_MAX][SIZES])
 {

@@ -17,7 +17,7 @@ static void restore(const struct iso_lockout_record *record)
                "no lock is longer than the longest");
     fuzz_check((record->remaining_ns > 0 || record->lockdown) ==
                    (iso_lockout_refusal(&lockout) != ISO_REASON_NONE),
-               "what was shut is shut");
+               "a lock-out and a lockdown are kept");
 }
 
 static void try_text(const char *text, size_t size)

@@ -23,7 +23,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         uint8_t again[ISO_TEMPLATE_BYTES_MAX];
         double distance_mm;
         int written = iso_template_serialise(&tmpl, again, sizeof again);
-        fuzz_check(written == (int)size, "what was read can be written");
+        fuzz_check(written == (int)size, "a template that was read can be written");
         fuzz_check(iso_match_distance(&registration, &tmpl, &tmpl, &options, &distance_mm) != 0 ||
                        (distance_mm >= 0.0 && distance_mm < 1e-3),
                    "no distance from a template to itself");

@@ -56,6 +56,6 @@ start() {
     wait_for 60 'the daemon does not answer' answers
 }
 
-told() {
+say() {
     printf '%6.1f s  %s\n' "$(cut -d ' ' -f 1 /proc/uptime)" "$1"
 }

@@ -91,7 +91,7 @@ run_one() {
             code=0
             boot "$name" "$seconds" "$programs" || code=$?
             [ $code -ne 0 ] && kernel_broke "$name" && [ $boot -lt 3 ] || break
-            echo "$name: the kernel broke in its own release of a pulled camera; boot $((boot + 1))"
+            echo "$name: the kernel failed while it released an unplugged camera; boot $((boot + 1))"
         done
     else
         echo "skipped: it needs $programs/firmware/isothermd" >"$build/vm/$name.log"

@@ -49,7 +49,7 @@ wake_up() {
     start
     is_at $RELAY 0 || die 'the relay is on at the start'
     is_at $REFUSED 1 || die 'the red light is on at the start'
-    told 'the daemon answers'
+    say 'the daemon answers'
 }
 
 p01_is_enrolled() {
@@ -66,7 +66,7 @@ p01_is_enrolled() {
     wait $tool || die "p01 is not enrolled: $hint $(cat enroll.txt)"
     exec 3<&-
     clear_camera # the last frames may have unlocked the door already
-    told 'p01 is enrolled'
+    say 'p01 is enrolled'
 }
 
 a_stranger_is_refused() {
@@ -78,7 +78,7 @@ a_stranger_is_refused() {
     clear_camera
     [ "$(count_allowed)" = "$allowed" ] || die 'a stranger is let in'
     is_at $RELAY 0 || die 'a stranger switches the relay'
-    told 'a stranger was refused: the relay is off'
+    say 'a stranger was refused: the relay is off'
 }
 
 p01_is_let_in() {
@@ -87,12 +87,12 @@ p01_is_let_in() {
     wait_for 90 'an enrolled face does not switch the relay' sees is_at $RELAY 1
     is_at $GRANTED 1 || die 'the green light is not on'
     pull $CONTACT up # do this first: the door may lock again before the daemon answers a question
-    told 'p01 switches the relay'
+    say 'p01 switches the relay'
     wait_for 10 'the relay is on although the door is open' is_at $RELAY 0
     wait_for 5 'the door is not opened' door_is opened
     [ "$(count_allowed)" -gt "$allowed" ] && has_logged '"person":"p01","verdict":"allow"' || die 'the visit is not on record'
     rm bench/slot
     pull $CONTACT down
     wait_for 10 'the door does not lock' door_is locked
-    told 'p01 has passed'
+    say 'p01 has passed'
 }

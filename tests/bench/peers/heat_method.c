@@ -14,7 +14,7 @@
 
 enum { EIGENPAIRS = 100, EULER_STEPS = 8 };
 
-/* Where the landmarks of the mean face are, x and y of the face frame. */
+/* The landmarks of the mean face: x and y in the face frame. */
 static const double place_mm[ISO_LANDMARKS][2] = {
     [ISO_LM_NASION] = {0.1, 41.0},      [ISO_LM_NOSE_TIP] = {0.3, 0.4},
     [ISO_LM_SUBNASALE] = {-0.2, -14.0}, [ISO_LM_ALA_R] = {-15.5, -6.0},
@@ -73,7 +73,7 @@ int heat_isotherms_on_mesh(struct iso_tracer *tracer, const struct heat_case *c,
     return 0;
 }
 
-/* The grid. */
+/* ---- heat on the grid ---- */
 struct on_grid {
     struct iso_heat_grid *solver;
     struct iso_grid_tracer *tracer;
@@ -133,7 +133,7 @@ double heat_grid_pixels(const void *state)
     return iso_heat_grid_effort(g->solver).pixels;
 }
 
-/* All others: on the mesh, with matrices. */
+/* ---- the other methods: on the mesh, with matrices ---- */
 struct on_mesh {
     struct iso_symmetric *stiffness, *mass;
     struct iso_heat_direct *direct;
@@ -290,7 +290,7 @@ static int heat_by_euler(void *state, const struct heat_case *c)
                                        m->column);
 }
 
-/* Distances, as the heat that a plane would have there. */
+/* Distances, converted to the heat of a plane at these distances. */
 static int heat_by_distance(void *state, const struct heat_case *c)
 {
     struct on_mesh *m = state;

@@ -1,4 +1,4 @@
-/* The ways to the heat of twelve landmarks that the benchmark compares, and what they work on. */
+/* The methods for the heat of twelve landmarks that the benchmark compares, and their input. */
 #ifndef TESTS_BENCH_PEERS_HEAT_METHOD_H
 #define TESTS_BENCH_PEERS_HEAT_METHOD_H
 
@@ -19,16 +19,16 @@ struct heat_case {
     int n_points;
 };
 
-/* A face of about so many vertices; a failure ends the program. */
+/* Makes a face with about this number of vertices; a failure ends the program. */
 struct heat_case heat_case_of(double n_vertices);
 void heat_case_done(struct heat_case *c);
 
 /* A method, its workspaces and columns. */
 struct heat_method {
     const char *name;
-    enum iso_mass mass; /* that its columns are those of */
-    bool exact;         /* its columns are heat, to be compared with the reference */
-    int n_max;          /* most vertices that it is given: beyond it takes too long */
+    enum iso_mass mass; /* the mass matrix of its columns */
+    bool exact;         /* its columns are heat and can be compared with the reference */
+    int n_max;          /* the largest number of vertices: with more it takes too long */
     /* NULL if there is no memory. */
     void *(*open)(const struct heat_case *c);
     /* The work of a frame: matrices, columns; then isotherms. 0 or a negative errno. */
@@ -38,16 +38,16 @@ struct heat_method {
     void (*close)(void *state);
 };
 
-/* The first is the grid, the second the general direct solver, the third 100 eigenpairs; then
- * the peers that were found when this was built. */
+/* The first method is the grid, the second the general direct solver, the third 100 eigenpairs;
+ * then follow the other libraries that were found when this was built. */
 enum { HEAT_METHOD_GRID, HEAT_METHOD_DIRECT, HEAT_METHOD_EIGENPAIRS };
 extern const struct heat_method heat_methods[];
 extern const int n_heat_methods;
 
-/* Work of the last heat() of the grid: pixels times steps. */
+/* The work of the last heat() of the grid: pixels times steps. */
 double heat_grid_pixels(const void *state);
 
-/* Isotherms of given heat columns [ISO_LANDMARKS][n_vertices] on the mesh. */
+/* Computes the isotherms of given heat columns [ISO_LANDMARKS][n_vertices] on the mesh. */
 int heat_isotherms_on_mesh(struct iso_tracer *tracer, const struct heat_case *c, const double *heat,
                            struct iso_isotherm out[ISO_LANDMARKS]);
 

@@ -28,27 +28,27 @@ sleep 0.1
 pull $BUTTON up
 wait_for 10 'the exit button does not switch the relay' is_at $RELAY 1
 wait_for 60 'the relay does not drop after unlock_ms' is_at $RELAY 0
-told 'the exit button lets out'
+say 'the exit button lets out'
 
 pull $TAMPER up
 wait_for 10 'the buzzer is silent while the housing is open' is_at $BUZZER 1
 pull $TAMPER down
 wait_for 10 'the buzzer does not stop' is_at $BUZZER 0
-told 'the housing is watched'
+say 'the housing is watched'
 
 echo 0 >$sim/live
 wait_for 10 'a chip that goes is no fault' door_is fault
 names_lines() {
-    client doctor >doctor.txt && die 'the doctor is content without lines'
+    client doctor >doctor.txt && die 'the doctor finds no fault without lines'
     grep -q 'door gpiod: relay:' doctor.txt
 }
-wait_for 30 'the doctor does not say what is wrong' names_lines
+wait_for 30 'the doctor does not name the lines' names_lines
 grep -A 1 'fault.*door' doctor.txt
 echo 1 >$sim/live
 rest_inputs
 wait_for 20 'the door does not recover' door_is locked
 kill -0 $daemon || die 'the daemon has ended'
-told 'the chip went and came'
+say 'the chip went and came'
 
 pull $BUTTON down
 wait_for 10 'the exit button does not switch the relay' is_at $RELAY 1
@@ -57,14 +57,14 @@ kill -KILL $daemon
 wait $daemon || true
 "$isothermd" --config isotherm.conf --rest-door || die '--rest-door fails'
 is_at $RELAY 0 || die 'the relay is on after a crash'
-told 'after a crash the relay is off'
+say 'after a crash the relay is off'
 
 start
 pull $BUTTON down
 wait_for 10 'the exit button does not switch the relay' is_at $RELAY 1
-"$isothermd" --config isotherm.conf --rest-door 2>busy.txt && die 'two have the lines'
-grep -q "in use by 'isotherm'" busy.txt || die "who has the lines is not said: $(cat busy.txt)"
+"$isothermd" --config isotherm.conf --rest-door 2>busy.txt && die 'two processes have the lines'
+grep -q "in use by 'isotherm'" busy.txt || die "the message does not name the owner of the lines: $(cat busy.txt)"
 kill -TERM $daemon
-wait $daemon || die 'the daemon does not end well'
+wait $daemon || die 'the daemon ends with a failure'
 is_at $RELAY 0 || die 'the relay is on after the end'
-told 'ended, the relay is off'
+say 'ended, the relay is off'

@@ -32,13 +32,13 @@ retry_ms = 50
 END
 export ASAN_OPTIONS=exitcode=66:detect_leaks=1
 start
-told 'the daemon answers'
+say 'the daemon answers'
 "$VM_BUILD/tests/vm/vm_usb_endurance" || die 'see above'
 kill -0 $daemon || die 'the daemon has ended'
 kill -TERM $daemon
 code=0
 wait $daemon || code=$?
-! grep -A 40 'Sanitizer' daemon.log || die 'the sanitizer has something to say'
+! grep -A 40 'Sanitizer' daemon.log || die 'the sanitizer has reported a fault'
 [ $code -eq 0 ] || die "the daemon ends with $code"
 is_at $RELAY 0 || die 'the relay is on after the end'
-told "the same daemon all the time; no leak"
+say "the same daemon all the time; no leak"

@@ -29,6 +29,6 @@ p01_is_enrolled
 a_stranger_is_refused
 p01_is_let_in
 kill -TERM $daemon
-wait $daemon || die 'the daemon does not end well'
+wait $daemon || die 'the daemon ends with a failure'
 is_at $RELAY 0 || die 'the relay is on after the end'
-told 'ended, the relay is off'
+say 'ended, the relay is off'
