@@ -89,3 +89,11 @@ bool scratch_exists(const char *path)
 {
     return access(path, F_OK) == 0;
 }
+
+char *scratch_read_text(const char *path)
+{
+    size_t size;
+    char *text = scratch_read(path, &size); /* has room for one byte more */
+    text[size] = '\0';
+    return text;
+}

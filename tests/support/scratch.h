@@ -23,4 +23,7 @@ void *scratch_read(const char *path, size_t *size);
 void scratch_mkdir(const char *path);
 bool scratch_exists(const char *path);
 
+/* Reads a file as a string, to be freed with free(). */
+char *scratch_read_text(const char *path);
+
 #endif

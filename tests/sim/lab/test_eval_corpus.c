@@ -111,16 +111,6 @@ static int lines_with(const char *text, const char *word)
     return n;
 }
 
-static char *read_text(const char *directory, const char *name)
-{
-    size_t size;
-    char *bytes = scratch_read(scratch_path(directory, name), &size);
-    char *text = calloc(size + 1, 1);
-    memcpy(text, bytes, size);
-    free(bytes);
-    return text;
-}
-
 static void test_reports(void **state)
 {
     struct sim_eval_options options = options_for(*state);
@@ -130,17 +120,17 @@ static void test_reports(void **state)
     assert_int_equal(sim_report_json(eval, *state, &fault), 0);
     assert_int_equal(sim_report_plots(eval, *state, &fault), 0);
 
-    char *scores = read_text(*state, "scores.csv");
+    char *scores = scratch_read_text(scratch_path(*state, "scores.csv"));
     assert_memory_equal(scores, "probe_recording,probe_frame,probe_subject,gallery_subject,", 58);
     assert_int_equal(lines_with(scores, ",ok"), 3 * 2);
     assert_int_equal(lines_with(scores, "p02-v1,1,p02,p01,"), 1);
     assert_int_equal(lines_with(scores, "none-nobody1,0,none,,,,fta:"), 1);
     free(scores);
 
-    char *landmarks = read_text(*state, "landmarks.csv");
+    char *landmarks = scratch_read_text(scratch_path(*state, "landmarks.csv"));
     assert_int_equal(lines_with(landmarks, ",nose_tip,"), 8);
     free(landmarks);
-    char *cmc = read_text(*state, "cmc.csv");
+    char *cmc = scratch_read_text(scratch_path(*state, "cmc.csv"));
     assert_int_equal(lines_with(cmc, "1,2,2,1.000000,"), 1);
     free(cmc);
 
@@ -191,7 +181,7 @@ static void test_damaged_frame_is_counted(void **state)
     scratch_mkdir(scratch_path(*state, "p02-v1/depth"));
     static const char *const names[] = {"recording.ini", "depth.txt"};
     for (int i = 0; i < 2; i++) {
-        char *text = read_text(STORED "/p02-v1", names[i]);
+        char *text = scratch_read_text(scratch_path(STORED "/p02-v1", names[i]));
         char name[64];
         (void)snprintf(name, sizeof name, "p02-v1/%s", names[i]);
         scratch_write_text(scratch_path(*state, name), text);

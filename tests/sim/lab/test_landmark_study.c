@@ -78,16 +78,6 @@ static void test_figures(void **state)
     sim_study_free(study);
 }
 
-static char *read_text(const char *directory, const char *name)
-{
-    size_t size;
-    char *bytes = scratch_read(scratch_path(directory, name), &size);
-    char *text = calloc(size + 1, 1);
-    memcpy(text, bytes, size);
-    free(bytes);
-    return text;
-}
-
 static int count_words(const char *text, const char *word)
 {
     int n = 0;
@@ -104,7 +94,7 @@ static void test_files(void **state)
     assert_int_equal(sim_study_csv(study, *state, &fault), 0);
     assert_int_equal(sim_study_json(study, *state, &fault), 0);
 
-    char *frames = read_text(*state, "frames.csv");
+    char *frames = scratch_read_text(scratch_path(*state, "frames.csv"));
     assert_int_equal(count_words(frames, "\n"), 1 + 10);
     assert_int_equal(count_words(frames, ",ok,1,"), 5);
     assert_int_equal(count_words(frames, "\np01-v1,2,p01,v1,probe,,mild,,ok,1,"), 1);
@@ -119,7 +109,7 @@ static void test_files(void **state)
     }
     free(frames);
 
-    char *landmarks = read_text(*state, "landmarks.csv");
+    char *landmarks = scratch_read_text(scratch_path(*state, "landmarks.csv"));
     assert_memory_equal(landmarks, "recording,frame,name,x_mm,y_mm,z_mm\np01-enrol,0,nasion,", 55);
     assert_int_equal(count_words(landmarks, "p01-"), 12 * 4);
     free(landmarks);

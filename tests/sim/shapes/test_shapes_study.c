@@ -41,17 +41,6 @@ static void generate(const char *out, const char *preset, const char *format, si
     assert_int_equal(n, strcmp(preset, "plain") == 0 ? 9 : 24 * (int)classes);
 }
 
-static char *read_text(const char *directory, const char *name)
-{
-    size_t size;
-    char *bytes = scratch_read(scratch_path(directory, name), &size);
-    char *text = calloc(size + 1, 1);
-    assert_non_null(text);
-    memcpy(text, bytes, size);
-    free(bytes);
-    return text;
-}
-
 static int run_study(const struct sim_shapes_study_options *options, char **printed,
                      struct iso_fault *fault)
 {
@@ -135,7 +124,8 @@ static void generates_the_same_whatever_the_threads(void **state)
     generate(one, "plain", NULL, 3, 1);
     generate(two, "plain", NULL, 3, 3);
     for (size_t i = 0; i < 3; i++) {
-        char *a = read_text(one, files[i]), *b = read_text(two, files[i]);
+        char *a = scratch_read_text(scratch_path(one, files[i])),
+             *b = scratch_read_text(scratch_path(two, files[i]));
         assert_string_equal(a, b);
         free(a);
         free(b);
@@ -169,7 +159,8 @@ static void retrieves_from_tosca_files(void **state)
     struct iso_fault fault = {.text = ""};
     char *printed = NULL;
     generate(corpus, "plain", "vert", 3, 2);
-    char *tri = read_text(corpus, "dog-01.tri"), *vert = read_text(corpus, "dog-01.vert");
+    char *tri = scratch_read_text(scratch_path(corpus, "dog-01.tri")),
+         *vert = scratch_read_text(scratch_path(corpus, "dog-01.vert"));
     char *longer = NULL, *hole = strchr(strchr(tri, '\n') + 1, '\n') + 1;
     assert_true(asprintf(&longer, "%s1 1 2\n1 2 401\n1 402 403\n402 403 404\n1 2 3\n", hole) > 0);
     scratch_write_text(scratch_path(corpus, "dog-01.tri"), longer);
@@ -190,7 +181,7 @@ static void retrieves_from_tosca_files(void **state)
     }
     assert_non_null(strstr(printed, "9 shapes of 3 classes"));
     free(printed);
-    char *measures = read_text(out, "measures.csv");
+    char *measures = scratch_read_text(scratch_path(out, "measures.csv"));
     double nn = 0.0;
     assert_int_equal(sscanf(strchr(measures, '\n') + 1, "shape-dna,nn-l%*d,9,%lf", &nn), 1);
     assert_true(nn > 0.7);
@@ -219,7 +210,8 @@ static void distances_leave_nothing_out(void **state)
     generate(corpus, "plain", NULL, 3, 2);
     assert_int_equal(run_study(&options, &printed, &fault), 0);
     free(printed);
-    char *text = read_text(scratch_path(out, "cp-hk-nn-l2"), "distances.csv"), *rest = text;
+    char *text = scratch_read_text(scratch_path(scratch_path(out, "cp-hk-nn-l2"), "distances.csv")),
+         *rest = text;
     int lines = 0;
     for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n"), lines++) {
         int commas = 0;
@@ -231,7 +223,7 @@ static void distances_leave_nothing_out(void **state)
     assert_int_equal(lines, 10);
     free(text);
     int told = 0, a = 0, b = 0, c = 0;
-    text = read_text(scratch_path(out, "cp-hk-nn-l2"), "confusion.csv");
+    text = scratch_read_text(scratch_path(scratch_path(out, "cp-hk-nn-l2"), "confusion.csv"));
     rest = strchr(text, '\n') + 1;
     for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n")) {
         assert_int_equal(sscanf(strchr(line, ',') + 1, "%d,%d,%d", &a, &b, &c), 3);
@@ -293,7 +285,7 @@ static void tables_have_both_sides(void **state)
         assert_non_null(strstr(printed, title));
     }
     free(printed);
-    char *csv = read_text(out, "tables.csv");
+    char *csv = scratch_read_text(scratch_path(out, "tables.csv"));
     assert_non_null(strstr(csv, "\n4.8,shape-dna,nn-l2,0,white,3,3,NN,"));
     assert_non_null(strstr(csv, "\n5.2,PHOG,,0,,0,0,NN,,0.951\n"));
     free(csv);
