@@ -182,7 +182,7 @@ static int measure(struct bench *bench, struct iso_fault *fault)
     }
     const int error = time_search(bench, &wrong, fault);
     if (!error) {
-        printf("the best hit is somebody else: %zu of %d\n", wrong, TIMES);
+        printf("the best hit is another person: %zu of %d\n", wrong, TIMES);
         bench_print_memory();
     }
     return error;

@@ -274,8 +274,8 @@ static int plot(const struct bench *bench, struct iso_fault *fault)
 
 static const struct sim_option own_options[] = {
     {"metric", "FILE", "learned metric", sim_option_text, offsetof(struct bench, metric_path)},
-    {"out", "DIR", "where the plot goes (an existing directory; none without)", sim_option_text,
-     offsetof(struct bench, out)},
+    {"out", "DIR", "an existing directory for the plot; without it there is no plot",
+     sim_option_text, offsetof(struct bench, out)},
     {"probes", "N", "searches at a size, 2 to 200; half of them of strangers", sim_option_count,
      offsetof(struct bench, probes)},
 };

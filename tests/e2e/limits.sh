@@ -84,7 +84,7 @@ stack_kib=256
 memory_mib=1000
 before=$((tried - worked))
 run_all
-[ $((tried - worked)) -eq $((before + 1)) ] || { # nobody is on the bus that the client asks
+[ $((tried - worked)) -eq $((before + 1)) ] || { # no daemon is on the client's bus
     echo "not everything works with a stack of $stack_kib KiB" >&2
     faults=$((faults + 1))
 }

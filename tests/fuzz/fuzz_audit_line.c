@@ -42,7 +42,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const struct iso_audit_seal seal = iso_audit_seal_of(1, &key);
     char *line = (char *)fuzz_copy(data, size);
     try_header(line);
-    fuzz_check(iso_audit_line_open(&seal, 1, line, size, &opened) != 0, "nobody forges a record");
+    fuzz_check(iso_audit_line_open(&seal, 1, line, size, &opened) != 0,
+               "a forged record is refused");
     try_record(&seal, line, size < ISO_AUDIT_TEXT_MAX ? size : ISO_AUDIT_TEXT_MAX);
     free(line);
     return 0;

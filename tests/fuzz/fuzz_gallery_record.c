@@ -27,12 +27,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_check(iso_seal_start(&fault) == 0, fault.text);
     const struct iso_gallery_seal seal = iso_gallery_seal_of(gallery, 1, &key);
     try_person(data, size);
-    fuzz_check(iso_gallery_head_open(&seal, data, size, &head) != 0, "nobody forges a head");
+    fuzz_check(iso_gallery_head_open(&seal, data, size, &head) != 0, "a forged head is refused");
     if (size <= sizeof plain) {
         fuzz_check(size >= ISO_SEAL_OVERHEAD
                        ? iso_gallery_record_open(&seal, &place, data, size, plain) != 0
                        : 1,
-                   "nobody forges a record");
+                   "a forged record is refused");
         iso_gallery_record_close(&seal, &place, data, size, sealed);
         fuzz_check(
             iso_gallery_record_open(&seal, &place, sealed, size + ISO_SEAL_OVERHEAD, plain) == 0 &&

@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     iso_transfer_done(transfer);
     transfer = NULL;
     fuzz_check(iso_transfer_read(data, size, NULL, &key, NULL, &transfer, &fault) != 0,
-               "nobody forges a signature");
+               "a forged signature is refused");
     fuzz_check(fault.text[0] != '\0', "a fault that says something");
     return 0;
 }

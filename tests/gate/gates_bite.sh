@@ -54,7 +54,7 @@ printf 'int a(void) { return open("a", 0); }\n' >"$copy/firmware/b.c"
 refuses "$root/tests/gate/open_files.sh" "$copy"
 
 fresh_tree
-what='a second call beside one that has a reason'
+what='a second call in a source with one listed call'
 printf 'void b(void) { fopen("b", "re"); }\n' >>"$copy/sim/writer.c"
 refuses "$root/tests/gate/open_files.sh" "$copy"
 
@@ -64,12 +64,12 @@ printf 'int b(char *t) { return strstr(t, "denied") != 0; }\n' >"$copy/enroll/b.
 refuses "$root/tests/gate/strstr.sh" "$copy"
 
 fresh_tree
-what='a second search beside one that has a reason'
+what='a second search in a source with one listed search'
 printf 'int b(char *t) { return strcasestr(t, "denied") != 0; }\n' >>"$copy/sim/reader.c"
 refuses "$root/tests/gate/strstr.sh" "$copy"
 
 fresh_tree
-what='a reason for a search that is gone'
+what='a listed search that does not exist'
 printf 'int b(void);\n' >"$copy/sim/reader.c"
 refuses "$root/tests/gate/strstr.sh" "$copy"
 

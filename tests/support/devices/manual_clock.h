@@ -1,4 +1,4 @@
-/* A clock that stands still until a test moves it. */
+/* A clock that advances only when a test moves it. */
 #ifndef TESTS_SUPPORT_DEVICES_MANUAL_CLOCK_H
 #define TESTS_SUPPORT_DEVICES_MANUAL_CLOCK_H
 
