@@ -125,6 +125,8 @@ includes core/surface/b.c isotherm/extract.h
 includes core/include/isotherm/mesh.h isotherm/extract.h
 includes core/include/isotherm/extract.h core/base/a.h
 includes core/extract/b.c isotherm/nowhere.h
+includes core/examples/b.c core/frame/a.h
+includes enroll/examples/b.c firmware/contract/a.h
 includes drivers/file/b.c drivers/recording/a.h
 includes drivers/sensor/replay/b.c drivers/sensor/openni2/a.h
 includes firmware/gallery/b.c firmware/visit/a.h
@@ -164,6 +166,11 @@ fresh_tree
 what='an include that is not written from the root'
 printf '#include "a.h"\n' >"$copy/core/base/b.c"
 refuses "$root/cmake/check_layers.sh" "$copy"
+
+fresh_tree
+mkdir -p "$copy/core/examples"
+printf '#include <isotherm/a.h>\n#include "b.h"\n' >"$copy/core/examples/b.c"
+passes "$root/cmake/check_layers.sh" "$copy"
 
 fresh_tree
 what='a clock in core'
