@@ -5,6 +5,7 @@
 #   - every path that a document names exists
 #   - the README of the project is short: at most 168 lines (five screens), and 40 numbers outside commands and the table of the levels
 #   - a source has at most 400 lines, unless long_files.txt lists it
+#   - a function has at most 50 lines, unless long_functions.txt lists its source; clang-tidy, which leaves out tests, counts the same
 #   - the code has no TODO
 # usage: docs.sh [ROOT]
 set -eu
@@ -91,6 +92,13 @@ for source in $sources; do
     [ "$lines" -le 400 ] || grep -qxF -e "$source" tests/gate/long_files.txt ||
         fault "$source: $lines lines, at most 400"
 done
+
+# The layout puts the braces of a function, and of nothing else, alone into the first column.
+long=$(printf '%s\n' "$sources" | grep -vxF -f tests/gate/long_functions.txt | xargs awk '
+    FNR == 1 || /^}/ && !/^}$/ { begin = 0 }
+    /^{$/ { begin = FNR }
+    /^}$/ && begin { if (FNR - begin > 50) { printf "%s:%d: a function of %d lines, at most 50\n", FILENAME, begin, FNR - begin }; begin = 0 }')
+[ -z "$long" ] || fault "$long"
 
 open=$(grep -nE '\<(TODO|FIXME|XXX)\>|not implemented' $sources || true)
 [ -z "$open" ] || fault "left open:

@@ -16,7 +16,7 @@ fresh_tree() {
     done
     mkdir -p "$copy/core/base" "$copy/core/heat" "$copy/tests/gate"
     cp "$root/cmake/layers.txt" "$copy/cmake/"
-    cp "$root/tests/gate/long_files.txt" "$root/tests/gate/words.txt" "$copy/tests/gate/"
+    cp "$root/tests/gate/long_files.txt" "$root/tests/gate/long_functions.txt" "$root/tests/gate/words.txt" "$copy/tests/gate/"
     echo 'sim/writer.c 1 an output' >"$copy/tests/gate/open_files.txt"
     echo 'sim/reader.c 1 what a person has typed' >"$copy/tests/gate/strstr.txt"
     printf 'char *a(char *t) { return strstr(t, "a"); }\n' >"$copy/sim/reader.c"
@@ -297,6 +297,20 @@ yes '/* */' | head -400 >"$copy/core/base/b.c"
 passes "$root/tests/gate/docs.sh" "$copy"
 what='a file of 401 lines'
 echo '/* */' >>"$copy/core/base/b.c"
+refuses "$root/tests/gate/docs.sh" "$copy"
+
+# long_function LINES: a function whose closing brace is so many lines after its opening brace
+long_function() {
+    fresh_tree
+    printf 'void b(void)\n{\n' >"$copy/tests/b.c"
+    yes '    a();' | head -$(($1 - 1)) >>"$copy/tests/b.c"
+    echo '}' >>"$copy/tests/b.c"
+}
+
+long_function 50
+passes "$root/tests/gate/docs.sh" "$copy"
+what='a function of 51 lines'
+long_function 51
 refuses "$root/tests/gate/docs.sh" "$copy"
 
 # A SECURITY.md, and the list of tests with which it is compared.
