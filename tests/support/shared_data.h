@@ -1,8 +1,14 @@
-/* The large research data sets, which are not part of the project. Include after cmocka.h. */
+/* The large research data sets, which are not part of the project. */
 #ifndef TESTS_SUPPORT_SHARED_DATA_H
 #define TESTS_SUPPORT_SHARED_DATA_H
 
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
+
+#include <cmocka.h>
 
 #include "tests/support/scratch.h"
 

@@ -54,7 +54,7 @@ static void check_camera(const char *path)
     assert_near(meta.unit_mm, 1.0, 0.0);
     assert_non_null(strstr(text, "# unit_mm: "));
     assert_true(strstr(text, "\n# fx_px, fy_px: ") ||
-                strstr(text, "\n# All figures but the unit: "));
+                strstr(text, "\n# All figures except the unit: "));
     free(text);
 }
 
