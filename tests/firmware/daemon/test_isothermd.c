@@ -283,6 +283,35 @@ static void expect_mode(const char *path, mode_t mode)
     assert_int_equal(status.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO), mode);
 }
 
+/* The bus goes away: the door is looked after all the same. */
+static void live_without_the_bus(const char *const argv[], int fd, struct private_bus *bus)
+{
+    struct run run;
+    assert_int_equal(setenv("WATCHDOG_USEC", "200000", 1), 0);
+    run_start(&run, argv);
+    expect_notification(&run, fd, "READY=1");
+    private_bus_stop(bus);
+    expect_notification(&run, fd, "WATCHDOG=1");
+    expect_notification(&run, fd, "WATCHDOG=1");
+    assert_int_equal(kill(run.pid, SIGTERM), 0);
+    run_finish(&run);
+    run_expect(&run, 0);
+    assert_non_null(strstr(run.err, "the bus is gone"));
+    run_free(&run);
+    (void)unsetenv("WATCHDOG_USEC");
+}
+
+static void expect_stop_in_the_log(const char *path)
+{
+    struct run run;
+    const char *const print[] = {PROGRAM, "--config", path, "--print-log", NULL};
+    run_start(&run, print);
+    run_finish(&run);
+    run_expect(&run, 0);
+    assert_non_null(strstr(run.out, "\"event\":\"stop\""));
+    run_free(&run);
+}
+
 static void lives_and_dies(void **state)
 {
     struct private_bus bus;
@@ -310,29 +339,10 @@ static void lives_and_dies(void **state)
     (void)unsetenv("WATCHDOG_USEC");
     expect_mode(scratch_path(*state, "g.db"), 0600);
     expect_mode(scratch_path(*state, "a.log"), 0600);
-
-    /* The bus goes away: the door is looked after all the same. */
-    assert_int_equal(setenv("WATCHDOG_USEC", "200000", 1), 0);
-    run_start(&run, argv);
-    expect_notification(&run, fd, "READY=1");
-    private_bus_stop(&bus);
-    expect_notification(&run, fd, "WATCHDOG=1");
-    expect_notification(&run, fd, "WATCHDOG=1");
-    assert_int_equal(kill(run.pid, SIGTERM), 0);
-    run_finish(&run);
-    run_expect(&run, 0);
-    assert_non_null(strstr(run.err, "the bus is gone"));
-    run_free(&run);
-    (void)unsetenv("WATCHDOG_USEC");
+    live_without_the_bus(argv, fd, &bus);
     (void)unsetenv("NOTIFY_SOCKET");
     (void)close(fd);
-
-    const char *const print[] = {PROGRAM, "--config", path, "--print-log", NULL};
-    run_start(&run, print);
-    run_finish(&run);
-    run_expect(&run, 0);
-    assert_non_null(strstr(run.out, "\"event\":\"stop\""));
-    run_free(&run);
+    expect_stop_in_the_log(path);
 }
 
 /* What cannot be written is a fault, told in a line. */
