@@ -6,9 +6,9 @@
 #include "sim/world/face/ict.h"
 
 enum sim_expression {
-    SIM_NEUTRAL = 0, /* what a face at rest still does: jitter of 0.03 a shape */
+    SIM_NEUTRAL = 0, /* a face at rest: each shape's weight jitters by 0.03 */
     SIM_MILD,        /* a little of smile, brow, eyelid and jaw: weights up to 0.3 */
-    SIM_STRONG,      /* one of the strong ones below, drawn at random */
+    SIM_STRONG,      /* one of the strong expressions below, drawn at random */
     SIM_SMILE,
     SIM_MOUTH_WIDE,
     SIM_MOUTH_HALF,
@@ -25,9 +25,10 @@ enum sim_expression {
 /* "neutral", "mild", "strong", "smile", "mouth-wide", ...; NULL outside the range. */
 const char *sim_expression_name(enum sim_expression expression);
 
-/* Draws weights, one per shape (ict->n_expression, at most SIM_EXPRESSION_SHAPES_MAX), each 0..1.
- * Left and right halves of a shape go together but for about 10%. Returns the expression drawn: for
- * SIM_STRONG the one it became, else the argument itself. */
+/* Draws weights, one per shape (ict->n_expression, at most SIM_EXPRESSION_SHAPES_MAX), each
+ * 0..1. The left and right halves of a shape have the same weight up to about 10%. Returns the
+ * expression that was drawn: one of the strong expressions for SIM_STRONG, otherwise the
+ * argument itself. */
 enum sim_expression sim_expression_draw(const struct sim_ict *ict, enum sim_expression expression,
                                         struct sim_random *random, double *weights);
 

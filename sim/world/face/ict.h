@@ -1,6 +1,6 @@
-/* The ICT-FaceKit statistical head model, as the folder `ict-face` holds it: what the simulator
- * renders and the trainer learns from. Its frame: x to the subject's left, y up, z out of the face,
- * millimetres. */
+/* The ICT-FaceKit statistical head model, read from the folder `ict-face`. The simulator renders
+ * it and the trainer learns from it. Its frame: x to the subject's left, y up, z out of the
+ * face, millimetres. */
 #ifndef SIM_WORLD_FACE_ICT_H
 #define SIM_WORLD_FACE_ICT_H
 
@@ -8,7 +8,7 @@
 
 #include "core/base/fault.h"
 
-/* Vertices are ordered by part; a part is [first, next part's first). */
+/* Vertices are ordered by part. A part reaches from its first vertex to the next part's first. */
 enum sim_ict_part {
     SIM_ICT_FACE = 0,
     SIM_ICT_NARROW_FACE_END = 6706, /* the face without ears and throat */
@@ -30,8 +30,8 @@ struct sim_ict {
 };
 
 /* Reads mean.npy, triangles.npy, identity.npy, expression.npy, expression_names.txt and
- * landmarks68.txt. Errors of opening; -EBADMSG with *fault for a damaged file or one that does not
- * fit the others; -ENOMEM. */
+ * landmarks68.txt. Returns an error of opening; -EBADMSG with *fault for a damaged file or for
+ * one that does not match the others; or -ENOMEM. */
 int sim_ict_load(const char *directory, struct sim_ict **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 void sim_ict_free(struct sim_ict *ict);

@@ -1,5 +1,4 @@
-/* Reading arrays from NumPy's .npy files, strictly: versions 1.0 and 2.0, little-endian, C order.
- */
+/* Strict reader for arrays in NumPy's .npy files: versions 1.0 and 2.0, little-endian, C order. */
 #ifndef SIM_WORLD_FACE_NPY_H
 #define SIM_WORLD_FACE_NPY_H
 
@@ -15,9 +14,9 @@ struct sim_npy_shape {
     uint32_t size[SIM_NPY_DIMENSIONS_MAX];
 };
 
-/* A whole array of '<f4' or '<f2' (halves are widened), row by row. The caller frees *out with
- * free(). -ENOENT and other errors of opening; -EBADMSG with *fault for anything but a well-formed
- * file whose length is exactly header + data; -ENOMEM. */
+/* Reads a whole array of '<f4' or '<f2' (half precision is widened), row by row. The caller
+ * frees *out with free(). Returns -ENOENT or another error of opening; -EBADMSG with *fault
+ * unless the file is well formed and exactly as long as header and data; or -ENOMEM. */
 int sim_npy_read_floats(const char *path, struct sim_npy_shape *shape, float **out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
-/* Writing .npy files, as NumPy writes them (version 1.0, little-endian, C order): a header, then
- * the items row by row. */
+/* Writes .npy files like NumPy (version 1.0, little-endian, C order): a header, then the items
+ * row by row. */
 #ifndef SIM_WORLD_FACE_NPY_WRITER_H
 #define SIM_WORLD_FACE_NPY_WRITER_H
 
@@ -12,22 +12,21 @@ enum sim_npy_type { SIM_NPY_FLOAT, SIM_NPY_HALF, SIM_NPY_U32 };
 
 struct sim_npy_writer;
 
-/* Creates the file and writes its header; how many items follow the shape says. The errno of
- * opening, -ENOMEM. */
+/* Creates the file and writes its header. The shape determines how many items must follow.
+ * Returns the errno of opening, or -ENOMEM. */
 int sim_npy_writer_open(const char *path, enum sim_npy_type type, const struct sim_npy_shape *shape,
                         struct sim_npy_writer **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Adds one item, rounded to the nearest that the type has (ties to even). Errors are kept for the
- * end. */
+/* Adds one item, rounded to the nearest value of the type (ties to even). An error is kept and
+ * returned at the end. */
 void sim_npy_writer_add(struct sim_npy_writer *writer, double item);
 
-/* Closes the file. `good`: it is wanted; else, or when something could not be written, it is
- * removed. The errno of writing with a fault; NULL is fine. */
+/* Closes the file. The file is removed if `good` is false or if something could not be written.
+ * Returns the errno of writing with a fault. NULL is allowed. */
 int sim_npy_writer_close(struct sim_npy_writer *writer, int good, struct iso_fault *fault);
 
-/* The IEEE 754 half-precision number that is nearest (ties to even); beyond the largest infinity.
- */
+/* The nearest IEEE 754 half-precision number (ties to even); infinity beyond the largest one. */
 uint16_t sim_npy_half_of_double(double value);
 
 #endif

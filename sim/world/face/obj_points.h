@@ -1,4 +1,4 @@
-/* Vertices and faces of a Wavefront OBJ file, in the order in which the file has them: nothing is
+/* Reads the vertices and faces of a Wavefront OBJ file in the order of the file. Nothing is
  * merged, mended or left out. */
 #ifndef SIM_WORLD_FACE_OBJ_POINTS_H
 #define SIM_WORLD_FACE_OBJ_POINTS_H
@@ -9,13 +9,14 @@
 
 struct sim_obj {
     uint32_t n_points, n_triangles;
-    double (*points)[3];      /* as written */
-    uint32_t (*triangles)[3]; /* polygons as fans about their first corner; vertices from 0 */
+    double (*points)[3]; /* as written */
+    uint32_t (
+        *triangles)[3]; /* polygons are cut into fans about their first corner; vertices from 0 */
 };
 
-/* Reads a file. -EBADMSG for a line that is no vertex or face of at least three corners, or a
- * corner that is no vertex; -ENOMEM; errors of opening and reading. Lines of other kinds are passed
- * over. */
+/* Reads a file. -EBADMSG: a line is neither a vertex nor a face of at least three corners, or a
+ * corner is no vertex. -ENOMEM, or an error of opening or reading. Lines of other kinds are
+ * skipped. */
 int sim_obj_read(const char *path, struct sim_obj *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 void sim_obj_done(struct sim_obj *obj);

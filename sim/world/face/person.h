@@ -1,4 +1,4 @@
-/* Synthetic people: who they are (identity weights) and what the surface of their head is.
+/* Synthetic people: their identity (weights of the head model) and the surface of their head.
  *
  * Face frame: x to the subject's left, y up, z out of the face, origin at the MEAN face's nose tip,
  * mm. */
@@ -10,8 +10,8 @@
 #include "isotherm/vec.h"
 #include "sim/world/face/ict.h"
 
-/* Populations are separate streams of random numbers: nobody of one is in another. Any other name
- * makes another population. */
+/* Each population is a separate stream of random numbers, so that no person belongs to two
+ * populations. Any other name makes another population. */
 #define SIM_POPULATION_TRAIN  "train"
 #define SIM_POPULATION_TEST   "test"
 #define SIM_POPULATION_STORED "stored"
@@ -20,7 +20,7 @@ enum { SIM_IDENTITY_MODES = 100, SIM_EXPRESSION_SHAPES_MAX = 64 };
 
 struct sim_person {
     double identity[SIM_IDENTITY_MODES]; /* standard deviations */
-    uint64_t key;                        /* seeds what else belongs to the person, e.g. hair */
+    uint64_t key;                        /* seed of the person's other properties, e.g. hair */
 };
 
 /* Person number `index` of a population; weights ~ N(0, variance_scale). The same arguments give

@@ -1,4 +1,4 @@
-/* The preset `attacks`: presentation attacks and, to compare, living people.
+/* The preset `attacks`: presentation attacks, and living people for comparison.
  *
  * Rows of the manifest:
  *   subject  role      note        frames
@@ -21,14 +21,14 @@
 #include "sim/world/generate/studio.h"
 
 struct sim_attacks_plan {
-    const char *population; /* of the enrolled people */
+    const char *population; /* of the people who are enrolled */
     uint64_t seed;
     double identity_variance;
     int n_people, per_kind; /* at least 1 */
     int frames;             /* F, at least 2 */
 };
 
-/* How many recordings a plan makes. */
+/* The number of recordings that a plan makes. */
 int sim_attacks_count(const struct sim_attacks_plan *plan);
 
 /* Errors of sim_studio_record. */

@@ -1,4 +1,4 @@
-/* A corpus that is being generated: its preset, and what the options change of it. Internal to
+/* A corpus that is being generated: its preset, and the options that change it. Internal to
  * sim/world/generate. */
 #ifndef SIM_WORLD_GENERATE_JOB_H
 #define SIM_WORLD_GENERATE_JOB_H
@@ -13,14 +13,15 @@ struct sim_job;
 
 /* How the recordings of a preset are made. */
 struct sim_job_kind {
-    /* Records all of them. Errors of sim_studio_record. */
+    /* Makes all recordings. Errors of sim_studio_record. */
     int (*record)(const struct sim_job *job, struct iso_fault *fault);
-    /* How many there are. */
+    /* The number of recordings. */
     int (*count)(const struct sim_job *job);
 };
 
-/* Sessions of people (people.c): everybody who is enrolled, with later visits and strangers; the
- * same with visits of two; the same sessions of everybody, and nobody enrolled. */
+/* Sessions of people (people.c). The first kind: enrolled people, their later visits, and
+ * strangers. The second: the same with two people in each visit. The third: the same sessions
+ * for each person, with no one enrolled. */
 extern const struct sim_job_kind sim_job_visits, sim_job_pairs, sim_job_repeats;
 
 struct sim_preset {
@@ -30,16 +31,15 @@ struct sim_preset {
     enum sim_expression expression; /* of probes and strangers; the gallery is neutral */
     struct sim_pose_range gallery_pose, probe_pose;
     int n_people, n_strangers, n_probes, n_sessions, n_per_kind, frames_per_visit;
-    int rest_sessions; /* of "training": the first of everybody are neutral, then mild */
+    int rest_sessions; /* of "training": a person's first sessions are neutral, the others mild */
     double noise_scale, identity_variance; /* 0: the head model's own */
-    double near_mm,
-        far_mm; /* of later visits and strangers, in place of the sensor's; 0: its own */
+    double near_mm, far_mm; /* distance of later visits and strangers; 0: the sensor's own */
     int png_level;
-    bool bystander;   /* in visits */
-    bool instruments; /* a sensor that sees nothing but skin is of no use */
+    bool bystander;   /* another person stands behind the visitor */
+    bool instruments; /* needs a sensor that sees more than skin */
 };
 
-/* NULL: there is none of this name. */
+/* NULL: no preset has this name. */
 const struct sim_preset *sim_preset_find(const char *name);
 
 struct sim_job {
@@ -50,7 +50,7 @@ struct sim_job {
     struct sim_studio *studio;
 };
 
-/* What the options give, or else the preset. Frames are those of a session, sessions those of a
+/* The value of an option or else of the preset. Frames count for a session, sessions for a
  * person. */
 int sim_job_people(const struct sim_job *job);
 int sim_job_strangers(const struct sim_job *job);

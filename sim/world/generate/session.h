@@ -1,40 +1,40 @@
-/* A session: one person before the sensor for a few frames, alive: pose and position drift from
- * frame to frame. */
+/* A session: one living person stands before the sensor for a few frames; pose and position
+ * drift from frame to frame. */
 #ifndef SIM_WORLD_GENERATE_SESSION_H
 #define SIM_WORLD_GENERATE_SESSION_H
 
 #include "sim/world/face/expression.h"
 #include "sim/world/generate/studio.h"
 
-/* How a session's pose is drawn: each of yaw, pitch and roll normal or uniform; or yaw and pitch
- * together, uniform over a disc that is flattened in pitch, and roll uniform. */
+/* How a session's pose is drawn. Either yaw, pitch and roll are each normal or uniform; or yaw
+ * and pitch are uniform over a disc that is flattened in pitch, and roll is uniform. */
 struct sim_pose_range {
     double sd_rad;    /* normal with this standard deviation, if > 0 */
     double limit_rad; /* else uniform within +- this */
-    double disc_rad;  /* if > 0, the disc's radius instead, in yaw; limit_rad is that of roll */
+    double disc_rad;  /* if > 0: the disc's radius in yaw; then limit_rad limits the roll */
 };
 
 struct sim_session_plan {
-    struct sim_corpus_row row; /* subject, session, role and count; the rest is filled in */
+    struct sim_corpus_row row; /* the caller sets subject, session, role and count */
     struct sim_person person;
     enum sim_expression expression;
     struct sim_pose_range pose;
-    double near_mm, far_mm; /* where the nose tip is, if not where people stand before the sensor */
-    bool open_hall;      /* no wall within the sensor's range (never one if it is for faces only) */
+    double near_mm, far_mm; /* distance of the nose tip; both 0: the sensor's own */
+    bool open_hall; /* no wall within the sensor's range (a sensor for faces only never has one) */
     double body_yaw_rad; /* pi shows the back of the head */
-    double sway;         /* how much of a session's usual motion there is from frame to frame: 1
-                            shifts from foot to foot, 0.1 stands as still as people can, 0 is a statue */
-    bool frozen;         /* the first frame is repeated bit by bit */
-    bool bystander;      /* somebody else stands behind and beside the person */
-    const struct sim_person *behind; /* who; NULL: anybody */
-    double behind_min_mm;            /* how far at least, instead of the usual half metre */
+    double sway; /* motion from frame to frame: 1 for a person who shifts from foot to foot, 0.1 for
+                    a person who stands as still as possible, 0 for a statue */
+    bool frozen; /* the first frame is repeated bit by bit */
+    bool bystander;                  /* another person stands behind and beside the person */
+    const struct sim_person *behind; /* the bystander; NULL: any person */
+    double behind_min_mm;            /* least distance of the bystander; usually half a metre */
     struct iso_vec3 offset_mm;       /* added to the position: a face cut by the image border */
-    struct sim_random random;        /* everything that happens in the session */
+    struct sim_random random;        /* source of all random draws of the session */
 };
 
-/* Records the session as SUBJECT-SESSION. Fills in row.recording, and for a row of a person
- * (subject not `none`) pose, "y+12p-03r+05": yaw, pitch and roll in degrees, and expression. Errors
- * of sim_studio_record. */
+/* Records the session as SUBJECT-SESSION. Fills in row.recording. For a row of a person (subject
+ * not `none`) it also fills in pose, "y+12p-03r+05" (yaw, pitch and roll in degrees), and
+ * expression. Errors of sim_studio_record. */
 int sim_session_record(struct sim_studio *studio, const struct sim_ict *ict,
                        const struct sim_sensor *sensor, const struct sim_session_plan *plan,
                        struct iso_fault *fault) __attribute__((warn_unused_result));

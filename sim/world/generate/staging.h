@@ -1,5 +1,5 @@
-/* Still scenes drawn at random, one function a kind: attacks (attack_scenes.h) and what is no face
- * (not_face_scenes.h). */
+/* Still scenes drawn at random, one function for each kind: attacks (attack_scenes.h) and scenes
+ * without a face (not_face_scenes.h). */
 #ifndef SIM_WORLD_GENERATE_STAGING_H
 #define SIM_WORLD_GENERATE_STAGING_H
 
@@ -7,25 +7,25 @@
 
 struct sim_staging {
     const struct sim_ict *ict;
-    const struct sim_sensor *sensor; /* things are shown where people stand before it */
-    struct sim_person target;        /* who is impersonated, by an attack */
-    struct sim_random *random;       /* everything that is drawn */
-    struct sim_still *still;         /* what is filled: empty, or with a wall in it */
-    char variant[32];                /* what was drawn, in a word: "a4-paper", "rolled-r120", ... */
+    const struct sim_sensor *sensor; /* objects are shown where people stand before it */
+    struct sim_person target;        /* the person whom an attack impersonates */
+    struct sim_random *random;       /* source of all random draws */
+    struct sim_still *still;         /* the scene to fill: empty, or with a wall in it */
+    char variant[32];                /* name of the drawn variant: "a4-paper", "rolled-r120", ... */
 };
 
-/* Fills staging->still and staging->variant. Returns 0 or a negative errno; a failure may also stay
- * in the scene's group. */
+/* Fills staging->still and staging->variant. Returns 0 or a negative errno. A failure may also
+ * be kept in the scene's group. */
 typedef int sim_staging_build(struct sim_staging *staging);
 
 struct sim_staged_kind {
     const char *name; /* the row's note */
     sim_staging_build *build;
-    bool lasting; /* shown for several frames, else for one */
-    bool bare;    /* without a wall of its own */
+    bool lasting; /* shown for several frames, otherwise for one */
+    bool bare;    /* the scene has no wall */
 };
 
-/* What is common to the scenes of a corpus. */
+/* Settings shared by all scenes of a corpus. */
 struct sim_staging_plan {
     const struct sim_ict *ict;
     const struct sim_sensor *sensor;
@@ -41,8 +41,8 @@ int sim_staging_record(struct sim_studio *studio, const struct sim_staging_plan 
                        const struct sim_person *target, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Where the middle of a thing is: as far away as a visitor, and like one not quite in the middle.
- */
+/* Position of an object's middle: at the distance of a visitor, and slightly off the centre like
+ * a visitor. */
 struct iso_vec3 sim_staging_place(const struct sim_staging *staging);
 
 /* True with the given probability. */

@@ -1,5 +1,5 @@
-/* A studio turns scenes into the recordings of a corpus: it holds one sensor, the view it looks at,
- * and the manifest that grows with every recording. */
+/* A studio turns scenes into the recordings of a corpus. It holds one sensor, the sensor's view,
+ * and the manifest, to which every recording adds a row. */
 #ifndef SIM_WORLD_GENERATE_STUDIO_H
 #define SIM_WORLD_GENERATE_STUDIO_H
 
@@ -17,13 +17,14 @@ struct sim_studio_options {
     int png_level; /* 1 fast .. 9 small */
     bool marks;    /* landmarks.csv has the 25 points of sim/lab/methods/anthroface.h, not only the
                       twelve */
-    bool infrared; /* recordings have ir/; its noise has a stream of its own: depths are the same */
+    bool infrared; /* recordings have ir/; its noise uses a random stream of its own, so that the
+                      depths stay the same */
 };
 
 struct sim_studio;
 
-/* Makes the corpus directory if it does not exist. What the options point to must outlive the
- * studio. -EINVAL, -ENOMEM, or the errno of mkdir. */
+/* Creates the corpus directory if it does not exist. The objects that the options point to must
+ * outlive the studio. -EINVAL, -ENOMEM, or the errno of mkdir. */
 int sim_studio_new(const struct sim_studio_options *options, struct sim_studio **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 void sim_studio_free(struct sim_studio *studio);
@@ -33,15 +34,15 @@ void sim_studio_free(struct sim_studio *studio);
 typedef int sim_draw_frame(void *scene, int frame, struct sim_view *view, struct sim_truth *truth,
                            bool *truth_known);
 
-/* Records row->count frames, 30 a second, of a scene as the recording row->recording, with ground
- * truth where it is known, and adds the row to the manifest (row->first must be 0). `random`
- * supplies the sensor's noise. Errors of the drawing and of writing. */
+/* Records row->count frames of a scene, 30 per second, as the recording row->recording, with
+ * ground truth where it is known, and adds the row to the manifest (row->first must be 0).
+ * `random` supplies the sensor's noise. Errors of drawing and of writing. */
 int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *row,
                       sim_draw_frame *draw, void *scene, struct sim_random *random,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* The same, but the first frame is measured and all others repeat it bit by bit, as somebody would
- * who feeds a stored frame to the appliance. */
+/* The same, but only the first frame is measured. All others repeat it bit by bit, like an
+ * attack that feeds a stored frame to the appliance. */
 int sim_studio_record_frozen(struct sim_studio *studio, const struct sim_corpus_row *row,
                              sim_draw_frame *draw, void *scene, struct sim_random *random,
                              struct iso_fault *fault) __attribute__((warn_unused_result));

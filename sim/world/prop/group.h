@@ -10,9 +10,9 @@
 struct sim_group {
     size_t n_solids, capacity;
     struct sim_solid **solids;
-    struct iso_rigid placed; /* what is added from now on is moved by this first; at the beginning
-                                the identity */
-    int error;               /* of the first addition that failed; then nothing more is added */
+    struct iso_rigid
+        placed; /* moves all parts that are added from now on; initially the identity */
+    int error;  /* error of the first addition that failed; nothing is added after it */
     struct iso_vec3 *scratch_mm;
     size_t scratch_size;
 };
@@ -21,9 +21,9 @@ struct sim_group {
 int sim_group_new(struct sim_group **out) __attribute__((warn_unused_result));
 void sim_group_free(struct sim_group *group);
 
-/* Takes over a solid that was made with the outcome `made` (0 or a negative errno; then `solid` is
- * not looked at). A failure stays in group->error, so that a caller can add part after part and
- * look once. */
+/* Takes ownership of a solid whose construction returned `made` (0 or a negative errno, for
+ * which `solid` is ignored). A failure is kept in group->error, so that a caller can add part
+ * after part and check once. */
 void sim_group_add(struct sim_group *group, int made, struct sim_solid *solid);
 
 /* A box of the given size about a point; sim_solid_box. */
@@ -38,7 +38,7 @@ void sim_group_add_tube(struct sim_group *group, const struct sim_joint *joints,
 void sim_group_add_ellipsoid(struct sim_group *group, struct iso_vec3 half_mm, double roundness,
                              struct iso_vec3 at_mm, enum sim_material material);
 
-/* Draws everything, moved into the camera frame. group->error if there is one, -ENOMEM. */
+/* Draws all parts in the camera frame. Returns group->error if it is set, or -ENOMEM. */
 int sim_group_draw(struct sim_group *group, const struct iso_rigid *camera_from_group,
                    struct sim_view *view) __attribute__((warn_unused_result));
 

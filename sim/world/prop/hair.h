@@ -1,8 +1,8 @@
-/* Hair: a shell over the scalp, and for long hair a curtain that hangs beside and behind the face.
+/* Hair: a shell over the scalp and, for long hair, a curtain that hangs beside and behind the face.
  *
- * To a depth sensor hair is a rough surface some way off the skin, that covers forehead, temples
- * and ears more or less, differs between people and changes a little between sessions. Nothing else
- * is modelled. */
+ * To a depth sensor, hair is a rough surface at some distance from the skin. It covers parts of
+ * forehead, temples and ears, differs between people and changes a little between sessions. No
+ * other property is modelled. */
 #ifndef SIM_WORLD_PROP_HAIR_H
 #define SIM_WORLD_PROP_HAIR_H
 
@@ -14,27 +14,27 @@
 #include "sim/world/prop/solid.h"
 
 struct sim_hair {
-    bool scalp, curtain;  /* neither: a bald head */
+    bool scalp, curtain;  /* both false: a bald head */
     double thickness_mm;  /* of the shell */
-    double hairline_mm;   /* how much lower than usual it begins (a fringe: about 30) */
-    double curtain_front; /* how far the curtain comes round the side of the face, radians from the
-                             ear */
+    double hairline_mm;   /* how far the hairline is below its usual place (a fringe: about 30) */
+    double curtain_front; /* how far the curtain reaches round the side of the face, radians from
+                             the ear */
     uint64_t key;         /* of the shell's bumps */
 };
 
 /* The hair of a person: about 1 in 12 bald, 1 in 4 long, 1 in 5 with a fringe. */
 struct sim_hair sim_hair_of_person(uint64_t person_key);
 
-/* The same hair on another day. */
+/* The same person's hair on another day. */
 struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_random *random);
 
 /* The shell in the face frame, for a head whose neutral surface is `vertices_mm`
- * (sim_person_surface). -EINVAL if there is no such part of the hair, -ENOMEM. */
+ * (sim_person_surface). -EINVAL if this hair has no shell, -ENOMEM. */
 int sim_hair_scalp(const struct sim_ict *ict, const struct iso_vec3 *vertices_mm,
                    const struct sim_hair *hair, struct sim_solid **out)
     __attribute__((warn_unused_result));
 
-/* The curtain likewise. */
+/* The curtain in the same way; -EINVAL if this hair has none. */
 int sim_hair_curtain(const struct sim_ict *ict, const struct iso_vec3 *vertices_mm,
                      const struct sim_hair *hair, struct sim_solid **out)
     __attribute__((warn_unused_result));

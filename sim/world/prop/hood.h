@@ -5,8 +5,8 @@
 #include "sim/base/random.h"
 #include "sim/world/prop/solid.h"
 
-/* In the face frame of the head that wears it; how loose it is and how far it comes round the face
- * are drawn. -ENOMEM. */
+/* A hood in the face frame of its wearer's head. Its looseness and how far it reaches round the
+ * face are drawn at random. -ENOMEM. */
 int sim_hood_new(struct sim_random *random, struct sim_solid **out)
     __attribute__((warn_unused_result));
 

@@ -1,7 +1,7 @@
-/* A printed photograph, to a depth sensor: a sheet of paper, flat, bent or folded.
+/* A printed photograph as a depth sensor sees it: a sheet of paper, flat, bent or folded.
  *
- * A sheet bends without stretching: lengths along it stay what they were. Its frame: x right, y
- * down, z away from the viewer, the middle of the sheet at the origin. */
+ * A sheet bends without stretching: lengths along it stay the same. Its frame: x right, y down,
+ * z away from the viewer, the middle of the sheet at the origin. */
 #ifndef SIM_WORLD_PROP_SHEET_H
 #define SIM_WORLD_PROP_SHEET_H
 
@@ -19,16 +19,16 @@ enum sim_sheet_shape {
 struct sim_sheet {
     double width_mm, height_mm;
     enum sim_sheet_shape shape;
-    double
-        radius_mm; /* ROLLED: > 0 its sides go away from the viewer, < 0 towards; S: either sign */
-    double crease_rad; /* CREASED: slope of either half, > 0: away from the viewer */
-    double axis_rad;   /* how far the axis or the fold leans from the vertical */
+    double radius_mm;  /* ROLLED: > 0 bends the sides away from the viewer, < 0 towards; S: either
+                          sign */
+    double crease_rad; /* CREASED: slope of each half, > 0: away from the viewer */
+    double axis_rad;   /* angle of the axis or the fold to the vertical */
     bool outline;      /* cut along the outline of a face that fills the sheet */
     double waves_mm;   /* amplitude of the paper's unevenness */
     uint64_t key;      /* of the unevenness */
 };
 
-/* Where the point (x, y) of the flat sheet comes to lie, without the unevenness. */
+/* Position of the point (x, y) of the flat sheet after bending, without the unevenness. */
 struct iso_vec3 sim_sheet_point(const struct sim_sheet *sheet, double x_mm, double y_mm);
 
 /* -EINVAL for a size that is not positive or a radius of 0 where one is needed; -ENOMEM. */

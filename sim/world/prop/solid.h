@@ -21,14 +21,14 @@ int sim_solid_new(uint32_t n_vertices, uint32_t n_triangles, enum sim_material m
                   struct sim_solid **out) __attribute__((warn_unused_result));
 void sim_solid_free(struct sim_solid *solid);
 
-/* A sheet of (rows x columns) vertices, row by row, joined to triangles; the caller places the
- * vertices. Both counts at least 2, else -EINVAL; -ENOMEM. */
+/* A sheet of (rows x columns) vertices, row by row, joined to triangles. The caller places the
+ * vertices. Both counts are at least 2, otherwise -EINVAL; -ENOMEM. */
 int sim_solid_sheet(uint32_t rows, uint32_t columns, enum sim_material material,
                     struct sim_solid **out) __attribute__((warn_unused_result));
 
-/* A rectangle of width x height in the plane z = 0, its middle at the origin, x right, y down, bent
- * about a vertical axis to the given radius of curvature (0: flat) away from the camera at its
- * sides. -EINVAL, -ENOMEM. */
+/* A rectangle of width x height in the plane z = 0, its middle at the origin, x right, y down.
+ * It is bent about a vertical axis to the given radius of curvature (0: flat), with its sides
+ * away from the camera. -EINVAL, -ENOMEM. */
 int sim_solid_rectangle(double width_mm, double height_mm, double bend_radius_mm,
                         enum sim_material material, struct sim_solid **out)
     __attribute__((warn_unused_result));
@@ -37,14 +37,14 @@ int sim_solid_rectangle(double width_mm, double height_mm, double bend_radius_mm
 int sim_solid_box(struct iso_vec3 size_mm, enum sim_material material, struct sim_solid **out)
     __attribute__((warn_unused_result));
 
-/* A point of a polyline and how thick a tube along it is there. */
+/* A point of a polyline, and the radius of the tube at this point. */
 struct sim_joint {
     struct iso_vec3 at_mm;
     double radius_mm;
 };
 
-/* A tube along a polyline of 2 to 16 joints that are not at the same place, its radius running from
- * joint to joint, half a sphere at either end: a finger, an arm, a pole. -EINVAL, -ENOMEM. */
+/* A tube along a polyline of 2 to 16 joints at different places: a finger, an arm, a pole. The
+ * radius changes evenly from joint to joint; each end is half a sphere. -EINVAL, -ENOMEM. */
 int sim_solid_tube(const struct sim_joint *joints, size_t n_joints, enum sim_material material,
                    struct sim_solid **out) __attribute__((warn_unused_result));
 
@@ -54,14 +54,14 @@ int sim_solid_tube(const struct sim_joint *joints, size_t n_joints, enum sim_mat
 int sim_solid_superellipsoid(struct iso_vec3 half_mm, double roundness, enum sim_material material,
                              struct sim_solid **out) __attribute__((warn_unused_result));
 
-/* Gives an open surface, counter-clockwise seen from outside, a second one `shell_mm` inside it,
- * and walls along its borders. -ENOMEM; the solid is then as it was. */
+/* Adds to an open surface, counter-clockwise seen from outside, a second surface `shell_mm`
+ * inside it, and walls along its borders. -ENOMEM; the solid is then unchanged. */
 int sim_solid_thicken(struct sim_solid *solid, double shell_mm) __attribute__((warn_unused_result));
 
 /* Moves the vertices. */
 void sim_solid_move(struct sim_solid *solid, const struct iso_rigid *to_from);
 
-/* Draws the solid, moved into the camera frame. `scratch_mm` has room for n_vertices. -ENOMEM. */
+/* Draws the solid in the camera frame. `scratch_mm` has room for n_vertices. -ENOMEM. */
 int sim_solid_draw(const struct sim_solid *solid, const struct iso_rigid *camera_from_solid,
                    struct iso_vec3 *scratch_mm, struct sim_view *view)
     __attribute__((warn_unused_result));

@@ -6,8 +6,8 @@
 
 #include "sim/world/prop/solid.h"
 
-/* The trunk in the face frame of a person who looks straight ahead; `key` gives breadth and folds.
- * -ENOMEM. */
+/* The trunk in the face frame of a person who looks straight ahead. `key` determines breadth and
+ * folds. -ENOMEM. */
 int sim_torso_new(uint64_t key, struct sim_solid **out) __attribute__((warn_unused_result));
 
 #endif

@@ -1,4 +1,4 @@
-/* A photograph of a person from straight ahead, as albedos of the paper it is printed on. */
+/* A photograph of a person from straight ahead, given as albedos of the printed paper. */
 #ifndef SIM_WORLD_SCENE_PORTRAIT_H
 #define SIM_WORLD_SCENE_PORTRAIT_H
 

@@ -1,4 +1,4 @@
-/* What stands behind a person: a wall, and sometimes furniture. */
+/* The background behind a person: a wall, and sometimes furniture. */
 #ifndef SIM_WORLD_SCENE_ROOM_H
 #define SIM_WORLD_SCENE_ROOM_H
 
@@ -9,8 +9,8 @@
 
 struct sim_room;
 
-/* A wall 1.3 to 2.6 m away, a little slanted; with `furniture` also something like a chair and a
- * cupboard before it. -ENOMEM. */
+/* A slightly slanted wall 1.3 to 2.6 m away. With `furniture`, objects like a chair and a
+ * cupboard stand before it. -ENOMEM. */
 int sim_room_new(bool furniture, struct sim_random *random, struct sim_room **out)
     __attribute__((warn_unused_result));
 void sim_room_free(struct sim_room *room);

@@ -10,17 +10,17 @@
 #include "sim/world/face/person.h"
 #include "sim/world/view/view.h"
 
-/* How the person stands before the camera at one moment. With all angles 0 the face looks along the
- * optical axis. */
+/* The person's stance before the camera at one moment. With all angles 0 the face looks along
+ * the optical axis. */
 struct sim_stance {
     double expression[SIM_EXPRESSION_SHAPES_MAX];
     double yaw_rad, pitch_rad,
-        roll_rad;        /* > 0: turned to the subject's left; up; tilted to the subject's right */
-    double body_yaw_rad; /* the whole person turned likewise, on top of the head's own yaw */
-    struct iso_vec3 nose_mm; /* where the face frame's origin is in the camera frame */
+        roll_rad;        /* > 0: yaw to the subject's left, pitch up, roll to the subject's right */
+    double body_yaw_rad; /* yaw of the whole person, added to the head's own */
+    struct iso_vec3 nose_mm; /* the face frame's origin in the camera frame */
 };
 
-/* What is known of a drawn face. */
+/* Ground truth of a drawn face. */
 struct sim_truth {
     struct iso_rigid camera_from_face;
     struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* camera frame */
@@ -29,7 +29,7 @@ struct sim_truth {
 
 struct sim_sitter_options {
     bool hair, torso;
-    bool blank; /* the whole head of one albedo, as a mask without markings */
+    bool blank; /* the whole head has one albedo, like a mask without markings */
 };
 
 struct sim_sitter;
@@ -43,7 +43,7 @@ void sim_sitter_free(struct sim_sitter *sitter);
 
 struct iso_rigid sim_stance_camera_from_face(const struct sim_stance *stance);
 
-/* Draws the sitter; *truth may be NULL. -ENOMEM. */
+/* Draws the sitter; `truth` may be NULL. -ENOMEM. */
 int sim_sitter_draw(struct sim_sitter *sitter, const struct sim_stance *stance,
                     struct sim_view *view, struct sim_truth *truth)
     __attribute__((warn_unused_result));
