@@ -1,8 +1,8 @@
-/* Loads the data files that ship with the product: head model, metric and cohort. Where they are:
- * drivers/base/shipped.h.
+/* Loads the data files that ship with the product: head model, metric and cohort.
+ * drivers/base/shipped.h knows their paths.
  *
- * The daemon does not load its data through here: there, each recognition method reads its own, and
- * refuses what was made for another algorithm. An evaluation may combine what it likes. */
+ * The daemon does not use this loader: each of its recognition methods reads its own data and
+ * refuses files made for another algorithm. An evaluation may combine any files. */
 #ifndef SIM_BASE_DATA_FILE_H
 #define SIM_BASE_DATA_FILE_H
 

@@ -1,15 +1,15 @@
-/* Makes the directories that results go to. */
+/* Creates directories for results. */
 #ifndef SIM_BASE_MAKE_DIRECTORY_H
 #define SIM_BASE_MAKE_DIRECTORY_H
 
 #include "core/base/fault.h"
 
-/* Makes the directory unless it is there already. The errno of mkdir, with a fault that names it.
- */
+/* Creates the directory unless it exists. The errno of mkdir, with a fault that names the
+ * directory. */
 int sim_make_directory(const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Makes a directory that must not exist yet, so that no older results are mixed with new ones. */
+/* Creates a directory that must not exist yet, so that old and new results are never mixed. */
 int sim_make_new_directory(const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -6,8 +6,8 @@
 
 #include "isotherm/vec.h"
 
-/* Value noise (Perlin's lattice with smoothstep interpolation): -1..1, varies over about one unit
- * of p; another key gives an unrelated function. */
+/* Value noise (Perlin's lattice with smoothstep interpolation), -1..1. It varies over about one
+ * unit of p. Another key gives an unrelated function. */
 double sim_noise3(uint64_t key, struct iso_vec3 p);
 
 #endif

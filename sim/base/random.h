@@ -18,7 +18,7 @@ struct sim_random {
 /* A stream that depends on all three numbers; streams of different keys are unrelated. */
 struct sim_random sim_random_seeded(uint64_t seed, uint64_t stream, uint64_t index);
 
-/* A number from a name, for use as a stream (FNV-1a, 64 bits). */
+/* Hashes a name to a number for use as a stream (FNV-1a, 64 bits). */
 uint64_t sim_random_hash(const char *text);
 
 uint64_t sim_random_u64(struct sim_random *random);

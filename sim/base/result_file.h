@@ -6,11 +6,11 @@
 
 #include "core/base/fault.h"
 
-/* Writes the contents of a file. */
+/* A function that writes the contents of a file. */
 typedef void sim_result_writer(const void *context, FILE *out);
 
-/* Writes DIRECTORY/NAME, replacing it. -ENAMETOOLONG, -EIO or the errno of opening it, each with a
- * fault that names the file. */
+/* Writes DIRECTORY/NAME and replaces an existing file. -ENAMETOOLONG, -EIO or the errno of
+ * opening it, each with a fault that names the file. */
 int sim_result_file(const char *directory, const char *name, sim_result_writer *writer,
                     const void *context, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -5,17 +5,18 @@
 #include <stddef.h>
 
 struct sim_spread {
-    size_t n; /* 0: the rest is 0 */
+    size_t n; /* 0: the other fields are 0 */
     double mean, median, p95, max;
 };
 
-/* Index of the smallest of n >= 1 sorted values that `percent` (1..100) of them do not exceed. */
+/* Index of a quantile of n >= 1 sorted values: the smallest value that `percent` (1..100) of the
+ * values do not exceed. */
 static inline size_t sim_quantile_index(size_t n, size_t percent)
 {
     return (n * percent + 99) / 100 - 1;
 }
 
-/* Sorts n >= 1 values, rising. */
+/* Sorts n >= 1 values in rising order. */
 void sim_sort(double *values, size_t n);
 
 /* Sorts the values in place. Quantiles are those of sim_quantile_index. */

@@ -1,8 +1,9 @@
-/* A public database becomes a corpus: a recording of one frame for each scan, and a manifest.
+/* Converts a public database into a corpus: a recording of one frame for each scan, and a manifest.
  *
- * Of each person the first neutral scan by file name is enrolled (the first of all if none is), the
- * others are probes; the last n_strangers people are not enrolled and are impostors. File names are
- * those of the database, wherever below the directory the files lie. */
+ * Each person is enrolled with the first neutral scan by file name (the first scan if none is
+ * neutral); the other scans are probes. The last n_strangers people are not enrolled and are
+ * impostors. Files are recognised by the database's file names, in any folder below the
+ * directory. */
 #ifndef SIM_CORPUS_IMPORT_H
 #define SIM_CORPUS_IMPORT_H
 
@@ -12,18 +13,18 @@
 
 struct sim_import_options {
     const struct sim_database *database;
-    const char *from, *to; /* directories; `to` is made if it is missing */
+    const char *from, *to; /* directories; `to` is created if it is missing */
     size_t n_strangers;    /* people, the last by name */
     struct sim_database_options database_options;
 };
 
 struct sim_import_report {
-    size_t scans, people, refused; /* refused: damaged files, complained about on stderr */
+    size_t scans, people, refused; /* refused: damaged files, reported on stderr */
 };
 
-/* -ENOENT if no scan is found or none can be read, -EINVAL for two scans of one file name or fewer
- * people than strangers, or the errors of reading the directory and of writing; each with a fault.
- */
+/* -ENOENT if no scan is found or none can be read; -EINVAL for two scans with the same file name
+ * or for fewer people than strangers; or the errors of reading the directory and of writing.
+ * Each comes with a fault. */
 int sim_import(const struct sim_import_options *options, struct sim_import_report *report,
                struct iso_fault *fault) __attribute__((warn_unused_result));
 

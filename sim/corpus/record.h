@@ -1,4 +1,4 @@
-/* Records what a sensor sees, as a recording (drivers/recording/recording.h). */
+/* Writes the frames of a sensor to a recording (drivers/recording/recording.h). */
 #ifndef SIM_CORPUS_RECORD_H
 #define SIM_CORPUS_RECORD_H
 
@@ -14,7 +14,7 @@ enum { SIM_RECORD_DEFAULT_UNIT_UM = 100 };
 struct sim_record_options {
     const char *directory; /* NULL: frames are fetched, but not written */
     size_t frames;
-    int64_t patience_ns; /* longest wait for a frame */
+    int64_t patience_ns; /* the longest wait for a frame */
 };
 
 /* The result. */
@@ -25,11 +25,11 @@ struct sim_record_result {
     int64_t span_ns; /* from the first frame to the last, by their time stamps */
 };
 
-/* Fetches frames from a started sensor, sleeping by `clock`, which must be CLOCK_MONOTONIC's and
- * the sensor's own. Time stamps begin at 0. Counts are of the sensor's unit, or of 0.1 mm if it has
- * none. *result is filled in failure too, the frames written so far being a sound recording.
- * -ETIMEDOUT no frame came for so long, else the errors of iso_sensor_wait but -EBADMSG, and of
- * sim_recording_writer_create and _append. */
+/* Fetches frames from a started sensor and sleeps by `clock`, which must be the sensor's own
+ * clock and CLOCK_MONOTONIC. Time stamps begin at 0. Counts are in the sensor's unit, or in 0.1
+ * mm if it has none. *result is filled in on failure too; the frames written so far are then a
+ * valid recording. -ETIMEDOUT: no frame came for `patience_ns`. Otherwise the errors of
+ * iso_sensor_wait except -EBADMSG, and of sim_recording_writer_create and _append. */
 int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
                const struct sim_record_options *options, struct sim_record_result *result,
                struct iso_fault *fault) __attribute__((warn_unused_result));

@@ -1,5 +1,5 @@
-/* A sensor in one word of the command line: TYPE, or TYPE:KEY=VALUE,KEY=VALUE... with the options
- * of that back end (drivers/sensor/). Values hold no commas. */
+/* A sensor given as one word of the command line: TYPE, or TYPE:KEY=VALUE,KEY=VALUE... with the
+ * options of that back end (drivers/sensor/). Values hold no commas. */
 #ifndef SIM_CORPUS_SENSOR_WORD_H
 #define SIM_CORPUS_SENSOR_WORD_H
 
@@ -11,13 +11,13 @@
 enum { SIM_SENSOR_WORD_OPTIONS = 16 };
 
 struct sim_sensor_word {
-    char *text; /* what the rest points into */
+    char *text; /* owns the characters of all other strings */
     const char *type;
     size_t n_options;
     struct iso_option options[SIM_SENSOR_WORD_OPTIONS];
 };
 
-/* -EINVAL for an empty type, an option without '=' or too many, -ENOMEM. */
+/* -EINVAL for an empty type, an option without '=' or too many options; -ENOMEM. */
 int sim_sensor_word_parse(const char *word, struct sim_sensor_word *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -25,7 +25,7 @@ int sim_sensor_word_parse(const char *word, struct sim_sensor_word *out, struct 
 int sim_sensor_word_add(struct sim_sensor_word *word, const char *key, const char *value,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* All-zero is fine. */
+/* An all-zero struct is allowed. */
 void sim_sensor_word_done(struct sim_sensor_word *word);
 
 #endif

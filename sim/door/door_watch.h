@@ -1,5 +1,5 @@
-/* Watches the door of a running daemon over the bus: its verdicts, its lock, and how many frames it
- * has seen. One thread. */
+/* Watches the door of a running daemon over the bus: its verdicts, its lock, and the number of
+ * frames that it has received. One thread. */
 #ifndef SIM_DOOR_DOOR_WATCH_H
 #define SIM_DOOR_DOOR_WATCH_H
 
@@ -16,35 +16,35 @@ struct sim_door_verdict {
     double score, threshold;
     uint32_t frames;
     int64_t latency_us;
-    char reason[16]; /* a word of firmware/visit/decision.h */
-    char door[16];   /* what the door did after "allow" (firmware/contract/contract.h); "" after
+    char reason[16]; /* one of the words in firmware/visit/decision.h */
+    char door[16];   /* the door's action after "allow" (firmware/contract/contract.h); "" after
                         "deny" */
 };
 
 struct sim_door_watch;
 
-/* Connects to the bus at `address`. -ENOENT if no daemon is there, or the errno of the bus. */
+/* Connects to the bus at `address`. -ENOENT if no daemon is on the bus, or the errno of the bus. */
 int sim_door_watch_open(const char *address, struct sim_door_watch **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* NULL is fine. */
+/* NULL is allowed. */
 void sim_door_watch_close(struct sim_door_watch *watch);
 
 /* Waits for signals for `duration_ms`; returns early after each signal. Errors of the bus. */
 int sim_door_watch_step(struct sim_door_watch *watch, int64_t duration_ms, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Forgets the verdict and that the door was unlocked: a new visit begins. */
+/* Clears the verdict and the record of an unlocked door, for a new visit. */
 void sim_door_watch_reset(struct sim_door_watch *watch);
 
-/* The first verdict since the reset. */
+/* The first verdict after the reset. */
 struct sim_door_verdict sim_door_watch_verdict(const struct sim_door_watch *watch);
 
-/* Whether the door is locked now, and whether it was unlocked at any time since the reset. */
+/* Whether the door is locked now, and whether it was unlocked at any time after the reset. */
 bool sim_door_watch_is_locked(const struct sim_door_watch *watch);
 bool sim_door_watch_was_unlocked(const struct sim_door_watch *watch);
 
-/* Asks how many frames the daemon has had from its sensor. Errors of the bus. */
+/* Asks the daemon for the number of frames received from its sensor. Errors of the bus. */
 int sim_door_watch_frames(struct sim_door_watch *watch, uint64_t *frames, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

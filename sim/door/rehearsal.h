@@ -1,6 +1,6 @@
-/* The appliance itself, in this process, on a virtual clock: people are enrolled and come to the
- * door without a daemon, a bus or any waiting. The same corpus gives the same verdicts at the same
- * times on every run, which makes it fit for automated tests. */
+/* Runs the appliance in this process on a virtual clock: people are enrolled and come to the
+ * door without a daemon, a bus or waiting times. The same corpus gives the same verdicts at the
+ * same times on every run, so that automated tests can use it. */
 #ifndef SIM_DOOR_REHEARSAL_H
 #define SIM_DOOR_REHEARSAL_H
 
@@ -9,7 +9,7 @@
 
 enum { SIM_LEVELS = ISO_LEVEL_STRICT + 1 };
 
-/* "convenient", "balanced", "strict"; NULL outside. */
+/* "convenient", "balanced", "strict"; NULL outside the range. */
 const char *sim_level_name(enum iso_level level);
 
 struct sim_rehearsal_options {
@@ -18,25 +18,25 @@ struct sim_rehearsal_options {
     const char *model, *metric;  /* files */
     double threshold;            /* decision.threshold; NaN: that of the level */
     const enum iso_level *level; /* decision.level; NULL: the configuration's own */
-    bool all_levels;             /* SIM_LEVELS doors side by side instead, one of each level */
-    bool allow_duplicate;        /* people who look alike are enrolled all the same */
-    size_t *not_enrolled;        /* NULL: somebody who cannot be enrolled is an error; else they are
-                                    counted here, and their visits are those of unknown people */
-    const char *visit;           /* play this recording alone, after enrolling; NULL: all */
-    const char *picture; /* with `visit` and one door: the PNG file that shows it; NULL: none */
+    bool all_levels;             /* run SIM_LEVELS doors side by side, one for each level */
+    bool allow_duplicate;        /* also enrol people who look like enrolled ones */
+    size_t *not_enrolled; /* NULL: it is an error if a person cannot be enrolled; otherwise counts
+                             these people, whose visits are then visits of unknown people */
+    const char *visit;    /* after enrolling, play only this recording; NULL: all */
+    const char *picture;  /* with `visit` and one door: PNG file of the visit; NULL: none */
 };
 
 /* Enrols the subjects of role gallery, in the manifest's order, then plays the other rows, each
  * recording once. *visits has room for all rows of the corpus; *n_visits of them are filled in,
  * with latency by the virtual clock.
  *
- * With all levels everybody is enrolled at every door and every visitor stands before all of them
- * at once: each door decides by itself, as it would alone, but the template of a frame is computed
- * once. *visits then has room for SIM_LEVELS times the rows, and the visits of level l begin at
- * visits[l * corpus->n_rows]; the listener is told of a visit once a level, in their order. Each
- * door has a folder in `state` with the name of its level.
+ * With all_levels everyone is enrolled at every door, and every visitor stands before all doors at
+ * once. Each door decides on its own, exactly as if it were alone, but the template of a frame is
+ * computed only once. *visits then has room for SIM_LEVELS times the rows, and the visits of level
+ * l begin at visits[l * corpus->n_rows]. The listener is called once for each level, in the order
+ * of the levels. Each door has a folder in `state` with the name of its level.
  *
- * Errors of iso_components_open, the appliance and the slot; -ENOMSG if somebody cannot be
+ * Errors of iso_components_open, the appliance and the slot; -ENOMSG if a person cannot be
  * enrolled; -ENOENT if the recording `visit` is in none of the rows that are not enrolments;
  * errors of drawing the picture. */
 int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_corpus *corpus,

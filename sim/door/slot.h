@@ -1,5 +1,5 @@
-/* The slot: the symbolic link that the sensor `replay` looks at. The recording that it
- * names stands in front of the camera. */
+/* The slot: the symbolic link that the sensor `replay` reads. The recording that it names stands
+ * in front of the camera. */
 #ifndef SIM_DOOR_SLOT_H
 #define SIM_DOOR_SLOT_H
 
@@ -10,8 +10,8 @@
 int sim_slot_point(const char *slot, const char *corpus, const char *recording,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Removes the link: nobody is there. It is no error if there is no link. -EINVAL if it is something
- * other than a link, which is left alone. */
+/* Removes the link, so that no one stands in front of the camera. A missing link is no error.
+ * -EINVAL if the path is not a link; it is then left unchanged. */
 int sim_slot_clear(const char *slot, struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

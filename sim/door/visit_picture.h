@@ -6,7 +6,7 @@
 #include "sim/door/trace.h"
 #include "sim/door/visit.h"
 
-/* Draws it (sim/lab/picture/visit.h); the gallery knows the names of people. -ENOMEM, -EIO. */
+/* Draws the trace (sim/lab/picture/visit.h). The gallery supplies the names. -ENOMEM, -EIO. */
 int sim_visit_picture(const struct sim_trace *trace, const struct sim_visit *visit,
                       const struct iso_gallery *gallery, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));

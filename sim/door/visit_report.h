@@ -8,7 +8,7 @@
 
 void sim_visit_print_head(FILE *out);
 
-/* One line of the table: who came, what was decided about whom, and whether the door opened. */
+/* Prints one line of the table: the visitor, the verdict, and whether the door was unlocked. */
 void sim_visit_print(const struct sim_visit *visit, FILE *out);
 
 void sim_visit_print_summary(const struct sim_visit_summary *summary, FILE *out);

@@ -1,4 +1,4 @@
-/* A picture being painted: several samples a pixel, so that edges come out smooth. */
+/* A picture being painted, with several samples for each pixel so that edges are smooth. */
 #ifndef SIM_LAB_DRAW_CANVAS_H
 #define SIM_LAB_DRAW_CANVAS_H
 
@@ -13,13 +13,13 @@ struct sim_canvas {
     struct sim_colour *sample; /* [height * width] */
 };
 
-/* A canvas for a picture of that many pixels, one colour at the top and another at the bottom,
- * darker towards the corners. -EINVAL for a side outside 1..4096, -ENOMEM. */
+/* A canvas for a picture of width x height pixels, with one colour at the top, another at the
+ * bottom, and darker corners. -EINVAL for a side outside 1..4096, -ENOMEM. */
 int sim_canvas_new(int width_px, int height_px, struct sim_colour top, struct sim_colour bottom,
                    struct sim_canvas **out) __attribute__((warn_unused_result));
 void sim_canvas_free(struct sim_canvas *canvas);
 
-/* Lays a colour over a sample; alpha 0..1. */
+/* Blends a colour over a sample; alpha 0..1. */
 static inline void sim_canvas_blend(struct sim_canvas *canvas, int x, int y,
                                     struct sim_colour colour, float alpha)
 {
@@ -27,8 +27,8 @@ static inline void sim_canvas_blend(struct sim_canvas *canvas, int x, int y,
     *s = sim_colour_mix(*s, colour, alpha);
 }
 
-/* Averages the samples of each pixel into a Cairo surface, which the caller destroys; its status
- * says if there was no memory. */
+/* Averages the samples of each pixel into a Cairo surface, which the caller destroys. The
+ * surface's status reports missing memory. */
 cairo_surface_t *sim_canvas_surface(const struct sim_canvas *canvas);
 
 #endif

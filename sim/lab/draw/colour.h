@@ -1,4 +1,4 @@
-/* Colours in linear light, and the maps from numbers to them. */
+/* Colours in linear light, and maps from numbers to colours. */
 #ifndef SIM_LAB_DRAW_COLOUR_H
 #define SIM_LAB_DRAW_COLOUR_H
 
@@ -28,14 +28,14 @@ static inline struct sim_colour sim_colour_mix(struct sim_colour a, struct sim_c
                                a.b + share * (b.b - a.b)};
 }
 
-/* Maps of 0..1 (clipped): near is bright for depth; cold to hot for heat. */
+/* Colour maps of 0..1 (clipped): depth from bright (near) to dark, heat from cold to hot. */
 struct sim_colour sim_colour_depth(double value);
 struct sim_colour sim_colour_heat(double value);
 
-/* Blue over white to red: for values that differ from what is in the middle, 0.5. */
+/* Blue over white to red, for deviations from the middle value, 0.5. */
 struct sim_colour sim_colour_difference(double value);
 
-/* A colour for each of the twelve landmarks; the two of a pair are alike. */
+/* A colour for each of the twelve landmarks; both landmarks of a pair have similar colours. */
 struct sim_colour sim_colour_landmark(int landmark);
 
 #endif

@@ -8,12 +8,12 @@
 enum sim_series_style {
     SIM_SERIES_LINE,
     SIM_SERIES_MARKED, /* with a dot at each point */
-    SIM_SERIES_DASHED, /* thin and grey: an aid to the eye */
+    SIM_SERIES_DASHED, /* thin and grey, for orientation */
     SIM_SERIES_FILLED, /* filled down to the x axis: histograms */
 };
 
 struct sim_series {
-    const char *label; /* in the legend; NULL: not there */
+    const char *label; /* in the legend; NULL: not listed */
     enum sim_series_style style;
     size_t n;
     const double *x, *y; /* [n] */
@@ -21,8 +21,8 @@ struct sim_series {
 
 enum sim_legend {
     SIM_LEGEND_LINE = 0, /* in one line above the axes' box */
-    SIM_LEGEND_UPPER,    /* a line a series, in the upper right corner of the box */
-    SIM_LEGEND_LOWER,    /* likewise in the lower right one */
+    SIM_LEGEND_UPPER,    /* one line for each series, in the upper right corner of the box */
+    SIM_LEGEND_LOWER,    /* the same in the lower right corner */
 };
 
 struct sim_plot {

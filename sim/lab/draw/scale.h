@@ -1,4 +1,4 @@
-/* Axes of plots: from values to places, and where the ticks are. */
+/* Axes of plots: positions of values and of ticks. */
 #ifndef SIM_LAB_DRAW_SCALE_H
 #define SIM_LAB_DRAW_SCALE_H
 
@@ -29,10 +29,10 @@ struct sim_tick {
  * PPND7: relative error below 1e-7). */
 double sim_normal_quantile(double p);
 
-/* Where a value lies: 0 at `from`, 1 at `to`; values beyond are moved to the nearer end. */
+/* Position of a value: 0 at `from`, 1 at `to`; values outside are moved to the nearer end. */
 double sim_axis_place(const struct sim_axis *axis, double value);
 
-/* Ticks inside the axis, rising; returns how many. */
+/* Writes the ticks inside the axis in rising order and returns their number. */
 size_t sim_axis_ticks(const struct sim_axis *axis, struct sim_tick ticks[SIM_TICKS_MAX]);
 
 #endif

@@ -1,4 +1,4 @@
-/* How recognition depends on the circumstances of a search: error rates over bins of a quantity
+/* How recognition depends on the conditions of a search: error rates over bins of a quantity
  * that was measured for each probe. */
 #ifndef SIM_LAB_EVAL_CURVE_H
 #define SIM_LAB_EVAL_CURVE_H
@@ -6,15 +6,15 @@
 #include "sim/lab/eval/analysis.h"
 
 enum sim_factor {
-    SIM_FACTOR_LANDMARK_ERROR, /* mean distance from the true landmarks, constant offsets taken off,
-                                  mm; where they are known */
+    SIM_FACTOR_LANDMARK_ERROR, /* mean distance from the true landmarks without constant offsets,
+                                  mm; where these are known */
     SIM_FACTOR_NOISE,          /* residual of the fitted head, mm */
     SIM_FACTOR_DISTANCE,       /* nose tip from the sensor, mm */
     SIM_FACTOR_POSE,           /* angle between face and camera, degrees */
     SIM_FACTOR_EXPRESSION,     /* norm of the fitted expression, standard deviations */
     SIM_FACTOR_FUSED,          /* frames in the sample's template */
-    SIM_FACTOR_AGE,            /* sessions since enrolment: the number that the name of the session
-                                  ends with, less that of the person's first gallery row */
+    SIM_FACTOR_AGE, /* sessions since enrolment: the number at the end of the session's name, minus
+                       that of the person's first gallery row */
     SIM_FACTORS
 };
 
@@ -29,14 +29,14 @@ struct sim_curve_bin {
     struct sim_rate not_rank_1, non_match; /* of mated searches that were acquired */
 };
 
-/* Bins hold about the same number of searches each; a value is never split between two. */
+/* Each bin holds about the same number of searches. Equal values are always in one bin. */
 struct sim_curve {
-    size_t n_bins; /* fewer than 2: the factor is not known, or the same for all */
+    size_t n_bins; /* fewer than 2: the factor is unknown or has the same value for all probes */
     struct sim_curve_bin bins[SIM_CURVE_BINS];
 };
 
-/* What is known of each probe, [n_probes][SIM_FACTORS], NaN where it is not: the landmark error is
- * `landmark_error_mm` of its first capture ([n_captures]). */
+/* The factors of each probe, [n_probes][SIM_FACTORS], NaN where unknown. The landmark error is
+ * `landmark_error_mm` ([n_captures]) of the probe's first capture. */
 void sim_factors_measure(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                          const struct sim_matches *matches, const double *landmark_error_mm,
                          double (*factor)[SIM_FACTORS]);

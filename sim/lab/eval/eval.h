@@ -1,5 +1,5 @@
-/* Evaluation of recognition on a corpus: from recordings to figures, by the same code as the
- * appliance's. */
+/* Evaluates recognition on a corpus, from recordings to figures, with the same code as the
+ * appliance. */
 #ifndef SIM_LAB_EVAL_EVAL_H
 #define SIM_LAB_EVAL_EVAL_H
 
@@ -15,29 +15,29 @@ struct sim_eval_options {
     const char *metric; /* file, or NULL: the score comes from distances */
     const char *cohort; /* file, or NULL: the score is the negative distance */
     size_t fuse;        /* frames in a sample; 0: all frames of a row */
-    /* How many frames of a row are looked at, the first of it; 0: all. */
+    /* Use only the first frames of each row, up to this number; 0: all. */
     size_t gallery_frames, probe_frames;
-    size_t gallery_limit; /* people; 0: all. Probes of the rest count as strangers */
+    size_t gallery_limit; /* people to enrol; 0: all. Probes of the others count as strangers */
     int threads;          /* 1 with ISO_HEAT_SPECTRAL, whose solver is not reentrant */
-    struct iso_extract_options extract; /* its clock and sensor are set by the evaluation */
+    struct iso_extract_options extract; /* the evaluation sets its clock and sensor */
     struct iso_match_options match;
-    /* What is compared; none: the appliance's own method alone. */
+    /* The methods to compare; none: only the appliance's own method. */
     size_t n_methods;
     const struct sim_method *methods[SIM_METHODS];
-    bool lenient; /* a method that cannot learn here is left out with a remark, not refused */
-    struct sim_training_set *training; /* what methods learn from, or NULL */
+    bool lenient; /* a method that cannot learn here is skipped with a remark instead of refused */
+    struct sim_training_set *training; /* for methods that learn, or NULL */
 };
 
 /* One method's part of an evaluation. */
 struct sim_eval_method {
     const struct sim_method *method;
-    struct sim_matches *matches; /* NULL: left out, for the reason in the fault */
+    struct sim_matches *matches; /* NULL: the method was skipped; the fault has the reason */
     struct sim_analysis *analysis;
     struct iso_fault fault;
-    int64_t wall_ns; /* it took, learning included */
+    int64_t wall_ns; /* duration, including learning */
 };
 
-/* Everything that an evaluation leaves behind, for the reports. */
+/* All results of an evaluation, for the reports. */
 struct sim_eval {
     struct sim_eval_options options;
     struct sim_corpus *corpus;
@@ -46,19 +46,20 @@ struct sim_eval {
     struct iso_cohort *cohort; /* NULL: none was given */
     struct sim_acquisition *acquisition;
     struct sim_gallery *gallery;
-    struct sim_scans *faces; /* NULL: only the appliance's own method was asked for */
-    bool trained_apart;      /* the training set and the corpus both say who is in them */
+    struct sim_scans *faces; /* NULL: only the appliance's own method was requested */
+    bool trained_apart;      /* the training set and the corpus are known to share no person */
     size_t n_methods;
     struct sim_eval_method methods[SIM_METHODS]; /* in the order of the options */
-    struct sim_matches *matches;                 /* of the first method that was not left out */
-    struct sim_analysis *analysis;               /* likewise */
+    struct sim_matches *matches;                 /* of the first method that was not skipped */
+    struct sim_analysis *analysis;               /* of the same method */
     struct sim_growth growth;                    /* at an FPIR of 1e-2 */
     struct sim_curve curves[SIM_FACTORS];        /* at the threshold of the third FMR */
     struct sim_landmark_error landmarks[ISO_LANDMARKS + 1]; /* of usable frames */
-    int64_t wall_ns;                                        /* the whole evaluation took */
+    int64_t wall_ns;                                        /* duration of the whole evaluation */
 };
 
-/* The method whose matches and analysis are the evaluation's own: the first not left out. */
+/* The method that supplies the evaluation's matches and analysis: the first that was not skipped.
+ */
 static inline const struct sim_method *sim_eval_first(const struct sim_eval *eval)
 {
     size_t i = 0;
@@ -68,7 +69,7 @@ static inline const struct sim_method *sim_eval_first(const struct sim_eval *eva
     return eval->methods[i].method;
 }
 
-/* What the scores of the first method are. */
+/* The kind of the first method's scores. */
 enum sim_score_kind {
     SIM_SCORE_PAIRWISE, /* negative distances that the method computes by itself */
     SIM_SCORE_METRIC,   /* by the learned metric */
@@ -78,11 +79,11 @@ enum sim_score_kind {
 
 enum sim_score_kind sim_eval_score_kind(const struct sim_eval *eval);
 
-/* The strings and the training set in the options must outlive the result. -EINVAL for options out
- * of range, a training set that shares people with the corpus, or a method that cannot learn;
- * -EBADMSG for a cohort or metric of another algorithm, a metric that was learned from people of
- * the corpus, a cohort that may hold some of them, or the errors of reading the corpus and the data
- * files and of the extractor; each with a fault. */
+/* The strings and the training set in the options must outlive the result. -EINVAL: options out
+ * of range, a training set that shares people with the corpus, or a method that cannot learn.
+ * -EBADMSG: a cohort or metric of another algorithm, a metric learned from people of the corpus,
+ * or a cohort that may contain some of them. Otherwise the errors of reading the corpus and the
+ * data files and of the extractor. Each comes with a fault. */
 int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
                  struct iso_fault *fault) __attribute__((warn_unused_result));
 void sim_eval_free(struct sim_eval *eval);

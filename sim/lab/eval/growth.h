@@ -1,9 +1,9 @@
 /* How the error rates of identification grow with the number of people enrolled.
  *
- * A search of N people is taken to be one of N drawn from the M that are really enrolled: the exact
- * expectation over all such draws (hypergeometric), for every search. With the threshold kept, FPIR
- * grows about as 1 - (1 - FMR)^N (ISO/IEC 19795-1:2021; Grother and Phillips 2004); with FPIR kept,
- * FNIR grows. */
+ * A search of N people stands for one of N people drawn from the M that are really enrolled. The
+ * figures are the exact expectation over all such draws (hypergeometric), for every search. With
+ * a constant threshold, FPIR grows about as 1 - (1 - FMR)^N (ISO/IEC 19795-1:2021; Grother and
+ * Phillips 2004); with a constant FPIR, FNIR grows. */
 #ifndef SIM_LAB_EVAL_GROWTH_H
 #define SIM_LAB_EVAL_GROWTH_H
 
@@ -13,14 +13,15 @@ enum { SIM_GROWTH_MAX = 16 };
 
 struct sim_growth_point {
     size_t n_people;
-    double fpir, fnir;   /* at the threshold of the target FPIR with everybody enrolled */
-    double fnir_at_fpir; /* at the threshold that keeps the target FPIR with so many */
+    double fpir, fnir;   /* at the threshold of the target FPIR with all people enrolled */
+    double fnir_at_fpir; /* at the threshold that keeps the target FPIR for n people */
 };
 
 struct sim_growth {
     double target_fpir, threshold;
-    size_t n; /* 0: no searches, no strangers, or nobody enrolled */
-    struct sim_growth_point points[SIM_GROWTH_MAX]; /* 10, 20, 50, 100, ... people, and all */
+    size_t n; /* 0: no searches, no strangers, or no one enrolled */
+    struct sim_growth_point
+        points[SIM_GROWTH_MAX]; /* 10, 20, 50, 100, ... people, and all people */
 };
 
 /* -ENOMEM. */
@@ -28,7 +29,7 @@ int sim_growth_of(const struct sim_gallery *gallery, const struct sim_matches *m
                   const struct sim_analysis *analysis, double target_fpir, struct sim_growth *out)
     __attribute__((warn_unused_result));
 
-/* The chance that none of k particular ones of m is among n drawn without replacement. */
+/* The probability that n draws without replacement from m contain none of k given elements. */
 double sim_growth_missed(size_t m, size_t k, size_t n);
 
 #endif

@@ -1,4 +1,4 @@
-/* What a comparison of methods says about one of them on one corpus. */
+/* The result of a comparison of methods for one method on one corpus. */
 #ifndef SIM_LAB_EVAL_VERDICT_H
 #define SIM_LAB_EVAL_VERDICT_H
 
@@ -7,19 +7,19 @@
 
 enum {
     SIM_VERDICT_FMR = 2,        /* index of the FMR of the table: 1e-3 */
-    SIM_VERDICT_COARSE_FMR = 1, /* 1e-2: few searches tell more there */
+    SIM_VERDICT_COARSE_FMR = 1, /* 1e-2: more informative when there are few searches */
 };
 
 struct sim_verdict {
     const struct sim_method *method;
-    int64_t wall_ns;                      /* it took, learning included */
+    int64_t wall_ns;                      /* duration, including learning */
     struct sim_rate rank_1, rank_4, lost; /* lost: mated searches without a comparison */
     double eer;                           /* NaN: too few comparisons */
     struct sim_interval eer_interval;
-    /* At an FMR of 1e-3, or the lowest of the targets that the comparisons support. */
+    /* At an FMR of 1e-3, or at the lowest target that the comparisons support. */
     double fmr;
     struct sim_operating_point at, at_coarse;
-    /* Against the first method: errors at rank 1, and non-matches at that FMR. */
+    /* Compared with the first method: errors at rank 1, and non-matches at that FMR. */
     struct sim_paired at_rank_1, at_fmr;
 };
 

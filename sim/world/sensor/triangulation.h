@@ -1,5 +1,6 @@
-/* What sensors that triangulate have in common, whether the second eye is a projector (structured
- * light) or a camera (stereo): depth comes from a disparity that is measured on windows. */
+/* The common model of sensors that triangulate, whether the second eye is a projector
+ * (structured light) or a camera (stereo). Depth comes from a disparity that is measured on
+ * windows. */
 #ifndef SIM_WORLD_SENSOR_TRIANGULATION_H
 #define SIM_WORLD_SENSOR_TRIANGULATION_H
 
@@ -12,19 +13,19 @@ struct sim_triangulation {
     double noise_px; /* standard deviation of a disparity on a frontal, matt surface, before it is
                         quantised */
     double step_px;  /* disparities come in multiples of this; 0: unquantised */
-    double edge_px;  /* how far outlines wander, standard deviation */
-    double near_mm, far_mm; /* nothing nearer or farther is measured */
+    double edge_px;  /* standard deviation of an outline's shift */
+    double near_mm, far_mm; /* range of measured depths */
 };
 
 /* The model:
- *  1. outlines wander: near a depth jump, a pixel sees what is there a correlated random step away;
- *  2. a disparity is the mean over the window, as far as it lies on the same surface;
- *  3. what the second eye does not see is not measured (shadow);
- *  4. correlated noise, growing as the surface turns away (Nguyen, Izadi and Lovell 2012) and on
- * hair;
- *  5. quantisation;
- *  6. surfaces that turn away too far, patches of hair, much of a display's glass and all of a
- * mirror drop out. */
+ *  1. Outlines shift: near a depth jump, a pixel sees the surface a correlated random step away.
+ *  2. A disparity is the mean over the part of the window that lies on the same surface.
+ *  3. Surface that is hidden from the second eye is not measured (shadow).
+ *  4. Noise is correlated. It grows as the surface turns away (Nguyen, Izadi and Lovell 2012) and
+ *     is larger on hair.
+ *  5. Disparities are quantised.
+ *  6. Not measured: surfaces that turn away too far, patches of hair, much of a display's glass
+ *     and all of a mirror. */
 void sim_triangulation_measure(const struct sim_triangulation *model, const struct sim_view *view,
                                double noise_scale, struct sim_random *random,
                                struct sim_sensor_workspace *workspace, float *depth_mm);

@@ -1,4 +1,4 @@
-/* Which way each pixel of a distorted camera looks, worked out once. */
+/* Table of the viewing direction of each pixel of a distorted camera. */
 #ifndef SIM_WORLD_STEREO_LENS_H
 #define SIM_WORLD_STEREO_LENS_H
 
@@ -17,7 +17,8 @@ int sim_lens_new(const struct iso_camera *camera, struct sim_lens **out)
 void sim_lens_free(struct sim_lens *lens);
 
 /* The direction (z = 1) of a point within pixel number i; a and b are 0..1 from its left to its
- * right and from its top to its bottom. Between corners it is interpolated: right to 1e-4 px. */
+ * right and from its top to its bottom. It is interpolated between the pixel's corners, exact to
+ * 1e-4 px. */
 struct iso_vec3 sim_lens_sight(const struct sim_lens *lens, size_t i, double a, double b);
 
 #endif

@@ -1,4 +1,4 @@
-/* A pair of pictures of a scene: what the two cameras of a rig would give. */
+/* The pair of pictures that the two cameras of a rig take of a scene. */
 #ifndef SIM_WORLD_STEREO_STEREO_SCENE_H
 #define SIM_WORLD_STEREO_STEREO_SCENE_H
 
@@ -7,8 +7,9 @@
 
 struct sim_stereo_scene;
 
-/* The three eyes (two cameras and the projector) for a rig, which is copied. The scene is that of
- * a view in the frame of the rectified left camera, as the believed calibration has it. -ENOMEM. */
+/* The three eyes (two cameras and the projector) of a rig, which is copied. The scene is that of
+ * a view in the frame of the rectified left camera according to the believed calibration.
+ * -ENOMEM. */
 int sim_stereo_scene_new(const struct sim_stereo_rig *rig, struct sim_stereo_scene **out)
     __attribute__((warn_unused_result));
 void sim_stereo_scene_free(struct sim_stereo_scene *scene);
@@ -16,10 +17,9 @@ void sim_stereo_scene_free(struct sim_stereo_scene *scene);
 /* Makes the eyes companions of a view. The scene must outlive the view. */
 void sim_stereo_scene_attach(struct sim_stereo_scene *scene, struct sim_view *view);
 
-/* Exposes both cameras to what was drawn into the view (and is finished): the exposure suits the
- * brightest fiftieth of the middle of the left picture; noise of light and of the sensor, times
- * noise_scale, are drawn from `random`; images are [height_px * width_px]. `key` decides the
- * textures. */
+/* Exposes both cameras to the content of the finished view. The exposure suits the brightest
+ * fiftieth of the middle of the left picture. Light noise and sensor noise, times noise_scale,
+ * are drawn from `random`. Images are [height_px * width_px]. `key` determines the textures. */
 void sim_stereo_scene_expose(struct sim_stereo_scene *scene, uint64_t key, double noise_scale,
                              struct sim_random *random, uint8_t *left, uint8_t *right);
 
